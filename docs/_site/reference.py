@@ -23,12 +23,16 @@ from granular_contact.config.schema.optimise import OptimiseFile
 from granular_contact.config.schema.scenario import Scenario
 from granular_contact.config.schema.space import SpatialScenario
 from granular_contact.config.schema.sweep import SweepFile
+from granular_contact.laws.gravity import key_of, scalings
 from granular_contact.laws.kinds import WORDS
 from granular_contact.laws.law import Law
 from granular_contact.values.strict import Strict
 
 FILES = (Scenario, SpatialScenario, SweepFile, FitFile, OptimiseFile)
-ABOUT_MEDIA = ("name", "source", "standing", "provenance", "range")  # the same for every law
+ABOUT_MEDIA = (  # the same for every law
+    *("name", "source", "standing", "provenance", "range"),
+    *("measured_gravity_m_s2", "angle_of_repose_deg"),
+)
 # Page of the classes of a module, the first that fits; what fits none stands with the run.
 PAGES = (
     ("laws", "reference/media"),
@@ -228,6 +232,11 @@ def section(name: str, page: str) -> Iterator[str]:
         yield f'<figure class="shape">{picture}</figure>'
         yield ""
     yield from table(name, page)
+    if issubclass(cls, Law):
+        yield "With gravity g:"
+        yield ""
+        yield from (f"- `{key_of(cls, one)}` {scaling}" for one, scaling in scalings(cls).items())
+        yield ""
 
 
 def prose(text: str) -> str:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import warnings
 from collections.abc import Sequence
 from typing import Any
 
@@ -10,8 +12,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from granular_contact.geometry.surface import surface as corners
 from granular_contact.laws.floor import Floor
+from granular_contact.laws.gravity import gravity_notes
 from granular_contact.laws.law import Law
 from granular_contact.laws.layer import Layer
+from granular_contact.laws.repose import steep_places, steeper
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
 
 Vector = NDArray[np.float64]
@@ -63,6 +67,22 @@ def profile_of(surface: ArrayLike, slope: float) -> Vector:
     if slope != 0.0 and len(profile) > 1:
         raise ValueError(f"slope: got {slope} and corners of the surface; allowed is one of the two")
     return np.ascontiguousarray(corners(profile, slope))
+
+
+def check_slope(media: Sequence[Law], rise: float) -> None:
+    """Refuse a slope, its rise per length, on which a medium does not lie."""
+    for words in steeper(media, math.degrees(math.atan(rise))):
+        raise ValueError(f"slope: {words}")
+
+
+def told(load: Any) -> Any:
+    """A load, when whoever called the constructor of a door was warned of what is assumed of its media."""
+    for medium in load.media:
+        for words in gravity_notes(medium, load.gravity):
+            warnings.warn(words, stacklevel=3)
+    for words in steep_places(load.media, load.pieces()):
+        warnings.warn(words, stacklevel=3)
+    return load
 
 
 def _expect(name: str, given: Sequence[Any], kinds: tuple[type, ...], allowed: str) -> None:

@@ -14,10 +14,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from granular_contact.bed.batch import Batch
 from granular_contact.bed.contact_lines import ContactLine
-from granular_contact.bed.given import floor_of, layers_of, profile_of, records_of
+from granular_contact.bed.given import check_slope, floor_of, layers_of, profile_of, records_of
 from granular_contact.bed.history import HistoryTable, LoadHistory
 from granular_contact.bed.state import batch_states, restore_batches
 from granular_contact.errors import scene_error
+from granular_contact.geometry.surface import pieces
 from granular_contact.kernels import planar_sand
 from granular_contact.kernels.batches import EVER
 from granular_contact.kernels.entry import entry
@@ -90,7 +91,8 @@ class GranularLoad:
         floor: Floor | None = None,
     ) -> None:
         self._take(layers_of(medium, form), static, gravity, floor)
-        self.profile, self.gravity = profile_of(surface, slope), abs(gravity)
+        self.profile = profile_of(surface, slope)
+        check_slope(self.media, slope)
         self.resultant, self.end_cap = form == "resultant", end_cap
         self._added = 0  # shapes so far
         # `force` as compiled, without what it returns: for whoever calls it in each iteration of a solve.
@@ -104,6 +106,7 @@ class GranularLoad:
         """What a load of any kind begins with."""
         self.layers, self.media = layers, tuple(layer.medium for layer in layers)
         self.records, self.floor = records_of(layers, static, gravity), floor_of(floor)
+        self.gravity = abs(gravity)
         self.lines: list[Any] = []  # `ContactLine`; of a load in space `Elements`
         self.batches: list[Any] = []  # `Batch`, in space `SpatialBatch`
         self.met: list[Law | None] = []  # of each batch its medium, None of the floor's contact
@@ -126,6 +129,10 @@ class GranularLoad:
         self.lines += [self._met(line) for line in lines]
         self._added += 1
         self.table = self._new_table()
+
+    def pieces(self) -> Iterator[tuple[float, float]]:
+        """Rise per length, and length (m), of the pieces of a surface that was given by its corners."""
+        yield from pieces(self.profile[1:-1])  # without those that `geometry.surface` adds
 
     def _met(self, line: ContactLine) -> ContactLine:
         """A line that some medium takes, by the form of this load."""

@@ -61,6 +61,7 @@ def _show(spec: Law) -> None:
     from rich.table import Table
     from rich.text import Text
 
+    from granular_contact.laws.gravity import key_of, scalings
     from granular_contact.laws.kinds import WORDS
 
     table = Table(box=None, pad_edge=False, show_header=False)
@@ -73,6 +74,9 @@ def _show(spec: Law) -> None:
         if key not in ABOUT:
             table.add_row(key, "not stated by the source: give it in the run" if key in spec.lacking else _value(value))
     table.add_row("range", _range(spec))
+    table.add_row(
+        "with gravity g", "\n".join(f"{key_of(type(spec), n)} {one}" for n, one in scalings(type(spec)).items())
+    )
     for key in ("standing", "provenance", "source"):
         table.add_row(key, getattr(spec, key) or "not stated")
     print_wide(table, 100)

@@ -8,7 +8,7 @@ from __future__ import annotations
 from granular_contact.config.tree import Items, Mapping, Node, Scalar, child, plain, set_key
 
 ABOUT = frozenset(
-    {"law", "name", "source", "standing", "provenance", "range", "scatter", "measured_scatter"}
+    {"law", "name", "source", "standing", "provenance", "range", "scatter", "measured_scatter", "angle_of_repose_deg"}
 )  # all else is a number of the law
 
 

@@ -5,6 +5,8 @@ One corner is a level surface. The same as `kernels.surface`, for those who need
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -19,6 +21,12 @@ def surface(corners: Vector, slope: float = 0.0) -> Vector:
     if len(corners) > 1:
         return np.vstack([corners[0] - (LEVEL, 0.0), corners, corners[-1] + (LEVEL, 0.0)])
     return corners if slope == 0.0 else np.vstack([corners, corners + np.array([FAR, FAR * slope])])
+
+
+def pieces(corners: Vector) -> Iterator[tuple[float, float]]:
+    """Rise per length, and length (m), of the pieces between corners as they are given: none of a plane."""
+    run, rise = np.diff(corners, axis=0).T
+    yield from zip((rise / run).tolist(), run.tolist(), strict=True)
 
 
 def height_at(corners: Vector, x: Vector) -> Vector:

@@ -8,11 +8,12 @@ that pierces the surface. There is no vertical force and no drag.
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
 from granular_contact import kernels
+from granular_contact.laws.gravity import BULK, WITH_WEIGHT
 from granular_contact.laws.law import Law
 from granular_contact.values.strict import NotNegative, Positive
 
@@ -29,8 +30,8 @@ class Albert(Law):
     """
 
     law: Literal["albert"]
-    density: Positive = Field(alias="density_kg_m3")
-    eta_h: NotNegative
+    density: Annotated[Positive, BULK] = Field(alias="density_kg_m3")
+    eta_h: Annotated[NotNegative, WITH_WEIGHT]
 
     equation = "F_h = -eta_h g rho z^2 d sgn(v_x)"
     terms = ("horizontal_static",)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
-from granular_contact.laws.scalar import ScalarLaw
+from granular_contact.laws.gravity import INERTIA
+from granular_contact.laws.scalar import OF_SPEED, YIELD, ScalarLaw
 from granular_contact.values.strict import NotNegative
 
 
@@ -24,9 +25,9 @@ class Allen(ScalarLaw):
     """
 
     law: Literal["allen"]
-    drag: NotNegative = Field(alias="drag_kg_m")
-    viscosity: NotNegative = Field(alias="viscosity_N_s_m")
-    constant_force: NotNegative = Field(alias="constant_force_N")
+    drag: Annotated[NotNegative, INERTIA] = Field(alias="drag_kg_m")
+    viscosity: Annotated[NotNegative, OF_SPEED] = Field(alias="viscosity_N_s_m")
+    constant_force: Annotated[NotNegative, YIELD] = Field(alias="constant_force_N")
 
     equation = "F = A v^2 + B v + C"
     terms = ("constant", "viscous", "drag")

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
-from granular_contact.laws.scalar import ScalarLaw
+from granular_contact.laws.scalar import OF_SPEED, YIELD, ScalarLaw
 from granular_contact.values.strict import NotNegative
 
 
@@ -22,8 +22,8 @@ class Bingham(ScalarLaw):
     """
 
     law: Literal["bingham"]
-    yield_force: NotNegative = Field(alias="yield_force_N")
-    viscosity: NotNegative = Field(alias="viscosity_N_s_m")
+    yield_force: Annotated[NotNegative, YIELD] = Field(alias="yield_force_N")
+    viscosity: Annotated[NotNegative, OF_SPEED] = Field(alias="viscosity_N_s_m")
 
     equation = "F = F0 + b v"
     terms = ("yield", "viscous")

@@ -12,13 +12,14 @@ points integrate exactly.
 from __future__ import annotations
 
 import math
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
 from granular_contact import kernels
+from granular_contact.laws.gravity import BULK, INERTIA, derived, not_known
 from granular_contact.laws.law import Law
-from granular_contact.laws.rft import CONSTANTS, GENERIC, Rft, RftCoefficients
+from granular_contact.laws.rft import CONSTANTS, FACTOR, GENERIC, WITH_GRAVITY, Rft, RftCoefficients
 from granular_contact.values.strict import NotNegative, Positive
 
 INERTIAL = 1  # term
@@ -45,12 +46,12 @@ class Drft(Law):
     """
 
     law: Literal["drft"]
-    coefficients: RftCoefficients = Field(GENERIC, alias="alpha_N_cm3")
-    density: Positive = Field(alias="density_kg_m3")
-    lam: NotNegative = Field(alias="lambda")
-    zeta: Positive = 1.0
-    surface_drop: NotNegative = Field(0.0, alias="surface_drop_m")
-    wheel_drop: NotNegative = 1.0
+    coefficients: Annotated[RftCoefficients, WITH_GRAVITY] = Field(GENERIC, alias="alpha_N_cm3")
+    density: Annotated[Positive, BULK] = Field(alias="density_kg_m3")
+    lam: Annotated[NotNegative, INERTIA] = Field(alias="lambda")
+    zeta: Annotated[Positive, FACTOR] = 1.0
+    surface_drop: Annotated[NotNegative, not_known("a length found by trial")] = Field(0.0, alias="surface_drop_m")
+    wheel_drop: Annotated[NotNegative, derived(0, "a factor of r omega^2 / g, which has the gravity")] = 1.0
 
     equation = "stress = zeta alpha(beta, gamma) z - lambda rho v_n |v_n| n"
     terms = ("static", "inertial")
@@ -59,7 +60,7 @@ class Drft(Law):
 
     def numbers(self, gravity: float) -> dict[str, float]:
         """As `Law.numbers`."""
-        static = self.coefficients.numbers(self.zeta, gravity)
+        static = self.coefficients.numbers(self.zeta)
         return static | {"lam_rho": self.lam * self.density, "delta_h": self.surface_drop}
 
     stress = staticmethod(Rft.stress)

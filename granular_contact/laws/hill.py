@@ -10,11 +10,12 @@ plunging and one for withdrawing. There is no horizontal force and no drag.
 from __future__ import annotations
 
 import math
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
 from granular_contact import kernels
+from granular_contact.laws.gravity import BULK, SHAPE
 from granular_contact.laws.law import Law
 from granular_contact.laws.lee_marghitu import VerticalResistance
 from granular_contact.values.strict import Positive
@@ -36,10 +37,10 @@ class Hill(Law):
     """
 
     law: Literal["hill"]
-    density: Positive | None = Field(alias="density_kg_m3")
+    density: Annotated[Positive | None, BULK] = Field(alias="density_kg_m3")
     plunging: VerticalResistance
     withdrawing: VerticalResistance
-    length_scale: Positive | None = Field(None, alias="length_scale_m")
+    length_scale: Annotated[Positive | None, SHAPE] = Field(None, alias="length_scale_m")
 
     equation = "F_v = -eta (z/l)^lambda g rho V sgn(v_y)"
     terms = ("vertical_static",)

@@ -5,11 +5,12 @@ The mass is that of the ball itself; the contact line has it.
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from granular_contact.laws.scalar import ScalarLaw
+from granular_contact.laws.gravity import INERTIA
+from granular_contact.laws.scalar import WITH_DEPTH, ScalarLaw
 from granular_contact.values.strict import Faults, NotNegative, Positive
 
 LENGTHS = ("drag_length", "drag_length_per_diameter")
@@ -29,9 +30,9 @@ class KatsuragiDurian(ScalarLaw):
     """
 
     law: Literal["katsuragi_durian"]
-    stiffness: NotNegative | None = Field(alias="stiffness_N_m")
-    drag_length: Positive | None = Field(None, alias="drag_length_m")
-    drag_length_per_diameter: Positive | None = Field(None, alias="drag_length_diameters")
+    stiffness: Annotated[NotNegative | None, WITH_DEPTH] = Field(alias="stiffness_N_m")
+    drag_length: Annotated[Positive | None, INERTIA] = Field(None, alias="drag_length_m")
+    drag_length_per_diameter: Annotated[Positive | None, INERTIA] = Field(None, alias="drag_length_diameters")
 
     def __init__(self, stiffness: float | None, *lengths: float | None, **named: Any) -> None:
         """As `Coefficients`; in Python 0 is none of the two lengths, too."""

@@ -4,7 +4,8 @@ The class of a law says
 
 - `law`, its tag in YAML, and its coefficients: fields with bounds, whose text below is their description for editors. A
   coefficient is named without its unit in Python, and its key in YAML, the alias, ends with the unit. One that may be
-  null and has no default is left open by some sources, and a run needs it.
+  null and has no default is left open by some sources, and a run needs it. Beside each stands how it scales with
+  gravity, see `laws.gravity`.
 - `equation`, `terms` and `takes`, `by_component` and `resultant`, see `Law`;
 - `constants`, the names of the numbers (all float) that its forces need, and `numbers`, which gives their values;
 - its forces, as static methods named and called as the stubs in `kernels.law` and `kernels.plates`: for lines and
@@ -24,17 +25,21 @@ from pydantic import Field, field_serializer
 
 from granular_contact.laws.coefficients import Coefficients
 from granular_contact.laws.functions import refuse_faulty
+from granular_contact.laws.gravity import EARTH, at_gravity
 from granular_contact.laws.kinds import WORDS, Kind
 from granular_contact.laws.scatter import MeasuredScatter, Scatter
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
 from granular_contact.laws.validity import NOT_STATED, Validity
-from granular_contact.values.strict import Faults, Listed, OrName, OrNull, Text, listed
+from granular_contact.values.strict import Faults, Listed, OrName, OrNull, Positive, Text, listed
 
 if TYPE_CHECKING:  # a config is read without numpy
     import numpy as np
     from numpy.typing import NDArray
 
-ABOUT = ("name", "validity", "source", "standing", "provenance", "scatter", "measured_scatter")
+ABOUT = (
+    *("name", "validity", "source", "standing", "provenance", "scatter", "measured_scatter"),
+    *("measured_gravity", "angle_of_repose"),
+)
 
 
 class Law(Coefficients):
@@ -56,6 +61,10 @@ class Law(Coefficients):
         Of the static resistance; null: none.
     measured_scatter : sequence of MeasuredScatter
         What was measured of it, by names that `scatter: {measured: ...}` takes.
+    measured_gravity : float
+        At which the coefficients were measured (m/s2), above 0: at another one they are scaled as their law says.
+    angle_of_repose : float, optional
+        Steepest slope (deg) that the medium keeps; null: not stated.
 
     Attributes
     ----------
@@ -89,6 +98,8 @@ class Law(Coefficients):
     validity: Validity = Field(NOT_STATED, alias="range")
     scatter: Scatter | None = None
     measured_scatter: Annotated[tuple[MeasuredScatter, ...], Listed, OrName()] = ()
+    measured_gravity: Positive = Field(EARTH, alias="measured_gravity_m_s2")
+    angle_of_repose: Annotated[float, Field(gt=0, lt=90)] | None = Field(None, alias="angle_of_repose_deg")
     law: str
 
     equation: ClassVar[str]
@@ -100,7 +111,7 @@ class Law(Coefficients):
     constants: ClassVar[tuple[str, ...]]
 
     def numbers(self, gravity: float) -> dict[str, float]:
-        """Numbers that the forces need.
+        """Numbers that the forces need, where the coefficients are those at this gravity (`laws.gravity`).
 
         Parameters
         ----------
@@ -142,7 +153,7 @@ class Law(Coefficients):
             got = ", ".join(f"{type(self).__name__}.{key}" for key in self.lacking)
             raise ValueError(f"{got}: got None, allowed is the number of your case: its source does not state it")
         record = self.blank()
-        numbers = self.numbers(abs(gravity))
+        numbers = at_gravity(self, abs(gravity)).numbers(abs(gravity))
         if unknown := [name for name in numbers if name not in self.constants]:
             has = f"{type(self).__name__}.numbers gives {', '.join(unknown)}"
             raise TypeError(f"{has}; allowed are the names in its constants: {', '.join(self.constants)}")

@@ -24,6 +24,7 @@ from pydantic import Field, SerializerFunctionWrapHandler, field_serializer
 
 from granular_contact import kernels
 from granular_contact.laws.coefficients import Coefficients
+from granular_contact.laws.gravity import BULK, INERTIA, SHAPE, WITH_WEIGHT
 from granular_contact.laws.law import Law
 from granular_contact.values.strict import NotNegative, OrNull, Positive
 
@@ -41,8 +42,8 @@ class VerticalResistance(Coefficients):
         Power of the depth, 0 to 5; `lambda` in YAML.
     """
 
-    eta_v: NotNegative
-    lam: float = Field(alias="lambda", ge=0, le=5)
+    eta_v: Annotated[NotNegative, WITH_WEIGHT]
+    lam: Annotated[float, SHAPE] = Field(alias="lambda", ge=0, le=5)
 
     def numbers(self, direction: str) -> dict[str, float]:
         """Constants of a law in one direction of motion, plunge or withdraw."""
@@ -67,9 +68,9 @@ class LeeMarghitu(Law):
     """
 
     law: Literal["lee_marghitu"]
-    density: Positive = Field(alias="density_kg_m3")
-    eta_d: NotNegative
-    eta_h: NotNegative
+    density: Annotated[Positive, BULK] = Field(alias="density_kg_m3")
+    eta_d: Annotated[NotNegative, INERTIA]
+    eta_h: Annotated[NotNegative, WITH_WEIGHT]
     plunging: VerticalResistance
     withdrawing: Annotated[VerticalResistance, OrNull(), Field(default=None)]
 

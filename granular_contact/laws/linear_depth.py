@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
-from granular_contact.laws.scalar import ScalarLaw
+from granular_contact.laws.scalar import WITH_DEPTH, ScalarLaw
 from granular_contact.values.strict import NotNegative
 
 
@@ -20,7 +20,7 @@ class LinearDepth(ScalarLaw):
     """
 
     law: Literal["linear_depth"]
-    stiffness: NotNegative = Field(alias="stiffness_N_m")
+    stiffness: Annotated[NotNegative, WITH_DEPTH] = Field(alias="stiffness_N_m")
 
     equation = "F = k z"
     terms = ("static",)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
-from granular_contact.laws.scalar import ScalarLaw
+from granular_contact.laws.gravity import INERTIA
+from granular_contact.laws.scalar import YIELD, ScalarLaw
 from granular_contact.values.strict import NotNegative
 
 
@@ -22,8 +23,8 @@ class Poncelet(ScalarLaw):
     """
 
     law: Literal["poncelet"]
-    constant_force: NotNegative = Field(alias="constant_force_N")
-    drag: NotNegative = Field(alias="drag_kg_m")
+    constant_force: Annotated[NotNegative, YIELD] = Field(alias="constant_force_N")
+    drag: Annotated[NotNegative, INERTIA] = Field(alias="drag_kg_m")
 
     equation = "F = F0 + c v^2"
     terms = ("constant", "drag")

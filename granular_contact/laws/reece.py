@@ -8,10 +8,11 @@ less so where n > 1 [textbook form].
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
+from granular_contact.laws.gravity import BULK, SHAPE, WITH_WEIGHT, derived
 from granular_contact.laws.surface_pressure import Exponent, SurfacePressure
 from granular_contact.values.strict import NotNegative, Positive
 
@@ -34,10 +35,10 @@ class Reece(SurfacePressure):
     """
 
     law: Literal["reece"]
-    density: Positive = Field(alias="density_kg_m3")
-    k_phi: NotNegative
-    exponent: Exponent
-    k_c: NotNegative = 0.0
+    density: Annotated[Positive, BULK] = Field(alias="density_kg_m3")
+    k_phi: Annotated[NotNegative, WITH_WEIGHT]
+    exponent: Annotated[Exponent, SHAPE]
+    k_c: Annotated[NotNegative, derived(0, "a number; the cohesion is beside it")] = 0.0
 
     equation = "p = (c k_c + gamma b k_phi) (z/b)^n, tau = (c + p tan phi) (1 - exp(-j/K))"
 

@@ -19,16 +19,19 @@ from __future__ import annotations
 
 import math
 from functools import lru_cache
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
 from granular_contact.laws.coefficients import Coefficients
+from granular_contact.laws.gravity import derived, measured
 from granular_contact.laws.law import Law
 from granular_contact.values.strict import Faults, Positive
 
-# The coefficients were measured on Earth. Stresses that come from friction grow in proportion to gravity [ours].
-MEASURED_AT = 9.81
+WITH_GRAVITY = measured(
+    1, "stresses of friction grow with the weight above; wheels computed grain by grain agree (Slonaker et al. 2017)"
+)
+FACTOR = derived(0, "a factor of alpha, which has the gravity")
 CONSTANTS = ("A00", "A10", "B01", "B_sum", "B_difference", "C01", "C_sum", "C_difference", "D10")
 
 
@@ -60,9 +63,9 @@ class RftCoefficients(Coefficients):
             where = f"an element at beta {beta} deg that moves at gamma {gamma} deg"
             yield (), f"pushes {where} with {power:.3g} N/cm3; allowed is what resists every motion"
 
-    def numbers(self, zeta: float, gravity: float) -> dict[str, float]:
+    def numbers(self, zeta: float) -> dict[str, float]:
         """Zeta times the coefficients as CONSTANTS (N/m3)."""
-        scale = 1e6 * zeta * gravity / MEASURED_AT
+        scale = 1e6 * zeta
         return {name: scale * getattr(self, name) for name in ("A00", "A10", "B01", "C01", "D10")} | {
             "B_sum": scale * (self.B11 + self.B_11),
             "B_difference": scale * (self.B11 - self.B_11),
@@ -103,8 +106,8 @@ class Rft(Law):
     """
 
     law: Literal["rft"]
-    coefficients: RftCoefficients = Field(GENERIC, alias="alpha_N_cm3")
-    zeta: Positive = 1.0
+    coefficients: Annotated[RftCoefficients, WITH_GRAVITY] = Field(GENERIC, alias="alpha_N_cm3")
+    zeta: Annotated[Positive, FACTOR] = 1.0
 
     equation = "stress = zeta alpha(beta, gamma) z"
     terms = ("static",)
@@ -113,7 +116,7 @@ class Rft(Law):
 
     def numbers(self, gravity: float) -> dict[str, float]:
         """As `Law.numbers`."""
-        return self.coefficients.numbers(self.zeta, gravity)
+        return self.coefficients.numbers(self.zeta)
 
     @staticmethod
     def stress(tx, ty, ux, uy, m):

@@ -24,10 +24,11 @@ dropped.
 from __future__ import annotations
 
 import math
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
+from granular_contact.laws.gravity import BULK, FRICTION
 from granular_contact.laws.law import Law
 from granular_contact.values.strict import NotNegative, Positive
 
@@ -74,9 +75,9 @@ class Rft3d(Law):
     """
 
     law: Literal["rft3d"]
-    density: Positive = Field(alias="density_kg_m3")
-    mu_int: Positive
-    mu_surf: NotNegative
+    density: Annotated[Positive, BULK] = Field(alias="density_kg_m3")
+    mu_int: Annotated[Positive, FRICTION]
+    mu_surf: Annotated[NotNegative, FRICTION]
 
     equation = "stress = xi_n [alpha_n + min(mu_surf |alpha_n| / |alpha_t|, 1) alpha_t] z"
     terms = ("static",)

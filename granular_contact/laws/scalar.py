@@ -15,10 +15,19 @@ from __future__ import annotations
 import math
 
 from granular_contact import kernels
+from granular_contact.laws.gravity import measured, not_known
 from granular_contact.laws.law import Law
 
 STATIC, VISCOUS = 0, 1  # terms; where the quadratic one goes is the record's `quadratic`
 SHALLOW = 1e-3
+
+WITH_DEPTH = measured(
+    1,
+    "bodies settle as deep at 0.4 g to 1.2 g, in times as g^-1/2 (Altshuler et al. 2014); friction is loaded by the "
+    "weight of the grains, which air through the bed made less (Brzinski, Mayor and Durian 2013)",
+)
+YIELD = not_known("a force that does not grow with depth is fitted over all depths of a test")
+OF_SPEED = not_known("nothing viscous was found in dry grains; it is a fit")
 
 
 class ScalarLaw(Law):
@@ -33,7 +42,7 @@ class ScalarLaw(Law):
         raise NotImplementedError
 
     def numbers(self, gravity: float) -> dict[str, float]:
-        """As `Law.numbers`; no coefficient depends on gravity."""
+        """As `Law.numbers`; gravity is in the coefficients."""
         return {"p": 1.0, "quadratic": len(self.terms) - 1.0, **self.own()}
 
     @staticmethod

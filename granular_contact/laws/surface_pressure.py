@@ -23,12 +23,15 @@ from typing import Annotated
 
 from pydantic import Field
 
+from granular_contact.laws.gravity import FRICTION, SHAPE, derived, not_known
 from granular_contact.laws.law import ABOUT, Law
 from granular_contact.values.strict import NotNegative, Positive
 
 SHEAR = ("friction_angle", "cohesion", "shear_deformation_modulus", "plate_width")
 SHALLOW = 1e-2  # of b
 FADE = 0.05  # sine: 2.9 degrees
+BONDS = derived(0, "a strength of the bonds between grains, whatever they weigh")
+SHEARED = not_known("a length; we know of no tests at other gravities")
 Exponent = Annotated[float, Field(gt=0, le=5)]
 Angle = Annotated[float, Field(ge=0, lt=90)]
 
@@ -50,10 +53,10 @@ class SurfacePressure(Law):
         given.
     """
 
-    friction_angle: Angle = Field(alias="friction_angle_deg")
-    cohesion: NotNegative = Field(0.0, alias="cohesion_Pa")
-    shear_deformation_modulus: NotNegative = Field(0.0, alias="shear_deformation_modulus_m")
-    plate_width: Positive | None = Field(None, alias="plate_width_m")
+    friction_angle: Annotated[Angle, FRICTION] = Field(alias="friction_angle_deg")
+    cohesion: Annotated[NotNegative, BONDS] = Field(0.0, alias="cohesion_Pa")
+    shear_deformation_modulus: Annotated[NotNegative, SHEARED] = Field(0.0, alias="shear_deformation_modulus_m")
+    plate_width: Annotated[Positive | None, SHAPE] = Field(None, alias="plate_width_m")
 
     terms = ("pressure", "shear")
     takes = frozenset({"round", "flat", "outline"})

@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from pydantic import Field
 
 from granular_contact import kernels
+from granular_contact.laws.gravity import SHAPE, not_known
 from granular_contact.laws.law import Law
 from granular_contact.values.strict import Faults, Listed, LocalFault
 
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
 
 UPRIGHT = 0.02  # of the horizontal part of the motion, over which its mirror images go over into each other
 MOST_DRIVING = 1e-9  # of the greatest stress: round-off
+OF_PLACE = not_known("friction, cohesion and inertia stand together in a measured stress")
 Numbers = Annotated[tuple[float, ...], Listed, Field(min_length=1)]
 Angles = Annotated[tuple[float, ...], Listed, Field(min_length=2)]
 
@@ -52,11 +54,11 @@ class StressTable(Law):
     """
 
     law: Literal["table"]
-    depth: Numbers = Field(alias="depth_m")
-    beta: Angles = Field(alias="beta_deg")
-    gamma: Angles = Field(alias="gamma_deg")
-    stress_x: Numbers = Field(alias="stress_x_Pa")
-    stress_z: Numbers = Field(alias="stress_z_Pa")
+    depth: Annotated[Numbers, SHAPE] = Field(alias="depth_m")
+    beta: Annotated[Angles, SHAPE] = Field(alias="beta_deg")
+    gamma: Annotated[Angles, SHAPE] = Field(alias="gamma_deg")
+    stress_x: Annotated[Numbers, OF_PLACE] = Field(alias="stress_x_Pa")
+    stress_z: Annotated[Numbers, OF_PLACE] = Field(alias="stress_z_Pa")
 
     equation = "stress = table(depth, beta, gamma)"
     terms = ("static",)

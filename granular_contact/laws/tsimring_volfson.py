@@ -7,11 +7,12 @@ Only the form is known to us, and not the power of the depth: p is the user's.
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
-from granular_contact.laws.scalar import ScalarLaw
+from granular_contact.laws.gravity import INERTIA, SHAPE
+from granular_contact.laws.scalar import WITH_DEPTH, ScalarLaw
 from granular_contact.values.strict import NotNegative
 
 
@@ -29,9 +30,9 @@ class TsimringVolfson(ScalarLaw):
     """
 
     law: Literal["tsimring_volfson"]
-    drag: NotNegative = Field(alias="drag_kg_m")
-    friction: NotNegative = Field(alias="friction_N")
-    exponent: float = Field(gt=0, le=5)
+    drag: Annotated[NotNegative, INERTIA] = Field(alias="drag_kg_m")
+    friction: Annotated[NotNegative, WITH_DEPTH] = Field(alias="friction_N")
+    exponent: Annotated[float, SHAPE] = Field(gt=0, le=5)
 
     equation = "F = k z^p + c v^2"
     terms = ("friction", "drag")

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from granular_contact.bed import contact_lines
 from granular_contact.bed.contact_lines import Body, ContactLine
+from granular_contact.bed.given import told
 from granular_contact.bed.load import GranularLoad
 from granular_contact.errors import scene_error
 from granular_contact.laws.floor import Floor
@@ -92,8 +93,8 @@ class MujocoBed:
         options: dict[str, Any] = {"slope": slope, "static": self._static, "end_cap": end_cap, "floor": floor}
         options["gravity"] = float(np.linalg.norm(pull)) if gravity is None else gravity
         self.load, self.turn = self._load_of(medium, surface, form, plane, options)
-        self._names: dict[int, Body] = {}
-        self._geoms: list[int] = []
+        told(self.load)
+        self._names, self._geoms = dict[int, Body](), list[int]()
         self._options = {"record": record, "lenient": lenient}
         self._shared: Shared | None = None
         self._of: weakref.WeakKeyDictionary[Any, BedData] = weakref.WeakKeyDictionary()

@@ -1,7 +1,6 @@
 """The plugin door: a granular bed that acts on bodies of any Exudyn model.
 
-The load itself is `granular_contact.bed`, which knows no engine; how it gets into the system is `coupling`. Nothing
-else of the model is touched, no user function of the model is taken.
+The load itself is `granular_contact.bed`, which knows no engine; how it gets into the system is `coupling`.
 """
 
 from __future__ import annotations
@@ -15,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from granular_contact.bed.contact_lines import ball, outline, planar, polyline
+from granular_contact.bed.given import told
 from granular_contact.bed.history import LoadHistory
 from granular_contact.bed.load import GranularLoad
 from granular_contact.errors import SceneError, scene_error
@@ -96,7 +96,7 @@ class GranularBed:
             from granular_contact.bed.space.load import SpatialLoad
 
             self.load = SpatialLoad(medium, np.asarray(surface), **options, up=up, floor=floor)
-        self.mbs, self.coupling = mbs, Coupling(mbs, self.load)
+        self.mbs, self.coupling = mbs, Coupling(mbs, told(self.load))
 
     def add_rigid(
         self,

@@ -9,6 +9,7 @@ joints, joint_law           joints between bodies, and springs, stops and fricti
 drives, controls            what moves joints; what is set from outside
 signals, signal_tables      values over time, and as tables for kernels
 bed, media, wheels          where media lie; presets by name; the run of a wheel
+media_checks                slopes that media do not keep, gravities that they were not measured at
 steps                       how long steps are
 workspace, applicability, checks      what can reach the medium, which law takes which shape, what no scene may be
 minimal_support, reduced_support      what minimal coordinates and the reduced model can't solve

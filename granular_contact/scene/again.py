@@ -14,11 +14,12 @@ import numpy as np
 
 from granular_contact.config import schema
 from granular_contact.config.differences import same_but
-from granular_contact.errors import Fault, SceneError
+from granular_contact.errors import SceneError
 from granular_contact.scene.bed import bed
 from granular_contact.scene.build import End, ends_of, verified
 from granular_contact.scene.build import built as built_anew
 from granular_contact.scene.checks import beyond_numbers
+from granular_contact.scene.media_checks import media_notes, too_steep
 from granular_contact.scene.reduced_support import medium_obstacles
 from granular_contact.scene.types import InitialMotion, Joint, Reduced, Scene, Vector, rotation
 
@@ -78,7 +79,7 @@ def again(like: Scene, ends: Sequence[End], scenario: schema.Scenario) -> Scene 
     before = like.scenario
     if before is None or not isinstance(like.method, Reduced) or not _same_but_strike(before, scenario):
         return None
-    faults = list[Fault]()
+    faults = list(too_steep(scenario))
     turn = _Turn.of(like, scenario.initial)
     placed = bed(scenario, [turn.place(end.world) - (0.0, end.drop) for end in ends], faults)
     if faults:
@@ -89,6 +90,7 @@ def again(like: Scene, ends: Sequence[End], scenario: schema.Scenario) -> Scene 
         links=tuple(replace(link, motion=turn.motion(link.motion)) for link in like.links),
         joints=tuple(turn.joint(joint) if joint is like.pivot else joint for joint in like.joints),
         bed=placed,
+        notes=tuple(media_notes(scenario, placed, "bed.profile_m")),
     )
     vars(made).update(mass=like.mass, length=like.length, least_path=like.least_path)  # which do not change
     _check(made, scenario)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from granular_contact.config import schema
 from granular_contact.errors import Fault, scene_fault
-from granular_contact.geometry.surface import greatest_depth, height_at, slope_at, surface
+from granular_contact.geometry.surface import greatest_depth, height_at, pieces, slope_at, surface
 from granular_contact.laws.catalogue import LAWS
 from granular_contact.laws.floor import Floor
 from granular_contact.laws.law import Law
@@ -68,6 +68,10 @@ class Bed:
     def greatest_depth(self, center: Vector, radius: float) -> float:
         """Greatest depth (m, negative above) below the surface of what is within a radius (m) of a place (2,) m."""
         return greatest_depth(self.corners, center, radius)
+
+    def pieces(self) -> Iterator[tuple[float, float]]:
+        """Rise per length, and length (m), of the pieces between the corners of a profile."""
+        yield from pieces(self.profile)
 
     def slope_at(self, x: Vector) -> Vector:
         """Slope of the surface at x (m), any shape."""

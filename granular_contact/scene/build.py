@@ -19,6 +19,7 @@ from granular_contact.scene.extremes import farthest, lowest
 from granular_contact.scene.joints import joints_of
 from granular_contact.scene.layout import GROUND, ZERO, JointState, Layout, lay_out, point
 from granular_contact.scene.loops import PlanarLoops, closed, redundant
+from granular_contact.scene.media_checks import media_notes, too_steep
 from granular_contact.scene.minimal_support import check_minimal, serves
 from granular_contact.scene.reduced_support import check_reduced
 from granular_contact.scene.start import start
@@ -104,7 +105,12 @@ def _built(scenario: schema.Scenario) -> Scene:
         layout, states = _laid_out(scenario, driven, _speed_of_tip(scenario, layout, faults), faults)
     rigid, links = _bodies(layout, scenario.load.strips_per_rigid_part)
     ends = ends_of(rigid, links)
-    faults += [*_motion_faults(scenario), *_joint_faults(layout), *closure_faults(layout.model, layout.groups)]
+    faults += [
+        *_motion_faults(scenario),
+        *_joint_faults(layout),
+        *too_steep(scenario),
+        *closure_faults(layout.model, layout.groups),
+    ]
     placed = bed(scenario, [end.world - (0.0, end.drop) for end in ends], faults)
     if rigid or links:
         faults += _nothing_to_act_on(scenario, ends)
@@ -127,7 +133,7 @@ def _built(scenario: schema.Scenario) -> Scene:
         drives=driven,
         settle=scenario.initial.settle,
         body_columns=_has_body_columns(scenario, rigid, links),
-        notes=tuple(wheel_notes(scenario)),
+        notes=(*media_notes(scenario, placed, "bed.profile_m"), *wheel_notes(scenario)),
     )
     if stiff := verified(scene, scenario):
         return replace(_built(_with_rigid(scenario, stiff)), stiff=stiff)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,6 +33,12 @@ class Heights:
         """A bound of the rise per length: a spline is at most half as steep again as the steps between its points."""
         step = max(float(np.abs(np.diff(self.values, axis=axis)).max()) for axis in (0, 1))
         return float(1.5 * np.sqrt(2.0) * step / self.cell)
+
+    def pieces(self) -> Iterator[tuple[float, float]]:
+        """Rise per length of each cell between four points, and its area (m2)."""
+        across, along = np.diff(self.values, axis=1), np.diff(self.values, axis=0)
+        rise = np.hypot(0.5 * (across[1:] + across[:-1]), 0.5 * (along[:, 1:] + along[:, :-1])) / self.cell
+        yield from ((one, self.cell**2) for one in rise.ravel().tolist())
 
     def at(self, x: Vector, y: Vector) -> Vector:
         """Height (m) at x, y (m), of any shape."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from granular_contact.bed.contact_lines import Body
-from granular_contact.bed.given import layers_of
+from granular_contact.bed.given import check_slope, layers_of
 from granular_contact.bed.history import REACHED, SPACE, HistoryTable
 from granular_contact.bed.load import GranularLoad
 from granular_contact.bed.space import elements
@@ -86,6 +86,7 @@ class SpatialLoad(GranularLoad):
             record["pressed"] *= spread
         self.turn = turn_to(up)
         self.ground = _ground(surface, slope, self.turn)
+        check_slope(self.media, math.hypot(*self.ground[1:3]))
         if heights is not None:
             self.ground = np.concatenate([self.ground, heights.numbers])
             self.ground[3] = np.sqrt(1.0 + heights.steepest**2)
@@ -132,6 +133,10 @@ class SpatialLoad(GranularLoad):
         self.lines += [replace(one, again=i > 0) for i, one in enumerate(made)]
         self.table = self._new_table()
         self.building_s += time.perf_counter() - began
+
+    def pieces(self) -> Iterator[tuple[float, float]]:
+        """Nothing: no door takes a map of heights."""
+        yield from ()
 
     def _met_as(self, shape: Shape) -> list[str]:
         """As what the media meet a shape: surface, bar or ball."""

@@ -66,6 +66,10 @@ class SpatialBed:
         along = (self.height(x + h, y) - self.height(x - h, y)) / (2.0 * h)
         return along, (self.height(x, y + h) - self.height(x, y - h)) / (2.0 * h)
 
+    def pieces(self) -> Iterator[tuple[float, float]]:
+        """Rise per length, and area (m2), of the cells of a map of heights."""
+        yield from () if self.heights is None else self.heights.pieces()
+
     @property
     def corners(self) -> Vector:
         """Corners (k, 2) m, x and z, of the section through the surface at y = 0, its first and last pieces without

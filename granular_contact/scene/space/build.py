@@ -16,6 +16,7 @@ from granular_contact.scene.checks import beyond_numbers, closure_faults
 from granular_contact.scene.drives import drives
 from granular_contact.scene.layout import GROUND, weld_groups
 from granular_contact.scene.loops import closed
+from granular_contact.scene.media_checks import media_notes, too_steep
 from granular_contact.scene.space.bed import bed
 from granular_contact.scene.space.bodies import bodies_of, rigid_body
 from granular_contact.scene.space.joints import joints_of, on_ground
@@ -52,7 +53,8 @@ def built(scenario: schema.SpatialScenario) -> SpatialScene:
         faults.append(scene_fault("model.joints", "every body is welded to the ground, so nothing can move"))
     faults += closure_faults(model, groups)
     surface = bed(scenario, rigid, faults)
-    faults += _inapplicable(scenario, rigid)
+    faults += [*too_steep(scenario), *_inapplicable(scenario, rigid)]
+    notes += media_notes(scenario, surface, "bed.height_map")
     if faults:
         raise SceneError(faults)
     scene = SpatialScene(
