@@ -35,7 +35,7 @@ from granular_contact.kernels.tree_newton import attempt, look_here
 from granular_contact.minimal.tree import Tree
 from granular_contact.multibody.recorder import most_steps
 from granular_contact.multibody.scheme import OF_CHANGING_STEPS, moving_joints, spectral_radius
-from granular_contact.multibody.stepping import SHORT, SHORTEST, choice, learn
+from granular_contact.multibody.stepping import SHORT, SHORTEST, choice, learn, usual_step
 from granular_contact.scene.types import FASTEST, Scene, Vector
 
 SHARE = 1024  # steps between two updates of the progress bar
@@ -162,7 +162,7 @@ def _of_steps(scene: Scene) -> dict[str, NDArray[Any]]:
     """Records of a scheme, of a choice of steps and of limits, clock and counts."""
     solver, scheme = scene.solver, _scheme(scene)
     record, speed, *follows = choice(scene, ANY if solver.accuracy is None else solver.accuracy)
-    learn(record, scene, float(scheme["beta"][0]), SHORTEST * solver.step_s)
+    learn(record, scene, float(scheme["beta"][0]), SHORTEST * usual_step(scene))
     first = solver.step_s if solver.accuracy is None else min(solver.step_s, float(record["longest"][0]))
     arrays = dict(zip(("bends", "followed", "arms"), follows, strict=True))
     clock = np.zeros(8)
@@ -176,7 +176,7 @@ def _limits(scene: Scene) -> NDArray[np.void]:
     solver, control = scene.solver, np.zeros(1, CONTROL)
     control["end"], control["rest_speed"] = solver.end_time_s, solver.rest_speed_m_s
     control["rest_time"] = math.inf if scene.rest_time is None else scene.rest_time
-    control["away"], control["crowd"] = FASTEST, most_steps(solver)
+    control["away"], control["crowd"] = FASTEST, most_steps(scene)
     control["left"] = solver.tolerance * scene.force_scale / scene.mass
     if solver.accuracy is None:
         control["left"] *= max(1.0, solver.step_s / SHORT)  # as by the engine: a step leaves as much more

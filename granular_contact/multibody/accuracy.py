@@ -20,7 +20,8 @@ from granular_contact.multibody.strip_error import strip_warnings
 from granular_contact.results.accuracy import AccuracyWarning, remedy
 from granular_contact.results.limits import LEAST_START_DEPTH
 from granular_contact.results.summary import least_energy
-from granular_contact.scene.signals import bends
+from granular_contact.scene.drives import PLENTY
+from granular_contact.scene.signals import Piecewise, bends, shortest_period
 from granular_contact.scene.types import Vector
 
 STEP_ERROR = 5e-3  # of the path length
@@ -107,11 +108,16 @@ def _unknown_energy(motion: Kinematics) -> float:
     """
     if not motion.scene.media:
         return 0.0
+    scale = greatest_energy(motion)
+    return float(np.abs(motion.work_beyond).max(initial=0.0)) / scale if scale > 0.0 else 0.0
+
+
+def greatest_energy(motion: Kinematics) -> float:
+    """Greatest kinetic energy (J) of a run, or the work of its medium where that is more; `least_energy` at least."""
     trajectory = motion.trajectory
     kinetic = 0.5 * np.sum((trajectory.v @ trajectory.mass) * trajectory.v, axis=1)
     work = 0.0 if trajectory.load is None else float(np.abs(trajectory.load.work).max())
-    scale = max(float(kinetic.max()), work, least_energy(motion.scene))
-    return float(np.abs(motion.work_beyond).max(initial=0.0)) / scale if scale > 0.0 else 0.0
+    return max(float(kinetic.max()), work, least_energy(motion.scene))
 
 
 def _entry(motion: Kinematics) -> Iterator[AccuracyWarning]:
@@ -120,7 +126,7 @@ def _entry(motion: Kinematics) -> Iterator[AccuracyWarning]:
     if load is None:
         return
     below = np.flatnonzero(load.depth > 0.0)
-    if len(below) == 0 or below[-1] == below[0]:
+    if len(below) == 0 or below[-1] == below[0] or load.depth.max() <= LEAST_START_DEPTH:  # which only grazes it
         return
     first = int(below[0])
     deepest = int(first + np.argmax(load.depth[first:]))
@@ -130,10 +136,19 @@ def _entry(motion: Kinematics) -> Iterator[AccuracyWarning]:
 
 
 def _signals(motion: Kinematics) -> Iterator[AccuracyWarning]:
-    """Whether fixed steps are too long for the tables that drives follow; chosen ones end at their bends."""
+    """Whether fixed steps are too long for the signals that drives follow; chosen ones end at the bends of tables, and
+    are a share of a period.
+    """
     solver, end = motion.scene.solver, motion.trajectory.time[-1]
     if solver.accuracy is not None:
         return
+    for drive in motion.scene.drives:
+        if isinstance(drive.signal, Piecewise) and drive.kind != "motion":
+            continue  # see below
+        steps = shortest_period(drive.signal, float(end)) / solver.step_s
+        if steps < PLENTY:
+            said = f"the drive of {drive.joint} goes to and fro within {steps * solver.step_s:.3g} s, {steps:.1f} steps"
+            yield AccuracyWarning(f"{said}, which take away much of it; {remedy(motion.scene)}")
     times = bends(drive.signal for drive in motion.scene.drives if drive.kind != "motion")
     least = min((after - before for before, after in pairwise(times) if before < end), default=math.inf)
     if least < FEWEST_STEPS * solver.step_s:

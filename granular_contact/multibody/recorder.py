@@ -9,14 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from granular_contact.multibody.stepping import END, StepControl
+from granular_contact.multibody.stepping import END, StepControl, longest_step
 from granular_contact.multibody.system import System
 from granular_contact.results import Progress
-from granular_contact.scene.steps import Steps
-from granular_contact.scene.types import FASTEST, Vector
+from granular_contact.scene.types import FASTEST, Scene, Vector
 
 CROWD = 20  # times the steps of the run, and some: with so many it does not get on
-MOST_CHOSEN = 200_000  # steps, where they are chosen
+MOST_CHOSEN = 200_000  # steps more, where they are chosen
 
 
 class Recorder:
@@ -46,7 +45,7 @@ class Recorder:
         self.shortened = 0
         self._rest_time = system.scene.rest_time
         self._moving = self.size * self.solver.rest_speed_m_s**2  # m2/s2, see `_rests`
-        self.most = most_steps(self.solver)
+        self.most = most_steps(system.scene)
         self.deadline = math.inf
         self.time = 0.0  # of the last step recorded (s)
         self._paused, self._outdated = False, False
@@ -162,11 +161,12 @@ class Recorder:
         return t - self.resting_since >= self._rest_time
 
 
-def most_steps(solver: Steps) -> int:
+def most_steps(scene: Scene) -> int:
     """Steps after which a run is given up."""
-    if solver.accuracy is not None:
-        return MOST_CHOSEN
-    return CROWD * math.ceil(solver.end_time_s / solver.step_s) + 1000
+    end, accuracy = scene.solver.end_time_s, scene.solver.accuracy
+    if accuracy is None:
+        return CROWD * math.ceil(end / scene.solver.step_s) + 1000
+    return MOST_CHOSEN + CROWD * math.ceil(end / longest_step(scene, accuracy))
 
 
 def levers(system: System) -> Vector:

@@ -10,7 +10,7 @@ import numpy as np
 
 from granular_contact.multibody.predictor import Patience
 from granular_contact.multibody.scheme import moving_joints, prescribed, spectral_radius, stops
-from granular_contact.multibody.stepping import SHORT, SHORTEST, StepControl
+from granular_contact.multibody.stepping import SHORT, SHORTEST, StepControl, usual_step
 from granular_contact.scene.types import FlexibleLink, Scene
 
 EPSILON = float(np.finfo(float).eps)
@@ -86,7 +86,7 @@ def settings(scene: Scene) -> Any:
     t = s.timeIntegration
     t.endTime = solver.end_time_s
     t.numberOfSteps = max(1, math.ceil(solver.end_time_s / solver.step_s - 1e-9))
-    t.minimumStepSize = (SHORTEST_IN_SPACE if scene.in_space else SHORTEST) * solver.step_s
+    t.minimumStepSize = (SHORTEST_IN_SPACE if scene.in_space else SHORTEST) * usual_step(scene)
     t.verboseMode = 0
     if solver.accuracy is None and not scene.in_space:
         t.adaptiveStepRecoverySteps = RECOVERY

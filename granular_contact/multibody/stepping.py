@@ -34,7 +34,7 @@ from numpy.typing import NDArray
 
 from granular_contact.multibody.system import System
 from granular_contact.scene.signal_tables import tabulate
-from granular_contact.scene.signals import Signal, bends
+from granular_contact.scene.signals import Signal, corners, shortest_period
 from granular_contact.scene.types import Scene, Vector
 
 if TYPE_CHECKING:
@@ -51,6 +51,7 @@ REFUSED = 2.0  # what the engine takes for a step to be repeated: above its tole
 SHORTEST = 1e-4
 SHORT = 2e-4  # s, of fixed steps; longer ones leave more of the motion, and Newton's method may do so too
 LONGEST = 0.05  # of the run, and of the swing of a pendulum as long as the mechanism, over 2 pi
+OF_A_PERIOD = 8  # steps at least in the shortest period of a drive's signal, which others may pass by
 FINE, LONGER = 1e-2, 2.0  # accuracy up to which that holds, and how much longer a step may be at a coarser one
 # Estimates hold for small steps: how much more an error may be, over the accuracy; of a free body that nothing drives,
 # which may tumble on after its impact, and in space; and of all else.
@@ -77,12 +78,7 @@ def choice(scene: Scene, accuracy: float) -> Choice:
     from granular_contact.kernels.step_choice import CHOICE  # here, as fixed steps without sand need no numba
 
     record, size = np.zeros(1, CHOICE), max(scene.length, 1e-3)
-    swing = math.sqrt(size / max(abs(scene.gravity), 0.1))
-    longer = min(LONGER, math.sqrt(max(1.0, accuracy / FINE)))
-    longest = LONGEST * longer * min(scene.solver.end_time_s, swing)
-    if scene.solver.rest_time_s is not None:
-        longest = min(longest, 0.5 * scene.solver.rest_time_s)
-    record["accuracy"], record["size"], record["longest"] = accuracy, size, longest
+    record["accuracy"], record["size"], record["longest"] = accuracy, size, longest_step(scene, accuracy)
     record["rolls"] = scene.in_space and not scene.drives
     ways = {joint.name: 1.0 if joint.kind == "slider" else size for joint in scene.joints}
     arms: dict[Signal, float] = {}  # a signal that several follow is looked at once, by the longest arm
@@ -90,9 +86,36 @@ def choice(scene: Scene, accuracy: float) -> Choice:
         if drive.kind == "motion":
             arms[drive.signal] = max(ways[drive.joint], arms.get(drive.signal, 0.0))
     places = [signals_of(scene).index(signal) for signal in arms]
-    bent = np.array(bends(drive.signal for drive in scene.drives))
-    speed = max(scene.speed, SLOWEST * size / swing)
+    bent = np.array(corners(drive.signal for drive in scene.drives))
+    speed = max(scene.speed, SLOWEST * size / _swing(scene))
     return Choice(record, speed, bent, np.array(places, np.int64), np.array([*arms.values()]))
+
+
+def longest_step(scene: Scene, accuracy: float) -> float:
+    """Longest step (s) that is chosen for an accuracy."""
+    solver = scene.solver
+    longer = min(LONGER, math.sqrt(max(1.0, accuracy / FINE)))
+    longest = LONGEST * longer * min(solver.end_time_s, _swing(scene))
+    if solver.rest_time_s is not None:
+        longest = min(longest, 0.5 * solver.rest_time_s)
+    return min(longest, _shortest_period(scene) / OF_A_PERIOD)
+
+
+def usual_step(scene: Scene) -> float:
+    """Step (s) of which the shortest one is a share: that of the config, or less where a drive's signal asks for it."""
+    step = scene.solver.step_s
+    return step if scene.solver.accuracy is None else min(step, _shortest_period(scene) / OF_A_PERIOD)
+
+
+def _shortest_period(scene: Scene) -> float:
+    """Shortest period (s) of the signals of drives."""
+    end = scene.solver.end_time_s
+    return min((shortest_period(drive.signal, end) for drive in scene.drives), default=math.inf)
+
+
+def _swing(scene: Scene) -> float:
+    """Time (s) over 2 pi of a swing of a pendulum as long as the mechanism."""
+    return math.sqrt(max(scene.length, 1e-3) / max(abs(scene.gravity), 0.1))
 
 
 def learn(record: NDArray[np.void], scene: Scene, beta: float, least: float) -> None:

@@ -16,6 +16,8 @@ from granular_contact.scene.types import Drive
 
 FEWEST_STEPS = 50  # steps in which a rate may go over from one value to another: energies are then right to 1e-3
 
+UNSEEN, PLENTY = 2, 16  # steps in the shortest period of a signal: with as few it is refused; with fewer told
+
 
 def drives(scenario: schema.Scenario, solver: Steps, faults: list[Fault]) -> tuple[Drive, ...]:
     """All drives of a scenario that is solved by these steps; faults are appended."""
@@ -39,6 +41,7 @@ def drives(scenario: schema.Scenario, solver: Steps, faults: list[Fault]) -> tup
         signal = _signal(given, unit, phase)
         if isinstance(spec, schema.Motion):
             signal = _without_jumps(signal, solver, name, spec, faults)
+        faults += _unseen(signal, solver, f"drives.{name}.{key}")
         made.append(_drive(name, spec, signal))
     return tuple(made)
 
@@ -61,6 +64,16 @@ def _without_jumps(
         words += ", or solver.accuracy"
         faults.append(scene_fault(f"drives.{name}.smooth_s", words))
     return signals.Smoothed(signal, tuple(found), spec.smooth_s) if found else signal
+
+
+def _unseen(signal: signals.Signal, solver: Steps, key: str) -> list[Fault]:
+    """A fault of a signal that fixed steps can't see: at two steps a period all of them may fall on its zeros."""
+    shortest = signals.shortest_period(signal, solver.end_time_s)
+    if solver.accuracy is not None or shortest > UNSEEN * solver.step_s * (1.0 + 1e-9):
+        return []
+    words = f"goes to and fro within {shortest:.3g} s ({1.0 / shortest:.4g} Hz), of which steps of {solver.step_s:g} s"
+    allowed = f"solver.accuracy, which chooses shorter steps, or solver.step_s: {shortest / PLENTY:.2g}"
+    return [scene_fault(key, f"{words} see next to nothing; allowed are {allowed}")]
 
 
 def _jump_fault(key: str, found: list[signals.Jump]) -> Fault:
