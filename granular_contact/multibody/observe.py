@@ -8,7 +8,7 @@ import numpy as np
 
 from granular_contact.laws.law import term_names
 from granular_contact.multibody import mechanism
-from granular_contact.multibody.accuracy import accuracy_warnings
+from granular_contact.multibody.accuracy import accuracy_warnings, greatest_energy
 from granular_contact.multibody.beam_energy import elastic_energy_and_loss
 from granular_contact.multibody.depths import all_depths, depths_by_body
 from granular_contact.multibody.drive_error import drive_warnings
@@ -209,4 +209,6 @@ def key_numbers(
 def accuracy(motion: Kinematics, driven: mechanism.Driven) -> list[AccuracyWarning]:
     """What the steps say of their accuracy."""
     with np.errstate(all="ignore"):  # of a run that failed by running away
-        return [*accuracy_warnings(motion), *drive_warnings(motion.scene, driven)]
+        time = motion.trajectory.time
+        drives = drive_warnings(motion.scene, driven, greatest_energy(motion), float(time[-1] - time[0]))
+        return [*accuracy_warnings(motion), *drives]

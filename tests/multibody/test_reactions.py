@@ -181,6 +181,7 @@ def test_a_greatest_force_that_steps_do_not_resolve_is_told(
         ((0.2, 0.5, 0.99, 1.0), None, ""),
         ((0.2, 1.0, 0.96, 0.99), None, ""),
         ((-0.2, -0.9, -0.3, -0.2), None, ""),
+        ((-0.2, -0.5, 4e-7, 2.1e-6), None, ""),  # it brakes
     ],
 )
 def test_a_greatest_power_that_still_rises_at_the_end_is_told(
@@ -188,10 +189,23 @@ def test_a_greatest_power_that_still_rises_at_the_end_is_told(
 ) -> None:
     scene = build(load(tree_of(FLAT["slider on what turns"], False)))
     scene = replace(scene, solver=scene.solver.model_copy(update={"accuracy": accuracy}), drives=scene.drives[:1])
-    force = np.ones(len(power))
+    force = np.ones(len(power))  # N
     said = list(drive_warnings(scene, {"rail": Driving(force, np.array(power), force)}))
     assert len(said) == bool(told)
     assert all(told in one.sentence for one in said)
+
+
+def test_forces_and_powers_that_are_little_beside_those_of_the_run_are_not_told() -> None:
+    """A drive that holds still what no force acts on gives round-off alone."""
+    scene = build(load(tree_of(FLAT["slider on what turns"], False)))
+    scene = replace(scene, drives=(replace(scene.drives[0], kind="control"),))
+    spike, rising = np.array([0.1, 0.1, 1.0, 0.1, 0.1]), np.array([0.1, 0.2, 0.3, 0.5, 1.0])
+    for size in (1.0, 1e-6 * scene.force_scale):
+        told = list(drive_warnings(scene, {"rail": Driving(size * spike, 0.0 * spike, spike)}))
+        assert len(told) == (size == 1.0)
+    for energy in (0.0, 1e5):  # J, in a second
+        told = list(drive_warnings(scene, {"rail": Driving(np.ones(5), rising, rising)}, energy, 1.0))
+        assert len(told) == (energy == 0.0)
 
 
 @pytest.mark.parametrize("lasts", [9e-5, 2e-3])
