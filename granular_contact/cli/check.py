@@ -22,6 +22,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     robot.add_argument(
         "--mend", metavar="OUT", help="write a copy with closed meshes and possible inertias into the folder OUT"
     )
+    words = "with --mend: take the convex hull of a mesh that nothing else mends, which may be much larger"
+    robot.add_argument("--hull", action="store_true", help=words)
 
 
 def execute(chosen: argparse.Namespace) -> int:
@@ -29,6 +31,8 @@ def execute(chosen: argparse.Namespace) -> int:
     robots = [path for path in chosen.configs if robot_check.is_robot_file(path)]
     if chosen.mend is not None and not (robots and len(chosen.configs) == 1):
         raise Refusal(f"--mend {chosen.mend}: allowed with one robot file (URDF)")
+    if chosen.hull and chosen.mend is None:
+        raise Refusal("--hull: allowed with --mend OUT")
     if (chosen.shapes or chosen.package) and not robots:
         raise Refusal("--shapes and --package: allowed with robot files (URDF)")
     fine = [_is_fine(path, chosen) for path in chosen.configs]
@@ -38,7 +42,7 @@ def execute(chosen: argparse.Namespace) -> int:
 def _is_fine(path: str, chosen: argparse.Namespace) -> bool:
     try:
         if robot_check.is_robot_file(path):
-            return robot_check.check(path, chosen.shapes, _packages(chosen.package), chosen.mend)
+            return robot_check.check(path, chosen.shapes, _packages(chosen.package), chosen.mend, chosen.hull)
         _read(path)
     except (ConfigError, SceneError) as error:
         complain(str(error))

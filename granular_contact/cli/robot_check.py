@@ -19,7 +19,7 @@ def is_robot_file(path: str) -> bool:
     return Path(path).suffix.lower() in SUFFIXES
 
 
-def check(path: str, shapes: str | None, packages: dict[str, Path], mend: str | None) -> bool:
+def check(path: str, shapes: str | None, packages: dict[str, Path], mend: str | None, hull: bool = False) -> bool:
     """Print what is wrong with a robot file, and write a mended copy if asked; returns whether a run would take it.
 
     Raises
@@ -37,19 +37,23 @@ def check(path: str, shapes: str | None, packages: dict[str, Path], mend: str | 
     for note in found.notes:
         complain(f"note: {note}")
     if mend is not None:
-        _mend(found, Path(mend), packages)
+        _mend(found, Path(mend), packages, hull)
     if not found.faults:
         print(f"{path}: ok{_count(found)}")
     return not found.faults
 
 
-def _mend(found: Inspection, out: Path, packages: dict[str, Path]) -> None:
+def _mend(found: Inspection, out: Path, packages: dict[str, Path], hull: bool) -> None:
+    """Write the copy, and say what was mended, and what a run would refuse in it still."""
+    from granular_contact.robot.inspection import inspect
     from granular_contact.robot.mending import mend
 
-    mended = mend(found, out, packages)
+    mended = mend(found, out, packages, hull)
     for words in mended.done:
         print(f"mended: {words}")
     print(f"mended copy: {mended.path}" + ("" if mended.done else f" (it has no {found.which} meshes)"))
+    for fault in inspect(mended.path, found.which, packages).faults:
+        complain(f"not mended: {fault}")
 
 
 def _count(found: Inspection) -> str:

@@ -154,14 +154,22 @@ def winding(points: Vector, corners: Vector) -> Vector:
     Solid angles after van Oosterom and Strackee (1983), IEEE Trans. Biomed. Eng. 30, 125.
     """
     found = np.empty(len(points))
+    rows = [np.ascontiguousarray(corners[:, k].T) for k in range(3)]  # x, y and z each in a row: several times faster
     for i, point in enumerate(points):
-        a, b, c = (corners[:, k] - point for k in range(3))
-        la, lb, lc = (np.sqrt(np.einsum("ij,ij->i", v, v)) for v in (a, b, c))
-        dots = [np.einsum("ij,ij->i", v, w) for v, w in ((a, b), (b, c), (c, a))]
-        above = np.einsum("ij,ij->i", a, np.cross(b, c))
-        below = la * lb * lc + dots[0] * lc + dots[1] * la + dots[2] * lb
+        a, b, c = (row - point[:, None] for row in rows)
+        la, lb, lc = (np.sqrt(_dot(v, v)) for v in (a, b, c))
+        above = a[0] * (b[1] * c[2] - b[2] * c[1])
+        above += a[1] * (b[2] * c[0] - b[0] * c[2])
+        above += a[2] * (b[0] * c[1] - b[1] * c[0])
+        below = la * lb * lc + _dot(a, b) * lc + _dot(b, c) * la + _dot(c, a) * lb
         found[i] = np.arctan2(above, below).sum() / (2.0 * np.pi)
     return found
+
+
+def _dot(v: Vector, w: Vector) -> Vector:
+    """Products (m,) of vectors (3, m)."""
+    product: Vector = v[0] * w[0] + v[1] * w[1] + v[2] * w[2]
+    return product
 
 
 def share_inside(corners: Vector, others: Vector) -> float:

@@ -12,6 +12,7 @@ support     joints that no mechanism here can have, joints that are held
 files       where a mesh file is, `package://` too
 surfaces    its shapes -> triangles
 inspection  what is wrong with the meshes and bodies of a robot, as a table and sentences
-mending, mending_inertia   a copy of a robot file with closed meshes and inertias that bodies can have
+mending     a copy of a robot file with closed meshes and inertias that bodies can have
+mending_mesh, mending_inertia   the cures, those that change least first
 mechanism   a robot -> what a config says of a mechanism in space; `config/urdf.py` puts it in place
 """

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import combinations
 from os import PathLike
 from pathlib import Path
@@ -34,6 +35,12 @@ class Inspected:
     path: Path | None = None
     quality: Quality | None = None
     corners: Vector | None = field(default=None, repr=False)
+
+    @cached_property
+    def box(self) -> tuple[Vector, Vector]:
+        """Lowest and highest x, y, z (3,) m of its corners, in the frame of its link."""
+        points = np.zeros((1, 3)) if self.corners is None else self.corners.reshape(-1, 3)
+        return points.min(axis=0), points.max(axis=0)
 
 
 @dataclass(frozen=True)
@@ -74,9 +81,9 @@ def inspect(
         which = "collision" if any(link.collision for link in robot.links.values()) else "visual"
     reader.use(which)
     notes = Reader(str(path))
-    surfaces = Surfaces()
+    surfaces, known = Surfaces(), dict[tuple[Path, tuple[float, float, float]], Quality]()
     shapes = [
-        _inspected(reader, notes, shape, surfaces, packages or {})
+        _inspected(reader, notes, shape, surfaces, known, packages or {})
         for link in robot.links.values()
         for shape in link.shapes(which)
     ]
@@ -90,8 +97,14 @@ def inspect(
 
 
 def _inspected(
-    reader: Reader, notes: Reader, shape: Shape, surfaces: Surfaces, packages: Mapping[str, Path]
+    reader: Reader,
+    notes: Reader,
+    shape: Shape,
+    surfaces: Surfaces,
+    known: dict[tuple[Path, tuple[float, float, float]], Quality],
+    packages: Mapping[str, Path],
 ) -> Inspected:
+    """One shape, with what is said of it; known: qualities by file and scale, so that a mesh is looked through once."""
     geometry, key = shape.geometry, f"{shape.key}.geometry.{shape.geometry.kind}"
     path = find(geometry.file, Path(reader.file), packages) if geometry.kind == "mesh" else None
     name = Path(geometry.file.replace("\\", "/")).name if geometry.kind == "mesh" else geometry.kind
@@ -103,7 +116,9 @@ def _inspected(
     corners = vertices[faces] @ shape.pose.rotation.T + shape.pose.xyz
     if path is None:
         return Inspected(shape, name, corners=corners)
-    found = quality(vertices, faces)
+    if (path, geometry.scale) not in known:
+        known[path, geometry.scale] = quality(vertices, faces)
+    found = known[path, geometry.scale]
     for words in found.faults:
         reader.fault(shape.line, key, f"{name}: {words}")
     for words in found.notes:
@@ -118,6 +133,9 @@ def _note_overlaps(notes: Reader, shapes: list[Inspected]) -> None:
     of_link: dict[str, list[tuple[float, Inspected, Inspected]]] = {}
     for one, other in combinations(shapes, 2):
         if one.shape.link != other.shape.link or one.corners is None or other.corners is None:
+            continue
+        (low, high), (lower, higher) = one.box, other.box
+        if (high <= lower).any() or (higher <= low).any():
             continue
         share = max(share_inside(one.corners, other.corners), share_inside(other.corners, one.corners))
         if share > OVERLAP:

@@ -1,6 +1,4 @@
-"""A copy of a robot file in which meshes that no law of surfaces can take are repaired, or replaced by their hull, and
-inertias that no body has by those of the shapes.
-"""
+"""A copy of a robot file with meshes that a law of surfaces can take, and with inertias that bodies can have."""
 
 from __future__ import annotations
 
@@ -8,19 +6,18 @@ import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from granular_contact.geometry.mesh_quality import INNER, LARGEST, Quality, quality, sides
+from granular_contact.geometry.mesh_quality import LARGEST
 from granular_contact.robot.files import find
 from granular_contact.robot.inspection import Inspected, Inspection
 from granular_contact.robot.mending_inertia import mend_inertias
+from granular_contact.robot.mending_mesh import mended_mesh
 from granular_contact.robot.source import Element, parse, refused
-from granular_contact.robot.surfaces import Arrays, Surfaces
+from granular_contact.robot.surfaces import Surfaces
 
 _MILLIMETRE = 1e-3
-_KEPT = 0.95  # of the size, and of the area that is not inside: less is no repair
 _Key = tuple[Path, tuple[float, float, float]]
 
 
@@ -32,11 +29,12 @@ class Mended:
     done: tuple[str, ...]
 
 
-def mend(inspection: Inspection, out: Path, packages: Mapping[str, Path] | None = None) -> Mended:
+def mend(inspection: Inspection, out: Path, packages: Mapping[str, Path] | None = None, hull: bool = False) -> Mended:
     """Write a mended copy of a robot file into a folder `out`, its meshes into `out`/meshes.
 
-    Meshes of the inspected kind are written in m; other files are named where they are. Inertias that no body has are
-    replaced by those of the shapes. What else is at fault with masses and joints stays.
+    Meshes of the inspected kind are written in m; other files are named where they are. Cures are those of
+    `mending_mesh` and `mending_inertia`; what else is at fault with masses and joints stays. hull: whether meshes that
+    still have faults are replaced by their convex hulls.
 
     Raises
     ------
@@ -54,7 +52,7 @@ def mend(inspection: Inspection, out: Path, packages: Mapping[str, Path] | None 
         for one in inspection.shapes:
             if one.path is not None and (key := (one.path, one.shape.geometry.scale)) not in names:
                 names[key] = _file_name(one.path, set(names.values()))
-                done.append(f"{names[key]}: {_write(one, surfaces, out / 'meshes' / names[key])}")
+                done.append(f"{names[key]}: {_write(one, surfaces, out / 'meshes' / names[key], hull)}")
         target = out / source.name
         root = parse(source).root
         done += mend_inertias(root, inspection)
@@ -72,7 +70,7 @@ def _file_name(path: Path, taken: set[str]) -> str:
     return name
 
 
-def _write(one: Inspected, surfaces: Surfaces, target: Path) -> str:
+def _write(one: Inspected, surfaces: Surfaces, target: Path, hull: bool) -> str:
     """Write a mesh, mended if it has to be; says what was done."""
     arrays = surfaces.of(one.shape.geometry, one.path)
     if isinstance(arrays, str):
@@ -80,76 +78,11 @@ def _write(one: Inspected, surfaces: Surfaces, target: Path) -> str:
     vertices, faces, words = *arrays, ""
     if np.ptp(vertices[faces].reshape(-1, 3), axis=0).max() > LARGEST:
         vertices, words = vertices * _MILLIMETRE, ", read as millimetres"
-    (vertices, faces), found = mended_mesh(vertices, faces)
+    (vertices, faces), found = mended_mesh(vertices, faces, hull)
     import trimesh
 
     trimesh.Trimesh(vertices, faces, process=False).export(target)
     return f"{found}{words}"
-
-
-def mended_mesh(vertices: np.ndarray, faces: np.ndarray) -> tuple[Arrays, str]:
-    """A closed, outward mesh in place of one of vertices (n, 3) m and faces (m, 3), and what was done."""
-    before = quality(vertices, faces)
-    if _is_fine(before):
-        return (vertices, faces), f"kept, {len(faces)} triangles"
-    repaired = _repaired(vertices, faces)
-    for found, verb in ((repaired, "repaired"), (_united(repaired), "its parts made one")):
-        after = quality(*_arrays(found)) if found is not None and len(found.faces) else None
-        if after is not None and _is_fine(after) and _is_whole(before, after):
-            return _arrays(found), f"{verb} ({_changes(before, after)})"
-    hull = _arrays(repaired.convex_hull if len(repaired.faces) else _mesh(vertices, faces).convex_hull)
-    return hull, f"replaced by its convex hull ({_changes(before, quality(*hull))})"
-
-
-def _is_whole(before: Quality, after: Quality) -> bool:
-    """Whether a repair lost nothing but what lay inside: neither area nor size."""
-    same = np.allclose(after.size, before.size, rtol=1.0 - _KEPT)
-    return bool(same) and after.area > _KEPT * before.area * (1.0 - before.inner)
-
-
-def _is_fine(found: Quality) -> bool:
-    return not found.faults and found.inner <= INNER and found.volume > 0.0
-
-
-def _repaired(vertices: np.ndarray, faces: np.ndarray) -> Any:
-    """The mesh with its vertices joined, twice given and flat triangles left out, holes closed, normals outward."""
-    from trimesh import repair
-
-    found = _mesh(vertices, faces)
-    found.merge_vertices(merge_tex=True, merge_norm=True)
-    found.update_faces(found.unique_faces())
-    found.update_faces(found.nondegenerate_faces(height=1e-9 * float(np.ptp(vertices, axis=0).max())))
-    repair.fill_holes(found)
-    repair.fix_normals(found, multibody=True)
-    found.remove_unreferenced_vertices()
-    return found
-
-
-def _united(found: Any) -> Any:
-    """The parts of a mesh as one body, without what lies inside; None if they can't be united."""
-    try:
-        from trimesh import boolean
-
-        parts = [part for part in found.split(only_watertight=True) if part.volume > 0.0]
-        return boolean.union(parts, engine="manifold") if len(parts) > 1 else None
-    except (ImportError, ValueError):  # manifold3d is not installed, or refuses the parts
-        return None
-
-
-def _mesh(vertices: np.ndarray, faces: np.ndarray) -> Any:
-    import trimesh
-
-    return trimesh.Trimesh(vertices, faces, process=False)
-
-
-def _arrays(found: Any) -> Arrays:
-    return np.asarray(found.vertices, float), np.asarray(found.faces, np.int64)
-
-
-def _changes(before: Quality, after: Quality) -> str:
-    words = "; ".join(fault.split("; allowed")[0] for fault in (*before.faults, *before.notes))
-    ratio = f"volume {1e6 * before.volume:.4g} to {1e6 * after.volume:.4g} cm3"
-    return f"{before.triangles} to {after.triangles} triangles, {sides(1e3 * after.size)} mm, {ratio}; was: {words}"
 
 
 def _rename(

@@ -1,4 +1,4 @@
-"""Inertias that no body can have, replaced in the XML by those of the shapes of their links."""
+"""Inertias that no body can have, mended in the XML as little as serves."""
 
 from __future__ import annotations
 
@@ -7,20 +7,18 @@ from collections.abc import Iterator
 import numpy as np
 
 from granular_contact.robot.elements import Reader
-from granular_contact.robot.inertia import impossible
+from granular_contact.robot.inertia import impossible, raised
 from granular_contact.robot.inspection import Inspection
 from granular_contact.robot.links import MOMENTS, tensor_of
 from granular_contact.robot.source import Element
 from granular_contact.robot.types import Vector
 
-NEGLIGIBLE = 1e-6  # of the largest moment of inertia
-
 
 def mend_inertias(root: Element, inspection: Inspection) -> Iterator[str]:
-    """Replace impossible inertias; says what was done, a sentence for each link.
+    """Mend impossible inertias; says what was done, a sentence for each link.
 
-    The mass stays. The new inertia and centre are those of the convex hull of all shapes of the link, of one density;
-    without shapes the largest moment is lowered to what is possible, or gets others beside it.
+    Mass and centre of mass stay. The small moments are raised until they reach the largest, which stays with the axes;
+    where the shapes of the link are too small for the largest, the tensor becomes that of their convex hull.
     """
     for link in root.findall("link"):
         inertial, name = link.find("inertial"), link.get("name") or ""
@@ -32,55 +30,40 @@ def mend_inertias(root: Element, inspection: Inspection) -> Iterator[str]:
         tensor = tensor_of(reader, inertial, "", weight)
         if tensor is None or impossible(tensor) is None:
             continue
-        of_link = [one.corners for one in inspection.shapes if one.shape.link == name]
-        corners = [one.reshape(-1, 3) for one in of_link if one is not None]
-        if corners:
-            center, found = _of_hull(np.concatenate(corners), weight)
-            _write_place(inertial, center)
-            _write_tensor(inertial, found)
-            yield f"link {name}: inertia and centre of mass are now those of the hull of its shapes; its mass stays"
-        elif (low := np.linalg.eigvalsh(tensor))[2] > 0.0:
-            _write_tensor(inertial, _nearest(tensor))
-            what = "largest moment of inertia is now the sum of the two others"
-            if low[0] + low[1] <= NEGLIGIBLE * low[2]:
-                what = "smaller moments of inertia are now half the largest, as of a thin plate"
-            yield f"link {name}: it has no shape; its {what}"
-        else:
-            yield f"link {name}: its inertia stays, as it has no {inspection.which} shape to take one from"
+        yield f"link {name}: {_mended(inertial, tensor, weight, _corners(inspection, name), reader)}"
 
 
-def _nearest(tensor: Vector) -> Vector:
-    """The tensor (3, 3) with its largest principal moment lowered to the sum of the two others.
-
-    Where these are nothing the largest is that of a thin plate, whose others are half of it.
-    """
-    moments, axes = np.linalg.eigh(tensor)
-    if moments[0] + moments[1] <= NEGLIGIBLE * moments[2]:
-        moments[:2] = 0.5 * moments[2]
-    else:
-        moments[0] = max(moments[0], NEGLIGIBLE * moments[2])
-        moments[2] = min(moments[2], moments[0] + moments[1])
-    found: Vector = (axes * moments) @ axes.T
-    return found
+def _corners(inspection: Inspection, link: str) -> Vector:
+    """Corners (n, 3) m of all shapes of a link."""
+    found = [one.corners for one in inspection.shapes if one.shape.link == link]
+    return np.concatenate([np.zeros((0, 3)), *(one.reshape(-1, 3) for one in found if one is not None)])
 
 
-def _of_hull(points: Vector, mass: float) -> tuple[Vector, Vector]:
-    """Centre (3,) m and inertia (3, 3) kg m^2 about it of the convex hull of points (n, 3), of one density."""
+def _mended(inertial: Element, tensor: Vector, mass: float, corners: Vector, reader: Reader) -> str:
+    """Mend an inertia (3, 3) kg m^2 about its centre in the XML, and say how; corners (n, 3) m are those of shapes."""
+    moments = np.linalg.eigvalsh(tensor)
+    center = reader.pose(inertial, "").xyz
+    reach = float(np.linalg.norm(corners - center, axis=1).max()) if len(corners) else np.inf
+    if 0.0 < moments[2] <= mass * reach**2:
+        new = raised(tensor)
+        _write_tensor(inertial, new)
+        was, now = (", ".join(f"{one:.4g}" for one in np.linalg.eigvalsh(one)[:2]) for one in (tensor, new))
+        return f"its smaller moments of inertia are raised from {was} to {now} kg m^2; all else of it stays"
+    if len(corners) == 0:
+        return "its inertia stays, as it has no shape to take one from"
+    if (origin := inertial.find("origin")) is not None:  # whose axes are those of the link from now on
+        origin.attrib.pop("rpy", None)
+    _write_tensor(inertial, _of_hull(corners, mass))
+    return "its inertia is now that of the hull of its shapes, which are too small for it; mass and centre of mass stay"
+
+
+def _of_hull(points: Vector, mass: float) -> Vector:
+    """Inertia (3, 3) kg m^2 of the convex hull of points (n, 3) m about its centre of mass, of one density."""
     from trimesh import Trimesh
 
     hull = Trimesh(points, np.zeros((0, 3), int), process=False).convex_hull
     hull.density = mass / hull.volume
-    return np.asarray(hull.center_mass), np.asarray(hull.moment_inertia)
-
-
-def _write_place(inertial: Element, center: Vector) -> None:
-    """Write the centre of mass (3,) m, with the axes of the link."""
-    origin = inertial.find("origin")
-    if origin is None:
-        origin = inertial.makeelement("origin")
-        inertial.insert(0, origin)
-    origin.attrib.pop("rpy", None)
-    origin.set("xyz", " ".join(f"{x:.9g}" for x in center))
+    return np.asarray(hull.moment_inertia, float)
 
 
 def _write_tensor(inertial: Element, tensor: Vector) -> None:

@@ -45,11 +45,22 @@ def test_options_of_robots_are_for_robots(tmp_path: Path, capsys: pytest.Capture
 
 MENDED = {
     "fine": (CUBE, 1e-3, "kept", 12),
-    "open": (CUBE[2:], 1e-3, "repaired", 12),
-    "turned": (np.concatenate([CUBE[:3, ::-1], CUBE[3:]]), 1e-3, "repaired", 12),
-    "inside out": (CUBE[:, ::-1], 1e-3, "repaired", 12),
-    "two": (np.concatenate([CUBE, block((0.1, 0.05, 0.05), (0.05, 0, 0))]), 1.125e-3, "its parts made one", None),
-    "hollow": (np.concatenate([CUBE, block((0.08, 0.08, 0.08))[:, ::-1]]), 1e-3, "its parts made one", 12),
+    "open": (CUBE[2:], 1e-3, "holes filled by 2 triangles (volume ", 12),
+    "turned": (np.concatenate([CUBE[:3, ::-1], CUBE[3:]]), 1e-3, "turned outward (volume 666.7 to 1000 cm3)", 12),
+    "inside out": (CUBE[:, ::-1], 1e-3, "turned outward (volume -1000 to 1000 cm3)", 12),
+    "twice": (np.concatenate([CUBE, CUBE[:3]]), 1e-3, "triangles dropped: 3 given twice (volume ", 12),
+    "two": (
+        np.concatenate([CUBE, block((0.1, 0.05, 0.05), (0.05, 0, 0))]),
+        1.125e-3,
+        "its 2 parts made one (volume 1250 to 1125 cm3)",
+        None,
+    ),
+    "hollow": (
+        np.concatenate([CUBE, block((0.08, 0.08, 0.08))[:, ::-1]]),
+        1e-3,
+        "its 2 parts made one (volume 488 to 1000 cm3)",
+        12,
+    ),
     "millimetres": (1000 * CUBE, 1e-3, "read as millimetres", 12),
 }
 
@@ -73,12 +84,12 @@ def test_a_mended_copy_has_no_faults(tmp_path: Path, capsys: pytest.CaptureFixtu
     assert triangles in (None, foot.quality.triangles)
 
 
-def test_an_impossible_inertia_becomes_that_of_the_shapes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_inertia_too_large_for_the_shapes_becomes_theirs(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = robot_in(
         tmp_path, ('<mass value="2"/><inertia ixx="1e-3"', '<origin rpy="1 0 0"/><mass value="2"/><inertia ixx="9"')
     )
     assert main(["check", str(path), "--mend", str(tmp_path / "out")]) == 2
-    assert "mended: link trunk: inertia and centre of mass are now those of the hull" in capsys.readouterr().out
+    assert "mended: link trunk: its inertia is now that of the hull of its shapes" in capsys.readouterr().out
     after = inspect(tmp_path / "out" / "arm.urdf")
     assert after.faults == ()
     inertial = after.robot.links["trunk"].inertial
@@ -108,7 +119,7 @@ def test_units_of_collada_files_count(tmp_path: Path) -> None:
 
 def test_an_impossible_inertia_without_a_shape_becomes_the_nearest(tmp_path: Path) -> None:
     """Of one whose two moments are nothing, as public files have them, a thin plate's."""
-    for given, mended in (((0.0, 0.0, 3e-3), (1.5e-3, 1.5e-3, 3e-3)), ((1e-3, 2e-3, 9e-3), (1e-3, 2e-3, 3e-3))):
+    for given, mended in (((0.0, 0.0, 3e-3), (1.5e-3, 1.5e-3, 3e-3)), ((1e-3, 2e-3, 9e-3), (3e-3, 6e-3, 9e-3))):
         moments = " ".join(f'i{axis}{axis}="{one}"' for axis, one in zip("xyz", given, strict=True))
         inertial = f'<inertial><mass value="0.3"/><inertia {moments} ixy="0" ixz="0" iyz="0"/></inertial>'
         path = robot_in(tmp_path, ('<link name="sensor">', f'<link name="sensor">{inertial}'))

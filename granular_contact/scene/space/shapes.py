@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -23,6 +24,7 @@ from granular_contact.scene.space.types import Meets, Part, Vector
 
 CHORDS = 96  # of a full circle of an arc: trajectories of a C-leg are then within 3e-4 of the path
 NOT_CUT = math.inf
+_MESHES = 64  # that are kept
 
 
 @dataclass(frozen=True)
@@ -65,7 +67,7 @@ def part_of(name: str, spec: Any, media: Collection[str], strips: int) -> tuple[
     if isinstance(spec, shapes_schema.SpatialBar):
         line = made.Bar(np.array(spec.points_m), spec.diameter_m, strips)
         return _bar(name, line, spec.in_sand), _of_line(line)
-    shape, own = _made(spec)
+    shape, own, notes = (*_made(spec), ()) if not isinstance(spec, shapes_schema.SpatialMesh) else _mesh_of(spec)
     position, turn = np.array(spec.center_m), orientation(spec)
     if isinstance(spec, shapes_schema.SpatialCylinder | shapes_schema.SpatialCapsule) and spec.start_m is not None:
         start, end = np.array(spec.start_m), np.array(spec.end_m)
@@ -74,10 +76,7 @@ def part_of(name: str, spec: Any, media: Collection[str], strips: int) -> tuple[
     if isinstance(shape, made.Sphere):
         meets = tuple(kind for kind in ("surface", "ball") if kind in media) or ("surface", "ball")
     part = _part(name, shape, meets, position, turn, spec.in_sand, spec.facet_size_m)
-    if isinstance(spec, shapes_schema.SpatialMesh):
-        doubts = quality_notes(shape.vertices, shape.faces) if spec.in_sand and not spec.thin else ()
-        part = replace(part, notes=(*shape.notes, *doubts))
-    return part, own.placed(position, turn)
+    return replace(part, notes=notes), own.placed(position, turn)
 
 
 def _part(
@@ -133,10 +132,6 @@ def moved(part: Part, position: Vector, rotation: Vector) -> Part:
 
 def _made(spec: Any) -> tuple[Any, Mass]:
     """Shape of a config in its own frame, with its mass properties."""
-    if isinstance(spec, shapes_schema.SpatialMesh):
-        found = made.Mesh.read(Path(spec.file), scale=spec.scale, thin=spec.thin)
-        corners = found.vertices[found.faces]
-        return found, _of_sheet(found, spec.thickness_m or 0.0) if spec.thin else of_surface(corners)
     if isinstance(spec, shapes_schema.SpatialPolygon):
         solid = _extruded(np.array(spec.points_m), spec.width_m)
         return solid, of_surface(solid.vertices[solid.faces])
@@ -160,6 +155,32 @@ def _made(spec: Any) -> tuple[Any, Mass]:
     if isinstance(spec, shapes_schema.SpatialCapsule):
         return made.Capsule(d, length), _of_capsule(d, length)
     return made.Cylinder(d, length), _of_cylinder(d, length)
+
+
+def _mesh_of(spec: shapes_schema.SpatialMesh) -> tuple[Any, Mass, tuple[str, ...]]:
+    """A mesh of a config in its own frame, with its mass properties and notes."""
+    path, sheet = Path(spec.file), spec.thickness_m or 0.0
+    changed = path.stat().st_mtime_ns if path.is_file() else None
+    found, mass = _looked_through(path, changed, spec.scale, spec.thin, sheet)
+    doubts = _doubts(path, changed, spec.scale) if spec.in_sand and not spec.thin else ()
+    return found, mass, (*found.notes, *doubts)
+
+
+@lru_cache(maxsize=_MESHES)
+def _looked_through(
+    path: Path, changed: int | None, scale: float | tuple[float, ...] | None, thin: bool, thickness: float
+) -> tuple[Any, Mass]:
+    """Mesh of a file that was changed at a time (ns), and its mass; many bodies, and the runs of a sweep, share one."""
+    del changed
+    found = made.Mesh.read(path, scale=scale, thin=thin)
+    return found, _of_sheet(found, thickness) if thin else of_surface(found.vertices[found.faces])
+
+
+@lru_cache(maxsize=_MESHES)
+def _doubts(path: Path, changed: int | None, scale: float | tuple[float, ...] | None) -> tuple[str, ...]:
+    """What makes forces on the mesh of a file uncertain."""
+    found, _ = _looked_through(path, changed, scale, False, 0.0)
+    return quality_notes(found.vertices, found.faces)
 
 
 def _length(spec: Any) -> float:
