@@ -13,6 +13,8 @@ from granular_contact.robot.links import MOMENTS, tensor_of
 from granular_contact.robot.source import Element
 from granular_contact.robot.types import Vector
 
+ROUND_OFF = 1e-12  # of the largest moment of inertia: is written as 0, as its digits differ between processors
+
 
 def mend_inertias(root: Element, inspection: Inspection) -> Iterator[str]:
     """Mend impossible inertias; says what was done, a sentence for each link.
@@ -67,5 +69,6 @@ def _of_hull(points: Vector, mass: float) -> Vector:
 
 
 def _write_tensor(inertial: Element, tensor: Vector) -> None:
+    tensor = np.where(np.abs(tensor) < ROUND_OFF * np.abs(tensor).max(), 0.0, tensor)
     for name in MOMENTS:
         inertial.find("inertia").set(name, f"{tensor['xyz'.index(name[1]), 'xyz'.index(name[2])]:.9g}")

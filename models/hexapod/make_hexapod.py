@@ -22,6 +22,7 @@ SEGMENTS = 12
 HIPS = {f"{place}_{side}": (x, y) for place, x in (("front", 0.09), ("middle", 0.0), ("rear", -0.09))
         for side, y in (("left", 0.064), ("right", -0.064))}  # fmt: skip
 EFFORT, RATE = 2.0, 30.0  # N m, rad/s
+ROUND_OFF = 1e-12  # of the largest of some numbers: smaller ones mean nothing
 
 
 def prism(section: np.ndarray, width: float) -> np.ndarray:
@@ -70,19 +71,26 @@ def mass_properties(corners: np.ndarray, mass: float) -> tuple[np.ndarray, np.nd
     return center, np.trace(second) * np.eye(3) - second
 
 
+def cleared(values: np.ndarray) -> np.ndarray:
+    """Values, but 0 for those that are only round-off of the largest: their digits differ between processors."""
+    return np.where(np.abs(values) < ROUND_OFF * np.abs(values).max(), 0.0, values)
+
+
 def write_stl(path: Path, corners: np.ndarray) -> None:
     """Write a binary STL file (m)."""
     record = np.zeros(len(corners), np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("more", "<u2")]))
     cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    record["normal"] = cross / np.linalg.norm(cross, axis=1, keepdims=True)
-    record["corners"] = corners
+    record["normal"] = cleared(cross / np.linalg.norm(cross, axis=1, keepdims=True))
+    record["corners"] = cleared(corners)
     path.parent.mkdir(exist_ok=True)
     path.write_bytes(b"hexapod, ours".ljust(80, b"\0") + np.uint32(len(corners)).tobytes() + record.tobytes())
 
 
 def link(name: str, mesh: str, mass: float, corners: np.ndarray) -> str:
     """A link whose shape, in pictures and in sand, is a mesh; on the right its mirror image, triangle by triangle."""
-    (x, y, z), tensor = mass_properties(corners, mass)
+    center, tensor = mass_properties(corners, mass)
+    x, y, z = np.where(np.abs(center) < ROUND_OFF * np.abs(corners).max(), 0.0, center)
+    tensor = cleared(tensor)
     moments = " ".join(
         f'i{a}{b}="{tensor["xyz".index(a), "xyz".index(b)]:.6g}"' for a, b in ("xx", "yy", "zz", "xy", "xz", "yz")
     )

@@ -15,7 +15,8 @@ INNER, OUTER, PITCH, TURNS, EACH = 0.005, 0.02, 0.025, 3, 24  # m, m, m, turns, 
 def corner(step: int, radius: float) -> tuple[float, float, float]:
     """Point (m) of the blade after so many pieces, at a radius (m)."""
     angle = 2.0 * math.pi * step / EACH
-    return radius * math.cos(angle), radius * math.sin(angle), PITCH * step / EACH
+    x, y = (round(radius * ratio, 12) + 0.0 for ratio in (math.cos(angle), math.sin(angle)))  # no round-off, no -0
+    return x, y, PITCH * step / EACH
 
 
 def main() -> None:
