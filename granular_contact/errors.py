@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+import warnings
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import Any
@@ -90,6 +92,27 @@ def unknown_name(what: str, name: Any, known: Iterable[str]) -> str:
         return f"no {what} {name!r}; did you mean {' or '.join(near)}?"
     more = f", and {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else ""
     return f"no {what} {name!r}; there are: {', '.join(names[:MOST_NAMES]) or 'none'}{more}"
+
+
+class FigureWarning(UserWarning):
+    """A figure, film or overview could not be drawn: its file is missing, all data is saved."""
+
+
+@contextmanager
+def missing_figures(tell: Callable[[str], object]) -> Iterator[None]:
+    """Have each `FigureWarning` of the block told by a function; other warnings stay Python's."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", FigureWarning)
+        others = warnings.showwarning
+
+        def show(message: Warning | str, category: type[Warning], *place: Any, **more: Any) -> None:
+            if issubclass(category, FigureWarning):
+                tell(str(message))
+            else:
+                others(message, category, *place, **more)
+
+        warnings.showwarning = show
+        yield
 
 
 def scene_fault(key: str, message: str) -> Fault:

@@ -82,7 +82,7 @@ MAY = {
         "errors",
     },
     "gym": {"gym", "simulation", "controllers", "config", "examples", "report.figures", "results", "errors"},
-    "report": {"report", "results", "report.figures"},
+    "report": {"report", "results", "report.figures", "errors"},
     "report.figures": {"report.figures", "report", "results"},
     "report.pages": {
         "report.pages",

@@ -18,6 +18,7 @@ from support_results import make
 from support_runs import ROOT
 
 from granular_contact import report
+from granular_contact.errors import FigureWarning
 from granular_contact.report import figures, overlay
 from granular_contact.results import Results
 from granular_contact.results.motion import Motion, Part
@@ -138,14 +139,29 @@ class TestWholeOrNotAtAll:
         assert content(tmp_path) == before
         assert names(tmp_path) == ["run"]
 
-    def test_a_failing_figure_leaves_nothing(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    @pytest.mark.parametrize("error", [ValueError("no rows"), OSError(28, "No space left on device"), MemoryError()])
+    def test_a_failing_figure_is_told_and_costs_only_itself(
+        self, error: Exception, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
         def fail(_: Results) -> None:
-            raise MemoryError
+            raise error
 
         monkeypatch.setattr(figures, "mechanism", fail)
-        with pytest.raises(MemoryError):
+        with pytest.warns(FigureWarning, match=r"figures/mechanism\.png is missing, as drawing it failed") as told:
             report.write(make(), tmp_path / "run")
-        assert not names(tmp_path)
+        assert len(told) == 1
+        assert names(tmp_path / "run") == NAMES
+        assert names(tmp_path / "run" / "figures") == ["energy.png", "forces.png", "motion.png"]
+
+    def test_ctrl_c_among_the_pictures_keeps_the_data(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+        def stop(_: Results) -> None:
+            raise KeyboardInterrupt
+
+        monkeypatch.setattr(figures, "motion", stop)
+        with pytest.raises(KeyboardInterrupt, match="the data is saved in"):
+            report.write(make(), tmp_path / "run")
+        assert names(tmp_path) == ["run"]
+        assert set(NAMES[1:]) <= set(names(tmp_path / "run"))
 
 
 def test_the_exchange_is_one_call_on_linux(tmp_path: Path) -> None:

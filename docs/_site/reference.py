@@ -367,7 +367,10 @@ def commands() -> str:
     (action,) = (one for one in parser._actions if isinstance(one, argparse._SubParsersAction))
     summaries = {one.dest: one.help or "" for one in action._choices_actions}
     lines = ["# Commands", ""]
-    lines += ["Exit codes: 0 success, 2 faulty input, 3 a solve failed, 4 time limit reached, 130 interrupted."]
+    lines += [
+        "Exit codes: 0 success, 2 faulty input, 3 a solve failed, 4 time limit reached, 130 interrupted. They "
+        "tell of runs: a figure or an animation that can't be drawn is a warning on stderr, after all data is saved."
+    ]
     lines += ["In the last three cases what was reached is saved.", ""]
     for name, command in action.choices.items():
         lines += [f"## {name}", "", f"{summaries[name][:1].upper()}{summaries[name][1:]}.", ""]

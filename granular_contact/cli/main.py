@@ -1,8 +1,8 @@
 """Entry of the command line.
 
 Exit codes: 0 fine, 2 faulty input, 3 the solver failed, 4 time limit reached, 130
-interrupted. Heavy imports are in the commands that need them, so that `check` never loads the engine and a run without
-figures never loads the plots.
+interrupted. They tell of runs: a picture that can't be drawn is a warning, and changes none. Heavy imports are in the
+commands that need them, so that `check` never loads the engine and a run without figures never loads the plots.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from importlib import import_module
 
 from granular_contact.cli.common import FAILED, FAULTY_INPUT, FINE, INTERRUPTED, OUT_OF_TIME, Refusal, complain
-from granular_contact.errors import GranularContactError, OutOfTimeError, SolveError
+from granular_contact.errors import GranularContactError, OutOfTimeError, SolveError, missing_figures
 
 COMMANDS = (
     *("new", "run", "check", "report", "sweep", "ensemble", "optimise", "compare", "compare-media", "fit"),
@@ -33,13 +33,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
         parser.print_help()
         return FINE
     try:
-        code: int = chosen.command(chosen)
+        with missing_figures(lambda words: complain(f"warning: {words}")):
+            code: int = chosen.command(chosen)
     except (GranularContactError, Refusal) as error:
         complain(str(error))
         codes = {OutOfTimeError: OUT_OF_TIME, SolveError: FAILED}
         return next((code for kind, code in codes.items() if isinstance(error, kind)), FAULTY_INPUT)
-    except KeyboardInterrupt:
-        complain("interrupted; nothing was saved")
+    except KeyboardInterrupt as stopped:
+        complain(f"interrupted; {str(stopped) or 'nothing was saved'}")
         return INTERRUPTED
     except BrokenPipeError:
         # Whoever read our output wants no more of it; Python would complain once more while it closes the pipe.

@@ -1,5 +1,6 @@
-"""Results -> a folder of summary.json, timeseries.csv, scenario.yaml and figures, written completely or not at all.
+"""Results -> a folder of summary.json, timeseries.csv, scenario.yaml, written completely or not at all; then figures.
 
+drawn       a picture that fails is told, and costs nothing else
 units       numbers for readers
 histories   panels over time, for figures and pages
 overlay     several runs on one clock
@@ -30,6 +31,7 @@ from typing import Any
 import numpy as np
 import yaml
 
+from granular_contact.report.drawn import drawn, saved_before
 from granular_contact.results import Results
 from granular_contact.results.motion import Motion, motion_of, plain
 
@@ -108,7 +110,7 @@ def write(
     the PNG that pages show (`FORMATS`).
 
     The folder is made beside its place under a hidden name and then exchanged for the old one, so that a full disk or
-    Ctrl-C leaves the old folder as it was.
+    Ctrl-C leaves the old folder as it was. Pictures come after that: one that can't be drawn is a `FigureWarning`.
 
     Raises
     ------
@@ -121,15 +123,16 @@ def write(
         _write_series(results, making / SERIES)
         if (motion := motion_of(results)) is not None:
             (making / MOTION).write_text(motion_text(motion, results), encoding="utf-8")
+    with saved_before(directory):
         if figures:
             from granular_contact.report.figures import draw
 
-            (making / FIGURES).mkdir()
-            draw(results, making / FIGURES, formats)
+            draw(results, directory / FIGURES, formats)
         if film is not None:
             from granular_contact.report.figures.film import write as animate
 
-            animate(results, making / f"{ANIMATION}.{film}")
+            with drawn(directory / f"{ANIMATION}.{film}") as picture:
+                animate(results, picture)
 
 
 @contextmanager

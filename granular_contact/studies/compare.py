@@ -20,6 +20,7 @@ import numpy as np
 from granular_contact import report
 from granular_contact.config import load, schema
 from granular_contact.errors import ConfigError, Fault
+from granular_contact.report.drawn import drawn, saved_before
 from granular_contact.report.overlay import write as write_overlay
 from granular_contact.results import FINISHED, Compiling, Results
 from granular_contact.results.frames import MOST
@@ -219,15 +220,15 @@ def runs_folder(
 
 
 def write(comparison: Comparison, directory: Path, figures: bool = True) -> None:
-    """Write table, verdict, scenario, histories and motions of all, and a figure, completely or not at all."""
+    """Write table, verdict, scenario, histories and motions of all, completely or not at all; then a figure."""
     runs = [(row.name, row.results) for row in comparison.rows]
     with runs_folder(directory, "compare", map(cells, comparison.rows), runs, runs[-1][1]) as folder:
         (folder / report.SUMMARY).write_text(report.json_text(_summary(comparison)), encoding="utf-8")
-        if figures:
-            from granular_contact.report.figures.histories import draw_histories
+    if figures:
+        from granular_contact.report.figures.histories import draw_histories
 
-            (folder / report.FIGURES).mkdir()
-            draw_histories(runs, folder / report.FIGURES / HISTORIES)
+        with saved_before(directory), drawn(directory / report.FIGURES / HISTORIES) as file:
+            draw_histories(runs, file)
 
 
 def _summary(comparison: Comparison) -> dict[str, Any]:

@@ -12,6 +12,7 @@ import numpy as np
 from granular_contact.config import load
 from granular_contact.errors import ConfigError, Fault, SceneError
 from granular_contact.report import FIGURES
+from granular_contact.report.drawn import drawn, saved_before
 from granular_contact.results import Compiling, Results
 from granular_contact.results.frames import MOST
 from granular_contact.results.series import resultant
@@ -102,11 +103,12 @@ def cells(row: Row) -> dict[str, str | float | None]:
 
 
 def write(rows: Sequence[Row], directory: Path, figures: bool = True) -> None:
-    """Write the table, the scenario of the first run, histories and motions, and a figure, completely or not at all."""
+    """Write the table, the first run's scenario, histories and motions, completely or not at all; then a figure."""
     runs = [(row.name, row.results) for row in rows]
-    with runs_folder(directory, "compare-media", map(cells, rows), runs, rows[0].results) as folder:
-        if figures:
-            from granular_contact.report.figures.media import draw_media
+    with runs_folder(directory, "compare-media", map(cells, rows), runs, rows[0].results):
+        pass
+    if figures:
+        from granular_contact.report.figures.media import draw_media
 
-            (folder / FIGURES).mkdir()
-            draw_media(runs, folder / FIGURES / HISTORIES)
+        with saved_before(directory), drawn(directory / FIGURES / HISTORIES) as file:
+            draw_media(runs, file)

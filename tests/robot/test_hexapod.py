@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import math
+import re
 from functools import cache
 from pathlib import Path
 from types import ModuleType
@@ -49,14 +50,12 @@ def test_its_files_are_what_its_script_makes(tmp_path: Path, monkeypatch: pytest
 
 def values(root: etree._Element) -> list[tuple[str, str | list[float]]]:
     """Every attribute of an XML tree in order, as numbers where it holds numbers."""
-    found: list[tuple[str, str | list[float]]] = []
-    for element in root.iter(etree.Element):
-        for key, text in element.attrib.items():
-            try:
-                found.append((f"{element.tag}.{key}", [float(word) for word in text.split()]))
-            except ValueError:
-                found.append((f"{element.tag}.{key}", text))
-    return found
+    number = re.compile(r"[-+.\d][-+.\de ]*")
+    return [
+        (f"{element.tag}.{key}", [float(word) for word in text.split()] if number.fullmatch(text) else text)
+        for element in root.iter(etree.Element)
+        for key, text in element.attrib.items()
+    ]
 
 
 def test_what_is_only_round_off_is_written_as_0() -> None:

@@ -13,14 +13,16 @@ studies  histories, media, laws     models and media compared, a law
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 
 from matplotlib.figure import Figure
 
+from granular_contact.report.drawn import drawn
 from granular_contact.report.figures.mechanism import mechanism
 from granular_contact.report.figures.motion import motion
-from granular_contact.report.figures.robots import against_depth, contacts, groups_of, in_contact, joints, over_time
+from granular_contact.report.figures.robots import against_depth, contacts, groups_of, in_contact, in_joints, over_time
 from granular_contact.report.figures.series import deflection, energy, forces
 from granular_contact.report.figures.space_views import views
 from granular_contact.report.figures.style import DPI, style
@@ -35,42 +37,55 @@ _UNDATED: dict[str, dict[str, None]] = {"png": {"Software": None}, "pdf": {"Crea
 
 def draw(results: Results, directory: Path, formats: Sequence[str] = ("png",)) -> None:
     """Write every figure that `results` has the columns for to `directory` as NAME.png, and in the other formats asked
-    for, of `report.FORMATS`; OSError as the disk has it.
+    for, of `report.FORMATS`; one that fails is a `FigureWarning`.
     """
     with style():
-        for name, figure in figures(results).items():
-            layout = figure.get_layout_engine()
-            if layout is not None:  # once, and not again for each file
-                layout.execute(figure)
-                figure.set_layout_engine("none")
+        for name, make in makers(results).items():
+            figure: Figure | None = None
             for one in dict.fromkeys(("png", *formats)):
-                figure.savefig(directory / f"{name}.{one}", dpi=DPI, metadata=_UNDATED[one])
+                with drawn(directory / f"{name}.{one}") as file:
+                    figure = _laid_out(make()) if figure is None else figure
+                    figure.savefig(file, dpi=DPI, metadata=_UNDATED[one])
+
+
+def _laid_out(figure: Figure) -> Figure:
+    """The figure with its layout made, once, and not again for each file."""
+    layout = figure.get_layout_engine()
+    if layout is not None:
+        layout.execute(figure)
+        figure.set_layout_engine("none")
+    return figure
 
 
 def figures(results: Results) -> dict[str, Figure]:
-    """The figures of `results` by name, on Agg canvases; to be made and drawn within `style()`."""
+    """The figures of `results` by name; to be made and drawn within `style()`."""
+    return {name: make() for name, make in makers(results).items()}
+
+
+def makers(results: Results) -> dict[str, Callable[[], Figure]]:
+    """What makes each figure of `results`, by name, on Agg canvases; to be called and drawn within `style()`."""
     has = {column.name for column in results.columns}
-    made: dict[str, Figure] = {}
+    made: dict[str, Callable[[], Figure]] = {}
     histories = groups_of(results) if len(results.table) > 1 else {}
     if "travel" in histories:
-        made["travel"] = over_time(results, list(histories["travel"].panels))
-        if "joints" in histories:
-            made["joints"] = joints(results, histories["joints"])
+        made["travel"] = partial(over_time, results, histories["travel"].panels)
+        if "joints" in histories and (panels := in_joints(histories["joints"])):
+            made["joints"] = partial(over_time, results, panels)
     elif len(results.table):
-        made["motion"] = motion(results)
+        made["motion"] = partial(motion, results)
     if len(results.table):
         if "deflection_m" in has:
-            made["deflection"] = deflection(results)
+            made["deflection"] = partial(deflection, results)
         if results.terms:
-            made["forces"] = forces(results)
+            made["forces"] = partial(forces, results)
         if "kinetic_J" in has:
-            made["energy"] = energy(results)
+            made["energy"] = partial(energy, results)
     if histories and len(in_contact(results)) > 1:
-        made["contacts"] = contacts(results, histories.get("depth"))
+        made["contacts"] = partial(contacts, results, histories.get("depth"))
     elif "travel" in histories and "depth" in histories and any(one.along for one in histories["depth"].panels):
-        made["depth"] = against_depth(results, histories["depth"])
+        made["depth"] = partial(against_depth, results, histories["depth"])
     if results.motion is not None and results.motion.in_space and results.motion.parts:
-        made["views"] = views(results, results.motion)
+        made["views"] = partial(views, results, results.motion)
     elif results.snapshots:
-        made["mechanism"] = mechanism(results)
+        made["mechanism"] = partial(mechanism, results)
     return made

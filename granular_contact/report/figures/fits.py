@@ -11,6 +11,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from granular_contact.report.drawn import drawn
 from granular_contact.report.figures.panels import blank, column_of, save
 from granular_contact.report.figures.style import BLUE, DOUBLE, FAINT, INK, SINGLE, SKY, VERMILION, style
 from granular_contact.report.units import Array, Unit, unit_for
@@ -63,10 +64,13 @@ def draw(
     """
     with style():
         for i, run in enumerate(runs[:MOST_RUNS], 1):
-            save(overlay(run), directory / f"run_{i:02d}.png")
-        save(residuals(runs, misfit), directory / "residuals.png")
+            with drawn(directory / f"run_{i:02d}.png") as file:
+                save(overlay(run), file)
+        with drawn(directory / "residuals.png") as file:
+            save(residuals(runs, misfit), file)
         if len(estimates) > 1:
-            save(correlations(estimates, correlation), directory / "correlation.png")
+            with drawn(directory / "correlation.png") as file:
+                save(correlations(estimates, correlation), file)
 
 
 def overlay(run: RunPicture) -> Figure:

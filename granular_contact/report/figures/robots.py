@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -22,8 +24,8 @@ def groups_of(results: Results) -> dict[str, Group]:
     return {one.name: one for one in groups(results.names, results.terms, results.__getitem__)}
 
 
-def over_time(results: Results, panels: list[Panel]) -> Figure:
-    """Panels under each other, over time; curves of one name have one colour."""
+def over_time(results: Results, panels: Sequence[Panel]) -> Figure:
+    """One or more panels under each other, over time; curves of one name have one colour."""
     figure, axes, time = stacked(results, 9.0 + PANEL * len(panels), (1.0,) * len(panels))
     colours: dict[str, str] = {}
     labelled: set[str] = set()
@@ -52,9 +54,9 @@ def _crosses_zero(axes: Axes) -> bool:
     return low - 0.1 * (high - low) <= 0.0 <= high + 0.1 * (high - low)
 
 
-def joints(results: Results, group: Group) -> Figure:
-    """Angle, rate, torque, power and work of joints."""
-    return over_time(results, [one for one in group.panels if one.title.split()[0] in IN_JOINTS])
+def in_joints(group: Group) -> list[Panel]:
+    """Panels of angle, rate, torque, power and work of joints; none of a body that flies, whose joint has no such."""
+    return [one for one in group.panels if one.title.split()[0] in IN_JOINTS]
 
 
 # ---- contacts and footprints ----

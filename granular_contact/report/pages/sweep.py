@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from granular_contact.report import BANDS, CASES, SENSITIVITY, SERIES, SWEEP, TABLE
+from granular_contact.report.drawn import drawn
 from granular_contact.report.histories import Curve, Group, panel
 from granular_contact.report.overlay import History, motion
 from granular_contact.report.overlay import table as overlaid
@@ -185,7 +186,10 @@ def _overviews(cases: _Cases, place: Path) -> Iterator[tuple[Path, str]]:
 
     for i, name in enumerate(_drawn(cases)[:MOST]):
         path = place / f"overview_{i}.png"
-        draw({key: cases.ended.numbers(key) for key in varied}, (name, cases.ended.numbers(name)), path)
+        with drawn(path) as file:
+            draw({key: cases.ended.numbers(key) for key in varied}, (name, cases.ended.numbers(name)), file)
+        if not path.exists():
+            continue
         yield path, f"{label(name).capitalize()} of every case that came to an end against what varies."
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from granular_contact.report import BANDS, CONVERGENCE, FIGURES, STATISTICS, write_table
+from granular_contact.report.drawn import drawn
 from granular_contact.studies.ensemble.statistics import LEVELS, Summary
 
 HEAD = ["key", "runs", "mean", "standard_error", "standard_deviation", "least", *(f"q{100 * x:02.0f}" for x in LEVELS)]
@@ -26,12 +27,13 @@ def write(found: Summary, folder: Path, *, figures: bool = True) -> None:
     if figures and found.count > 1:
         from granular_contact.report.figures.ensembles import draw_bands, draw_settling
 
-        (folder / FIGURES).mkdir(exist_ok=True)
         if found.bands:
-            draw_bands(found.time, dict(list(found.bands.items())[:MOST]), folder / FIGURES / "bands.png")
+            with drawn(folder / FIGURES / "bands.png") as file:
+                draw_bands(found.time, dict(list(found.bands.items())[:MOST]), file)
         if found.numbers:
             settled = {key: one.settling() for key, one in list(found.numbers.items())[:MOST]}
-            draw_settling(settled, folder / FIGURES / "convergence_of_means.png")
+            with drawn(folder / FIGURES / "convergence_of_means.png") as file:
+                draw_settling(settled, file)
 
 
 def _statistics(found: Summary) -> Iterator[list[str]]:

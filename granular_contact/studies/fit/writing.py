@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.report import FIGURES, PROGRAM, json_text, version, whole_folder, write_table, yaml_text
+from granular_contact.report.drawn import saved_before
 from granular_contact.results.summary import versions
 from granular_contact.studies.fit.columns import DEPTH, RATE, SPEED
 from granular_contact.studies.fit.fitting import Fit
@@ -40,9 +41,9 @@ def write(fit: Fit, directory: Path, figures: bool = True) -> None:
             (folder / name).write_text(_header(fit, name) + yaml_text(found), encoding="utf-8")
         prescribed = list(dict.fromkeys(name for run in fit.problem.runs for name in run.measured.given))
         write_table(folder / RESIDUALS, [*HEAD, *prescribed], _residual_rows(fit, prescribed))
-        if figures:
-            (folder / FIGURES).mkdir()
-            _draw(fit, folder / FIGURES)
+    if figures:
+        with saved_before(directory):
+            _draw(fit, directory / FIGURES)
 
 
 def _header(fit: Fit, name: str) -> str:

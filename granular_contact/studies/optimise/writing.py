@@ -20,6 +20,7 @@ from granular_contact.report import (
     write,
     yaml_text,
 )
+from granular_contact.report.drawn import drawn
 from granular_contact.results import Results
 from granular_contact.results.summary import versions
 from granular_contact.studies.optimise.methods import packages
@@ -56,10 +57,14 @@ def write_outcome(outcome: Outcome, folder: Path, *, figures: bool = True) -> Re
     """
     write_history(outcome, folder)
     (folder / OPTIMUM).write_text(json_text(outcome_data(outcome)), encoding="utf-8")
+    results = None if outcome.best is None else _write_best(outcome, folder, figures)
     if figures:
         _draw(outcome, folder / FIGURES)
-    if outcome.best is None:
-        return None
+    return results
+
+
+def _write_best(outcome: Outcome, folder: Path, figures: bool) -> Results:
+    """Write the config of the best run, and its results."""
     head = f"# The best of {len(outcome.runs)} runs of {outcome.study.name}; to run it: {PROGRAM} run {BEST_CONFIG}\n"
     (folder / BEST_CONFIG).write_text(head + yaml_text(scenario_to_dict(outcome.scenario)), encoding="utf-8")
     results = outcome.simulate()
@@ -124,13 +129,14 @@ def _parameters(outcome: Outcome) -> dict[str, dict[str, Any]]:
 def _draw(outcome: Outcome, folder: Path) -> None:
     from granular_contact.report.figures.search import draw_history, draw_parameters
 
-    folder.mkdir(exist_ok=True)
     values = [(one.generation, one.value if one.is_allowed else None) for one in outcome.runs]
     file = outcome.study.file
-    draw_history(values, file.objective.words, file.objective.sense == "maximise", folder / "history.png")
+    with drawn(folder / "history.png") as picture:
+        draw_history(values, file.objective.words, file.objective.sense == "maximise", picture)
     tried = {
         name: [one.numbers.get(name, outcome.study.start[name]) for one in outcome.runs] for name in file.parameters
     }
     scales = {name: (one.start, one.stop, one.scale) for name, one in file.parameters.items()}
     best = None if outcome.best is None else outcome.best.index
-    draw_parameters(tried, scales, [one.is_allowed for one in outcome.runs], best, folder / "parameters.png")
+    with drawn(folder / "parameters.png") as picture:
+        draw_parameters(tried, scales, [one.is_allowed for one in outcome.runs], best, picture)

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from granular_contact.config import Sweep
 from granular_contact.report import FIGURES, SENSITIVITY, write_table
+from granular_contact.report.drawn import drawn
 from granular_contact.report.units import is_number
 from granular_contact.studies.sweep.journal import Row
 
@@ -133,14 +134,14 @@ def indices(output: str, inputs: tuple[str, ...], values: Vector, seed: int = 0)
 def write(found: Sequence[Indices], folder: Path, figures: bool = True) -> None:
     """Write sensitivity.csv, a line for each output and input, and a figure of each output; raises OSError."""
     write_table(folder / SENSITIVITY, HEAD, (_cells(one, i) for one in found for i in range(len(one.inputs))))
-    drawn = [one for one in found if figures and not one.refused]
-    if drawn:
+    known = [one for one in found if figures and not one.refused]
+    if known:
         from granular_contact.report.figures.sensitivity import draw_sensitivity
 
-        (folder / FIGURES).mkdir(exist_ok=True)
-        for one in drawn:
+        for one in known:
             first, total = (one.first, one.first_interval), (one.total, one.total_interval)
-            draw_sensitivity(one.output, one.inputs, first, total, folder / FIGURES / f"sensitivity_{one.output}.png")
+            with drawn(folder / FIGURES / f"sensitivity_{one.output}.png") as file:
+                draw_sensitivity(one.output, one.inputs, first, total, file)
 
 
 def _cells(one: Indices, i: int) -> list[str]:

@@ -9,6 +9,7 @@ import numpy as np
 
 from granular_contact.config import Sweep
 from granular_contact.report import FIGURES
+from granular_contact.report.drawn import drawn
 from granular_contact.studies.sweep.journal import Row
 
 SLIP = "wheel.slip"
@@ -27,10 +28,10 @@ def write(sweep: Sweep, rows: Iterable[Row], folder: Path) -> None:
             continue
         others = (f"{key.rsplit('.', 1)[-1]} {row.values[key]}" for key in sweep.keys if key != SLIP)
         curves.setdefault(", ".join(others), []).append([row.summary[key] for key in FOUND])
-    drawn = {label: np.array(sorted(points)).T for label, points in list(curves.items())[:MOST] if len(points) > 1}
-    if not drawn:
+    shown = {label: np.array(sorted(points)).T for label, points in list(curves.items())[:MOST] if len(points) > 1}
+    if not shown:
         return
     from granular_contact.report.figures.slip import draw_slip
 
-    (folder / FIGURES).mkdir(exist_ok=True)
-    draw_slip(drawn, folder / FIGURES / FIGURE)
+    with drawn(folder / FIGURES / FIGURE) as file:
+        draw_slip(shown, file)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from granular_contact.config import Case, Scenario, Sweep
 from granular_contact.config.sweep import Probe, case_faults
-from granular_contact.errors import ConfigError, Fault
+from granular_contact.errors import ConfigError, Fault, missing_figures
 from granular_contact.results import Results
 from granular_contact.studies.sweep.journal import Journal, Row, Writer
 
@@ -120,21 +120,29 @@ def check(job: bytes, cases: Sequence[Case], probe: Probe | None) -> list[Fault]
 def _line(task: Task, job: Job) -> bytes:
     try:
         scenario = _scenario(task, job)
-        kept = job.folder is not None and job.function is simulate
-        found = (simulate_with_pictures if kept else job.function)(scenario)
-        line = _row(task, job, scenario, found.summary if isinstance(found, Results) else found)
+        if job.folder is None or job.function is not simulate:
+            made = job.function(scenario)
+            return _row(task, job, scenario, made.summary if isinstance(made, Results) else made)
+        found = simulate_with_pictures(scenario)
     except Exception as error:
         return error_row(task, job.sweep, error).line()
-    if job.folder is not None and isinstance(found, Results):
-        from granular_contact import report
+    try:
+        missing = _saved(found, job.folder / task.case.name, scenario.output.figures)
+    except OSError:  # no matter of the case
+        raise
+    except Exception as error:
+        return error_row(task, job.sweep, error).line()
+    return _row(task, job, scenario, {**found.summary, "warnings": [*found.summary["warnings"], *missing]})
 
-        try:
-            report.write(found, job.folder / task.case.name, figures=scenario.output.figures)
-        except OSError:  # no matter of the case
-            raise
-        except Exception as error:
-            return error_row(task, job.sweep, error).line()
-    return line
+
+def _saved(found: Results, folder: Path, figures: bool) -> list[str]:
+    """Save the results of a case; a sentence for each figure that could not be drawn."""
+    from granular_contact import report
+
+    missing = list[str]()
+    with missing_figures(missing.append):
+        report.write(found, folder, figures=figures)
+    return missing
 
 
 def _row(task: Task, job: Job, scenario: Scenario, summary: dict[str, Any]) -> bytes:
