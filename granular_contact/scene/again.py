@@ -43,8 +43,9 @@ class Builder:
         self._begin_with(None if base is None else _or_none(base))
 
     def _begin_with(self, scene: Scene | None) -> None:
-        self._scene = scene
-        self._ends: Sequence[End] = () if scene is None else ends_of(scene.rigid, scene.links)
+        """Keep what the next scenes are made from: one of the reduced model, as others are built anew anyway."""
+        self._scene = scene if scene is not None and isinstance(scene.method, Reduced) else None
+        self._ends: Sequence[End] = () if self._scene is None else ends_of(self._scene.rigid, self._scene.links)
 
     def __call__(self, scenario: schema.Scenario) -> Scene:
         """The scene; raises SceneError as `scene.build`."""
