@@ -27,5 +27,6 @@ history, state  what was done, step by step; all that a later step depends on
 work, strip_error   what steps and strips leave open, from a history and the motion
 given, of_scene     what a bed is made of, from arguments and from a scene
 steady          the force on a body that moves steadily, without a run
+rolling         the start of a single-wheel test, in steady motion
 space           bodies in space
 """

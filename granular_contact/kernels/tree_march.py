@@ -71,12 +71,13 @@ MOVES, WIDTH = 9, 11  # numbers of a node in a row of states: of its motion, and
 
 
 @kernel
-def start(w):
-    """Reset the friction state, find the accelerations and write the first row."""
+def start(begins, w):
+    """Find the accelerations and write the first row; begins: with a friction state that is reset, else as it is."""
     table, clock = rows(w, TABLE), row(w, CLOCK)
     follow_signals(0.0, w)
     prescribe(0.0, w)
-    accept(w, piece(table, 0, table.shape[1]), True)
+    if begins:
+        accept(w, piece(table, 0, table.shape[1]), True)
     settle_in(w)
     write(0.0, w)
     clock[SPEED] = step_error.begin(numbers(w, CHANGES), clock[STEP])

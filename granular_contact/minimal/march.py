@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from granular_contact.bed.history import HistoryTable
 from granular_contact.bed.load import AHEAD, TOUCHES
+from granular_contact.bed.rolling import roll_in
 from granular_contact.kernels import iterations as of
 from granular_contact.kernels import step_error
 from granular_contact.kernels import tree_march as kernels
@@ -69,17 +70,20 @@ class March:
         self._newton, self._changes = _iterations(arrays), _changes(arrays)
         arrays["iterations"], arrays["changes"] = places(*self._newton), places(*self._changes)
         self._words = words(arrays)
-        self._start, self._march = entry(kernels.start, self._words), entry(kernels.march, 0, self._words)
+        self._start, self._march = entry(kernels.start, True, self._words), entry(kernels.march, 0, self._words)
         self.begin()
 
     def begin(self) -> None:
         """Find the accelerations of the start, and write the first row; of what just touches as it will be at once."""
-        self._start(self._words)
+        self._start(True, self._words)
         if abs(self.rows[0, DEPTH]) <= TOUCHES:
             s, poses = self.arrays["s"].copy(), self.states[0, : self.arrays["pose"].size].copy()
             self.arrays["s"] += AHEAD * self.arrays["rates"]
-            self._start(self._words)
+            self._start(True, self._words)
             self.arrays["s"][:], self.states[0, : len(poses)] = s, poses
+        if self.tree.load is not None and (test := self.tree.scene.wheel_test) is not None and test.begins:
+            roll_in(self.tree.scene, self.tree.load)
+            self._start(False, self._words)
 
     def plan(self, until: float) -> None:
         """March to a time (s) next; fixed steps divide the way there evenly, none longer than the scene's."""

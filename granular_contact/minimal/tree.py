@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from granular_contact.bed.contact_lines import Body
 from granular_contact.bed.load import GranularLoad
 from granular_contact.bed.of_scene import lines_of, load_of
+from granular_contact.bed.rolling import sunk
 from granular_contact.kernels.joint_loads import JOINT
 from granular_contact.kernels.tree import HINGE, SLIDER
 from granular_contact.kernels.tree_arrays import NODE, room
@@ -84,6 +85,7 @@ class _Node:
 
 def tree(scene: Scene) -> Tree:
     """Set up a scene that `scene.minimal_support` allows."""
+    scene = sunk(scene)
     nodes = _nodes(scene)
     places = {node.body.name: i for i, node in enumerate(nodes) if node.body is not None}
     joints = {node.joint.name: i for i, node in enumerate(nodes) if node.joint.has_coordinate}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -26,6 +27,10 @@ AnySystem = TypeVar("AnySystem", bound=System)
 
 def build(scene: Scene) -> System:
     """Set the scene up in Exudyn and assemble it, once."""
+    if scene.wheel_test is not None:
+        from granular_contact.bed.rolling import sunk
+
+        scene = sunk(scene)
     container = exu.SystemContainer()
     mbs = container.AddSystem()
     ground = mbs.AddObject(items.ObjectGround())
@@ -132,9 +137,11 @@ def _granular_load(system: System) -> Coupling | None:
     if not shapes and not any(elements for _, elements in cables):
         return None
     from granular_contact.bed.of_scene import lines_of, load_of, section
+    from granular_contact.bed.rolling import roll_in
     from granular_contact.multibody.coupling import Coupling
 
     coupling = Coupling(system.mbs, load_of(scene), system.origin)
+    coupling.roll_in = partial(roll_in, scene)
     load, strips = coupling.load, scene.load
     for body, shape in shapes:
         load.add(lines_of(coupling.body(system.rigid[body.name].object), shape, strips.strips_per_rigid_part))

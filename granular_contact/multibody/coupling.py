@@ -9,7 +9,7 @@ no trace.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -60,6 +60,7 @@ class Coupling:
         self._time: float | None = None  # time of the step for which forces were last asked
         self._last = np.zeros(0)  # coordinates of the last accepted state
         self.views: Views | None = None  # where the engine keeps them, if that is known
+        self.roll_in: Callable[[GranularLoad], None] | None = None  # leaves the medium as a motion before the start
 
     # ---- before the system is assembled ----
 
@@ -187,6 +188,8 @@ class Coupling:
         for ahead in (np.zeros_like(v), AHEAD * v):
             self._ahead = ahead
             self.load.start(q + ahead, *self._places())
+            if self.roll_in is not None:
+                self.roll_in(self.load)
             self.load.accept(t, q + ahead, v)
             if abs(self.load.table.row[DEPTH]) > TOUCHES:
                 return

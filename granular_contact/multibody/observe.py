@@ -14,7 +14,7 @@ from granular_contact.multibody.depths import all_depths, depths_by_body
 from granular_contact.multibody.drive_error import drive_warnings
 from granular_contact.multibody.kinematics import Kinematics
 from granular_contact.multibody.system import System, Trajectory
-from granular_contact.multibody.wheels import wheel_columns, wheel_histories, wheel_numbers
+from granular_contact.multibody.wheels import pitches, wheel_columns, wheel_histories, wheel_numbers, wheel_warnings
 from granular_contact.results import energy
 from granular_contact.results.accuracy import AccuracyWarning
 from granular_contact.results.interpolation import Track
@@ -36,7 +36,8 @@ def observe(system: System, trajectory: Trajectory) -> Observation:
         wheels = wheel_histories(motion, forces)
         found = observed(motion, forces, depths, all_depths(motion, depths))
         found["motion"] |= mechanism.body_columns(motion, forces, depths) | wheel_columns(wheels)
-        found["more"] |= wheel_numbers(trajectory.time, wheels)
+        found["more"] |= (numbers := wheel_numbers(trajectory.time, wheels, pitches(motion)))
+        found["accuracy"] += wheel_warnings(motion.scene, numbers)
         return Observation(**found)
 
 

@@ -40,10 +40,15 @@ def warnings(scene: Scene, reach: Reach | None, start: float | None, deepest: fl
         yield from _left(scene.bed, reach, scene.in_space)
     if not scene.media:
         return
-    if not scene.settle and start is not None and start > LEAST_START_DEPTH:
+    if not scene.settle and not _rolls_in(scene) and start is not None and start > LEAST_START_DEPTH:
         yield f"it starts {start:.4g} m below the surface, as if it had been laid there without moving a grain"
     if deepest is not None and deepest < -ROUND_OFF:  # which is hardly what was meant
         yield f"it never touched the medium: its deepest point came within {-deepest:.4g} m of the surface"
+
+
+def _rolls_in(scene: Scene) -> bool:
+    """Whether the medium at the start is as a motion before it left it."""
+    return not scene.in_space and scene.wheel_test is not None and scene.wheel_test.begins
 
 
 def _left(bed: Bed, reach: Reach, in_space: bool) -> Iterator[str]:

@@ -8,7 +8,7 @@ layout, start, loops        frames of bodies, initial states of joints, kinemati
 joints, joint_law           joints between bodies, and springs, stops and friction in them
 drives, controls            what moves joints; what is set from outside
 signals, signal_tables      values over time, and as tables for kernels
-bed, media, wheels          where media lie; presets by name; the run of a wheel
+bed, media, wheels, wheel_test   where media lie; presets by name; the run of a wheel
 media_checks                slopes that media do not keep, gravities that they were not measured at
 steps                       how long steps are
 workspace, applicability, checks      what can reach the medium, which law takes which shape, what no scene may be

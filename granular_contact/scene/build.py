@@ -35,7 +35,7 @@ from granular_contact.scene.types import (
     Vector,
     turned,
 )
-from granular_contact.scene.wheels import wheel_drives, wheel_notes
+from granular_contact.scene.wheels import wheel_drives, wheel_notes, wheel_test
 
 MOST_BODIES = 32  # whose motion is reported unless the run asks for it
 LEAST_BOW = 1e-7  # of a link's length: what bends less is rigid, as its elastic forces would be those of round-off
@@ -134,6 +134,7 @@ def _built(scenario: schema.Scenario) -> Scene:
         settle=scenario.initial.settle,
         body_columns=_has_body_columns(scenario, rigid, links),
         notes=(*media_notes(scenario, placed, "bed.profile_m"), *wheel_notes(scenario)),
+        wheel_test=wheel_test(scenario),
     )
     if stiff := verified(scene, scenario):
         return replace(_built(_with_rigid(scenario, stiff)), stiff=stiff)

@@ -122,7 +122,7 @@ def _wheel(part: str, spec: shapes.WheelShape, strips: int) -> tuple[Shape, Mass
         gyration = (radius + 0.5 * teeth.height_m) ** 2 + (teeth.thickness_m**2 + teeth.height_m**2) / 12
     squared = (radius**2 / 2 + teeth_mass * gyration) / (1.0 + teeth_mass)
     properties = _volume(math.pi * radius**2 * (1.0 + teeth_mass) * spec.width_m, center, squared)
-    wheel = Wheel(center, spec.effective_radius_m, radius)
+    wheel = Wheel(center, spec.effective_radius_m, radius, 0.0 if teeth is None else 2 * math.pi / teeth.count)
     shape = Shape(part, "outline", center + points, spec.width_m, 0.0, spec.in_sand, turns=turns, wheel=wheel)
     return shape, properties
 

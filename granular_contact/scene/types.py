@@ -28,6 +28,7 @@ from granular_contact.scene.bed import Bed
 from granular_contact.scene.joint_law import IDLE, JointLaw
 from granular_contact.scene.signals import Signal
 from granular_contact.scene.steps import Steps
+from granular_contact.scene.wheel_test import WheelTest
 
 Vector = NDArray[np.float64]
 FASTEST = 1e8  # m/s or rad/s, in any coordinate: from there on a run has run away
@@ -35,11 +36,15 @@ FASTEST = 1e8  # m/s or rad/s, in any coordinate: from there on a run has run aw
 
 @dataclass(frozen=True)
 class Wheel:
-    """Of a shape that is a wheel: axle (2,) m in the body's frame; radius (m) that counts for slip, and of the rim."""
+    """Of a shape that is a wheel: axle (2,) m in the body's frame; radius (m) that counts for slip, and of the rim.
+
+    pitch (rad): between two grousers, 0 without any.
+    """
 
     axle: Vector
     radius: float
     rim: float
+    pitch: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -224,7 +229,8 @@ class Scene:
     tip: the farthest end of what is hinged or welded to the ground, the lowest end of what is not, as body and point.
     load, solver, method: as the scenario has them, but for `auto`; method: None for the engine. settle: find rest
     first. body_columns: report the motion of every body. stiff: links of the scenario that bend too little to show, and
-    are rigid here. notes: what is doubtful about the model, by the key of the config. scenario: what `build` made the
+    are rigid here. notes: what is doubtful about the model, by the key of the config. wheel_test: of a
+    run of one wheel. scenario: what `build` made the
     scene of; None of a scene that was put together or changed otherwise, as by `dataclasses.replace`. like: a scene of
     the same parts, which strike another medium or otherwise, see `again`; None where none is known.
     """
@@ -245,6 +251,7 @@ class Scene:
     body_columns: bool = False
     stiff: tuple[str, ...] = ()
     notes: tuple[Fault, ...] = ()
+    wheel_test: WheelTest | None = None
     scenario: Scenario | None = field(default=None, init=False, repr=False, compare=False)
     like: Scene | None = field(default=None, init=False, repr=False, compare=False)
 

@@ -17,6 +17,7 @@ from granular_contact.scene import signals
 from granular_contact.scene.bed import places
 from granular_contact.scene.bodies import mass_of
 from granular_contact.scene.types import Drive
+from granular_contact.scene.wheel_test import WheelTest
 
 
 def wheel_drives(scenario: schema.Scenario, faults: list[Fault]) -> tuple[Drive, ...]:
@@ -43,6 +44,30 @@ def wheel_drives(scenario: schema.Scenario, faults: list[Fault]) -> tuple[Drive,
         steady = signals.piecewise(np.array([0.0, beyond]), np.array([0.0, speed * beyond]), False)
         made.append(Drive(joint, "motion", steady))
     return tuple(made)
+
+
+def wheel_test(scenario: schema.Scenario) -> WheelTest | None:
+    """What a scenario with a `wheel` is to begin with; None of others."""
+    run, rig = scenario.wheel, rig_of(scenario.model)
+    if run is None or rig is None:
+        return None
+    load = run.load_N or scenario.gravity_m_s2 * _carried(scenario.model, rig.upright)
+    body = scenario.model.all_joints[rig.axle].child
+    begins = _begins(scenario, rig.upright)
+    if run.slip is None:
+        return WheelTest(body, rig.upright, rig.upward, load, begins=begins)
+    assert run.speed_m_s is not None
+    rate = -run.rate(rig.shape.effective_radius_m)
+    return WheelTest(body, rig.upright, rig.upward, load, run.speed_m_s, rate, begins)
+
+
+def _begins(scenario: schema.Scenario, upright: str) -> bool:
+    """Whether a wheel begins in steady motion: not where the run says how deep, nor where something else holds it."""
+    joint, bed = scenario.model.all_joints[upright], scenario.bed
+    held = isinstance(joint, schema.Slider) and (joint.spring or joint.stops or joint.friction)
+    uneven = bed is not None and (bed.profile_m is not None or bed.slope_deg != 0.0)
+    given = upright in (scenario.initial.joints or {})
+    return bool(scenario.media) and scenario.gravity_m_s2 > 0.0 and not (held or uneven or given)
 
 
 def wheel_notes(scenario: schema.Scenario) -> Iterator[Fault]:

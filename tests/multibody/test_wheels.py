@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import cache
 
 import numpy as np
 import pytest
@@ -17,8 +18,10 @@ from granular_contact.geometry.polygon import crossing, doubled_area
 from granular_contact.kernels.wheels import ROUND
 from granular_contact.laws.drft import Drft
 from granular_contact.laws.rft import GENERIC
+from granular_contact.results import Results
 from granular_contact.scene.shapes import made
 
+SURFACE = "initial.joints={post: {position_m: 0}}"  # from where a wheel sinks by its dynamics
 QUICK = ("load.strips_per_rigid_part=12", "solver={step_s: 4e-3, end_time_s: 1.2}", "wheel.speed_m_s=0.05")
 
 
@@ -53,7 +56,7 @@ def test_grousers_are_teeth() -> None:
 
 
 def test_the_run_of_a_wheel_is_that_of_its_drives() -> None:
-    short = simulate("wheel", *QUICK)
+    short = simulate("wheel", *QUICK, SURFACE)
     rate, speed = 0.05 / 0.8 / 0.058, 0.05
     table = "type: table, interpolation: linear, time_s: [0, 2.4], values"
     drives = (
@@ -125,7 +128,7 @@ def test_grousers_pull() -> None:
     assert found["slip"] == pytest.approx(0.2, abs=1e-9)  # by the radius with a third of the grousers
     assert found["drawbar_pull_N"] > smooth["drawbar_pull_N"] + 1.0
     assert 0.0 < found["efficiency"] < 1.0
-    assert np.ptp(toothed["wheel_load_N"][150:]) > 0.2  # one after the other
+    assert np.ptp(toothed["wheel_drawbar_pull_N"][150:]) > 0.2  # one after the other
 
 
 def test_a_torque_drives_and_a_pull_holds_back() -> None:
@@ -258,3 +261,66 @@ def test_shear_that_is_there_at_once_is_told_of_a_driven_wheel() -> None:
     assert not told("wheel")
     uphill = UPHILL.format(c=1.0, s=0.0, minus_s=0.0, slope=0.0, way=0.1, height=0.0)
     assert told(uphill, "medium=cmu_dry_sand_plate")
+
+
+STEADY = ("load.strips_per_rigid_part=24", "solver={accuracy: 1.0e-2, end_time_s: 1.5}")
+GROUSERS = "model.bodies.wheel.shapes.0.grousers={count: 16, height_m: 0.008, thickness_m: 0.003}"
+
+
+@cache
+def sunk_from_the_surface(*overrides: str) -> Results:
+    """After 40 s of sinking, in which the damper of the guide came to rest."""
+    return simulate("wheel", *STEADY, *overrides, SURFACE, "solver.end_time_s=40", "method=minimal")
+
+
+@pytest.mark.parametrize(
+    ("slip", "more"),
+    [
+        (-0.5, ()),
+        (0.0, ()),
+        (0.9, ()),
+        (-0.2, ("medium=cmu_dry_sand_bekker",)),
+        (0.5, (GROUSERS, "wheel.speed_m_s=0.05")),
+    ],
+)
+def test_a_wheel_begins_and_stays_steady(slip: float, more: tuple[str, ...]) -> None:
+    given = (f"wheel.slip={slip}", *more)
+    short, long = simulate("wheel", *STEADY, *given), sunk_from_the_surface(*given)
+    told, want = short.summary["wheel"], long.summary["wheel"]
+    assert told["sinkage_m"] == pytest.approx(want["sinkage_m"], rel=0.01)  # what is asked for
+    assert told["drawbar_pull_N"] == pytest.approx(want["drawbar_pull_N"], abs=0.01 * 24.0)
+    assert abs(told["sinkage_change"]) < 5e-3
+    assert abs(told["pull_change_over_load"]) < 5e-3
+    assert not [words for words in short.warnings if "steady" in words or "it starts" in words]
+    # All is there from the start: bristles are stretched, the medium is sheared. Grousers come one after the other, and
+    # where the lowest point rests strips do (15 degrees each).
+    ripple = 0.1 if GROUSERS in more else 0.05 if slip == 0.0 else 0.015
+    assert short["wheel_load_N"][0] == pytest.approx(24.0, rel=ripple)
+    assert short["wheel_drawbar_pull_N"][0] == pytest.approx(want["drawbar_pull_N"], abs=24.0 * ripple)
+
+
+def test_its_start_is_within_the_range_of_the_medium() -> None:
+    """From the surface it dropped at 0.16 m/s, with which every run was warned of."""
+    assert not any("outside the range" in words for words in simulate("wheel", *STEADY).warnings)
+    assert any("outside the range" in words for words in simulate("wheel", *STEADY, SURFACE).warnings)
+
+
+def test_a_wheel_that_still_sinks_is_told() -> None:
+    run = simulate("wheel", *STEADY, "wheel.slip=0.75", SURFACE)
+    told = run.summary["wheel"]
+    (words,) = [words for words in run.warnings if "not steady" in words]
+    assert f"sinkage changed by {100 * told['sinkage_change']:.1f}%" in words
+    # By the columns themselves; the path is the time, as the axle goes at one speed.
+    early, late = ((a < run["time_s"]) & (run["time_s"] < b) for a, b in ((0.75, 1.125), (1.125, 1.5)))
+    time = run["time_s"]
+    means = [np.trapezoid(run["wheel_sinkage_m"][k], time[k]) / np.ptp(time[k]) for k in (early, late)]
+    assert told["sinkage_change"] == pytest.approx((means[1] - means[0]) / np.mean(means), rel=0.05)
+    heavy = simulate("wheel", *STEADY, "wheel.load_N=1e5", "solver.end_time_s=0.01")
+    assert any("are borne at no depth" in words for words in heavy.warnings)
+
+
+def test_a_wheel_that_a_torque_drives_begins_in_static_balance() -> None:
+    run = simulate("wheel", *STEADY, "wheel={torque_Nm: 0.0, load_N: 24}", "solver.end_time_s=0.2")
+    assert run["wheel_load_N"][0] == pytest.approx(24.0, rel=1e-3)
+    assert np.ptp(run["wheel_sinkage_m"]) < 2e-5  # two yield displacements
+    assert run["wheel_sinkage_m"][0] > 5e-3

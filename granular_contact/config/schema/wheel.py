@@ -18,7 +18,12 @@ NEEDS = "a wheel hangs on the ground by a level slider, an upright slider and a 
 
 
 class WheelRun(Strict):
-    """How the wheel of a mechanism is driven, once it touches the ground: at a given slip, or by a given torque.
+    """How the wheel of a mechanism is driven: at a given slip, or by a given torque.
+
+    At a given slip it starts in its steady motion: sunk as deep as bears the load, in a medium that it rolled through.
+    With a torque it starts in static balance. It starts elsewhere where `initial.joints` gives its upright slider a
+    position; on a surface that is not level, and beside springs, stops or friction of that slider, where that is at
+    home.
 
     A wheel of the radius r whose axle has the speed v and that turns clockwise at omega has the slip 1 - v / (r omega)
     where its rim is the faster one, else r omega / v - 1: -1 of a locked wheel, 0 of one that rolls, below 1.
