@@ -87,3 +87,13 @@ def test_a_run_at_its_end_was_not_cut_however_long_its_last_step_took() -> None:
     one = ("method=engine", *SWINGS, "solver={end_time_s: 1e-3, step_s: 1e-3, max_wall_s: 1e-9}")
     results = simulate(scenario_of("pendulum_rigid", *one))
     assert (results.status.code, results.status.message) == ("end_time", "end time 0.001 s reached")
+
+
+@pytest.mark.parametrize("method", ["engine", "minimal"])
+def test_a_run_cut_where_the_sign_is_too_steep_says_what_to_take(method: str) -> None:
+    steep = "load.friction={type: smooth, reference_speed_m_s: 1e-6}"
+    more = (f"method={method}", "solver.max_wall_s=1e-9", "solver.end_time_s=1", steep)
+    results = simulate(scenario_of("pendulum_rigid", *more))
+    assert results.status.code == "time_limit"
+    told = "take a larger load.friction.reference_speed_m_s (now 1e-06), or type: elastoplastic"
+    assert results.status.message.endswith(told)

@@ -13,7 +13,7 @@ from granular_contact.bed.state import BatchState, batch_states, restore_batches
 from granular_contact.kernels import tree_march as kernels
 from granular_contact.minimal.march import March
 from granular_contact.minimal.tree import Tree
-from granular_contact.multibody.ending import crowded, diverged, unsolved
+from granular_contact.multibody.ending import crowded, diverged, late, unsolved
 from granular_contact.multibody.kinematics import Kinematics
 from granular_contact.multibody.mass_and_gravity import mass_matrix
 from granular_contact.multibody.senses import Senses
@@ -169,7 +169,7 @@ class Solve:
         if code == kernels.REST:
             return ended("rest", t, scene.solver)
         if t < scene.solver.end_time_s:  # the kernels' END may be that of a part alone
-            return ended("time_limit", t, scene.solver) if self._late(0.0) else paused(t, scene.solver)
+            return late(scene, t) if self._late(0.0) else paused(t, scene.solver)
         return ended("end_time", t, scene.solver)
 
 

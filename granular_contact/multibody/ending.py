@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
-from granular_contact.laws.static_friction import Elastoplastic
+from granular_contact.laws.static_friction import Elastoplastic, Smooth
 from granular_contact.multibody.recorder import Recorder
 from granular_contact.results import Status
 from granular_contact.results.ending import ended, paused
 from granular_contact.scene.types import Scene
 
 STIFF, SLOW = 1e-7, 0.1  # m, s: bristles a hundred times stiffer or slower than the default ones are what fails
+STEEP = 1e-5  # m/s: as is a smooth sign a hundred times steeper than the default one
 
 
 def status(recorder: Recorder, success: bool, problem: str, step: float) -> Status:
     """Status of a solve; problem: what the engine said, if anything; step (s): the last one tried."""
     scene, t = recorder.system.scene, float(recorder.states[recorder.rows - 1, 0])
     match recorder.reason:
-        case "interrupted" | "rest" | "time_limit" as code:
+        case "time_limit":
+            return late(scene, t)
+        case "interrupted" | "rest" as code:
             return ended(code, t, recorder.solver)
         case "away":
             return diverged(scene, t)
@@ -24,6 +27,19 @@ def status(recorder: Recorder, success: bool, problem: str, step: float) -> Stat
     if not success:
         return unsolved(scene, t, step, problem)
     return ended("end_time", t, recorder.solver) if recorder.at_end(t) else paused(t, recorder.solver)
+
+
+def steep(scene: Scene) -> float | None:
+    """Reference speed (m/s) of a smooth sign that is so steep that steps get very short; None of any other."""
+    static = scene.static
+    is_steep = bool(scene.media) and isinstance(static, Smooth) and static.reference_speed <= STEEP
+    return static.reference_speed if is_steep and isinstance(static, Smooth) else None
+
+
+def late(scene: Scene, t: float) -> Status:
+    """Status of a run that its wall time ended at a time (s), with what to change where that is known."""
+    status = ended("time_limit", t, scene.solver)
+    return Status(status.code, f"{status.message}; {_remedy(scene)}") if steep(scene) is not None else status
 
 
 def diverged(scene: Scene, t: float) -> Status:
@@ -49,6 +65,8 @@ def _remedy(scene: Scene) -> str:
             return f"take a larger load.friction.yield_displacement_m (now {static.yield_displacement:g})"
         if static.damping_time > SLOW:
             return f"take a smaller load.friction.damping_time_s (now {static.damping_time:g})"
+    if (speed := steep(scene)) is not None:
+        return f"take a larger load.friction.reference_speed_m_s (now {speed:g}), or type: elastoplastic"
     links = " or, for a very soft or very stiff link, more elements" if scene.links else ""
     what = "solver.step_s" if solver.accuracy is None else "solver.accuracy"
     return f"take a smaller {what} (now {solver.step_s if solver.accuracy is None else solver.accuracy:g}){links}"
