@@ -34,7 +34,7 @@ import math
 import numpy as np
 
 from granular_contact.kernels.compiled import part
-from granular_contact.kernels.memory import clear, copy, room1
+from granular_contact.kernels.memory import clear, room1
 
 # Of a clock: length of the step (s); how long the one took that ended here (s), 0 if none did; else whether a motion
 # begins here, with the friction state at rest.
@@ -170,12 +170,12 @@ def momentum(added, twist, out):
 
 
 @part
-def add_to_mass(last, parents, starts, axes, added, matrix):
-    """Add what bodies gained to the mass matrix of a tree, kept row by row: a freedom, then those before it.
+def add_to_matrix(last, parents, axes, added, matrix):
+    """Add what bodies gained to the mass matrix (m, m) of a tree, its lower triangle.
 
-    last (bodies,), parents and axes as of `gather_twists`; starts (m,): of the rows.
+    last (bodies,), parents and axes as of `gather_twists`.
     """
-    y = np.empty(6)  # and no room, as a check runs this as plain Python
+    y = room1(6)
     for b in range(last.shape[0]):
         if added[b, 5, 5] == 0.0 and added[b, 3, 3] == 0.0 and added[b, 4, 4] == 0.0:
             continue
@@ -185,34 +185,68 @@ def add_to_mass(last, parents, starts, axes, added, matrix):
                 y[k] = 0.0
                 for c in range(6):
                     y[k] += added[b, k, c] * axes[i, c]
-            j, place = i, starts[i]
+            j = i
             while j >= 0:
                 for k in range(6):
-                    matrix[place] += axes[j, k] * y[k]
-                place += 1
+                    matrix[i, j] += axes[j, k] * y[k]
                 j = parents[j]
             i = parents[i]
 
 
 @part
-def load_trial(turn, numbers, tops, inertial, centres, wrench, arms, added, past, step, loads):
-    """Fill loads (bodies, 6), about centres of mass inertial (all, 3) m, that bodies get for a trial step; world frame.
+def add_damping(starts, counts, columns, derivatives, damping, shares, matrix):
+    """Add to a mass matrix (m, m) what is implicit of other forces: shares (2,), of derivatives and of damping (m,).
 
-    centres[tops] (all, 3) m: the points of twists. past (bodies, 6): the gain of twists that was foreseen. Returns
-    whether there is any wrench.
+    derivatives: by rates, sparse: row i has counts[i] of them from starts[i] on, in these columns.
     """
-    w, p, some = room1(6), room1(6), False
-    for b in range(numbers.shape[0]):
-        n, c = numbers[b], centres[tops[b]]
+    for i in range(damping.shape[0]):
+        matrix[i, i] += shares[1] * damping[i]
+        if shares[0] != 0.0:
+            for k in range(starts[i], starts[i] + counts[i]):
+                matrix[i, columns[k]] += shares[0] * derivatives[k]
+
+
+@part
+def solve_symmetric(matrix, x):
+    """Solve A y = x, y in place of x (m,), for a positive definite A (m, m); its lower triangle is overwritten.
+
+    As A = L^T D L, from the last row to the first (Featherstone, Rigid Body Dynamics Algorithms, 2008, section 6.5):
+    of a tree, whose freedoms stand after those that carry them, no zero fills in, and zeros are passed over.
+    """
+    m = x.shape[0]
+    for k in range(m - 1, -1, -1):
+        for i in range(k - 1, -1, -1):
+            if matrix[k, i] == 0.0:
+                continue
+            share = matrix[k, i] / matrix[k, k]
+            for j in range(i + 1):
+                matrix[i, j] -= share * matrix[k, j]
+            matrix[k, i] = share
+            x[i] -= share * x[k]
+        x[k] /= matrix[k, k]
+    for k in range(m):
+        for i in range(k):
+            x[k] -= matrix[k, i] * x[i]
+
+
+@part
+def foreseen_load(turn, wrench, arms, added, past, step, foreseen):
+    """Fill foreseen (bodies, 6), force and moment about the points of twists, world frame; whether there is any wrench.
+
+    The wrench where the step is foreseen to end, and what the added inertia takes up of the gain past (bodies, 6) of
+    twists that was foreseen.
+    """
+    p, some = room1(6), False
+    for b in range(wrench.shape[0]):
         fx, fy, fz = to_world(turn, wrench[b, 0], wrench[b, 1], wrench[b, 2])
         mx, my, mz = to_world(turn, wrench[b, 3], wrench[b, 4], wrench[b, 5])
         x, y, z = arms[b, 0], arms[b, 1], arms[b, 2]
         momentum(added[b], past[b], p)
+        w = foreseen[b]
         w[0], w[1], w[2] = fx + p[0] / step, fy + p[1] / step, fz + p[2] / step
         w[3] = mx + y * fz - z * fy + p[3] / step
         w[4] = my + z * fx - x * fz + p[4] / step
         w[5] = mz + x * fy - y * fx + p[5] / step
-        about(w, inertial[n, 0] - c[0], inertial[n, 1] - c[1], inertial[n, 2] - c[2], loads[b])
         for k in range(6):
             some = some or wrench[b, k] != 0.0
     return some
@@ -228,15 +262,44 @@ def about(w, x, y, z, out):
 
 
 @part
-def settle(numbers, tops, inertial, centres, added, gained, step, loads):
-    """Take from the loads (bodies, 6) what the added inertia took up in a trial step; gained (bodies, 6): of twists."""
+def load_error(numbers, tops, inertial, centres, added, gained, foreseen, step, loads, error):
+    """Fill error (bodies, 6), about the points of twists: what a step's loads (bodies, 6) lack where it ended.
+
+    gained (bodies, 6): of twists, in a step with these loads, which are about centres of mass inertial (all, 3) m.
+    """
     p, q = room1(6), room1(6)
     for b in range(numbers.shape[0]):
         n, c = numbers[b], centres[tops[b]]
+        about(loads[b], c[0] - inertial[n, 0], c[1] - inertial[n, 1], c[2] - inertial[n, 2], q)
         momentum(added[b], gained[b], p)
+        for k in range(6):
+            error[b, k] = foreseen[b, k] - p[k] / step - q[k]
+
+
+@part
+def to_freedoms(last, parents, axes, wrenches, out):
+    """Fill out (m,) with wrenches (bodies, 6) on bodies as forces along degrees of freedom, see `gather_twists`."""
+    out[:] = 0.0
+    for b in range(last.shape[0]):
+        i = last[b]
+        while i >= 0:
+            for k in range(6):
+                out[i] += axes[i, k] * wrenches[b, k - 3 if k >= 3 else k + 3]
+            i = parents[i]
+
+
+@part
+def correct_loads(numbers, tops, inertial, centres, added, change, step, error, loads):
+    """Add to loads (bodies, 6) their error less what the added inertia takes up of a change (bodies, 6) of twists."""
+    p, q = room1(6), room1(6)
+    for b in range(numbers.shape[0]):
+        n, c = numbers[b], centres[tops[b]]
+        momentum(added[b], change[b], p)
+        for k in range(6):
+            p[k] = error[b, k] - p[k] / step
         about(p, inertial[n, 0] - c[0], inertial[n, 1] - c[1], inertial[n, 2] - c[2], q)
         for k in range(6):
-            loads[b, k] -= q[k] / step
+            loads[b, k] += q[k]
 
 
 @part
@@ -263,16 +326,6 @@ def blank(seen):
     """Begin to see bodies anew, see `space_law.DEPTH`."""
     for b in range(seen.shape[0]):
         seen[b, 0], seen[b, 1], seen[b, 2] = -np.inf, 0.0, np.inf
-
-
-@part
-def keep(q, v, act, warm, mass, q_kept, v_kept, act_kept, warm_kept, mass_kept):
-    """Copy arrays of an engine to others of their sizes."""
-    copy(q_kept, q)
-    copy(v_kept, v)
-    copy(act_kept, act)
-    copy(warm_kept, warm)
-    copy(mass_kept, mass)
 
 
 @part

@@ -1,11 +1,11 @@
-"""What surrounds the forces of a step that are held over it, in three calls: its begin, a trial of it, its loads.
+"""What surrounds the forces of a step that are held over it, call by call.
 
 An engine's step takes some ten microseconds, and a call from Python one; so what is done to a few bodies is done in
 few calls. See `added_mass` for the equations, for arguments and for the clock (3,).
 
     begin     the step that ended here is accepted; poses now, and where this one would end
-    burden    the loads of a trial step are written, and inertia is added; the engine then makes it
-    relieve   the loads that the step gets, from the rates with which its trial ended; the trial is taken back
+    guess     the loads of the step before are written; with them the engine makes the step
+    correct   the loads that the step gets, from the rates with which it ended; the engine takes it back
 """
 
 from __future__ import annotations
@@ -14,28 +14,33 @@ from granular_contact.kernels.added_mass import (
     BEGINS,
     PASSED,
     STEP,
-    add_to_mass,
+    add_to_matrix,
     blank,
+    correct_loads,
     end_step,
     find_base,
     foresee,
+    foreseen_load,
     gather_twists,
-    keep,
-    load_trial,
+    load_error,
     place_bodies,
-    settle,
+    solve_symmetric,
+    to_freedoms,
     write_loads,
 )
 from granular_contact.kernels.compiled import part
+from granular_contact.kernels.memory import copy
 
 
 @part
 def begin(
     last, parents, axes, v, numbers, tops, positions, rotations, inertial, centres, turn, applied, written, brought,
-    base, sizes, slow, clock, loads, works, gained, seen, twists, later, past, arms, poses, then, wrench,
+    base, sizes, slow, clock, loads, start, works, gained, seen, twists, later, past, arms, poses, then, wrench,
     added,
 ):  # fmt: skip
     """Begin of a step; slow (m/s): see `foresee`.
+
+    start (bodies, 6) are the loads at its begin, so that a second look at it ends as the first did.
 
     Filled are poses and arms; `then` with the velocities that are foreseen, whose gain is past; wrench and added are
     emptied, and seen where anchors will follow.
@@ -51,35 +56,47 @@ def begin(
         gained[:] = 0.0
     if passed > 0.0 or begins:
         blank(seen)
+        copy(start, loads)
+    else:
+        copy(loads, start)
     find_base(applied, numbers, written, brought, base)
     foresee(poses, sizes, slow, twists, gained, past, later, wrench, added)
     place_bodies(numbers, tops, positions, rotations, centres, later, turn, then, arms)
 
 
 @part
-def burden(
-    turn, numbers, tops, inertial, centres, wrench, arms, added, past, clock, loads, applied, base, written, last,
-    parents, starts, axes, q, v, act, warm, mass, q_kept, v_kept, act_kept, warm_kept, mass_kept,
-):  # fmt: skip
-    """Write the loads of a trial step; whether it needs one: then the engine's state is kept and inertia is added."""
-    some = load_trial(turn, numbers, tops, inertial, centres, wrench, arms, added, past, clock[STEP], loads)
+def guess(turn, numbers, wrench, arms, added, past, clock, foreseen, loads, applied, base, written):
+    """Write the loads of the step before, as a first guess of this one's; whether there is any resistance.
+
+    Without any, loads of 0 are written, and are those of the step.
+    """
+    some = foreseen_load(turn, wrench, arms, added, past, clock[STEP], foreseen)
+    if not some:
+        loads[:] = 0.0
     write_loads(applied, numbers, base, loads, written)
-    if some:
-        keep(q, v, act, warm, mass, q_kept, v_kept, act_kept, warm_kept, mass_kept)
-        add_to_mass(last, parents, starts, axes, added, mass)
     return some
 
 
 @part
-def relieve(
-    last, parents, axes, numbers, tops, inertial, centres, added, twists, later, clock, loads, applied, base, written,
-    q, v, act, warm, mass, q_kept, v_kept, act_kept, warm_kept, mass_kept,
+def correct(
+    last, parents, axes, v, numbers, tops, inertial, centres, added, twists, change, clock, foreseen, error,
+    loads, applied, base, written, matrix, x,
 ):  # fmt: skip
-    """Settle the loads from the rates v at the end of a trial step, write them, and take the trial back."""
-    gather_twists(last, parents, axes, v, later)
+    """Newton's correction of the loads, from the rates v (m,) at the end of a step of the engine with those written.
+
+    matrix (m, m): how the engine's forces grow with its accelerations, to which the added inertia comes; change
+    (bodies, 6) is filled with how the correction changes the twists at the end of the step.
+    """
+    gather_twists(last, parents, axes, v, change)
     for b in range(twists.shape[0]):
         for k in range(6):
-            later[b, k] -= twists[b, k]
-    settle(numbers, tops, inertial, centres, added, later, clock[STEP], loads)
-    keep(q_kept, v_kept, act_kept, warm_kept, mass_kept, q, v, act, warm, mass)
+            change[b, k] -= twists[b, k]
+    step = clock[STEP]
+    load_error(numbers, tops, inertial, centres, added, change, foreseen, step, loads, error)
+    to_freedoms(last, parents, axes, error, x)
+    add_to_matrix(last, parents, axes, added, matrix)
+    solve_symmetric(matrix, x)
+    x *= step
+    gather_twists(last, parents, axes, x, change)
+    correct_loads(numbers, tops, inertial, centres, added, change, step, error, loads)
     write_loads(applied, numbers, base, loads, written)

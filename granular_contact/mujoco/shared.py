@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from granular_contact.mujoco.engine import name_of
 from granular_contact.mujoco.sand import Sand
-from granular_contact.mujoco.trial import General
 
 Vector = NDArray[np.float64]
 
@@ -32,7 +31,6 @@ class Shared:
         self.last = np.array([_last_freedom(model, n) for n in numbers], dtype=np.int64)
         self.sand, self.turn = sand, np.ascontiguousarray(turn)
         self.record, self.lenient = record, lenient
-        self.general, self.checked = General(model), False
 
 
 def _last_freedom(model: Any, number: int) -> int:

@@ -3,9 +3,11 @@
 From the time t with the state q, v, in a step of h:
 
 1. if a step ended here, it is accepted: anchors follow to q, its work is added
-2. forces where the step would end if v changed as in the step before, and the added masses (`kernels.added_mass`)
-3. a trial step of MuJoCo with both gives v_1 (`trial`); the forces less what the added masses take up of v_1 and what
-   was foreseen of it are those of the step
+2. forces where the step would end if v changed as in the step before, and the added masses (`kernels.added_mass`), so
+   forces F as a function of the v_1 with which the step ends
+3. MuJoCo makes the step with the forces of the step before, and goes back (`trial`); its v_1, and how v_1 grows with
+   forces, give Newton's correction of the forces. Once, where MuJoCo is linear in forces; with constraints until a
+   correction changes v_1 by less than CLOSE h
 
 They are held in `xfrc_applied` of the bodies during the step that follows. What of a step is exact: its impulse on each
 body is the wrench times h, its work that of the wrench on the mean of the twists at its ends.
@@ -29,13 +31,16 @@ if TYPE_CHECKING:
 
 Vector = NDArray[np.float64]
 SLOW = 0.05  # m/s, below which a step is not foreseen by the one before
+CLOSE, MOST = 1e-4, 12  # m/s2 and rad/s2, see above; corrections of a step
+LOOKS = 1
 
 
 class Step:
     """Arrays of the steps of one MjData, and the calls that fill them; bodies are those of `Shared`.
 
-    sand: friction state; loads (bodies, 6): force (N) and moment (N m) about centres of mass in the step; base: what
-    others apply; written, brought: what stood in `xfrc_applied` last, and what MuJoCo's own state may bring back of it;
+    sand: friction state; loads (bodies, 6): force (N) and moment (N m) about centres of mass in the step, start: those
+    of the step before; base: what others apply; written, brought: what stood in `xfrc_applied` last, and what MuJoCo's
+    own state may bring back of it;
     twists: at the begin of the step, gained: their change in the step before; works (bodies,) J; seen (bodies, 3): see
     `kernels.space_law.DEPTH`.
     """
@@ -43,42 +48,38 @@ class Step:
     def __init__(self, shared: Shared, model: Any, data: Any) -> None:
         n = len(shared.numbers)
         self.sand: State = shared.sand.state()
-        self.loads, self.base, self.written, self.brought = (np.zeros((n, 6)) for _ in range(4))
+        self.loads, self.start, self.base = (np.zeros((n, 6)) for _ in range(3))
+        self.written, self.brought = np.zeros((n, 6)), np.zeros((n, 6))
         self.twists, self.gained = np.zeros((n, 6)), np.zeros((n, 6))
         self.seen, self.works = np.zeros((n, 3)), np.zeros(n)
         # What a state of the bed is, beside how far it got: arrays that steps change.
-        motion = self.loads, self.base, self.twists, self.gained, self.seen, self.works
+        motion = self.loads, self.start, self.base, self.twists, self.gained, self.seen, self.works
         self.kept: tuple[NDArray[Any], ...] = (*(array for of_batch in self.sand for array in of_batch), *motion)
         self.centres, self._model = data.xipos, model
-        self._trial = Trial(model, data, shared.last, shared.general)
-        if not shared.checked:
-            self._trial.check(data)
-            shared.checked = True
+        self._trial = Trial(model, data)
         self._clock = np.zeros(3)
         self._compile(shared, model, data)
 
     def _compile(self, shared: Shared, model: Any, data: Any) -> None:
         """Kernels with the arrays that they take; views of MuJoCo's memory, which whoever has data keeps alive."""
         n = len(shared.numbers)
-        later, past, wrench = (np.zeros((n, 6)) for _ in range(3))
+        later, past, wrench, foreseen, error = (np.zeros((n, 6)) for _ in range(5))
         arms, poses, then = np.zeros((n, 3)), np.zeros((n, 6, 3)), np.zeros((n, 6, 3))
-        added, clock = np.zeros((n, 6, 6)), self._clock
+        added, clock, self._change = np.zeros((n, 6, 6)), self._clock, later
         tree, at = (shared.last, model.dof_parentid, data.cdof), (shared.numbers, shared.tops)
         middle, applied, turn = (data.xipos, data.subtree_com), data.xfrc_applied, shared.turn
-        rows, kept = (applied, self.base, self.written), self._trial.arrays
+        rows = applied, self.base, self.written
         self._begin = bound(
             held_step.begin, *tree, data.qvel, *at, data.xpos, data.xmat, *middle, turn, applied, self.written,
-            self.brought, self.base, shared.sand.sizes, SLOW, clock, self.loads, self.works, self.gained, self.seen,
-            self.twists, later, past, arms, poses, then, wrench, added,
+            self.brought, self.base, shared.sand.sizes, SLOW, clock, self.loads, self.start, self.works, self.gained,
+            self.seen, self.twists, later, past, arms, poses, then, wrench, added,
         )  # fmt: skip
         self._acts = shared.sand.calls(self.sand, clock, poses, then, self.seen, turn, arms, wrench, added)
-        self._burden = bound(
-            held_step.burden, turn, *at, *middle, wrench, arms, added, past, clock, self.loads, *rows, *tree[:2],
-            model.dof_Madr, tree[2], *kept,
+        self._guess = bound(held_step.guess, turn, at[0], wrench, arms, added, past, clock, foreseen, self.loads, *rows)
+        self._correct = bound(
+            held_step.correct, *tree, data.qvel, *at, *middle, added, self.twists, later, clock, foreseen, error,
+            self.loads, *rows, self._trial.matrix, np.zeros(model.nv),
         )  # fmt: skip
-        self._relieve = bound(
-            held_step.relieve, *tree, *at, *middle, added, self.twists, later, clock, self.loads, *rows, *kept
-        )
         self._write = bound(write_loads, applied, at[0], self.base, self.loads, self.written)
 
     def make(self, data: Any, step: float, passed: float, begins: bool) -> None:
@@ -91,8 +92,20 @@ class Step:
         self._begin()
         for act in self._acts:
             act()
-        if self._burden():
-            self._trial.make(data, self._relieve)
+        if self._guess():
+            self._solve(data, step)
+
+    def _solve(self, data: Any, step: float) -> None:
+        """Correct the loads until they are those at the end of the step that MuJoCo makes with them."""
+        trial, change = self._trial, self._change
+        trial.keep(data)
+        for _ in range(MOST):
+            trial.make(data)
+            exact = trial.resistance(data, step)
+            self._correct()
+            trial.take_back(data)
+            if exact or np.abs(change).max() < CLOSE * step:
+                break
 
     def write(self) -> None:
         """Put the loads into `xfrc_applied` again, after they were restored."""

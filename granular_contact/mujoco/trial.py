@@ -1,128 +1,90 @@
-"""A step of MuJoCo that is taken back: the rates at its end if some bodies had more inertia and were loaded.
+"""Steps of MuJoCo that are taken back, and how their ends depend on forces: what Newton's method needs of an engine.
 
-MuJoCo itself solves for them, with its constraints, actuators, joint damping and implicit integrators; so the forces
-that the added inertia takes up are those of the step that follows.
+All by MuJoCo's public functions, on the data that is stepped; the model is read alone.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from threading import Lock
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from granular_contact.errors import SolveError
-from granular_contact.kernels import added_mass as kernels
+from granular_contact.kernels.added_mass import add_damping
+from granular_contact.kernels.entry import bound
 from granular_contact.mujoco.engine import mujoco
 
+Vector = NDArray[np.float64]
 _IMPLICIT = (int(mujoco.mjtIntegrator.mjINT_IMPLICIT), int(mujoco.mjtIntegrator.mjINT_IMPLICITFAST))
-
-
-class General:
-    """Lets MuJoCo treat the mass matrix of free bodies as any other for as long as a trial lasts.
-
-    Of a free body alone MuJoCo knows that its mass matrix is diagonal, which it is not with added inertia. The model
-    says so; that is changed while at least one thread is in a trial.
-    """
-
-    def __init__(self, model: Any) -> None:
-        self.any = bool(model.dof_simplenum.any())
-        self._known, self._lock, self._inside = model.dof_simplenum.copy(), Lock(), 0
-        self._numbers = model.dof_simplenum
-
-    @contextmanager
-    def within(self) -> Iterator[None]:
-        """A trial."""
-        with self._lock:
-            self._inside += 1
-            self._numbers[:] = 0
-        try:
-            yield
-        finally:
-            with self._lock:
-                self._inside -= 1
-                if self._inside == 0:
-                    self._numbers[:] = self._known
+_DISCRETE = int(getattr(mujoco.mjtIntegrator, "mjINT_DISCRETE", -1))  # from 3.13 on
+_UNDAMPED = int(mujoco.mjtDisableBit.mjDSBL_EULERDAMP)
+_QUADRATIC = int(mujoco.mjtConstraintState.mjCNSTRSTATE_QUADRATIC)
+MASS_OF_DATA = tuple(int(part) for part in mujoco.__version__.split(".")[:2]) >= (3, 10)
+STATE = int(mujoco.mjtState.mjSTATE_FULLPHYSICS | mujoco.mjtState.mjSTATE_WARMSTART)
 
 
 class Trial:
-    """Trial steps of one MjData, from the present state; positions of MuJoCo have to be up to date.
+    """Steps of one MjData from its present state, whose positions have to be up to date.
 
-    last: as of `shared.Shared`; general: of the model. arrays: those of MuJoCo that a trial changes, and copies of
-    them, as `kernels.held_step` takes them.
+    state: what is kept of it; matrix (nv, nv): of `resistance`, to which damp() adds by the shares of
+    `kernels.added_mass.add_damping`.
     """
 
-    def __init__(self, model: Any, data: Any, last: NDArray[np.int64], general: General) -> None:
-        if not hasattr(data, "qM"):
-            raise _another_way()
-        self._model, self._general, self._mass = model, general, data.qM
-        changed = data.qpos, data.qvel, data.act, data.qacc_warmstart, data.qM
-        self.arrays = *changed, *(array.copy() for array in changed)
-        self._option, self._dual = model.opt, int(model.opt.solver) == int(mujoco.mjtSolver.mjSOL_PGS)
-        self._tree = (last, model.dof_parentid, model.dof_Madr, data.cdof)
+    def __init__(self, model: Any, data: Any) -> None:
+        self._model, self._option = model, model.opt
+        self.state = np.zeros(mujoco.mj_stateSize(model, STATE))
+        self.matrix = np.zeros((model.nv, model.nv))
+        of = model if hasattr(model, "D_rowadr") else data  # the data's up to 3.2
+        self.shares = np.zeros(2)
+        pattern = of.D_rowadr, of.D_rownnz, of.D_colind
+        self.damp = bound(add_damping, *pattern, data.qDeriv, model.dof_damping, self.shares, self.matrix)
 
-    def make(self, data: Any, taken_back: Callable[[], None]) -> None:
-        """A step with the mass matrix and the loads that data has; `taken_back` reads its end and undoes it."""
-        if not self._general.any:
-            self._make(data, taken_back)
-            return
-        with self._general.within():
-            self._make(data, taken_back)
+    def keep(self, data: Any) -> None:
+        """Remember the state, and find what the steps from it have in common."""
+        mujoco.mj_getState(self._model, data, self.state, STATE)
+        mujoco.mj_fwdVelocity(self._model, data)
 
-    def _make(self, data: Any, taken_back: Callable[[], None]) -> None:
-        model = self._model
-        mujoco.mj_fwdVelocity(model, data)
-        self._factor(data)
-        mujoco.mj_fwdActuation(model, data)
-        mujoco.mj_fwdAcceleration(model, data)
-        mujoco.mj_fwdConstraint(model, data)
-        time = data.time
-        if int(self._option.integrator) in _IMPLICIT:
-            mujoco.mj_implicit(model, data)
-        else:
-            mujoco.mj_Euler(model, data)
-        taken_back()
-        data.time = time
-        self._factor(data)
+    def make(self, data: Any) -> None:
+        """Make a step with the forces that are applied to data."""
+        mujoco.mj_step2(self._model, data)
 
-    def _factor(self, data: Any) -> None:
-        """Factors of the mass matrix, and what the dual solver makes of them."""
-        mujoco.mj_factorM(self._model, data)
-        if self._dual:
-            mujoco.mj_projectConstraint(self._model, data)
+    def take_back(self, data: Any) -> None:
+        """Go back to the state that is kept."""
+        mujoco.mj_setState(self._model, data, self.state, STATE)
 
-    def check(self, data: Any) -> None:
-        """Look whether this MuJoCo keeps its mass matrix as it is known here.
+    def resistance(self, data: Any, step: float) -> bool:
+        """Fill matrix with how forces along degrees of freedom grow with the accelerations in the step (s) just made.
 
-        Raises
-        ------
-        SolveError
-            It does not; the message is one line.
+        That is M + h D + J^T W J, with the damping D that the integrator takes as implicit, and the weights W of the
+        constraints that pushed. Returns whether it is all there is, so that Newton's method ends after one correction.
         """
-        count, nv = len(self._tree[0]), self._model.nv
-        added = np.repeat(np.eye(6)[None], count, axis=0)
-        x, y, z = np.sin(1.0 + np.arange(nv)), np.zeros(nv), np.zeros((1, nv))
-        twists = np.zeros((count, 6))
-        mujoco.mj_fwdPosition(self._model, data)
-        own = self._mass.copy()
-        with self._general.within():
-            mujoco.mj_mulM(self._model, data, y, x)
-            kernels.gather_twists.py_func(self._tree[0], self._tree[1], self._tree[3], x, twists)
-            kernels.add_to_mass.py_func(*self._tree, added, self._mass)
-            mujoco.mj_factorM(self._model, data)
-            more = np.zeros(nv)
-            mujoco.mj_mulM(self._model, data, more, x)
-            mujoco.mj_solveM(self._model, data, z, more[None])
-        self._mass[:] = own
-        self._factor(data)
-        if not (np.allclose(z[0], x, rtol=1e-6) and np.isclose(x @ (more - y), np.sum(twists**2), rtol=1e-6)):
-            raise _another_way()
+        _full_mass(self._model, data, self.matrix)
+        option, exact = self._option, data.nefc == 0
+        integrator = int(option.integrator)
+        euler = integrator not in _IMPLICIT and not int(option.disableflags) & _UNDAMPED
+        self.shares[:] = -step if integrator in _IMPLICIT else 0.0, step if euler else 0.0
+        self.damp()
+        if data.nefc:
+            rows = _rows(self._model, data)
+            weights = np.where(data.efc_state == _QUADRATIC, data.efc_D, 0.0)
+            self.matrix += (rows.T * weights) @ rows
+        return exact and integrator != _DISCRETE  # whose metric has more, of actuators and tendons
 
 
-def _another_way() -> SolveError:
-    return SolveError(
-        f"MuJoCo {mujoco.__version__} keeps its mass matrix in another way than 3.1 and 3.2: pip install 'mujoco<3.3'"
-    )
+def _rows(model: Any, data: Any) -> Vector:
+    """Jacobian (nefc, nv) of the constraints."""
+    count = data.nefc
+    if not mujoco.mj_isSparse(model):
+        rows: Vector = data.efc_J.reshape(count, model.nv)
+        return rows
+    rows = np.zeros((count, model.nv))
+    for i, (first, n) in enumerate(zip(data.efc_J_rowadr, data.efc_J_rownnz, strict=True)):
+        rows[i, data.efc_J_colind[first : first + n]] = data.efc_J.ravel()[first : first + n]
+    return rows
+
+
+def _full_mass(model: Any, data: Any, matrix: Vector) -> None:
+    if MASS_OF_DATA:
+        mujoco.mj_fullM(model, data, matrix)
+    else:
+        mujoco.mj_fullM(model, matrix, data.qM)

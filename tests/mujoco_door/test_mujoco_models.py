@@ -70,7 +70,7 @@ def test_what_can_not_be_in_the_sand_is_told_in_one_line() -> None:
         f'<mujoco><asset><mesh name="open" vertex="{CUBE}" face="{open_cube}" scale="0.02 0.02 0.02"/></asset>'
         '<worldbody><geom name="floor" type="plane" size="1 1 1"/><geom name="wall" type="box" size="1 1 1"/>'
         '<body name="leg"><freejoint/><geom name="foot" type="sphere" size="0.02"/>'
-        '<geom name="shell" type="mesh" mesh="open" shellinertia="true"/>'
+        '<geom name="shell" type="mesh" mesh="open"/>'
         "</body></worldbody></mujoco>"
     )
     bed = MujocoBed(model, SAND)
@@ -126,17 +126,22 @@ def test_what_doubles_the_sand_or_keeps_it_from_acting_is_told() -> None:
     assert said.endswith("give it a <freejoint/>")
 
 
+def robot(path: str) -> Any:
+    spec = mujoco.MjSpec.from_file(path)
+    if spec.strippath:  # as old versions of MuJoCo read a URDF: without the folders of its meshes
+        spec.meshdir = "meshes"
+    return spec
+
+
 def test_a_robot_file_is_taken_with_a_free_joint_and_told_without_one() -> None:
     path = str(ROOT / "models" / "hexapod" / "hexapod.urdf")
-    spec = mujoco.MjSpec.from_file(path)
-    spec.meshdir = "meshes"
+    spec = robot(path)
     bed = MujocoBed(model := spec.compile(), SAND)
     assert "is fixed to the world: sand does not move it (a missing <freejoint/>?)" in refused(bed.add_geoms, ".*")
     bed.add_geoms("leg_.*")
     with pytest.warns(UserWarning, match=r"leg_rear_right turn on hinges of the world: .* give that a <freejoint/>$"):
         bed.of(mujoco.MjData(model))
-    spec = mujoco.MjSpec.from_file(path)
-    spec.meshdir = "meshes"
+    spec = robot(path)
     spec.worldbody.first_body().add_freejoint()
     bed = MujocoBed(model := spec.compile(), SAND)
     assert len(bed.add_geoms("trunk|leg_.*")) == 7

@@ -17,7 +17,11 @@ from granular_contact.errors import SceneError
 mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed")
 from granular_contact.mujoco import MujocoBed  # noqa: E402
 
-INTEGRATORS = mujoco.mjtIntegrator
+INTEGRATORS = {  # `discrete` from 3.13 on
+    name: getattr(mujoco.mjtIntegrator, f"mjINT_{name}")
+    for name in ("EULER", "RK4", "IMPLICIT", "IMPLICITFAST", "DISCRETE")
+    if hasattr(mujoco.mjtIntegrator, f"mjINT_{name}")
+}
 
 
 def box(step: float = 1e-3, **options: Any) -> tuple[Any, Any, Any]:
@@ -27,10 +31,10 @@ def box(step: float = 1e-3, **options: Any) -> tuple[Any, Any, Any]:
     return model, thrown(model), bed
 
 
-@pytest.mark.parametrize("integrator", [INTEGRATORS.mjINT_EULER, INTEGRATORS.mjINT_RK4, INTEGRATORS.mjINT_IMPLICITFAST])
-def test_the_callback_does_what_a_call_before_each_step_does(integrator: Any) -> None:
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+def test_the_callback_does_what_a_call_before_each_step_does(integrator: str) -> None:
     model, data, bed = box()
-    model.opt.integrator = integrator
+    model.opt.integrator = INTEGRATORS[integrator]
     go(model, data, bed, 0.12)
     other = thrown(model)
     with bed.install(other):
@@ -122,6 +126,50 @@ def test_data_in_threads_are_stepped_as_one_after_the_other() -> None:
         together = list(pool.map(run, speeds))
     np.testing.assert_array_equal(together, alone)
     assert len({*np.round(np.array(alone)[:, 0], 6)}) == 4
+
+
+def test_nothing_is_written_into_the_model_while_it_is_in_use() -> None:
+    """A passive callback of the user's sees the model as other threads do, also within the bed's own calls."""
+    model, data, bed = box()
+    size = mujoco.mj_sizeModel(model)
+
+    def bytes_of_model() -> bytes:
+        held = np.zeros(size, np.uint8)
+        mujoco.mj_saveModel(model, None, held)
+        return held.tobytes()
+
+    before, seen = bytes_of_model(), []
+    mujoco.set_mjcb_passive(lambda of, _: seen.append(of is model and bytes_of_model() == before))
+    try:
+        go(model, data, bed, 0.1)
+    finally:
+        mujoco.set_mjcb_passive(None)
+    assert len(seen) > 100  # more than once a step, while the box is in the sand
+    assert all(seen)
+
+
+@pytest.mark.parametrize("integrator", INTEGRATORS)
+@pytest.mark.parametrize("cone", ["pyramidal", "elliptic"])
+def test_a_leg_with_a_servo_dry_friction_and_a_stop_stands_by_any_integrator(integrator: str, cone: str) -> None:
+    """Constraints that push in every step: those of dry friction and of the stop."""
+    model = mujoco.MjModel.from_xml_string(
+        f'<mujoco><option timestep="0.002" cone="{cone}"/><worldbody><body name="trunk" pos="0 0 0.16">'
+        '<joint name="up" type="slide" axis="0 0 1"/><geom type="box" size="0.05 0.03 0.02" mass="1.5"/>'
+        '<body name="leg" pos="0 0 -0.02"><joint name="hip" axis="0 1 0" range="-20 5" damping="0.02" '
+        'frictionloss="0.05"/><geom name="leg" type="capsule" fromto="0 0 0 0.02 0 -0.12" size="0.01" mass="0.05"/>'
+        '<geom name="foot" type="box" pos="0.02 0 -0.13" size="0.03 0.02 0.01" mass="0.02"/>'
+        '</body></body></worldbody><actuator><position joint="hip" kp="20" kv="0.5"/></actuator></mujoco>'
+    )
+    model.opt.integrator = INTEGRATORS[integrator]
+    bed, data = MujocoBed(model, SAND), mujoco.MjData(model)
+    bed.add_geoms("leg|foot")
+    data.ctrl[0] = 0.2  # beyond the stop
+    go(model, data, bed, 1.0)
+    before = data.qpos.copy()
+    go(model, data, bed, 0.3)
+    assert data.nefc > 0
+    np.testing.assert_allclose(data.qpos, before, rtol=0, atol=1e-6)
+    assert bed.of(data).force[2] == pytest.approx(9.81 * model.body_mass.sum(), rel=1e-3)
 
 
 def test_other_threads_run_while_forces_are_computed() -> None:

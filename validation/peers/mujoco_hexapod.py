@@ -40,7 +40,8 @@ def scene_of(seconds: float, *overrides: str) -> Any:
 def model_of(scene: Any, step: float) -> Any:
     """The robot file as MuJoCo reads it, with a free joint and the actuators of the scene."""
     spec = mujoco.MjSpec.from_file(str(ROOT / "models" / "hexapod" / "hexapod.urdf"))
-    spec.meshdir = "meshes"
+    if spec.strippath:  # as old versions of MuJoCo read a URDF: without the folders of its meshes
+        spec.meshdir = "meshes"
     spec.worldbody.first_body().add_freejoint()
     mirrored = spec.find_body("leg_front_right").first_geom().meshname
     for row in ("middle", "rear"):

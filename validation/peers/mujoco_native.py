@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from granular_contact.kernels.added_mass import BEGINS, PASSED, STEP
 from granular_contact.mujoco import MujocoBed
+from granular_contact.mujoco.trial import MASS_OF_DATA, STATE
 from validation.peers.mujoco_scene import Laws
 
 Array = NDArray[np.float64]
@@ -40,13 +41,18 @@ def _kernel(bound: Any) -> tuple[int, int]:
 
 def run(bed: MujocoBed, model: Any, data: Any, controls: Array, states: Array, laws: Laws) -> float:
     """Make a step for each row of controls (n, drives), fill states (n + 1, nq); processor time of the steps (s)."""
-    assert not model.dof_simplenum.any()
     assert not len(laws.places)
     step = bed.of(data)._step
-    (act,) = step._acts
-    addresses, places = zip(*map(_kernel, (step._begin, act, step._burden, step._relieve)), strict=True)
+    (act,), trial = step._acts, step._trial
+    called = step._begin, act, step._guess, trial.damp, step._correct
+    addresses, places = zip(*map(_kernel, called), strict=True)
     march = _march(addresses)
-    given = model._address, data._address, np.array(places), step._clock, data.ctrl, data.qpos, np.zeros(1)
+    trial.shares[:] = -model.opt.timestep, 0.0
+    mass = (
+        data.qM if not MASS_OF_DATA else trial.matrix
+    )  # as the last argument of `mj_fullM`, but for the matrix in between
+    given = (model._address, data._address, np.array(places), step._clock, data.ctrl, data.qpos, trial.state)
+    given += (trial.matrix, mass)
     march(*given, model.opt.timestep, controls[:0], states)  # compiles
     began = time.process_time()
     march(*given, model.opt.timestep, controls, states)
@@ -55,17 +61,16 @@ def run(bed: MujocoBed, model: Any, data: Any, controls: Array, states: Array, l
 
 @lru_cache
 def _march(addresses: tuple[int, ...]) -> Any:
-    """The loop, with the functions at these addresses: begin, forces, burden and relieve of `kernels.held_step`."""
-    begins, acts, burdens, relieves = (ctypes.CFUNCTYPE(ctypes.c_bool, _PLACE)(one) for one in addresses)
-    position, velocity = _engine("mj_fwdPosition"), _engine("mj_fwdVelocity")
-    actuation, acceleration = _engine("mj_fwdActuation"), _engine("mj_fwdAcceleration")
-    constraint, factor = _engine("mj_fwdConstraint"), _engine("mj_factorM")
-    implicit, whole = _engine("mj_implicit"), _engine("mj_step")
+    """The loop, with the functions at these addresses: begin, forces, guess, damping and correct."""
+    begins, acts, guesses, damps, corrects = (ctypes.CFUNCTYPE(ctypes.c_bool, _PLACE)(one) for one in addresses)
+    position, velocity, second = _engine("mj_fwdPosition"), _engine("mj_fwdVelocity"), _engine("mj_step2")
     get, put = (_engine(name, _PLACE, ctypes.c_uint) for name in ("mj_getState", "mj_setState"))
-    now = int(mujoco.mjtState.mjSTATE_TIME)
+    whole = _engine("mj_step")
+    full = ctypes.CFUNCTYPE(_VOID, _PLACE, _PLACE, _PLACE)(ctypes.cast(_LIBRARY.mj_fullM, _PLACE).value)
+    kept, old = STATE, not MASS_OF_DATA
 
     @njit
-    def march(model, data, places, clock, controls_now, place, instant, step, controls, states):
+    def march(model, data, places, clock, controls_now, place, state, matrix, mass, step, controls, states):
         clock[STEP] = step
         for i in range(controls.shape[0]):
             states[i] = place
@@ -74,17 +79,17 @@ def _march(addresses: tuple[int, ...]) -> Any:
             clock[PASSED], clock[BEGINS] = step if i else 0.0, i == 0
             begins(places[0])
             acts(places[1])
-            if burdens(places[2]):
+            if guesses(places[2]):
+                get(model, data, state.ctypes, kept)
                 velocity(model, data)
-                factor(model, data)
-                actuation(model, data)
-                acceleration(model, data)
-                constraint(model, data)
-                get(model, data, instant.ctypes, now)
-                implicit(model, data)
-                relieves(places[3])
-                put(model, data, instant.ctypes, now)
-                factor(model, data)
+                second(model, data)
+                if old:
+                    full(model, matrix.ctypes, mass.ctypes)
+                else:
+                    full(model, data, matrix.ctypes)
+                damps(places[3])
+                corrects(places[4])
+                put(model, data, state.ctypes, kept)
             whole(model, data)
         states[controls.shape[0]] = place
 
