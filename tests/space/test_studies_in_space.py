@@ -9,6 +9,7 @@ import pytest
 
 from granular_contact import load, simulate
 from granular_contact.config import load_sweep
+from granular_contact.scene.again import Builder
 from granular_contact.studies import sweep
 
 BALL = """\
@@ -32,6 +33,16 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (tmp_path / "ball.yaml").write_text(BALL)
     monkeypatch.chdir(tmp_path)
     return tmp_path
+
+
+@pytest.mark.usefixtures("folder")
+def test_what_builds_the_scenes_of_sweeps_and_ensembles_takes_those_in_space() -> None:
+    """Whose bodies have other shapes than those of the reduced model, from which other scenes are made."""
+    scenario = load("ball.yaml").scenario
+    for build in (Builder(), Builder(scenario)):
+        for speed in (-1.0, -2.0):
+            initial = {"joints": {"flight": {"z_m": 0.025, "vz_m_s": speed}}}
+            assert build(scenario.replace(initial=initial)).in_space
 
 
 def test_a_sweep_in_space_has_the_rows_of_single_runs(folder: Path) -> None:
