@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
@@ -253,10 +254,16 @@ def _observed(
         return begun, begun.observe(trajectory)
     if trajectory.load is not None and not scene.in_space:
         from granular_contact.multibody.kinematics import Kinematics
-        from granular_contact.multibody.strip_error import finer
+        from granular_contact.multibody.strip_error import finer, strip_error
 
-        spent = trajectory.cost.solve_s
-        while begun.system and (shorter := finer(Kinematics(begun.system, trajectory))) is not None:
+        spent, before = trajectory.cost.solve_s, math.inf
+        while begun.system:
+            error = strip_error(Kinematics(begun.system, trajectory))
+            trajectory = replace(trajectory, strip_error=error)
+            shorter = finer(Kinematics(begun.system, trajectory), before)
+            if shorter is None:
+                break
+            before = error
             begun.solving.close()
             begun, trajectory = _solved(shorter, progress, compiling)
             spent += trajectory.cost.solve_s

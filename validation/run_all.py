@@ -33,6 +33,7 @@ STUDIES = (
     "runner",
     "scaling",
     "strips",
+    "strip_estimates",
     "settling",
 )
 RECORD = HERE / "claims.json"

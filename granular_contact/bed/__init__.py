@@ -24,7 +24,8 @@ contact_lines   shapes -> stations along what the medium meets; a new shape is a
 batch           lines of one kind in one compiled call; other elements (facets in space) would be batches of their own
 load            all batches: force, tangent, accepted steps
 history, state  what was done, step by step; all that a later step depends on
-work, strip_error   what steps and strips leave open, from a history and the motion
+work            what steps leave open, from a history and the motion
+strip_error     what a motion departs by with strips of another length
 given, of_scene     what a bed is made of, from arguments and from a scene
 steady          the force on a body that moves steadily, without a run
 rolling         the start of a single-wheel test, in steady motion

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from numbers import Integral
 from typing import Any
 
@@ -56,12 +56,14 @@ def polyline(
     width: float | None = None,
     turns: ArrayLike | None = None,
     strips: int = 16,
+    split: int = 1,
     free_end: bool = True,
 ) -> list[ContactLine]:
     """Lines along a thin round bar (`diameter`) or plate (`width`, normal to the plane), m; one of the two is given.
 
     points (k, 2) m in the body's frame, k >= 2; turns (k - 1,) rad, counter-clockwise: of sides that are chords of
-    arcs; strips: about how many there are in all; free_end: whether the face at the last point is free.
+    arcs; strips: about how many there are in all; split: into how many each of them is divided; free_end: whether the
+    face at the last point is free.
 
     Raises
     ------
@@ -69,7 +71,7 @@ def polyline(
         The line has no length, no width or no strips, or is not in the plane.
     """
     kind, size = _section(diameter, width)
-    made = _along(body, _points(points, 2), turns, strips, kind, {"width": size})
+    made = _along(body, _points(points, 2), turns, strips, split, kind, {"width": size})
     made[-1].record["cap"] = free_end
     return made
 
@@ -81,6 +83,7 @@ def outline(
     *,
     turns: ArrayLike | None = None,
     strips: int = 32,
+    split: int = 1,
     wheel: tuple[ArrayLike, float] | None = None,
 ) -> list[ContactLine]:
     """Lines around a solid with a polygon as its section, `width` (m) normal to the plane; errors as of `polyline`.
@@ -98,7 +101,8 @@ def outline(
     if pair := crossing(sides):
         raise _fault(f"the sides after points {pair[0] + 1} and {pair[1] + 1} cross; sides may only meet")
     # The interior of a counter-clockwise polygon lies to the left, so its outward normal to the right.
-    made = _along(body, corners, turns, strips, "outline", {"width": size, "side": -1.0 if area > 0.0 else 1.0})
+    side = -1.0 if area > 0.0 else 1.0
+    made = _along(body, corners, turns, strips, split, "outline", {"width": size, "side": side})
     if wheel is not None:
         for line in made:
             _hub(line, planar(wheel[0])[0], positive("wheel", wheel[1]))
@@ -140,6 +144,16 @@ def beam(
     return made
 
 
+def coarser(line: ContactLine) -> ContactLine:
+    """The line with its strips joined in pairs, within each of its sides."""
+    record, half = line.record.copy(), 0.5 * float(line.record["turn"][0])
+    record["turn"] *= 2.0  # of the last strip of an odd number it is too much
+    along, left = record["hub_along"].copy(), record["hub_left"].copy()
+    record["hub_along"] = np.cos(half) * along + np.sin(half) * left  # as seen from a first strip that is joined
+    record["hub_left"] = np.cos(half) * left - np.sin(half) * along
+    return replace(line, stations=line.stations[line.stations["kept"]], record=record)
+
+
 # ---- what they are made of ----
 
 
@@ -153,10 +167,10 @@ def _hub(line: ContactLine, axle: Vector, radius: float) -> None:
 
 
 def _along(
-    body: Body, line: Vector, turns: ArrayLike | None, strips: int, kind: Kind, fields: dict[str, Any]
+    body: Body, line: Vector, turns: ArrayLike | None, strips: int, split: int, kind: Kind, fields: dict[str, Any]
 ) -> list[ContactLine]:
     """Lines along the polyline (k, 2) m; of its sides some may be arcs."""
-    divided = kinematics.curved_stations(line, _turns(turns, len(line) - 1), count("strips", strips))
+    divided = kinematics.curved_stations(line, _turns(turns, len(line) - 1), count("strips", strips), split)
     made, place = [], 0.0
     for stations, turn in divided:
         made.append(_on(body, stations, kind, fields | {"turn": turn, "place": place}))

@@ -35,9 +35,7 @@ class LoadHistory:
     (N m); bodies (n, bodies, size): the same of all terms together, for each of `body_names`. In the plane the size is
     3, x, y and the moment, right-handed about z, so counter-clockwise (tables of runs have it clockwise); in space 6.
 
-    coarser (n, 4): by how much the power (W), the resultant x, y (N) and its moment about the world origin (N m) would
-    change with strips of twice the length; in space, where there are facets, (n, 0). immersed: body, kind and width (m)
-    of all that ever was.
+    immersed: body, kind and width (m) of all that ever was.
     """
 
     time: Vector
@@ -50,7 +48,6 @@ class LoadHistory:
     reached: Vector
     terms: Vector
     bodies: Vector
-    coarser: Vector
     term_names: tuple[str, ...]
     body_names: tuple[str, ...]
     immersed: frozenset[tuple[str, Kind, float]] = frozenset()
@@ -93,9 +90,9 @@ class HistoryTable:
         """
         self.media, self._size, self._terms, self._floor = len(terms), size, tuple(terms), floor
         self._names = tuple(term_names), tuple(bodies)
-        first = np.concatenate([np.zeros(REACHED), reached, np.zeros(0 if size == SPACE else 4)])
+        first = np.concatenate([np.zeros(REACHED), reached])
         first[[DEPTH, LOWEST]] = -np.inf, np.inf
-        self._coarser, self._first = REACHED + len(reached), len(first)
+        self._first = len(first)
         self._first_term = self._first + self.media
         self._first_body = self._first_term + size * TERMS * self.media
         self.blank = np.concatenate([first, np.zeros(self._first_body - self._first + size * len(bodies))])
@@ -179,10 +176,9 @@ class HistoryTable:
             depth=rows[:, DEPTH],
             speed=rows[:, SPEED],
             lowest=rows[:, LOWEST],
-            reached=rows[:, REACHED : self._coarser],
+            reached=rows[:, REACHED : self._first],
             terms=terms[:, used],
             bodies=rows[:, self._first_body :].reshape(len(rows), len(self._names[1]), self._size),
-            coarser=rows[:, self._coarser : self._first],
             term_names=self._names[0],
             body_names=self._names[1],
         )

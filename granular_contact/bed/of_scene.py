@@ -23,14 +23,27 @@ def load_of(scene: Scene) -> GranularLoad:
     )
 
 
-def lines_of(body: Body, shape: Shape, strips: int) -> list[ContactLine]:
-    """Lines of a shape, on so many strips; an outline, which goes round and back, on twice as many."""
+def lines_of(body: Body, shape: Shape, strips: int, split: int = 1) -> list[ContactLine]:
+    """Lines of a shape, on so many strips; an outline, which goes round and back, on twice as many.
+
+    split: into how many each of these strips is divided.
+    """
     if shape.kind == "ball":
         return ball(body, shape.points[0], shape.width, shape.mass)
     if shape.kind == "outline":
         wheel = None if shape.wheel is None else (shape.wheel.axle, shape.wheel.radius)
-        return outline(body, shape.points, shape.width, turns=shape.turns, strips=2 * strips, wheel=wheel)
-    return polyline(body, shape.points, **section(shape), turns=shape.turns, strips=strips, free_end=shape.free)
+        return outline(body, shape.points, shape.width, turns=shape.turns, strips=2 * strips, split=split, wheel=wheel)
+    diameter, width = (shape.width, None) if shape.kind == "round" else (None, shape.width)
+    return polyline(
+        body,
+        shape.points,
+        diameter=diameter,
+        width=width,
+        turns=shape.turns,
+        strips=strips,
+        split=split,
+        free_end=shape.free,
+    )
 
 
 def section(part: Shape | FlexibleLink) -> dict[str, float]:

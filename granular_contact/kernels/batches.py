@@ -41,10 +41,10 @@ KEPT, RATES, BEFORE = 5, 1, 4
 
 
 def work(ends: Any, anchors: Any) -> tuple[Any, Any]:
-    """Room for all lines: seven times for their stations, and rows for coordinates, a tangent and what is kept."""
+    """Room for all lines: six times for their stations, and rows for coordinates, a tangent and what is kept."""
     coordinates = int(np.max(np.diff(ends[:, 1]), initial=0))
     lines = len(ends) - 1
-    return np.zeros((7, *anchors.shape)), np.full(
+    return np.zeros((6, *anchors.shape)), np.full(
         (BLOCK + coordinates + KEPT * lines, max(coordinates, 3 * TERMS)), np.nan
     )
 

@@ -18,7 +18,7 @@ from granular_contact.kernels.records import fields
 RIGID, CABLE, SPATIAL = 0, 1, 2
 
 # x, y, z: place on a rigid body (m). first, shape: first coordinate of a cable's element, and N_1 .. N_4 there.
-# kept: whether a station also belongs to the division into strips of twice the length, see `lines.accept`.
+# kept: whether a station also belongs to the division into strips of twice the length.
 STATION = np.dtype(
     [("kind", "i8"), *fields("f8", "x", "y", "z"), ("first", "i8"), ("shape", "f8", (4,)), ("kept", "?")]
 )
@@ -39,39 +39,42 @@ def ball_stations(center: NDArray[np.float64]) -> NDArray[np.void]:
 
 
 def curved_stations(
-    points: NDArray[np.float64], turns: NDArray[np.float64], strips: int
+    points: NDArray[np.float64], turns: NDArray[np.float64], strips: int, split: int = 1
 ) -> list[tuple[NDArray[np.void], float]]:
     """Stations as of `rigid_stations`, for sides of which each is the chord of an arc that turns by an angle (rad).
 
-    Runs of neighbouring sides whose strips turn by the same angle, and that angle.
+    Runs of neighbouring sides whose strips turn by the same angle, and that angle. split: into how many each of the
+    strips is divided.
     """
     lengths = np.linalg.norm(np.diff(points, axis=0), axis=1)
-    shares = np.maximum(1, np.rint(strips * lengths / lengths.sum())).astype(int)
+    shares = split * np.maximum(1, np.rint(strips * lengths / lengths.sum())).astype(int)
     each = turns / shares
     runs = []
     first = 0
     for i in range(1, len(each) + 1):
         if i < len(each) and abs(each[i] - each[first]) < 1e-9:
             continue
-        pieces = [_arc(points[k], points[k + 1], turns[k], shares[k]) for k in range(first, i)]
-        stations = _at_places(np.vstack([*pieces, points[i : i + 1]]))
-        straight = each[first] == 0.0
-        kept = [_every_second(n) for n in (shares[first:i] if straight else [shares[first:i].sum()])]
-        stations["kept"] = np.concatenate([*kept, [True]])
+        places = _along(points[first : i + 1], turns[first:i], shares[first:i])
+        stations = _at_places(places)
+        pieces = shares[first:i] if each[first] == 0.0 else [shares[first:i].sum()]
+        stations["kept"] = np.concatenate([*map(_every_second, pieces), [True]])
         runs.append((stations, float(each[first])))
         first = i
     return runs
 
 
-def _arc(a: NDArray[np.float64], b: NDArray[np.float64], turn: float, strips: int) -> NDArray[np.float64]:
-    """Points (strips, 2) from a on, at equal distances, along the arc to b that turns by an angle (rad)."""
-    share = np.arange(strips) / strips
-    start, chord = complex(*a), complex(*(b - a))
-    if turn == 0.0:
-        places = start + share * chord
-    else:
-        places = start + chord * np.sin(0.5 * share * turn) / np.sin(0.5 * turn) * np.exp(0.5j * (share - 1.0) * turn)
-    return np.column_stack([places.real, places.imag])
+def _along(points: NDArray[np.float64], turns: NDArray[np.float64], strips: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Ends (strips + 1, 2) of so many strips of like length on each side, the chord of an arc that turns (rad)."""
+    side = np.repeat(np.arange(len(strips)), strips)
+    share = (np.arange(len(side)) - (np.cumsum(strips) - strips)[side]) / strips[side]
+    corners = points @ (1.0, 1.0j)
+    start, chord, turn = corners[:-1][side], np.diff(corners)[side], turns[side]
+    bent = turn != 0.0
+    way = share.astype(complex)
+    half = 0.5 * turn[bent]
+    way[bent] = np.sin(share[bent] * half) / np.sin(half) * np.exp(1j * (share[bent] - 1.0) * half)
+    places = start + way * chord
+    return np.vstack([np.column_stack([places.real, places.imag]), points[-1:]])
 
 
 def _every_second(strips: int) -> NDArray[np.bool_]:

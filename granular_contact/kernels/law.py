@@ -76,7 +76,7 @@ SIGNATURES: dict[str, tuple[tuple[Any, ...], Any]] = {  # arguments, result
     "line_force": ((_ROW, _ROW, _STATIONS, _LINE, _VECTORS, from_dtype(LAW), *[_VECTORS] * 5, _ROW), types.none),
     "line_accept": (
         (
-            *(_ROW, _ROW, _STATIONS, _LINE, _VECTORS, from_dtype(LAW), *[_VECTORS] * 4, _ENDS, _VECTORS, _ROW, _ROW),
+            *(_ROW, _ROW, _STATIONS, _LINE, _VECTORS, from_dtype(LAW), *[_VECTORS] * 5, _ROW, _ROW),
             *(types.Array(types.int64, 1, "C"), types.boolean, types.boolean),
         ),
         types.UniTuple(_NUMBER, 2),
@@ -190,10 +190,10 @@ def line_force(q, v, geometry, line, profile, medium, anchors, P, V, F, totals, 
 
 @part
 def line_accept(
-    q, v, geometry, line, profile, medium, anchors, P, V, F, room, totals, out, row, columns, begins, known
+    q, v, geometry, line, profile, medium, anchors, P, V, F, totals, out, row, columns, begins, known
 ):  # fmt: skip
     """`lines.accept`."""
-    given = (q, v, geometry, line, profile, anchors, P, V, F, room, totals, out, row, columns, begins, known)
+    given = (q, v, geometry, line, profile, anchors, P, V, F, totals, out, row, columns, begins, known)
     return _accept(medium, given)
 
 

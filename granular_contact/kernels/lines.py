@@ -27,18 +27,16 @@ from granular_contact.kernels.compiled import part
 from granular_contact.kernels.friction import SWITCH
 from granular_contact.kernels.kinematics import SPATIAL, scatter, spacing, stations
 from granular_contact.kernels.law import LINE, TERMS, count_path, drag_anchor, forces, line_force
-from granular_contact.kernels.memory import clear, piece, room2, rows
+from granular_contact.kernels.memory import clear, piece, room2
 from granular_contact.kernels.path_length import start
 from granular_contact.kernels.surface import height
 
 __all__ = ["DEPTH", "FIRST", "LEFT", "LINE", "LOWEST", "RIGHT", "SPEED", "TIME"]
 
 # First columns of a history row: time (s), depth of the deepest point (m), and of the immersed stations the greatest
-# speed (m/s), the least height and the least and greatest x (m) that they reach; then by how much the power (W) and the
-# resultant x, y (N) of the forces and their moment about the world origin (N m) would change with strips of twice the
-# length. The bed lays out the rest; `columns` (3,) tells `accept` where a line's power, the terms of its medium and the
-# resultant of its body stand.
-TIME, DEPTH, SPEED, LOWEST, LEFT, RIGHT, COARSER, FIRST = 0, 1, 2, 3, 4, 5, 6, 10
+# speed (m/s), the least height and the least and greatest x (m) that they reach. The bed lays out the rest; `columns`
+# (3,) tells `accept` where a line's power, the terms of its medium and the resultant of its body stand.
+TIME, DEPTH, SPEED, LOWEST, LEFT, RIGHT, FIRST = range(7)
 
 
 @part
@@ -107,49 +105,12 @@ def force(q, v, geometry, line, profile, medium, anchors, P, V, F, totals, out):
 
 
 @part
-def join_strips(P, V, F, geometry, line, profile, medium, anchors, room, change):
-    """Add to change (4,) by how much power, resultant and moment differ from those of F with strips joined in pairs.
-
-    Power in W, resultant in N, moment about the world origin in N m, counter-clockwise. room (7, n, columns of
-    anchors), of which the last four are to work in.
-    """
-    n = 0
-    for i in range(P.shape[0]):
-        n += geometry[i].kept
-    if n == P.shape[0] or line.resultant:
-        return
-    n = 0
-    for i in range(P.shape[0]):
-        if geometry[i].kept:
-            for xy in range(2):
-                room[3, n, xy], room[4, n, xy] = P[i, xy], V[i, xy]
-            for k in range(anchors.shape[1]):
-                room[5, n, k] = anchors[i, k]
-            n += 1
-    p, v, anchored, f = piece(room, 3, n), piece(room, 4, n), piece(room, 5, n), piece(room, 6, n)
-    line.turn *= 2.0
-    forces(p, v, anchored, line, profile, medium, f, room2(TERMS, 3))
-    line.turn *= 0.5
-    for i in range(n):
-        x, y = f[i, 0], f[i, 1]
-        change[0] += x * v[i, 0] + y * v[i, 1]
-        change[1] += x
-        change[2] += y
-        change[3] += p[i, 0] * y - p[i, 1] * x
-    for i in range(P.shape[0]):
-        change[0] -= F[i, 0] * V[i, 0] + F[i, 1] * V[i, 1]
-        change[1] -= F[i, 0]
-        change[2] -= F[i, 1]
-        change[3] -= P[i, 0] * F[i, 1] - P[i, 1] * F[i, 0]
-
-
-@part
-def accept(q, v, geometry, line, profile, medium, anchors, P, V, F, room, totals, out, row, columns, begins, known):
+def accept(q, v, geometry, line, profile, medium, anchors, P, V, F, totals, out, row, columns, begins, known):
     """End of a step: the anchors follow; power, depth, speed and totals go into a history row.
 
-    room (7, n, columns of anchors) and out (m,) to work in; begins: whether a motion begins here instead, without any
-    stretched bristle. known: whether P, V, F and totals are those of this state already. Returns the line's depth (m,
-    negative above the surface) and the greatest speed at which a station approaches the surface (m/s).
+    out (m,) to work in; begins: whether a motion begins here instead, without any stretched bristle. known: whether P,
+    V, F and totals are those of this state already. Returns the line's depth (m, negative above the surface) and the
+    greatest speed at which a station approaches the surface (m/s).
     """
     if not known:
         place(q, v, geometry, medium, P, V)
@@ -177,7 +138,6 @@ def accept(q, v, geometry, line, profile, medium, anchors, P, V, F, room, totals
     if deepest <= 0.0:
         release(P, anchors, medium)
         return deepest, speed
-    join_strips(P, V, F, geometry, line, profile, medium, anchors, room, rows(row, COARSER, 4))
     drag_anchors(P, anchors, line, profile, medium)
     power, terms, body = columns[0], columns[1], columns[2]
     for i in range(P.shape[0]):

@@ -135,7 +135,7 @@ def accept(sand, system_q, system_v, row, begins):
             deepest, speed = line_accept(
                 q, v, rows(_stations(w, GEOMETRY), s, n), lines[r], _rows(w, PROFILE), _media(w, MEDIUM)[0],
                 rows(_rows(w, ANCHORS), s, n), part_of(w, 0, s, n), part_of(w, 1, s, n), part_of(w, 2, s, n),
-                _room(w, ROOM), totals, piece(body, 2, m), row, _numbers(w, COLUMNS)[r], begins, known,
+                totals, piece(body, 2, m), row, _numbers(w, COLUMNS)[r], begins, known,
             )  # fmt: skip
             proximity[r, DEEPEST], proximity[r, APPROACH] = deepest, speed
             proximity[r, EVER] = max(proximity[r, EVER], deepest)

@@ -12,9 +12,11 @@ solving   settings, scheme, stepping        tolerances; the integrator; choice o
           settle, balance                   static equilibrium before the start
           state, tangent, views             pauses and going back; the engine's Jacobian; its vectors
 reading   kinematics, senses, depths        positions and rates of a trajectory, of an instant; depths
+          freedoms                          how a mechanism can depart from its motion
           observe, mechanism, wheels        Trajectory -> Observation; what mechanisms and wheels have besides
           joint_history, beam_energy                energies and works
           accuracy, drive_error, strip_error        warnings about steps, drives and strips
+          strip_departure                   what strips of another length would change
           view                              Exudyn's own viewer
 space     mechanisms in space: the same names again, where they differ
 """

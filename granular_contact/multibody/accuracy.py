@@ -14,7 +14,6 @@ from typing import Any
 
 import numpy as np
 
-from granular_contact.bed.strip_error import travelled
 from granular_contact.multibody.kinematics import Kinematics
 from granular_contact.multibody.strip_error import strip_warnings
 from granular_contact.results.accuracy import AccuracyWarning, remedy
@@ -71,8 +70,18 @@ def jump_error(time: Vector, v: Vector, mass: Any, fastest: Vector) -> float:
     energy = np.sum(momentum * v[2:], axis=1)
     kick = np.divide(np.sum(momentum * jump, axis=1), energy, out=np.zeros_like(energy), where=energy > 0.0)
     rate = np.sqrt(np.sum((mean @ mass) * mean, axis=1)[1:] / np.maximum(energy, 1e-300))
-    kicks, fade = (kick * fastest[2:])[:, None], np.exp(-steps[1:, 0] * rate)
+    kicks, fade = kick * fastest[2:], np.exp(-steps[1:, 0] * rate)
     return travelled(steps[1:, 0], kicks, fade) / math.sqrt(3.0)
+
+
+def travelled(steps: Vector, kicks: Vector, fade: Vector) -> float:
+    """Greatest displacement (m) by changes of a velocity (n,) m/s, each of which fades from step to step."""
+    velocity, path, most = 0.0, 0.0, 0.0
+    for step, kick, factor in zip(steps.tolist(), kicks.tolist(), fade.tolist(), strict=True):
+        velocity = velocity * factor + kick
+        path += step * velocity
+        most = max(most, abs(path))
+    return most
 
 
 def _steps(motion: Kinematics) -> Iterator[AccuracyWarning]:

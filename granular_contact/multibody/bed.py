@@ -169,8 +169,9 @@ class GranularBed:
             As of `add_rigid`.
         """
         with self._call("add_line"):
-            on, given = self.coupling.body(body, name), {"diameter": diameter, "width": width}
-            self.load.add(polyline(on, points, **given, turns=turns, strips=strips, free_end=free_end))
+            on = self.coupling.body(body, name)
+            line = polyline(on, points, diameter=diameter, width=width, turns=turns, strips=strips, free_end=free_end)
+            self.load.add(line)
 
     def add_outline(
         self,

@@ -1,8 +1,7 @@
-"""Strips that are too long: the error of a run by them (`bed.strip_error`), a warning, a scene with shorter ones.
+"""Strips that are too long: the error of a run by them (`strip_departure`), a warning, a scene with shorter ones.
 
-Where motions are prescribed, their drives make up for an error of the power. Of what floats, the error of the resultant
-counts too. A resistance by components is left out there: it holds a component that is all but at rest by whatever that
-takes, so that the difference of two resultants says nothing of the motion.
+Steps of a run with `solver.accuracy` are chosen so that positions are as exact. So are its strips: where they are off
+by more, the scene is solved once more with shorter ones, to the end, unless they are short enough already.
 """
 
 from __future__ import annotations
@@ -11,41 +10,38 @@ import math
 from collections.abc import Iterator
 from dataclasses import replace
 
-from granular_contact.bed.strip_error import Pace, by_moment, by_power, by_resultant
 from granular_contact.multibody.kinematics import Kinematics
 from granular_contact.results import FINISHED
 from granular_contact.results.accuracy import AccuracyWarning
 from granular_contact.scene.types import Load, Scene
 
 ERROR = 5e-3  # of the distance, that is reported
-ROLLING = 6.0  # times the estimate by the moment: other faces meet the sand as a body rolls over (3.6 in random scenes)
+DOUBTFUL = 0.1  # of what is allowed: where a first estimate is above it, it is made more exact
+SAFE = 3.0  # errors near what is asked for are up to four times the estimate
 MOST = 128, 32  # strips of a rigid part and of an element, to which they are chosen
 
 
-def strip_error(observer: Kinematics, moments: bool = False) -> float:
+def strip_error(observer: Kinematics, allowed: float | None = None) -> float:
     """Estimated error of positions by the strips, as a part of the distance that the fastest point travels.
 
-    moments: whether the moment on a single floating body counts. It finds errors of bodies that roll over, but bristles
-    and creep often make up for what a moment is off by: enough to shorten strips for, not to warn of.
+    allowed: by default what the steps are asked for, or `ERROR`. Where it is far below that it is less exact.
     """
-    t = observer.trajectory
-    if t.load is None or len(t.time) < 3 or observer.scene.in_space:  # where facets are of the size asked for
-        return 0.0
-    scene, error = observer.scene, 0.0
-    pace = Pace.of(t.load.time, t.v, t.mass, observer.speeds)
-    if not any(drive.kind == "motion" for drive in scene.drives):
-        error = by_power(t.load, pace)
-    if scene.floating is not None and not any(medium.by_component for medium in scene.media):
-        error = max(error, by_resultant(t.load, pace, scene.mass))
-        if moments and len(scene.rigid) == 1 and not scene.links:
-            (body,) = scene.rigid
-            center, _ = observer.center(body.name)
-            error = max(error, ROLLING * by_moment(t.load, pace, center, body.inertia, scene.radius(body)))
-    return error / max(observer.path_length, scene.least_path)
+    t, scene = observer.trajectory, observer.scene
+    if t.strip_error is not None:
+        return t.strip_error
+    if t.load is None or len(t.time) < 3 or scene.in_space or not (t.load.depth > 0.0).any():
+        return 0.0  # in space facets are of the size asked for
+    from granular_contact.multibody.strip_departure import estimate  # here, as the compiler comes with it
+
+    return estimate(observer, DOUBTFUL * (allowed or scene.solver.accuracy or ERROR))
 
 
-def finer(observer: Kinematics) -> Scene | None:
-    """The scene with shorter strips, where its steps are chosen by their error and its strips are off by more."""
+def finer(observer: Kinematics, before: float = math.inf) -> Scene | None:
+    """The scene with shorter strips, where its steps are chosen by their error and its strips are off by more.
+
+    before: the error with the strips before, of which these were to leave half at most; where they do not, what is left
+    is not of the strips.
+    """
     scene = observer.scene
     accuracy, t = scene.solver.accuracy, observer.trajectory
     if accuracy is None or t.status.code not in FINISHED:
@@ -54,9 +50,9 @@ def finer(observer: Kinematics) -> Scene | None:
     # seed no motion that finer steps converge to.
     if any(medium.scatters for medium in scene.media):
         return None
-    error = strip_error(observer, moments=True)
+    error = SAFE * strip_error(observer)
     load = shorter(scene.load, error / accuracy)
-    if not error > accuracy or load == scene.load:
+    if not error > accuracy or load == scene.load or error > 0.5 * SAFE * before:
         return None
     left = None if scene.solver.max_wall_s is None else max(1e-3, scene.solver.max_wall_s - t.cost.solve_s)
     return replace(scene, load=load, solver=scene.solver.model_copy(update={"max_wall_s": left}))
@@ -76,7 +72,7 @@ def shorter(load: Load, factor: float) -> Load:
 def strip_warnings(observer: Kinematics) -> Iterator[AccuracyWarning]:
     """A sentence where the strips are too long."""
     scene = observer.scene
-    allowed = ERROR if scene.solver.accuracy is None else max(ERROR, scene.solver.accuracy)
+    allowed = max(ERROR, scene.solver.accuracy or 0.0)
     if not (error := strip_error(observer)) > allowed:
         return
     load, now = shorter(scene.load, error / allowed), scene.load

@@ -116,7 +116,8 @@ class Trajectory:
     time (n,) s; q, v (n, m) coordinates (reference values included) and rates of the whole system; load: what the bed
     did, None without one; mass (m, m), sparse if large, constant for the bodies used here. multipliers: of the
     constraints of prescribed motions (N m, N), (n,) each, by joint; a (n, m): the accelerations that belong to them,
-    None without such motions; set_to: what drives were set to from outside, as multipliers.
+    None without such motions; set_to: what drives were set to from outside, as multipliers; strip_error: as found by
+    `strip_error`, None where it was not looked for.
     """
 
     status: Status
@@ -129,6 +130,7 @@ class Trajectory:
     multipliers: dict[str, Vector] = field(default_factory=dict)
     a: Vector | None = None
     set_to: dict[str, Vector] = field(default_factory=dict)
+    strip_error: float | None = None
 
 
 def at_one(system: System, time: Vector, q: Vector, v: Vector) -> Trajectory:

@@ -141,7 +141,7 @@ def test_power_of_a_run_is_that_of_its_generalised_forces(geometry: np.ndarray, 
     args, totals_too = (geometry, run[0], level, sand[0], anchors, *np.zeros((3, n, 2))), np.zeros((3, 3))
     lines.force(q, v, *args, totals_too, out)
     columns = lines.FIRST + np.array([0, 1, 10])
-    work = np.zeros((7, n, 2)), totals_too, np.zeros(size)
+    work = totals_too, np.zeros(size)
     depth, speed = lines.accept(q, v, *args, *work, row, columns, False, False)
     # Sums of some 30 products, round-off.
     assert out @ v == pytest.approx((F * V).sum(), rel=1e-12)

@@ -18,12 +18,14 @@ def test_a_solid_is_as_exact_as_the_study_says() -> None:
 
 
 def test_strips_that_are_too_long_are_told_and_shortened() -> None:
-    """A box that comes to rest on its corner: 15 % off before, without a word."""
-    case = strips.CASES["solid, 3D-RFT"]
-    told = strips.simulate(case, None, step_s=1e-4)
+    """A rod that strikes steeply and topples: 2 % off with 8 strips. A box on its corner, 0.3 % off, is not told of."""
+    case = strips.CASES["rod, 3D-RFT, steep"]
+    told = strips.simulate(case, 8, step_s=1e-4)
     assert any("strips on which the medium acts are too long" in sentence for sentence in told.warnings)
     chosen = strips.simulate(case, None, accuracy=1e-3)
     assert chosen.summary["strips"]["per_rigid_part"] > 16
     reference = strips.simulate(case, 128, step_s=5e-5)
-    assert strips.error(chosen, reference) < 4e-3
-    assert strips.error(chosen, reference) < 0.5 * strips.error(told, reference)
+    assert strips.error(chosen, reference) < 1e-3
+    assert strips.error(told, reference) > 1e-2
+    box = strips.simulate(strips.CASES["solid, 3D-RFT"], None, step_s=1e-4)
+    assert not any("strips" in sentence for sentence in box.warnings)
