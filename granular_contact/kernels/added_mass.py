@@ -303,6 +303,23 @@ def correct_loads(numbers, tops, inertial, centres, added, change, step, error, 
 
 
 @part
+def extrapolated(numbers, tops, inertial, centres, added, past, foreseen, step, loads, slopes):
+    """Fill slopes (bodies, 6) with what the added inertia makes of the loads (bodies, 6), about the same points.
+
+    That is the part which was not found where a step was foreseen to end, but along its slope from there.
+    """
+    p, q = room1(6), room1(6)
+    for b in range(numbers.shape[0]):
+        n, c = numbers[b], centres[tops[b]]
+        momentum(added[b], past[b], p)
+        for k in range(6):
+            p[k] = foreseen[b, k] - p[k] / step
+        about(p, inertial[n, 0] - c[0], inertial[n, 1] - c[1], inertial[n, 2] - c[2], q)
+        for k in range(6):
+            slopes[b, k] = loads[b, k] - q[k]
+
+
+@part
 def end_step(numbers, tops, inertial, centres, loads, twists, now, passed, works, gained):
     """End of a step that took a time (s): work (J) of the loads (bodies, 6) is added to works (bodies,).
 

@@ -18,6 +18,7 @@ from granular_contact.kernels.added_mass import (
     blank,
     correct_loads,
     end_step,
+    extrapolated,
     find_base,
     foresee,
     foreseen_load,
@@ -35,12 +36,13 @@ from granular_contact.kernels.memory import copy
 @part
 def begin(
     last, parents, axes, v, numbers, tops, positions, rotations, inertial, centres, turn, applied, written, brought,
-    base, sizes, slow, clock, loads, start, works, gained, seen, twists, later, past, arms, poses, then, wrench,
-    added,
+    base, sizes, slow, clock, loads, start, slopes, works, drifts, gained, seen, twists, later, past, arms, poses,
+    then, wrench, added,
 ):  # fmt: skip
     """Begin of a step; slow (m/s): see `foresee`.
 
-    start (bodies, 6) are the loads at its begin, so that a second look at it ends as the first did.
+    start (bodies, 6) are the loads at its begin, so that a second look at it ends as the first did; drifts (bodies,) J:
+    as works, of slopes, see `extrapolated`.
 
     Filled are poses and arms; `then` with the velocities that are foreseen, whose gain is past; wrench and added are
     emptied, and seen where anchors will follow.
@@ -49,9 +51,11 @@ def begin(
     place_bodies(numbers, tops, positions, rotations, centres, later, turn, poses, arms)
     passed, begins = clock[PASSED], clock[BEGINS] > 0.0
     if passed > 0.0:
+        end_step(numbers, tops, inertial, centres, slopes, twists, later, passed, drifts, gained)
         end_step(numbers, tops, inertial, centres, loads, twists, later, passed, works, gained)
     elif begins:
         works[:] = 0.0
+        drifts[:] = 0.0
         loads[:] = 0.0
         gained[:] = 0.0
     if passed > 0.0 or begins:
@@ -65,7 +69,7 @@ def begin(
 
 
 @part
-def guess(turn, numbers, wrench, arms, added, past, clock, foreseen, loads, applied, base, written):
+def guess(turn, numbers, wrench, arms, added, past, clock, foreseen, loads, slopes, applied, base, written):
     """Write the loads of the step before, as a first guess of this one's; whether there is any resistance.
 
     Without any, loads of 0 are written, and are those of the step.
@@ -73,19 +77,21 @@ def guess(turn, numbers, wrench, arms, added, past, clock, foreseen, loads, appl
     some = foreseen_load(turn, wrench, arms, added, past, clock[STEP], foreseen)
     if not some:
         loads[:] = 0.0
+        slopes[:] = 0.0
     write_loads(applied, numbers, base, loads, written)
     return some
 
 
 @part
 def correct(
-    last, parents, axes, v, numbers, tops, inertial, centres, added, twists, change, clock, foreseen, error,
-    loads, applied, base, written, matrix, x,
+    last, parents, axes, v, numbers, tops, inertial, centres, added, twists, past, change, clock, foreseen, error,
+    loads, applied, base, written, matrix, x, slopes,
 ):  # fmt: skip
     """Newton's correction of the loads, from the rates v (m,) at the end of a step of the engine with those written.
 
     matrix (m, m): how the engine's forces grow with its accelerations, to which the added inertia comes; change
-    (bodies, 6) is filled with how the correction changes the twists at the end of the step.
+    (bodies, 6) is filled with how the correction changes the twists at the end of the step, slopes as of
+    `extrapolated`.
     """
     gather_twists(last, parents, axes, v, change)
     for b in range(twists.shape[0]):
@@ -100,3 +106,4 @@ def correct(
     gather_twists(last, parents, axes, x, change)
     correct_loads(numbers, tops, inertial, centres, added, change, step, error, loads)
     write_loads(applied, numbers, base, loads, written)
+    extrapolated(numbers, tops, inertial, centres, added, past, foreseen, step, loads, slopes)

@@ -115,6 +115,16 @@ class BedData:
         return dict(zip(self._shared.names, self._step.works.tolist(), strict=True))
 
     @property
+    def error(self) -> float:
+        """Estimate of the relative error that steps of this length make in the work of the sand, in the motion so far.
+
+        The share of it that forces do which were not found where a step was foreseen to end, but along a slope from
+        there. Shorter steps make it smaller; work that bodies do not do while they stand makes none.
+        """
+        whole = float(np.abs(self._step.works).sum())
+        return float(np.abs(self._step.drifts).sum()) / whole if whole > 0.0 else 0.0
+
+    @property
     def depth(self) -> float:
         """Depth (m) of the deepest point at the last call, negative above the surface: far above it a bound."""
         return float(self._step.seen[:, DEPTH].max())

@@ -40,9 +40,9 @@ class Step:
 
     sand: friction state; loads (bodies, 6): force (N) and moment (N m) about centres of mass in the step, start: those
     of the step before; base: what others apply; written, brought: what stood in `xfrc_applied` last, and what MuJoCo's
-    own state may bring back of it;
-    twists: at the begin of the step, gained: their change in the step before; works (bodies,) J; seen (bodies, 3): see
-    `kernels.space_law.DEPTH`.
+    own state may bring back of it; twists: at the begin of the step, gained: their change in the step before; works
+    (bodies,) J; slopes (bodies, 6): see `kernels.added_mass.extrapolated`, drifts (bodies,) J: their work; seen
+    (bodies, 3): see `kernels.space_law.DEPTH`.
     """
 
     def __init__(self, shared: Shared, model: Any, data: Any) -> None:
@@ -52,8 +52,10 @@ class Step:
         self.written, self.brought = np.zeros((n, 6)), np.zeros((n, 6))
         self.twists, self.gained = np.zeros((n, 6)), np.zeros((n, 6))
         self.seen, self.works = np.zeros((n, 3)), np.zeros(n)
+        self.slopes, self.drifts = np.zeros((n, 6)), np.zeros(n)
         # What a state of the bed is, beside how far it got: arrays that steps change.
         motion = self.loads, self.start, self.base, self.twists, self.gained, self.seen, self.works
+        motion += self.slopes, self.drifts
         self.kept: tuple[NDArray[Any], ...] = (*(array for of_batch in self.sand for array in of_batch), *motion)
         self.centres, self._model = data.xipos, model
         self._trial = Trial(model, data)
@@ -71,14 +73,17 @@ class Step:
         rows = applied, self.base, self.written
         self._begin = bound(
             held_step.begin, *tree, data.qvel, *at, data.xpos, data.xmat, *middle, turn, applied, self.written,
-            self.brought, self.base, shared.sand.sizes, SLOW, clock, self.loads, self.start, self.works, self.gained,
+            self.brought, self.base, shared.sand.sizes, SLOW, clock, self.loads, self.start, self.slopes, self.works,
+            self.drifts, self.gained,
             self.seen, self.twists, later, past, arms, poses, then, wrench, added,
         )  # fmt: skip
         self._acts = shared.sand.calls(self.sand, clock, poses, then, self.seen, turn, arms, wrench, added)
-        self._guess = bound(held_step.guess, turn, at[0], wrench, arms, added, past, clock, foreseen, self.loads, *rows)
+        self._guess = bound(
+            held_step.guess, turn, at[0], wrench, arms, added, past, clock, foreseen, self.loads, self.slopes, *rows
+        )
         self._correct = bound(
-            held_step.correct, *tree, data.qvel, *at, *middle, added, self.twists, later, clock, foreseen, error,
-            self.loads, *rows, self._trial.matrix, np.zeros(model.nv),
+            held_step.correct, *tree, data.qvel, *at, *middle, added, self.twists, past, later, clock, foreseen,
+            error, self.loads, *rows, self._trial.matrix, np.zeros(model.nv), self.slopes,
         )  # fmt: skip
         self._write = bound(write_loads, applied, at[0], self.base, self.loads, self.written)
 
