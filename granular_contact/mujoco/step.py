@@ -54,8 +54,8 @@ class Step:
         self.seen, self.works = np.zeros((n, 3)), np.zeros(n)
         self.slopes, self.drifts = np.zeros((n, 6)), np.zeros(n)
         # What a state of the bed is, beside how far it got: arrays that steps change.
-        motion = self.loads, self.start, self.base, self.twists, self.gained, self.seen, self.works
-        motion += self.slopes, self.drifts
+        rates, sums = (self.twists, self.gained), (self.seen, self.works, self.drifts)
+        motion = self.loads, self.start, self.slopes, self.base, *rates, *sums
         self.kept: tuple[NDArray[Any], ...] = (*(array for of_batch in self.sand for array in of_batch), *motion)
         self.centres, self._model = data.xipos, model
         self._trial = Trial(model, data)
