@@ -14,21 +14,18 @@ SCHEMAS = ("run", "model", "medium", "sweep", "fit", "optimise")
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    parser.add_argument("kind", nargs="?", choices=SCHEMAS, help=argparse.SUPPRESS)  # as it was called once
-    parser.add_argument("--of", choices=SCHEMAS, help="which of them (run)")
+    parser.add_argument("--of", choices=SCHEMAS, default="run", help="which of them (%(default)s)")
     words = "write all of them into a folder, as the lines for editors in the shipped files name them"
     parser.add_argument("--write", metavar="DIR", help=words)
 
 
 def execute(chosen: argparse.Namespace) -> int:
     """Run the command; returns the exit code."""
-    if chosen.kind and chosen.of:
-        raise Refusal(f"schema: got {chosen.kind} and --of {chosen.of}; allowed is one of them")
     if chosen.write:
         return _written(Path(chosen.write))
     from granular_contact.config import json_schema
 
-    print(json.dumps(json_schema(chosen.of or chosen.kind or "run"), indent=2))
+    print(json.dumps(json_schema(chosen.of), indent=2))
     return FINE
 
 

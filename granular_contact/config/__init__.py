@@ -5,7 +5,7 @@ reading    yaml_source, compose, tree           text -> tree with positions
 resolving  references, overrides, given         names and `from`; --set and values from Python -> one tree
            urdf, urdf_corrections, in_space     robot files, what is put right of them; the class of scenarios in space
            columns, stress_table, csv_table     CSV files that a config names
-           deprecated, provenance               old keys; what a changed medium rests on
+           provenance                           what a changed medium rests on
 checking   schema, load                         one tree -> Scenario
            allowed, messages, sizes, structure_errors   or faults in sentences
 changing   changed, differences, add_law        a scenario from Python; how two differ; a law from outside

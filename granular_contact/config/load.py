@@ -17,7 +17,6 @@ from granular_contact.config import tree
 from granular_contact.config.add_law import add_law
 from granular_contact.config.columns import KEYS as COLUMN_KEYS
 from granular_contact.config.columns import with_columns
-from granular_contact.config.deprecated import renewed
 from granular_contact.config.given import changes as changes_of
 from granular_contact.config.given import plain_data
 from granular_contact.config.in_space import scenario_class, with_paths
@@ -170,13 +169,12 @@ def _file(source: str | PathLike[str], faults: list[Fault]) -> Path:
 
 
 class _Part(NamedTuple):
-    """What stands under a key of a config: its tree as it was written and as it is read, notices on it, and its value,
-    which other scenarios may share.
+    """What stands under a key of a config: its tree as it was written and as it is read, and its value, which other
+    scenarios may share.
     """
 
     written: tree.Node
     read: tree.Node
-    notices: Sequence[str]
     value: Any = None
 
 
@@ -221,7 +219,7 @@ class Template:
         scenario = scenario_of(node, found, {key: one.value for key, one in parts.items() if one.value is not None})
         new = [key for key in _SHARED if key in parts and parts[key].value is None]
         self._parts = parts | {key: parts[key]._replace(value=getattr(scenario, key)) for key in new}
-        notices = [*notices, *(notice for one in parts.values() for notice in one.notices), *_unused(node, scenario)]
+        notices = [*notices, *_unused(node, scenario)]
         return Loaded(scenario, SourceMap(node, notices))
 
     def _is_small(self, read: tree.Node, overrides: Sequence[setting.Override]) -> bool:
@@ -235,11 +233,10 @@ class Template:
         known = self._parts.get(key)
         if known is not None and known.written is written:
             return known
-        notices, folder = list[str](), self._path.parent
-        node = renewed(written, key, notices)
-        node = with_columns(node, key, folder, faults)
+        folder = self._path.parent
+        node = with_columns(written, key, folder, faults)
         node = with_tables(node, key, folder, faults)
-        return _Part(written, with_paths(node, key, folder), notices)
+        return _Part(written, with_paths(node, key, folder))
 
     @property
     def names_columns(self) -> bool:

@@ -12,7 +12,7 @@ model:
     shank: {type: link, length_m: 0.1, diameter_m: 0.006, density_kg_m3: 7700}
     foot: {type: link, length_m: 0.02, diameter_m: 0.006, density_kg_m3: 7700}
   joints:
-    rail: {type: slider, parent: ground, child: thigh, axis_deg: 90}
+    rail: {type: slider, parent: ground, child: thigh, axis: [0, 1]}
     knee: {type: hinge, parent: thigh, child: shank, parent_point_m: [0.1, 0]}
     ankle: {type: weld, parent: shank, child: foot, parent_point_m: [0.1, 0]}
   closures: {}
@@ -23,16 +23,17 @@ SINE = "{type: sine, amplitude: 1, frequency_Hz: 2}"
 
 # old text, new text (or lines added at the end if there is no old), line, key, words of the message
 FAULTS = {
-    "friction without a size": ("axis_deg: 90", "friction: {}", 8, "model.joints.rail.friction.force_N", "is missing"),
+    "friction without a size": ("axis: [0, 1]", "friction: {}", 8, "model.joints.rail.friction.force_N", "is missing"),
+    "axis as an angle": ("axis: [0, 1]", "axis_deg: 90", 8, "model.joints.rail.axis_deg", "did you mean axis?"),
     "stops the wrong way": (
-        "axis_deg: 90",
+        "axis: [0, 1]",
         "stops: {lower_m: 1, upper_m: 0, stiffness_N_per_m: 10}",
         8,
         "model.joints.rail.stops.lower_m",
         "got 1; allowed is below upper_m, 0",
     ),
     "spring of the wrong unit": (
-        "axis_deg: 90",
+        "axis: [0, 1]",
         "spring: {stiffness_N_per_m: 1, rest_deg: 3}",
         8,
         "model.joints.rail.spring.rest_deg",

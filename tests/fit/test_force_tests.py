@@ -235,14 +235,6 @@ def test_faulty_tables(tmp_path: Path, name: str) -> None:
     assert words in first.message
 
 
-def test_a_path_length_by_its_old_name_is_read_and_told(tmp_path: Path) -> None:
-    (tmp_path / "data.csv").write_text("\n".join(rows(Z, F, "way_mm,force_N")) + "\n", encoding="utf-8")
-    head = f"parameters: [medium.zeta]\n{START}force_test: {{direction: right, depth_m: 0.05}}\n"
-    run = problem(tmp_path, f"{head}runs: [{{config: {PLATE}, data: data.csv}}]").runs[0]
-    assert run.measured.given["path_length_m"] == pytest.approx(1e-3 * Z)
-    assert any("way_mm is called path_length_mm now" in note for note in run.measured.notes)
-
-
 def test_rows_of_unloading_can_be_left_out_and_that_is_told(tmp_path: Path) -> None:
     law = forces(PLATE, [RFT], 1e-3 * Z)["force_N"]
     there = np.concatenate([law, 0.1 * law[-2:20:-1]])

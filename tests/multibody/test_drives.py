@@ -28,7 +28,7 @@ LIFT = f"""
 model:
   name: lift
   bodies: {{bar: {{{BAR}}}}}
-  joints: {{rail: {{type: slider, parent: ground, child: bar, axis_deg: 90}}}}
+  joints: {{rail: {{type: slider, parent: ground, child: bar, axis: [0, 1]}}}}
 initial: {{joints: {{}}}}
 solver: {{end_time_s: 0.5, tolerance: 1e-8}}
 """
@@ -162,7 +162,7 @@ def test_a_csv_column_is_followed(tmp_path) -> None:
 
 
 def test_travel_of_a_driven_cart() -> None:
-    cart = LIFT.replace("axis_deg: 90", "axis_deg: 0")
+    cart = LIFT.replace("axis: [0, 1]", "axis: [1, 0]")
     run = simulate(cart, "drives={rail: {type: force, force_N: 1.5}}")
     acceleration = 1.5 / MASS
     way = 0.5 * acceleration * 0.25

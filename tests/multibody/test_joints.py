@@ -16,7 +16,7 @@ RAIL = f"""
 model:
   name: rail
   bodies: {{bar: {{{BAR}}}}}
-  joints: {{rail: {{type: slider, parent: ground, child: bar, axis_deg: 30}}}}
+  joints: {{rail: {{type: slider, parent: ground, child: bar, axis: [1.7320508075688772, 1]}}}}
 gravity_m_s2: 0
 initial: {{joints: {{rail: {{position_m: 0.1}}}}}}
 solver: {{end_time_s: 0.5, rest_time_s: null, tolerance: 1e-9}}
@@ -57,7 +57,7 @@ def test_spring_oscillates_at_its_frequency(text: str) -> None:
 
 def test_spring_that_carries_gravity_hangs_deeper_by_the_weight_over_its_stiffness() -> None:
     spring = (
-        "model.joints.rail={type: slider, parent: ground, child: bar, axis_deg: 90, spring: {stiffness_N_per_m: 60}}"
+        "model.joints.rail={type: slider, parent: ground, child: bar, axis: [0, 1], spring: {stiffness_N_per_m: 60}}"
     )
     run = simulate(RAIL, spring, "gravity_m_s2=9.81", "initial={settle: true}", "solver.end_time_s=0.01")
     # Settled to a hundredth of 1 mm/s: less than 1e-6 m at this frequency of 22 rad/s.
@@ -217,9 +217,9 @@ model:
   joints:
     a: {{type: weld, parent: ground, child: upper}}
     b: {{type: weld, parent: ground, child: lower, parent_point_m: [0, -0.1]}}
-    c: {{type: weld, parent: upper, child: bar, parent_point_m: [0.2, 0], angle_deg: -90}}
+    c: {{type: weld, parent: upper, child: bar, parent_point_m: [0.2, 0], home_deg: 90}}
   closures:
-    d: {{type: weld, parent: bar, child: lower, parent_point_m: [0.1, 0], child_point_m: [0.2, 0], angle_deg: 90}}
+    d: {{type: weld, parent: bar, child: lower, parent_point_m: [0.1, 0], child_point_m: [0.2, 0], home_deg: -90}}
 initial: {{settle: true}}
 solver: {{end_time_s: 0.01, tolerance: 1e-8}}
 """

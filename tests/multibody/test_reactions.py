@@ -125,7 +125,7 @@ KNOTS = {"type": "table", "time_s": [0, 0.04, 0.05, 0.1], "values": [0, 0.01, 0.
 def test_the_greatest_force_on_either_side_of_a_jump_is_told(solver: dict[str, float]) -> None:
     """Cubics through a table: the acceleration is greatest just before and after its instants, where no step may be."""
     mass = BAR["density_kg_m3"] * np.pi / 4 * BAR["diameter_m"] ** 2 * BAR["length_m"]  # type: ignore[operator]
-    rail = {"type": "slider", "parent": "ground", "child": "a", "axis_deg": 0}
+    rail = {"type": "slider", "parent": "ground", "child": "a", "axis": [1, 0]}
     case = {"joints": {"rail": rail}, "start": {}, "drives": {"rail": {"type": "motion", "position_m": KNOTS}}}
     run = run_of(case, False, **{"end_time_s": 0.1} | solver)
     # Fritsch and Butland's slope at 0.04 s, w = (2 x 0.01 + 0.04, 0.01 + 2 x 0.04); 0 at 0.05 s, where it turns round.

@@ -56,7 +56,7 @@ model:
   bodies:
     leg: {FEET[foot]}
   joints:
-    rail: {{type: slider, parent: ground, child: leg, axis_deg: -90, angle_deg: -90}}
+    rail: {{type: slider, parent: ground, child: leg, axis: [0, -1], home_deg: 90}}
 medium: {SANDS[foot]}
 bed: {{height_m: -0.12}}
 initial: {{joints: {{}}}}
@@ -161,7 +161,7 @@ model:
     sheet:
       {type: rigid, density_kg_m3: 2700, shapes: [
         {type: plate, start_m: [-0.03, 0], end_m: [0.03, 0], width_m: 0.05, thickness_m: 0.005}]}
-  joints: {rail: {type: slider, parent: ground, child: sheet, axis_deg: 90}}
+  joints: {rail: {type: slider, parent: ground, child: sheet, axis: [0, 1]}}
 medium: poppy_seeds_loose
 bed: {height_m: -0.01}
 initial: {settle: true}

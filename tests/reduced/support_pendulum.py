@@ -30,7 +30,7 @@ model:
       flexible: {bending_stiffness_N_m2: 0.9, bending_damping_N_m2_s: 2e-4}
   joints:
     pivot: {type: hinge, parent: ground, child: hub, child_point_m: [0.002, -0.003]}
-    clamp: {type: weld, parent: hub, child: link, parent_point_m: [0.05, 0.02], angle_deg: 20}
+    clamp: {type: weld, parent: hub, child: link, parent_point_m: [0.05, 0.02], home_deg: -20}
 medium: play_sand
 surface_height_m: -0.12
 initial: {impact_angle_deg: 15, impact_speed_rad_s: 4}

@@ -24,7 +24,7 @@ def weld(parent: str, child: str, kind: str = "weld", more: str = "") -> str:
     return f"{{type: {kind}, parent: {parent}, child: {child}{more}}}"
 
 
-TIP, SIDE, TURNED = ", parent_point_m: [0.2, 0]", ", child_point_m: [0.2, 0]", ", angle_deg: 90"
+TIP, SIDE, TURNED = ", parent_point_m: [0.2, 0]", ", child_point_m: [0.2, 0]", ", home_deg: -90"
 HINGED = {"p": PIVOT, "w": weld("a", "b")}
 REFUSED = {
     "a chain": (
@@ -83,10 +83,7 @@ def test_the_fault_gets_its_line(tmp_path, capsys):
         ("method.reduced.integrator=euler", "one of tsitouras, dormand_prince, RK23"),
         ("method.reduced.order=2", "unknown key"),
         ("method=fem", "allowed are auto, engine, minimal, reduced, and a mapping whose key is one of the last three"),
-        (
-            "method={minimal: {rtol: 1e-5}}",
-            "method.minimal.rtol: is no key any more: solver.accuracy chooses the steps",
-        ),
+        ("method={minimal: {rtol: 1e-5}}", "method.minimal.rtol: unknown key; none is allowed here"),
         ("method=[1]", "allowed is a mapping with the keys engine, minimal, reduced"),
         ("method.reduced.static=smooth", "load.friction has the type elastoplastic"),
     ],

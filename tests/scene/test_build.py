@@ -31,7 +31,7 @@ model:
     finger: {type: link, length_m: 0.1, diameter_m: 0.01, density_kg_m3: 7700}
   joints:
     pivot: {type: hinge, parent: ground, child: arm}
-    knuckle: {type: weld, parent: arm, child: finger, parent_point_m: [0.2, 0], angle_deg: -60}
+    knuckle: {type: weld, parent: arm, child: finger, parent_point_m: [0.2, 0], home_deg: 60}
 medium: play_sand
 initial: {impact_angle_deg: 20}
 """

@@ -20,7 +20,7 @@ model:
     thigh: {{type: link, {BAR}}}
     shank: {{type: link, {BAR}}}
   joints:
-    rail: {{type: slider, parent: ground, child: cart, parent_point_m: [0.3, 0], axis_deg: 90, angle_deg: -90}}
+    rail: {{type: slider, parent: ground, child: cart, parent_point_m: [0.3, 0], axis: [0, 1], home_deg: 90}}
     hip: {{type: hinge, parent: cart, child: thigh, parent_point_m: [0.1, 0]}}
     knee: {{type: hinge, parent: thigh, child: shank, parent_point_m: [0.1, 0], home_deg: 30}}
 initial:
@@ -204,7 +204,7 @@ def test_a_start_in_which_a_loop_does_not_close_is_refused_with_the_gap() -> Non
 
 
 def test_a_loop_welded_at_another_angle_is_refused_with_the_angle() -> None:
-    (fault,) = faults_of(FOUR_BAR, "model.closures.c.type=weld", "model.closures.c.angle_deg=80")
+    (fault,) = faults_of(FOUR_BAR, "model.closures.c.type=weld", "model.closures.c.home_deg=-80")
     assert fault.key == "model.closures.c"
     assert "and 10 deg apart" in fault.message
 
@@ -219,7 +219,7 @@ def test_redundant_closures_are_named() -> None:
 def test_a_weld_that_stops_a_loop_is_partly_redundant() -> None:
     # The four-bar has one freedom; a third weld constraint would leave minus one.
     weld = (
-        "{type: weld, parent: coupler, child: rocker, parent_point_m: [0.3, 0], child_point_m: [0.3, 0], angle_deg: 90}"
+        "{type: weld, parent: coupler, child: rocker, parent_point_m: [0.3, 0], child_point_m: [0.3, 0], home_deg: -90}"
     )
     (fault,) = faults_of(FOUR_BAR, f"model.closures={{c: {weld}, d2: {weld}}}")
     assert fault.key == "model.closures.d2"

@@ -49,12 +49,12 @@ def near_line(line: np.ndarray, half: float) -> Callable[[np.ndarray], np.ndarra
     return inside
 
 
-ARC = {"type": "arc", "radius_m": 0.05, "center_m": [0.01, -0.02], "start_deg": 40, "end_deg": 250}
+ARC = {"type": "arc", "radius_m": 0.05, "center_m": [0.01, -0.02], "from_deg": -40, "to_deg": -250}
 SOLIDS: dict[str, dict[str, Any]] = {
     "disc": {"type": "disc", "diameter_m": 0.08, "thickness_m": 0.5, "center_m": [0.02, -0.01]},
     "polygon": {"type": "polygon", "width_m": 0.5, "points_m": [[0, 0], [0.08, 0.01], [0.03, 0.02], [0.05, 0.07]]},
     "clockwise": {"type": "polygon", "width_m": 0.5, "points_m": [[0.05, 0.07], [0.03, 0.02], [0.08, 0.01], [0, 0]]},
-    "foot": {"type": "foot", "length_m": 0.1, "height_m": 0.03, "width_m": 0.5, "center_m": [0.01, 0], "angle_deg": 20},
+    "foot": {"type": "foot", "length_m": 0.1, "height_m": 0.03, "width_m": 0.5, "center_m": [0.01, 0], "tilt_deg": -20},
     "round foot": {"type": "foot", "length_m": 0.06, "height_m": 0.06, "width_m": 0.5},
 }
 
@@ -93,7 +93,7 @@ def test_flat_bars_have_the_mass_of_their_band(keys: dict[str, Any]) -> None:
 
 
 def test_round_bars_and_balls_by_hand() -> None:
-    arc, lump = made("part", shape(**{**ARC, "start_deg": 0, "end_deg": 180}, diameter_m=0.004), STRIPS)
+    arc, lump = made("part", shape(**{**ARC, "from_deg": 0, "to_deg": -180}, diameter_m=0.004), STRIPS)
     assert arc.kind == "round"
     # Half a ring of radius R: length pi R, centre 2 R / pi from that of the circle; round-off.
     assert lump.mass == pytest.approx(np.pi * 0.002**2 * np.pi * 0.05, rel=1e-13)

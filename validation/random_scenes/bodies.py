@@ -77,8 +77,8 @@ def shape(rng: Random, family: str, kind: str) -> Tree:
         return {
             "type": kind,
             "radius_m": 0.6 * size,
-            "start_deg": start,
-            "end_deg": start + rng.uniform(60.0, 300.0),
+            "from_deg": -start,
+            "to_deg": -start - rng.uniform(60.0, 300.0),
         } | (section(rng, family))
     if kind == "polyline":
         corners = [[-size, 0.0], [0.0, rng.uniform(-0.5, 0.5) * size], [size, rng.uniform(-0.5, 0.5) * size]]
@@ -97,5 +97,5 @@ def shape(rng: Random, family: str, kind: str) -> Tree:
     height = rng.uniform(0.008, 0.025)
     return {"type": kind, "length_m": height * rng.uniform(1.5, 5.0), "height_m": height} | {
         "width_m": rng.uniform(0.02, 0.06),
-        "angle_deg": rng.choice((0.0, rng.uniform(-30.0, 30.0))),
+        "tilt_deg": rng.choice((0.0, -rng.uniform(-30.0, 30.0))),
     }

@@ -56,7 +56,7 @@ def _mirror_body(body: Tree) -> None:
                 shape[key] = _flip(shape[key])
         if "points_m" in shape:
             shape["points_m"] = [_flip(point) for point in shape["points_m"]]
-        for key in ("start_deg", "end_deg", "angle_deg"):
+        for key in ("from_deg", "to_deg", "tilt_deg"):
             if key in shape:
                 shape[key] = -shape[key]
 
@@ -78,8 +78,10 @@ def _mirror_joint(joint: Tree) -> None:
             stops = joint["stops"]
             stops["lower_deg"], stops["upper_deg"] = turn - stops["upper_deg"], turn - stops["lower_deg"]
     elif joint["type"] != "free":
-        for key in ("axis_deg", "angle_deg")[joint["type"] == "weld" :]:
-            joint[key] = turn - joint.get(key, 0.0)
+        joint["home_deg"] = turn - joint.get("home_deg", 0.0)
+        if joint["type"] == "slider":
+            x, y = joint.get("axis", (1.0, 0.0))
+            joint["axis"] = [-x, y] if on_ground else [x, -y]
 
 
 def _mirror_start(start: Tree, turn: float, kind: str) -> None:

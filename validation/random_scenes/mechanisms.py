@@ -25,6 +25,12 @@ def _free(rng: Random, spin: float = 5.0) -> Tree:
     }
 
 
+def _direction(angle: float) -> list[float]:
+    """Direction at an angle (deg) counter-clockwise from the x axis, along an axis to the last digit."""
+    turned = math.radians(angle)
+    return [round(math.cos(turned), 15), round(math.sin(turned), 15)]
+
+
 def _fallen(rng: Random, body: Tree) -> Made:
     model = {"bodies": {"body": body}, "joints": {"root": {"type": "free", "parent": "ground", "child": "body"}}}
     return model, {"root": _free(rng)}
@@ -62,7 +68,7 @@ def ball(rng: Random, family: str, _: Tree) -> Made:
         joint = {"type": "hinge", "parent": "ground", "child": "body", "child_point_m": [-arm[0], 0.0]}
         start = {"angle_deg": rng.uniform(0.0, 80.0), "rate_rad_s": rng.uniform(0.0, 8.0)}
     else:
-        joint = {"type": "slider", "parent": "ground", "child": "body", "axis_deg": rng.uniform(-110.0, -70.0)}
+        joint = {"type": "slider", "parent": "ground", "child": "body", "axis": _direction(rng.uniform(-110.0, -70.0))}
         start = {"position_m": 0.0, "speed_m_s": rng.uniform(0.0, 2.0)}
     return {"bodies": {"body": body}, "joints": {"root": joint}}, {"root": start}
 
@@ -192,8 +198,8 @@ def rail(rng: Random, family: str, scene: Tree) -> Made:
     """A body below a slider on the ground, driven or falling."""
     body = rigid(rng, family) if rng.random() < 0.6 else link(rng, family, bends=0.2)
     axis = rng.choice((0.0, -90.0, 90.0, rng.uniform(-90.0, 90.0)))
-    joint: Tree = {"type": "slider", "parent": "ground", "child": "body", "axis_deg": axis}
-    joint["angle_deg"] = rng.choice((0.0, -90.0, rng.uniform(-180.0, 180.0)))
+    joint: Tree = {"type": "slider", "parent": "ground", "child": "body", "axis": _direction(axis)}
+    joint["home_deg"] = rng.choice((0.0, 90.0, -rng.uniform(-180.0, 180.0)))
     model = {"bodies": {"body": body}, "joints": {"rail": joint}}
     weight = rng.uniform(0.5, 4.0)
     if rng.random() < 0.7:
@@ -219,7 +225,7 @@ def leg(rng: Random, family: str, scene: Tree) -> Made:
     bodies = {"hip": hip, "thigh": link(rng, family, length=length), "shank": link(rng, family, length=length)}
     bodies["shank"] |= {"diameter_m": 0.01} if "diameter_m" in bodies["shank"] else {}
     held = rng.random() < 0.6
-    root = {"type": "slider", "axis_deg": 90.0} if held else {"type": "free"}
+    root = {"type": "slider", "axis": [0.0, 1.0]} if held else {"type": "free"}
     swing, knee = rng.uniform(50.0, 75.0), rng.uniform(20.0, 60.0)
     joints: Tree = {
         "root": root | {"parent": "ground", "child": "hip"},
@@ -234,7 +240,7 @@ def leg(rng: Random, family: str, scene: Tree) -> Made:
     }
     if family == "plate":
         bodies["foot"] = rigid(rng, family, "foot")
-        seat = {"parent_point_m": [length, 0.0], "angle_deg": swing + knee}
+        seat = {"parent_point_m": [length, 0.0], "home_deg": -swing - knee}
         joints["ankle"] = {"type": "weld", "parent": "shank", "child": "foot"} | seat
     scale = 9.81 * hip["mass_kg"] * length
     scene["drives"] = {

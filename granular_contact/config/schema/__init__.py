@@ -4,7 +4,7 @@
 `initial`, `drives` and `signals` what moves them, `medium` a law, `bed` where the media lie, `wheel` the run of one
 wheel, `method` the choice of solver, `scenario` the run around them. `robot` is a model from a robot file, `space`
 holds mechanisms in space; `sweep`, `optimise` and `fit` are other files. `structure` and `fitting` check what belongs
-together, `deprecated` keeps old keys working.
+together.
 """
 
 # mypy: implicit-reexport

@@ -16,7 +16,6 @@ from typing import Annotated, Any, Literal, get_args
 from pydantic import AfterValidator, GetCoreSchemaHandler
 from pydantic_core import CoreSchema, core_schema
 
-from granular_contact.config.schema.deprecated import Renewed
 from granular_contact.values.strict import Faults, NotNegative, Point, Positive, Strict, Tagged, by_type, refusal
 
 # The words of robotics for types of joints, and ours.
@@ -108,7 +107,7 @@ class Hinge(HingeClosure):
     """Angle at the start, unless the run says otherwise; clockwise, from the x axis of the parent."""
 
 
-class Weld(_Ends, Renewed):
+class Weld(_Ends):
     """The child is held at a fixed angle."""
 
     type: Annotated[Literal["weld"], OrSynonym()]
@@ -146,7 +145,7 @@ class SliderFriction(Strict):
     """Damping time of the bristle, which suppresses its vibration."""
 
 
-class SliderClosure(_Ends, Renewed):
+class SliderClosure(_Ends):
     """The child moves along an axis that is fixed in the parent, and does not turn."""
 
     type: Annotated[Literal["slider"], OrSynonym()]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_serializer, model_validator
@@ -20,16 +19,6 @@ class Engine(Strict):
 
 class Minimal(Strict):
     """Trees of rigid bodies in the plane on hinges and sliders or free, in one coordinate per degree of freedom."""
-
-    @model_validator(mode="before")
-    @classmethod
-    def _without_rtol(cls, value: Any) -> Any:
-        """Say what became of a key of earlier versions."""
-        if isinstance(value, Mapping) and "rtol" in value:
-            raise refusal(
-                [(("rtol",), "is no key any more: solver.accuracy chooses the steps, as those of the engine")]
-            )
-        return value
 
 
 class Reduced(Strict):

@@ -9,7 +9,6 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from granular_contact.config.schema.deprecated import Renewed
 from granular_contact.geometry.polygon import crossing, doubled_area, extent
 from granular_contact.values.strict import Faults, Listed, Point, Positive, Strict, Tagged, by_type
 
@@ -133,7 +132,7 @@ def opening_faults(from_deg: float, to_deg: float) -> Faults:
         yield ("to_deg",), f"got {to_deg:g}, which is {sweep:g} from from_deg; allowed is above 0 and at most 360"
 
 
-class ArcShape(_Bent, Renewed):
+class ArcShape(_Bent):
     """A round or flat bar along a circular arc, as a C-leg."""
 
     type: Literal["arc"]
@@ -175,7 +174,7 @@ class PolygonShape(PlanarShape):
         return outline_faults(self.points_m)
 
 
-class FootShape(PlanarShape, Renewed):
+class FootShape(PlanarShape):
     """A flat sole with round toe and heel: a rectangle that ends in half circles, along the x axis of its own frame."""
 
     type: Literal["foot"]

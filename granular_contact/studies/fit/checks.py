@@ -25,7 +25,7 @@ MOTION_LEFT = 0.01  # of the range of a column: less is no motion that a paramet
 PROBE = 0.1  # share of the distance between the bounds by which a parameter is moved to see whether it moves anything
 # Joints of mechanisms whose flight is the same backwards, and what may be said of such joints.
 FREE_JOINTS = {"hinge", "weld"}
-JOINT_KEYS = {"type", "parent", "child", "parent_point_m", "child_point_m", "angle_deg", "home_deg"}
+JOINT_KEYS = {"type", "parent", "child", "parent_point_m", "child_point_m", "home_deg"}
 IMPACT_KEYS = {"impact_angle_deg", "impact_speed_rad_s"}
 
 

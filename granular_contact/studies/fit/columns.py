@@ -38,8 +38,6 @@ SIGNS = {
     PRESSURE: "the force against the motion over area_m2",
 }
 OF_FORCE_TESTS = (*GIVEN, *SIGNS)
-# Names of earlier versions, which are still read, and those that replace them.
-SUCCESSORS = {f"way_{unit}": f"path_length_{unit}" for unit in UNITS["m"]}
 
 # A header as tables have them, with its unit in brackets; signs that units are written with and names here are not.
 _IN_BRACKETS = re.compile(r"\s*([^()\[\]]*[^()\[\]\s])\s*[(\[]\s*([^()\[\]]*[^()\[\]\s])\s*[)\]]\s*")
@@ -86,8 +84,7 @@ def spellings(known: Iterable[str]) -> dict[str, tuple[str, float]]:
 
 def recognise(name: str, known: Iterable[str]) -> tuple[str, float] | None:
     """Which of the `known` columns the measured `name` is, and the factor to its unit; None if it is none of them."""
-    name = plain(name)
-    return spellings(known).get(SUCCESSORS.get(name, name))
+    return spellings(known).get(plain(name))
 
 
 def in_words(known: Iterable[str]) -> str:

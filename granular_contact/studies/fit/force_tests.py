@@ -71,25 +71,18 @@ def select(table: Table, test: ForceTest, mapping: Mapping[str, tuple[str, Posit
     back = _unloading(values[DEPTH], test) if DEPTH in values else np.zeros(len(table.rows), bool)
     if test.unloading == "refuse" and np.any(back):
         refuse(few(table.file, [_refused(table, values[DEPTH], span) for span in _spans(back)]))
-    successors = {name: columns.SUCCESSORS[name] for name in (*chosen, *mapping) if name in columns.SUCCESSORS}
-    notes = [f"{table.file}: {old} is called {new} now; the old name still works" for old, new in successors.items()]
-    return _measured(table, test, values, ~back, [name for name in table.header if name not in chosen], notes)
+    return _measured(table, test, values, ~back, [name for name in table.header if name not in chosen])
 
 
 def _measured(
-    table: Table,
-    test: ForceTest,
-    values: dict[str, Vector],
-    kept: NDArray[np.bool_],
-    unused: list[str],
-    notes: list[str],
+    table: Table, test: ForceTest, values: dict[str, Vector], kept: NDArray[np.bool_], unused: list[str]
 ) -> Measured:
     names = tuple(column for column in values if column in SIGNS)
     count = int(kept.sum())
     constants = {DEPTH: test.depth_m, columns.SPEED: test.speed_m_s, columns.RATE: test.rate_rad_s}
     given = {name: np.full(count, value) for name, value in constants.items() if value is not None}
     given |= {name: column[kept] for name, column in values.items() if name not in names}
-    notes += [
+    notes = [
         f"{table.file}: lines {table.lines[a]} to {table.lines[b]}, in which the body goes back, are left out"
         for a, b in _spans(~kept)
     ]
