@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 PACKAGE = Path(__file__).parent
-FOLDERS = ("models", "configs", "schemas")
-ENDINGS = (".yaml", ".csv", ".json", ".txt", ".urdf", ".stl")  # (.txt: licences of data)
+FOLDERS = ("models", "configs")
+ENDINGS = (".yaml", ".csv", ".txt", ".urdf", ".stl")  # (.txt: licences of data)
 
 
 def home() -> Path:
@@ -42,8 +43,10 @@ def shipped() -> dict[str, bytes]:
     return {path.relative_to(top).as_posix(): path.read_bytes() for path in files}
 
 
-def write(directory: Path) -> list[str]:
+def write(directory: Path, more: Mapping[str, bytes] | None = None) -> list[str]:
     """Write all files below `directory`, and return their relative paths.
+
+    more: contents of further files by their relative path.
 
     Raises
     ------
@@ -52,7 +55,7 @@ def write(directory: Path) -> list[str]:
     OSError
         As the disk has it.
     """
-    files = shipped()
+    files = {**shipped(), **(more or {})}
     other = [name for name, content in files.items() if _differs(directory / name, content)]
     if other:
         more = f" and {len(other) - 3} more" if len(other) > 3 else ""

@@ -27,7 +27,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
 PLACE = Path(tempfile.gettempdir()) / "granular-contact-mutants"
-COPIED = ("granular_contact", "tests", "models", "configs", "schemas", "validation", "pyproject.toml")
+COPIED = ("granular_contact", "tests", "models", "configs", "validation", "pyproject.toml")
 LONGEST = 900.0  # s: a mutant that runs longer hangs, which is noticed
 # Files whose places are changed, by area, each with the tests that have to notice.
 _JOINTS = "tests/multibody/test_powers.py", "tests/multibody/test_joints.py", "tests/multibody/test_coordinates.py"

@@ -1,4 +1,4 @@
-"""The command `examples`: the models and configs of the package, written into a folder, ready to run."""
+"""The command `examples`: the models and configs of the package, and their schemas, in a folder, ready to run."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import argparse
 import shlex
 from pathlib import Path
 
+from granular_contact.cli import schema
 from granular_contact.cli.common import FINE, Refusal
 
 HELP = "write the models and configs that come with the package into a folder"
@@ -23,7 +24,8 @@ def execute(chosen: argparse.Namespace) -> int:
 
     folder = Path(chosen.directory)
     try:
-        written = examples.write(folder)
+        # Made here: in the package they would be of the laws of another day.
+        written = examples.write(folder, {f"schemas/{name}": content for name, content in schema.files().items()})
     except OSError as error:
         # The project's own are sentences; the system's are numbers with a short reason.
         why = f"{folder} cannot be written: {error.strerror}" if error.strerror else error

@@ -29,15 +29,20 @@ def execute(chosen: argparse.Namespace) -> int:
     return FINE
 
 
-def _written(folder: Path) -> int:
-    """Write the schemas of all kinds of files; returns the exit code."""
+def files() -> dict[str, bytes]:
+    """Contents of the schemas of all kinds of files, by the name of each, `run.json` for example."""
     from granular_contact.config import json_schema
 
+    texts = {kind: json.dumps(json_schema(kind), ensure_ascii=False, separators=(",", ":")) for kind in SCHEMAS}
+    return {f"{kind}.json": f"{text}\n".encode() for kind, text in texts.items()}
+
+
+def _written(folder: Path) -> int:
+    """Write the schemas of all kinds of files; returns the exit code."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        for kind in SCHEMAS:
-            text = json.dumps(json_schema(kind), ensure_ascii=False, separators=(",", ":"))
-            (folder / f"{kind}.json").write_text(f"{text}\n", encoding="utf-8")
+        for name, content in files().items():
+            (folder / name).write_bytes(content)
     except OSError as error:
         raise Refusal(f"schema: {folder} can't be written: {reason(error)}") from None
     print(f"{', '.join(SCHEMAS)} are in {folder}")
