@@ -23,7 +23,8 @@ from granular_contact.config import load_scenario
 from granular_contact.results import Results
 from granular_contact.run import run
 from granular_contact.scene import build
-from validation.tables import machine, markdown
+from validation.study import Claim, Outcome, script
+from validation.tables import markdown
 
 CONFIG = HERE.parent / "configs" / "pendulum.yaml"
 REFERENCE = {"step": 1e-5, "elements": 32, "strips": 4}
@@ -64,8 +65,10 @@ def tip_error(results: Results, truth: Results) -> float:
     return float(np.max(np.linalg.norm(tip(results) - tip(truth)[every], axis=1)))
 
 
-def family(name: str, values: list[Any], others: dict[str, Any], reference: dict[str, Any]) -> list[list[str]]:
-    """Rows of one table, the last with the fitted order."""
+def family(
+    name: str, values: list[Any], others: dict[str, Any], reference: dict[str, Any]
+) -> tuple[list[list[str]], float]:
+    """Rows of one table, the last with the fitted order; and that order."""
     truth = simulate(**reference)
     rows, errors = [], []
     for value in values:
@@ -76,25 +79,37 @@ def family(name: str, values: list[Any], others: dict[str, Any], reference: dict
         energy = results.summary["energy"]["imbalance_relative"]
         cells = f"{1e6 * errors[-1]:.3f}", f"{1e6 * stop:+.2f}", f"{1e3 * angle:+.3f}", f"{energy:.1e}"
         rows.append([name, f"{value:g}", *cells])
-    order = abs(np.polyfit(np.log(values), np.log(errors), 1)[0])
-    return [*rows, [f"order in {name}", "", f"{order:.2f}", "", "", ""]]
+    order = float(abs(np.polyfit(np.log(values), np.log(errors), 1)[0]))
+    return [*rows, [f"order in {name}", "", f"{order:.2f}", "", "", ""]], order
 
 
-def main() -> int:
-    """Print the table."""
-    truth = simulate(**REFERENCE)
-    print(f"{machine('exudyn', 'numba')}\n")
+def study(quick: bool) -> Outcome:
+    """The table, what the defaults are off by, and two claims; the quick form is the full one."""
+    del quick
+    truth, default = simulate(**REFERENCE), simulate(**DEFAULT)
+    made = {name: family(name, *rest) for name, *rest in FAMILIES}
     head = ["varied", "value", "tip path um", "stopping time us", "angle at stop mdeg", "energy imbalance"]
-    print(markdown(head, [row for one in FAMILIES for row in family(*one)]))
-    default = simulate(**DEFAULT)
-    summary, exact = default.summary, truth.summary
-    print(
-        f"\nDefaults: tip path {1e6 * tip_error(default, truth):.2f} um, stopping time "
-        f"{100 * (summary['stopping_time_s'] / exact['stopping_time_s'] - 1):+.3f} %, angle at stop "
-        f"{summary['angle_at_stop_deg'] - exact['angle_at_stop_deg']:+.5f} deg."
+    table = markdown(head, [row for rows, _ in made.values() for row in rows])
+    stop = default.summary["stopping_time_s"] / truth.summary["stopping_time_s"] - 1
+    angle = default.summary["angle_at_stop_deg"] - truth.summary["angle_at_stop_deg"]
+    defaults = f"tip path {1e6 * tip_error(default, truth):.2f} um, stopping time {100 * stop:+.3f} %"
+    orders = [made[name][1] for name in ("elements", "strips")]
+    return Outcome(
+        f"{table}\n\nDefaults: {defaults}, angle at stop {angle:+.5f} deg.",
+        (
+            Claim(
+                "convergence.the default case is converged",
+                abs(stop) < 5e-3 and abs(angle) < 0.01,
+                f"stopping time {100 * stop:+.3f} % (asked: 0.5), angle at stop {angle:+.5f} deg (asked: 0.01)",
+            ),
+            Claim(
+                "convergence.elements and strips are of second order",
+                min(orders) > 1.8,
+                f"{orders[0]:.2f} and {orders[1]:.2f} fitted (asked: 1.8 at least)",
+            ),
+        ),
     )
-    return 0
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(script(study))

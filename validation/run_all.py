@@ -1,67 +1,183 @@
-"""Run every study and say what holds; the claims that held before are kept in claims.json.
+"""All studies in one list, what each takes, and how `granular-contact validate` runs them.
 
-    granular-contact validate [--quick] [--record]
+    granular-contact validate [--quick] [--only NAME ...] [--record]
+    granular-contact validate --list
 
-A claim that held and does not any more makes the exit code 1. A claim of the source paper that we do not find is one
-that never held: it is shown as such and stays in. --record makes what was found the new record.
+A claim that held in the record (validation/claims.json) and does not any more makes the exit code 1, and so does a
+study that ends in an error. A claim of the source paper that we do not find is one that never held: it is shown as such
+and stays in. --record makes what was found the new record and writes it into README.md.
 """
 
 from __future__ import annotations
 
 import importlib
-import json
+import os
+import subprocess
 import sys
 import time
+import traceback
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from datetime import datetime, timezone
 from pathlib import Path
 
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent))
 
-from validation.study import Claim
+from validation import record
+from validation.study import Claim, Outcome
+from validation.tables import machine
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A study of the list.
+
+    forms: arguments of a script by form (full or quick): it prints its tables, and its exit code says whether it kept
+    its bounds; None: the study is a function `study(quick)`; by_hand: why `validate` can't run it.
+    """
+
+    name: str
+    forms: Mapping[str, Sequence[str]] | None = None
+    by_hand: str = ""
+
+    def has(self, form: str) -> bool:
+        """Whether it has this form."""
+        return self.forms is None or form in self.forms
+
+    def run(self, form: str) -> tuple[Outcome, str]:
+        """What it gives, and on which machine with which versions."""
+        if self.forms is None:
+            outcome: Outcome = importlib.import_module(f"validation.{self.name}").study(form == "quick")
+            return outcome, machine("exudyn", "numba")
+        line = [sys.executable, str(HERE / f"{self.name}.py"), *self.forms[form]]
+        done = subprocess.run(line, stdout=subprocess.PIPE, text=True, check=False)
+        first, _, text = done.stdout.partition("\n\n")
+        if not text:
+            raise RuntimeError(f"{self.name}.py printed no tables; its exit code is {done.returncode}")
+        last = text.strip().splitlines()[-1]
+        detail = f"exit code {done.returncode}" if last.startswith("|") else last
+        return Outcome(text, (Claim(f"{self.name}.keeps its bounds", done.returncode == 0, detail),)), first
+
+
+def _script(name: str, full: Sequence[str] = (), quick: Sequence[str] | None = None, by_hand: str = "") -> Entry:
+    return Entry(name, {"full": full} if quick is None else {"full": full, "quick": quick}, by_hand)
+
 
 STUDIES = (
-    "paper_cases",
-    "single_mode_vs_fe",
-    "error_vs_run_time",
-    "stability",
-    "beam_against_theory",
-    "laws",
-    "sensitivity",
-    "fit_recovery",
-    "force_tests",
-    "measured",
-    "runner",
-    "scaling",
-    "strips",
-    "strip_estimates",
-    "settling",
+    Entry("paper_cases"),
+    Entry("single_mode_vs_fe"),
+    Entry("error_vs_run_time"),
+    Entry("stability"),
+    _script("fuzz", full=("--count", "10000"), quick=()),
+    Entry("strips"),
+    Entry("strip_estimates"),
+    Entry("properties"),
+    _script("mutants", by_hand="it needs cosmic-ray, and half an hour"),
+    Entry("lean_scenes"),
+    Entry("beam_against_theory"),
+    Entry("sensitivity"),
+    _script("sweep_throughput", quick=("--quick",)),
+    Entry("laws"),
+    _script("space_configs"),
+    Entry("settling"),
+    _script("standing"),
+    _script("law_cost"),
+    _script("space_cost"),
+    Entry("compile_cost"),
+    _script("robot_loading"),
+    _script("hexapod"),
+    Entry("fit_recovery"),
+    Entry("measured"),
+    Entry("force_tests"),
+    Entry("scatter_cost"),
+    Entry("convergence"),
+    Entry("default_steps"),
+    Entry("mechanism_cost"),
+    Entry("mechanism_fronts"),
+    Entry("accuracy_promise"),
+    Entry("minimal_cost"),
+    _script("load_cost"),
+    Entry("control_cost"),
+    Entry("runner_policy"),
+    Entry("gym_speed"),
+    Entry("runner"),
+    _script("gaits", quick=("--quick",)),
+    _script("bookkeeping", quick=("--quick",)),
+    Entry("scaling"),
+    _script("two_engines", quick=("--quick",)),
+    _script("mujoco_cost"),
+    _script("menagerie", by_hand="it needs a copy of MuJoCo Menagerie"),
+    _script("against_peers"),
 )
-RECORD = HERE / "claims.json"
 
 
-def lost(found: list[Claim], record: dict[str, bool]) -> list[str]:
-    """Names of claims that held in the record and do not, or were not made, now."""
+def lost(found: Sequence[Claim], before: Sequence[Claim]) -> list[str]:
+    """Names of claims that held before and do not, or were not made, now."""
     held = {claim.name for claim in found if claim.held}
-    return [name for name, before in record.items() if before and name not in held]
+    return [claim.name for claim in before if claim.held and claim.name not in held]
 
 
-def main(quick: bool = False, record: bool = False) -> int:
-    """Run all studies; 0 when no claim was lost, else 1."""
+def table() -> str:
+    """One line for each study: seconds of both forms, claims, and how old its record is."""
+    kept, lines = record.read(), []
+    for entry in STUDIES:
+        forms = kept.get(entry.name, {})
+        took = [f"{form} {_seconds(forms.get(form))}" for form in ("quick", "full") if entry.has(form)]
+        lines.append(f"{entry.name}: {', '.join(took)}{'; by hand: ' if entry.by_hand else ''}{entry.by_hand}")
+        if (made := forms.get("full")) is not None:
+            lines.append(f"    {made.when()}, {record.commits_since(made)} commits of the package ago")
+            lines.append(f"    did not hold: {record.not_held(made)}")
+    return "\n".join(lines)
+
+
+def _seconds(made: record.Made | None) -> str:
+    return "not measured" if made is None or made.seconds is None else f"{made.seconds:.0f} s"
+
+
+def run(entry: Entry, form: str, write: bool) -> tuple[record.Made, list[str]]:
+    """Run a study, print its claims, put it on record if asked; what it gave and names of claims that were lost."""
+    began = time.perf_counter()
+    outcome, where = entry.run(form)
+    seconds = round(time.perf_counter() - began, 1)
+    where += f"; load average {os.getloadavg()[0]:.0f}"  # of a busy machine times are long
+    day = f"{datetime.now(timezone.utc):%Y-%m-%d}"
+    made = record.Made(record.commit_here(), day, where, seconds, outcome.claims)
+    print(f"{entry.name} ({seconds:.0f} s)\n  " + "\n  ".join(map(str, made.claims)), flush=True)
+    kept = record.read()
+    before = kept.setdefault(entry.name, {}).get(form)
+    if write:
+        kept[entry.name][form] = made
+        record.save(kept)
+        if form == "full":
+            page = record.PAGE.read_text(encoding="utf-8")
+            record.PAGE.write_text(record.on_page(page, entry.name, made, outcome.text), encoding="utf-8")
+    return made, lost(made.claims, before.claims if before is not None else ())
+
+
+def main(quick: bool = False, write: bool = False, only: Sequence[str] = ()) -> int:
+    """Run studies, all or those named; 0 when no claim was lost and none ended in an error, else 1."""
     form = "quick" if quick else "full"
-    known: dict[str, dict[str, bool]] = json.loads(RECORD.read_text(encoding="utf-8")) if RECORD.exists() else {}
-    found: list[Claim] = []
-    for name in STUDIES:
-        began = time.perf_counter()
-        outcome = importlib.import_module(f"validation.{name}").study(quick)
-        found += outcome.claims
-        print(f"{name} ({time.perf_counter() - began:.0f} s)", flush=True)
-        for claim in outcome.claims:
-            print(f"  {claim}", flush=True)
-    gone = lost(found, known.get(form, {}))
+    claims: list[Claim] = []
+    gone: list[str] = []
+    failed: list[str] = []
+    for entry in STUDIES:
+        if only and entry.name not in only:
+            continue
+        if entry.by_hand or not entry.has(form):
+            print(f"{entry.name}: not run: {entry.by_hand or 'it has no quick form'}", flush=True)
+            continue
+        try:
+            made, missing = run(entry, form, write)
+        except Exception:  # whatever ends one study, the others are run
+            traceback.print_exc()
+            failed.append(entry.name)
+            continue
+        claims += made.claims
+        gone += missing
     for name in gone:
         print(f"LOST      {name}")
-    print(f"{sum(claim.held for claim in found)} of {len(found)} claims held, {len(gone)} that held before are lost")
-    if record:
-        known[form] = {claim.name: claim.held for claim in found}
-        RECORD.write_text(json.dumps(known, indent=2) + "\n", encoding="utf-8")
-    return 1 if gone else 0
+    for name in failed:
+        print(f"FAILED    {name}: it ended in an error")
+    print(f"{sum(claim.held for claim in claims)} of {len(claims)} claims held, {len(gone)} that held before are lost")
+    return 1 if gone or failed else 0

@@ -15,7 +15,9 @@ HELP = "run the studies of a checkout and say which claims hold"
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     parser.add_argument("--quick", action="store_true", help="fewer cases, same claims")
-    parser.add_argument("--record", action="store_true", help="record the results of the studies")
+    parser.add_argument("--only", action="append", default=[], metavar="NAME", help="this study; may be given again")
+    parser.add_argument("--list", action="store_true", help="say what the studies take and what is on record; run none")
+    parser.add_argument("--record", action="store_true", help="write what is found into validation/")
 
 
 def execute(chosen: argparse.Namespace) -> int:
@@ -26,5 +28,13 @@ def execute(chosen: argparse.Namespace) -> int:
         words = "run it in a checkout of the project"
         raise Refusal(f"validate: there is no validation/run_all.py in {places[0]}; {words}")
     sys.path.insert(0, str(root))
-    code: int = importlib.import_module("validation.run_all").main(chosen.quick, chosen.record)
+    run_all = importlib.import_module("validation.run_all")
+    names = [entry.name for entry in run_all.STUDIES]
+    for name in chosen.only:
+        if name not in names:
+            raise Refusal(f"validate: there is no study {name!r}; there are {', '.join(names)}")
+    if chosen.list:
+        print(run_all.table())
+        return 0
+    code: int = run_all.main(chosen.quick, chosen.record, chosen.only)
     return code

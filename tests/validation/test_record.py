@@ -1,0 +1,139 @@
+"""The record of the studies: all are in the list, the page says what the record says, and a difference is noticed."""
+
+from __future__ import annotations
+
+import ast
+import re
+from pathlib import Path
+
+import pytest
+
+from granular_contact.cli import main
+from validation import record, run_all
+from validation.record import Made
+from validation.study import Claim, Outcome
+
+HERE = Path(run_all.__file__).parent
+PAGE = record.PAGE.read_text(encoding="utf-8")
+NAMES = [entry.name for entry in run_all.STUDIES]
+MADE = Made(
+    "1a2b3c4", "2026-11-25", "2 cores", 12.0, (Claim("one.a: b", True, "1.50 mm"), Claim("one.c", False, "2 of 3"))
+)
+SMALL = "| study | question | claims that did not hold | answer |\n| --- | --- | --- | --- |\n" + "".join(
+    f"| [{name}.py](#{name}py) | why? | x | {name} |\n" for name in ("one", "two")
+)
+SMALL += "\n## one.py\n\nBy hand.\n\n## two.py\n\nBy hand too.\n"
+
+
+def test_every_script_that_makes_claims_is_in_the_list() -> None:
+    own = {"study", "record", "run_all"}  # what all studies share
+    scripts = [path for path in HERE.glob("*.py") if path.stem not in own]
+    making = {path.stem for path in scripts if "Claim(" in path.read_text(encoding="utf-8")}
+    assert len(making) > 20
+    assert making <= {entry.name for entry in run_all.STUDIES if entry.forms is None}
+
+
+@pytest.mark.parametrize("entry", run_all.STUDIES, ids=NAMES)
+def test_what_the_list_says_of_a_study_is_so(entry: run_all.Entry) -> None:
+    source = (HERE / f"{entry.name}.py").read_text(encoding="utf-8")
+    functions = {one.name for one in ast.parse(source).body if isinstance(one, ast.FunctionDef)}
+    assert ("study" in functions) == (entry.forms is None)
+    for arguments in (entry.forms or {}).values():
+        assert all(f'"{one}"' in source for one in arguments if one.startswith("--"))
+    if entry.forms is not None and '"--quick"' in source:
+        assert entry.has("quick")
+
+
+def test_page_list_and_record_have_the_same_studies() -> None:
+    assert sorted(re.findall(r"^## (\w+)\.py$", PAGE, flags=re.M)) == sorted(NAMES)
+    assert sorted(re.findall(r"^\| \[(\w+)\.py\]", PAGE, flags=re.M)) == sorted(NAMES)
+    assert sorted(record.read()) == sorted(NAMES)
+
+
+def test_the_page_says_what_the_record_says() -> None:
+    assert record.differences(PAGE, record.read()) == []
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "noticed"),
+    [
+        ("held      one.a: b: 1.50 mm", "held      one.a: b: 1.5 mm", False),
+        ("held      one.a: b: 1.50 mm", "held      one.a: b: 1.51 mm", True),
+        ("NOT HELD  one.c: 2 of 3", "held      one.c: 2 of 3", True),
+        ("NOT HELD  one.c: 2 of 3\n", "", True),
+        ("1 of 2: c", "none of 2", True),
+        ("at commit 1a2b3c4", "at commit 1a2b3c5", True),
+        ("12 s; 2 cores", "13 s; 2 cores", True),
+    ],
+)
+def test_a_page_that_says_otherwise_is_noticed_by_value(before: str, after: str, noticed: bool) -> None:
+    page = record.on_page(SMALL, "one", MADE, "| a |\n| --- |\n| 3 |")
+    assert before in page
+    assert bool(record.differences(page.replace(before, after), {"one": {"full": MADE}})) == noticed
+
+
+def test_a_study_writes_its_own_section_and_row_and_nothing_else() -> None:
+    page = record.on_page(SMALL, "one", MADE, "| a |")
+    again = record.on_page(page, "one", MADE, "| b |")
+    assert again == page.replace("| a |", "| b |")
+    assert "| why? | 1 of 2: c | one |" in page
+    assert page.endswith("\n## two.py\n\nBy hand too.\n")
+    assert page.index("NOT HELD  one.c") < page.index("held      one.a: b")
+
+
+def test_a_record_is_read_as_it_was_saved(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(record, "RECORD", tmp_path / "claims.json")
+    made = {"one": {"full": MADE, "quick": Made(None, "2026-11-24", "", None, (), taken_over=True)}}
+    record.save(made)
+    assert record.read() == made
+
+
+def test_validate_runs_records_and_tells_what_is_lost(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A study that comes out otherwise the second time, in a list of two of which the other ends in an error."""
+    page, kept = tmp_path / "README.md", tmp_path / "claims.json"
+    page.write_text(SMALL, encoding="utf-8")
+    kept.write_text("{}", encoding="utf-8")
+    held = [True]
+
+    def made(entry: run_all.Entry, form: str) -> tuple[Outcome, str]:
+        assert form == "full"
+        if entry.name == "two":
+            raise ValueError("no such number")
+        return Outcome("| 1 |", (Claim("one.holds", held[0], "1"),)), "2 cores"
+
+    monkeypatch.setattr(run_all.Entry, "run", made)
+    monkeypatch.setattr(run_all, "STUDIES", (run_all.Entry("one"), run_all.Entry("two")))
+    monkeypatch.setattr(record, "PAGE", page)
+    monkeypatch.setattr(record, "RECORD", kept)
+    assert main(["validate", "--only", "one", "--record"]) == 0
+    assert "held      one.holds: 1" in page.read_text(encoding="utf-8")
+    held[0] = False
+    assert main(["validate", "--only", "one"]) == 1
+    assert "LOST      one.holds" in capsys.readouterr().out
+    assert record.differences(page.read_text(encoding="utf-8"), record.read()) == []
+    assert main(["validate", "--record"]) == 1
+    assert "FAILED    two" in capsys.readouterr().out
+    assert "NOT HELD  one.holds: 1" in page.read_text(encoding="utf-8")
+    assert main(["validate", "--only", "three"]) == 2
+
+
+def test_a_script_that_prints_tables_is_judged_by_its_exit_code(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    (tmp_path / "cost.py").write_text("import sys\nprint('2 cores\\n\\n| 1 |\\n\\n3 s of 2 s')\nsys.exit(1)\n")
+    (tmp_path / "none.py").write_text("")
+    monkeypatch.setattr(run_all, "HERE", tmp_path)
+    outcome, where = run_all.Entry("cost", {"full": ()}).run("full")
+    assert where == "2 cores"
+    assert outcome.text == "| 1 |\n\n3 s of 2 s\n"
+    assert outcome.claims == (Claim("cost.keeps its bounds", False, "3 s of 2 s"),)
+    with pytest.raises(RuntimeError, match=r"none.py printed no tables"):
+        run_all.Entry("none", {"full": ()}).run("full")
+
+
+def test_every_figure_is_on_a_page() -> None:
+    pages = [HERE.parent / "README.md", *(HERE.parent / "docs").rglob("*.md"), *HERE.parent.glob("*/README.md")]
+    said = "".join(path.read_text(encoding="utf-8") for path in pages)
+    assert [path.name for path in sorted((HERE / "figures").iterdir()) if path.name not in said] == []
