@@ -32,6 +32,8 @@ from __future__ import annotations
 import re
 from typing import Any
 
+__version__ = "0.2.0.dev0"  # the only place; CONTRIBUTING.md says what it means
+
 # What is public stands once, in the stub that editors and type checkers read. It is loaded when first asked for:
 # reading a config must not load the engine, nor a vacuum run the compiler.
 with open(__file__.rpartition(".")[0] + ".pyi", encoding="utf-8") as _stub:

@@ -38,3 +38,5 @@ from granular_contact.steering import simulate as simulate
 from granular_contact.studies.ensemble.calls import ensemble as ensemble
 from granular_contact.studies.optimise.calls import optimise as optimise
 from granular_contact.studies.sweep.calls import sweep as sweep
+
+__version__: str

@@ -13,7 +13,7 @@ import pytest
 import yaml
 from support_runs import ROOT
 
-from granular_contact import starter
+from granular_contact import __version__, starter
 from granular_contact.cli import main
 from granular_contact.cli.schema import SCHEMAS
 from granular_contact.config import json_schema, load, medium_names
@@ -27,7 +27,7 @@ def test_the_bare_command_lists_the_commands(capsys: pytest.CaptureFixture[str])
 
 def test_the_version_names_the_engine_too(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["--version"]) == 0
-    assert re.match(r"granular-contact .*, exudyn \d+\.\d+", capsys.readouterr().out)
+    assert re.match(rf"granular-contact {re.escape(__version__)}, exudyn \d+\.\d+", capsys.readouterr().out)
 
 
 @pytest.mark.parametrize("name", [*starter.names()])

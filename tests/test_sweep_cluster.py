@@ -16,6 +16,7 @@ import psutil
 import pytest
 from support_sweep import CONFIGS, ENVIRONMENT, SPEED, dying, of_speed, timeless_bytes, write
 
+from granular_contact import __version__
 from granular_contact.cli import main, many
 from granular_contact.config import load_optimise, load_sweep
 from granular_contact.studies import sweep
@@ -167,6 +168,7 @@ def test_a_case_that_crashes_its_worker_is_a_failed_row(workers, numbered, tmp_p
     ("package", "version", "said"),
     [
         ("exudyn", "0.1", "has exudyn 1"),
+        ("granular-contact", "0.0", f"has granular-contact {__version__}, and here is 0.0"),
         ("python", "2.7", "has python 3"),
         ("nothing-like-this", "1", "has no nothing-like-this, and here is 1"),
     ],

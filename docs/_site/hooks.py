@@ -25,6 +25,8 @@ PAGES = {
     "models/README.md": "howto/mechanisms.md",
     "validation/README.md": "about/studies.md",
     "README.md": "index.md",
+    "CHANGELOG.md": "about/changes.md",
+    "CONTRIBUTING.md": "about/contributing.md",
 }
 COPIED = (".yaml", ".png", ".gif", ".csv", ".json", ".urdf")  # of other files of the repository that pages name
 _LINK = re.compile(r"(!?)\[((?:[^\[\]]|\[[^\]]*\])*)\]\(([^)\s#]*)(#[^)\s]*)?\)")

@@ -13,6 +13,7 @@ import sys
 from collections.abc import Sequence
 from importlib import import_module
 
+from granular_contact import __version__
 from granular_contact.cli.common import FAILED, FAULTY_INPUT, FINE, INTERRUPTED, OUT_OF_TIME, Refusal, complain
 from granular_contact.errors import GranularContactError, OutOfTimeError, SolveError, missing_figures
 
@@ -55,11 +56,7 @@ def _versions() -> str:
     from importlib import metadata
 
     known = ", ".join(f"{name} {metadata.version(name)}" for name in ("exudyn", "numba", "numpy"))
-    try:
-        own = metadata.version("granular-contact")
-    except metadata.PackageNotFoundError:  # run from a checkout that is not installed
-        own = "(a checkout, not installed)"
-    return f"granular-contact {own}, {known}, Python {platform.python_version()}"
+    return f"granular-contact {__version__}, {known}, Python {platform.python_version()}"
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -24,13 +24,13 @@ import time
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from importlib import metadata
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import yaml
 
+from granular_contact import __version__
 from granular_contact.report.drawn import drawn, saved_before
 from granular_contact.results import Results
 from granular_contact.results.motion import Motion, motion_of, plain
@@ -258,15 +258,12 @@ def yaml_text(content: dict[str, Any]) -> str:
 
 
 def version(results: Results | None = None) -> str:
-    """The version of the run if its summary has it, else the installed one."""
+    """The version of the run if its summary has it, else that of now."""
     versions: dict[str, str] = (results.summary.get("versions") if results is not None else None) or {}
     for name in (PROGRAM, PROGRAM.replace("-", "_")):
         if name in versions:
             return versions[name]
-    try:
-        return metadata.version(PROGRAM)
-    except metadata.PackageNotFoundError:
-        return "(not installed)"
+    return __version__
 
 
 def _write_series(results: Results, path: Path) -> None:

@@ -10,6 +10,7 @@ from functools import cache
 from importlib import metadata
 from typing import Any
 
+from granular_contact import __version__
 from granular_contact.results import REST_MEASURE, STOP_MEASURE, Cost, Status
 from granular_contact.results.interpolation import Track, greatest
 from granular_contact.results.stopping import Stop, Touch
@@ -89,12 +90,5 @@ def versions() -> dict[str, str]:
 
 @cache  # 2 ms, and the same for every run of a sweep
 def _versions() -> dict[str, str]:
-    packages = ("granular-contact", "exudyn", "numpy", "numba")
-    return {"python": platform.python_version()} | {package: _version(package) for package in packages}
-
-
-def _version(package: str) -> str:
-    try:
-        return metadata.version(package)
-    except metadata.PackageNotFoundError:
-        return "(not installed)"
+    own = {"python": platform.python_version(), "granular-contact": __version__}
+    return own | {package: metadata.version(package) for package in ("exudyn", "numpy", "numba")}

@@ -154,7 +154,9 @@ def _fit(client: Any, address: str, folder: Path | None) -> int:
         if package == "python":
             found = {worker: about["host"]["python"] for worker, about in pythons.items()}
             found = {worker: there.split(".final")[0] for worker, there in found.items()}
-        else:  # asked for by a function of Python itself, which every worker has
+        elif package == "granular-contact":  # functions of Python itself, which every worker has
+            found = client.run(eval, "__import__('granular_contact').__version__", on_error="return")
+        else:
             found = client.run(metadata.version, package, on_error="return")
         for worker, there in found.items():
             if there != version:
