@@ -43,10 +43,10 @@ def shipped() -> dict[str, bytes]:
     return {path.relative_to(top).as_posix(): path.read_bytes() for path in files}
 
 
-def write(directory: Path, more: Mapping[str, bytes] | None = None) -> list[str]:
+def write(directory: Path, further: Mapping[str, bytes] | None = None) -> list[str]:
     """Write all files below `directory`, and return their relative paths.
 
-    more: contents of further files by their relative path.
+    further: contents of other files by their relative path.
 
     Raises
     ------
@@ -55,7 +55,7 @@ def write(directory: Path, more: Mapping[str, bytes] | None = None) -> list[str]
     OSError
         As the disk has it.
     """
-    files = {**shipped(), **(more or {})}
+    files = {**shipped(), **(further or {})}
     other = [name for name, content in files.items() if _differs(directory / name, content)]
     if other:
         more = f" and {len(other) - 3} more" if len(other) > 3 else ""
