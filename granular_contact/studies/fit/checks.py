@@ -64,7 +64,8 @@ def _too_late(measured: Measured, first: Results, latest: float) -> Iterator[Fau
 
 def _too_far(measured: Measured, first: Results) -> Iterator[Fault]:
     """A fault for each column of lengths that the mechanism can't reach."""
-    reach = float(np.max(np.abs([first[c] for c in ("tip_x_m", "tip_y_m")])))
+    lengths = [first[name] for name in first.names if name.endswith("_m")]  # of any part, along any axis
+    reach = float(np.max(np.abs(np.nan_to_num(lengths))))
     for name, values in zip(measured.columns, measured.values.T, strict=True):
         over = np.flatnonzero(np.abs(values) > FARTHEST * reach)
         if len(over) and name.endswith("_m"):
