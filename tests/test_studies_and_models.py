@@ -1,0 +1,70 @@
+"""Every study works with every kind of model, or is refused in one sentence."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import pytest
+from matplotlib.figure import Figure
+from support_studies import MODELS, PAGE, REFUSALS, STUDIES, Case, Refused, page
+
+from granular_contact.cli import many
+from granular_contact.errors import GranularContactError
+from granular_contact.studies.sweep import WorkerPool
+
+MOST = 400  # letters of a sentence
+
+
+@pytest.fixture(scope="module")
+def folders(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
+    """The folder of a model, in which its run is made once."""
+    root = tmp_path_factory.mktemp("models")
+
+    def folder(model: str) -> Path:
+        made = root / model.replace(" ", "_")
+        made.mkdir(exist_ok=True)
+        return made
+
+    return folder
+
+
+def unlaid(figure: Figure) -> Figure:
+    """The figure without a layout, which takes as long as drawing it."""
+    figure.set_layout_engine("none")
+    return figure
+
+
+@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("study", STUDIES)
+def test_it_works_or_is_refused_in_a_sentence(
+    study: str,
+    model: str,
+    folders: Callable[[str], Path],
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.setattr(many, "pool", lambda *_: WorkerPool(1, ThreadPoolExecutor))  # processes would take seconds
+    monkeypatch.setattr("granular_contact.results.frames.MOST", 4)  # pictures of a film
+    monkeypatch.setattr("granular_contact.report.figures.DPI", 30)
+    monkeypatch.setattr("granular_contact.report.figures._laid_out", unlaid)
+    case = Case(model, folders(model), lambda: capsys.readouterr().err)
+    wanted = REFUSALS.get((study, model))
+    try:
+        STUDIES[study](case)
+        said = None
+    except (Refused, GranularContactError) as refused:
+        said = str(refused)
+    if wanted is None:
+        assert said is None
+    else:
+        assert said is not None
+        assert wanted in said
+        assert len(said.splitlines()) == 1
+        assert len(said) < MOST
+
+
+def test_the_page_shows_this_table() -> None:
+    """After a change: python tests/support_studies.py."""
+    assert PAGE.read_text(encoding="utf-8") == page()
