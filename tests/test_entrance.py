@@ -148,3 +148,35 @@ print_table("case", heads, [["case_1", "2", "39.28", "34.27", "4e-6"]])
     listed = "impact_speed_rad_s 2 stop ms 39.28 angle deg 34.27 imbalance 4e-6"
     assert (listed in words) == (columns == 44)
     assert ("case_1 2 39.28 34.27 4e-6" in words) == (columns == 130)
+
+
+OF_WORKERS = """
+import os
+from granular_contact.studies.processes import local_processes
+if __name__ == "__main__":
+    with local_processes(1) as pool:
+        told = pool.submit(os.getenv, "EXUDYN_NO_USER_SETTINGS").result()
+    print(told, os.getenv("EXUDYN_NO_USER_SETTINGS"))
+"""
+
+
+def test_settings_of_the_engine_in_the_users_home_print_nothing_of_ours(tmp_path: Path) -> None:
+    """Not in what a command prints, nor by workers; a program of the user's that imports the engine keeps them."""
+    (tmp_path / ".exudyn").mkdir()
+    stored = {"version": 1, "config": {"printDelayMilliSeconds": 0}}
+    (tmp_path / ".exudyn" / "config.json").write_text(json.dumps(stored), encoding="utf-8")
+    given = {name: value for name, value in os.environ.items() if not name.startswith("EXUDYN_")}
+    given |= {"HOME": str(tmp_path), "USERPROFILE": str(tmp_path), "PYTHONPATH": str(ROOT)}
+
+    def printed(*words: str, **more: str) -> str:
+        command, environment = [sys.executable, *words], given | more
+        return subprocess.run(command, env=environment, check=True, capture_output=True, text=True).stdout
+
+    if ".exudyn" not in printed("-c", "import exudyn"):
+        pytest.skip("this Exudyn reads no such file")
+    assert ".exudyn" in printed("-c", "import granular_contact, exudyn")
+    config = str(ROOT / "configs" / "pendulum_rigid.yaml")
+    run = "-m", "granular_contact", "run", config, "--method", "engine", "--out", str(tmp_path / "out"), "--no-plots"
+    assert ".exudyn" not in printed(*run)
+    (tmp_path / "sweep.py").write_text(OF_WORKERS, encoding="utf-8")
+    assert printed(str(tmp_path / "sweep.py")) == "1 None\n"

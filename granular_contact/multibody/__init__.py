@@ -9,6 +9,7 @@ joints    coordinates, constraints          their coordinates, what they hold
 solving   settings, scheme, stepping        tolerances; the integrator; choice of steps
           predictor                         where Newton's method begins
           solve, recorder, ending           the steps; what is kept of each, and when it ends; how it ended
+          engine_checks                     what the engine lets us do, tried once
           settle, balance                   static equilibrium before the start
           state, tangent, views             pauses and going back; the engine's Jacobian; its vectors
 reading   kinematics, senses, depths        positions and rates of a trajectory, of an instant; depths

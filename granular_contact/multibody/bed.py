@@ -318,7 +318,7 @@ class GranularBed:
         self.load.check_open()
         if not self.load.lines:
             raise scene_error("bed", "no body was named: use add_rigid or add_cables first")
-        self.coupling.attach(constant or {})
+        self.coupling.attach(constant or {}, warns=True)
 
     @contextmanager
     def _call(self, name: str, *, in_space: bool = False) -> Iterator[None]:

@@ -9,6 +9,7 @@ no trace.
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -22,6 +23,7 @@ from granular_contact.bed.load import AHEAD, TOUCHES, GranularLoad
 from granular_contact.errors import scene_error
 from granular_contact.kernels.lines import DEPTH
 from granular_contact.multibody.bodies import cable_nodes, rigid_node, spatial_node
+from granular_contact.multibody.engine_checks import abilities, of_vectors
 from granular_contact.multibody.overlay import Overlay
 from granular_contact.multibody.views import START, Views, reference
 
@@ -85,15 +87,21 @@ class Coupling:
         self.nodes += tuple(node for node in nodes if node not in self.nodes)
         return self.overlay.coordinates(nodes, each)
 
-    def attach(self, constant: Mapping[int, ArrayLike], joints: JointActions | None = None) -> None:
+    def attach(
+        self, constant: Mapping[int, ArrayLike], joints: JointActions | None = None, *, warns: bool = False
+    ) -> None:
         """Put the load into the system, generalised forces (by node number) that act all the time, and what joints do.
 
-        joints: on the overlay of this coupling.
+        joints: on the overlay of this coupling. warns: whether to warn the caller's caller of what is slower with this
+        Exudyn, which results of a run tell.
         """
+        for words in of_vectors(abilities()) if warns else ():
+            warnings.warn(words, stacklevel=3)
         self.load.close()
         self._joints = joints
         self.overlay.attach(constant, self._force, self._jacobian)
-        self._set, self._sink = self.mbs.SetObjectParameter, self.overlay.sink
+        self._set, self._sink = self.overlay.set_forces, self.overlay.sink
+        self._stay = abilities().views  # whether `_q` and `_v` follow the engine
 
     # ---- what the engine calls ----
 
@@ -111,6 +119,8 @@ class Coupling:
         self.load_calls += 1
         if t != self._time:
             self._begin(t)
+        elif not self._stay:
+            self._read()
         joints, overlay, active, pulls = self._joints, self.overlay, self.load.active, False
         if joints is not None:
             pulls = joints.acts
@@ -130,6 +140,8 @@ class Coupling:
         """Tangent at the system's present state, as the engine's sparse matrix."""
         if t != self._time:
             self._begin(t)
+        elif not self._stay:
+            self._read()
         joints = self._joints
         if joints is not None and t != joints.time:
             joints.begin(t)
@@ -139,6 +151,10 @@ class Coupling:
         if self.load.active:
             parts.append(self.load.tangent(*state))
         return self.overlay.matrix(np.concatenate(parts)) if parts else self.overlay.empty
+
+    def _read(self) -> None:
+        """Read the state anew."""
+        _, self._q, self._v = self._present()
 
     def _begin(self, t: float) -> None:
         """A new step (or a new try of one): accept the state that it starts from, look who may be touched in it."""
@@ -201,8 +217,7 @@ class Coupling:
 
         active: whether anything may be touched; the states of batches were brought back before.
         """
-        data = self.mbs.systemData
-        self._q, self._v = data.GetODE2Coordinates(copy=False), data.GetODE2Coordinates_t(copy=False)
+        self._read()
         self._time, self.load.active, self._under_way = t, active, True
         for batch in self.load.batches:
             batch.forget()

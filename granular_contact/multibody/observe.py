@@ -76,6 +76,7 @@ def observed(
         "reach": _reach(motion),
         "more": key_numbers(motion, driven, by_body, depths),
         "accuracy": accuracy(motion, driven),
+        "notices": trajectory.notices,
     }
 
 

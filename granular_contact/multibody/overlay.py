@@ -4,7 +4,7 @@ The engine hands a user function all coordinates of its object in Python lists, 
 hundred bodies that costs more than the forces. So two objects share the work. The *trigger object* lies on one node
 only: its force function is called when forces are needed. The *force object* lies on all nodes, without a force
 function: its constant force vector is set anew each time. The engine asks objects in the order in which they were
-added, and the trigger comes first.
+added, and the trigger comes first. Where it does not (`engine_checks`), one object on all nodes does the work of both.
 """
 
 from __future__ import annotations
@@ -17,6 +17,8 @@ import exudyn as exu
 import numpy as np
 from exudyn import itemInterface as items
 from numpy.typing import ArrayLike, NDArray
+
+from granular_contact.multibody.engine_checks import abilities
 
 Vector = NDArray[np.float64]
 
@@ -57,6 +59,10 @@ class Overlay:
             self.constant[places[node]] += np.asarray(forces, float)
         self.forces = self.constant.copy()
         self.empty = self.matrix(np.zeros((0, 3)))
+        self.set_forces = self.mbs.SetObjectParameter
+        if due is not None and not abilities().order:
+            self._attach_whole(due, jacobian)
+            return
         if due is not None:
             first, of_first = next(iter(self.nodes.items()))
             self.nothing = [0.0] * len(of_first)
@@ -65,6 +71,18 @@ class Overlay:
         matrix = _no_tangent(self.size) if jacobian is None else _tangent(jacobian)
         # The object whose constant forces are set anew.
         self.sink = self._add(list(self.nodes), forceVector=self.forces, jacobianUserFunction=matrix)
+
+    def _attach_whole(self, due: Callable[..., list[float]], jacobian: Callable[..., Any] | None) -> None:
+        """Add one object on all nodes that is asked for forces, and hands them back in a list."""
+
+        def forces(*asked: Any) -> list[float]:
+            due(*asked)
+            found: list[float] = self.forces.tolist()
+            return found
+
+        self._due, self.set_forces = forces, _leave
+        matrix = _no_tangent(self.size) if jacobian is None else _tangent(jacobian)
+        self.sink = self._trigger = self._add(list(self.nodes), forceUserFunction=forces, jacobianUserFunction=matrix)
 
     def _add(self, nodes: list[int], **options: Any) -> Any:
         return self.mbs.AddObject(
@@ -78,6 +96,9 @@ class Overlay:
     @contextmanager
     def unasked(self) -> Iterator[None]:
         """Within it the engine does not call `due`: somebody else sees to the forces wherever they are needed."""
+        if self.sink == self._trigger:  # which hands the forces over
+            yield
+            return
         self.mbs.SetObjectParameter(self._trigger, "forceUserFunction", 0)
         try:
             yield
@@ -86,11 +107,15 @@ class Overlay:
 
     def send(self) -> None:
         """Let `forces` act from now on."""
-        self.mbs.SetObjectParameter(self.sink, "forceVector", self.forces)
+        self.set_forces(self.sink, "forceVector", self.forces)
 
     def matrix(self, triplets: Vector) -> Any:
         """The engine's sparse matrix of rows (row, column, value) in overlay coordinates."""
         return _sparse(triplets, self.size)
+
+
+def _leave(*_: Any) -> None:
+    """In place of setting a force vector where forces are handed over in lists."""
 
 
 def _tangent(jacobian: Callable[[float, float, float], Any]) -> Callable[..., Any]:

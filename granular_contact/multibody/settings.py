@@ -27,6 +27,7 @@ NEVER = 2**30
 # At fixed steps: steps after which one that was halved is tried whole again, as what a step fails at is mostly over in
 # the next one.
 RECOVERY = 1
+RECOVERY_OF_REFUSED = 3  # the same of steps that are refused by their error, where nobody can set longer ones
 # A link that bends on one hinge, at fixed steps: what a step of SHORT leaves of the motion is a hundred times more than
 # what Newton's method leaves with a tolerance EASED times the one asked for, which takes half of the iterations. With
 # shorter steps both shrink alike. On a body that flies free it acts as a force that is much the same from step to step,
@@ -198,7 +199,7 @@ def control_steps(simulation: Any, control: StepControl) -> None:
     """Leave the choice of steps to a step control; the engine still halves them where its iteration fails."""
     t = simulation.timeIntegration
     t.numberOfSteps = max(1, math.ceil(t.endTime / control.longest - 1e-9))
-    t.adaptiveStepRecoverySteps = NEVER
+    t.adaptiveStepRecoverySteps = NEVER if control.sets else RECOVERY_OF_REFUSED
     # Steps are long enough for a new Jacobian to pay as soon as an iteration gains less than a factor of four; of rigid
     # bodies, whose iterations are led on by those before (`predictor`), it pays later. Where feet in sand change
     # between leading and trailing the iteration may go round in a circle: it seldom ends one later.

@@ -17,6 +17,7 @@ import numpy as np
 
 from granular_contact.errors import SolveError
 from granular_contact.multibody.ending import status
+from granular_contact.multibody.engine_checks import abilities, notices, refusal
 from granular_contact.multibody.mass_and_gravity import mass_matrix
 from granular_contact.multibody.predictor import Predictor
 from granular_contact.multibody.recorder import Recorder
@@ -85,6 +86,9 @@ class Solve:
         self.system, mbs, scene = system, system.mbs, system.scene
         self.simulation = settings(scene) if simulation is None else simulation
         self.recorder = Recorder(system, progress)
+        self._able = abilities()
+        if (why := refusal(self._able, pauses=pauses, turns=bool(system.turning))) is not None:
+            raise SolveError(why)
         self.solver = exu.MainSolverImplicitSecondOrder()
         self._it, self._conv = self.solver.it, self.solver.conv  # the solver's own, no copies
         self.seconds, self._problem, self._success = 0.0, "", True
@@ -119,15 +123,19 @@ class Solve:
 
     def _choose_steps(self, accuracy: float) -> None:
         """Let a step control choose the steps."""
-        control = StepControl(self.system, self.solver, self.recorder.lever, accuracy)
+        sets = self._able.controls
+        control = StepControl(self.system, self.solver, self.recorder.lever, accuracy, sets=sets)
         self.recorder.control = control
         self.system.mbs.SetPostNewtonUserFunction(control)
         control_steps(self.simulation, control)
 
     def _make_predictor(self) -> Predictor | None:
-        """What Newton's method begins with; None where accelerations are nothing but round-off."""
+        """What Newton's method begins with; None where accelerations are nothing but round-off.
+
+        None, too, where the engine takes no changes of its solver or its vectors.
+        """
         scene, simulation = self.system.scene, self.simulation
-        if unresolved(scene):
+        if unresolved(scene) or not (self._able.controls and self._able.views):
             return None
         lever = self.recorder.lever if self._goes_round() else None
         limits = tolerances(scene, simulation), patience(scene, simulation)
@@ -316,6 +324,7 @@ class Solve:
             multipliers=dict(zip(system.motions, np.transpose(recorder.multipliers), strict=True)),
             a=np.array(recorder.accelerations) if system.motions else None,
             set_to=dict(zip(recorder.external, np.transpose(recorder.set_to), strict=True)),
+            notices=(*notices(self._able), *(() if self._keeper is None else self._keeper.notices())),
         )
 
 

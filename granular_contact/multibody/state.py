@@ -11,8 +11,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import exudyn as exu
+import numpy as np
 from numpy.typing import NDArray
 
+from granular_contact.multibody.engine_checks import of_restored
 from granular_contact.multibody.predictor import Predictor
 from granular_contact.multibody.recorder import Recorder
 from granular_contact.multibody.system import System
@@ -64,6 +66,11 @@ class Keeper:
         self.system, self.solver, self.recorder, self.simulation = system, solver, recorder, simulation
         self.tangent = Tangent(system, solver, simulation)
         self.tangent.before = predictor
+        self._anew = False  # whether the engine once did not go back to a Jacobian or to accelerations
+
+    def notices(self) -> list[str]:
+        """Of states that it went back to, a sentence where what followed is not the same bit for bit."""
+        return [of_restored()] if self._anew else []
 
     def state(self, solve: dict[str, Any]) -> SolveState:
         """The present state; solve: fields of the solve itself."""
@@ -93,10 +100,14 @@ class Keeper:
         """Go back to a state of a solve of the same scene."""
         system, solver, recorder, data = self.system, self.solver, self.recorder, self.system.mbs.systemData
         system.mbs.SetRenderEngineStopFlag(False)  # what a finished solve left
-        if kept.place is not None and not kept.outdated:
-            self.tangent.again(kept.place)
+        outdated = kept.outdated
+        if kept.place is not None and not outdated:
+            outdated = not self.tangent.again(kept.place)
+            self._anew |= outdated
         self.tangent.place = kept.place
         self._set_engine(kept, data)
+        solver.conv.jacobianUpdateRequested = outdated
+        self._anew |= not np.array_equal(solver.GetAAlgorithmic(), kept.algorithmic)
         for name, count in zip(COUNTS, kept.counts, strict=True):
             setattr(solver.it, name, count)
         for array, old in zip(system.held, kept.joints, strict=True):
@@ -128,4 +139,3 @@ class Keeper:
         data.SetTime(kept.time)
         it = self.solver.it
         it.currentTime, it.currentStepSize = kept.time, kept.step
-        self.solver.conv.jacobianUpdateRequested = kept.outdated

@@ -134,17 +134,17 @@ def signals_of(scene: Scene) -> list[Signal]:
 class StepControl:
     """Post-Newton function that refuses steps, and the choice of the next one; `refused` counts.
 
-    lever (m,): factors from coordinate rates to speeds (m/s).
+    lever (m,): factors from coordinate rates to speeds (m/s). sets: whether it can set steps; else it refuses those
+    whose error is too large, and the engine lengthens them.
     """
 
-    def __init__(self, system: System, solver: Any, lever: Vector, accuracy: float) -> None:
+    def __init__(self, system: System, solver: Any, lever: Vector, accuracy: float, *, sets: bool = True) -> None:
         from granular_contact.kernels import step_choice, step_error  # here, see `choice`
         from granular_contact.kernels.entry import entry
         from granular_contact.kernels.lending import places
 
         scene = system.scene
-        self.system, self.solver, self.lever = system, solver, lever
-        self._it = solver.it
+        self.system, self.solver, self.lever, self.sets = system, solver, lever, sets
         self._record, self.speed, *follows = choice(scene, accuracy)
         self.longest = float(self._record["longest"][0])
         self.next = min(scene.solver.step_s, self.longest)
@@ -174,6 +174,7 @@ class StepControl:
         if not self.begun:
             return NO_ERROR
         step = self._it.currentStepSize
+        self._read()
         need, factor = self._judge(self._words, step, self._record, self.speed, self.now)
         if need > 1.0 and step > self.least and not self._in_vain(step, need):
             self.refused += 1
@@ -204,7 +205,8 @@ class StepControl:
         if not self.begun:
             self._begin()
         self.tried = None
-        self.last = self._it.currentStepSize
+        self.last = self._it.currentStepSize or self.last  # 0 before the engine has chosen the first
+        self._read()
         self.now = self._start(self._words, self.last)
         self.begun = True
         self.speed = max(self.speed, self.now)
@@ -215,7 +217,19 @@ class StepControl:
 
     def look(self, views: Views) -> None:
         """Learn where the engine keeps its vectors in the part of the solve that begins."""
-        self._words = self._places(views.a, views.v, *self._arrays)
+        self._views, self._own = views, (views.a, views.v)
+        self._words = self._places(*self._own, *self._arrays)
+
+    def _read(self) -> None:
+        """Read accelerations and rates anew where they do not stay in one place."""
+        if not self._views.stay:
+            for own, now in zip(self._own, (self._views.a, self._views.v), strict=True):
+                own[:] = now
+
+    @property
+    def _it(self) -> Any:
+        """What the solver tells of its steps, and may be told; asked for each time, as it may be a copy."""
+        return self.solver.it
 
     def kept(self) -> dict[str, Any]:
         """All that its future depends on."""
@@ -238,6 +252,8 @@ class StepControl:
 
     def _take(self, t: float) -> None:
         """Set the step chosen, shortened so that some of its like end where they have to."""
+        if not self.sets:
+            return
         it, step = self._it, self.chosen
         fitted = math.isfinite(self.until)
         if fitted:

@@ -117,7 +117,8 @@ class Trajectory:
     did, None without one; mass (m, m), sparse if large, constant for the bodies used here. multipliers: of the
     constraints of prescribed motions (N m, N), (n,) each, by joint; a (n, m): the accelerations that belong to them,
     None without such motions; set_to: what drives were set to from outside, as multipliers; strip_error: as found by
-    `strip_error`, None where it was not looked for.
+    `strip_error`, None where it was not looked for. notices: what the engine could not do as usual, and what was done
+    instead.
     """
 
     status: Status
@@ -131,6 +132,7 @@ class Trajectory:
     a: Vector | None = None
     set_to: dict[str, Vector] = field(default_factory=dict)
     strip_error: float | None = None
+    notices: tuple[str, ...] = ()
 
 
 def at_one(system: System, time: Vector, q: Vector, v: Vector) -> Trajectory:

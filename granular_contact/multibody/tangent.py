@@ -91,8 +91,11 @@ class Tangent:
         self._active = bed is not None and bed.load.active
         return self._nothing
 
-    def again(self, place: Place) -> None:
-        """Compute the Jacobian of another time. Leaves state and bed of the system where it was computed."""
+    def again(self, place: Place) -> bool:
+        """Compute the Jacobian of another time. Leaves state and bed of the system where it was computed.
+
+        Returns whether the engine has computed it there, last.
+        """
         mbs, solver, bed = self.system.mbs, self.solver, self.system.bed
         for now, kept in zip(self._held, place.held, strict=True):
             now[:] = kept
@@ -103,9 +106,13 @@ class Tangent:
         iterations, solver.newton.maxIterations = solver.newton.maxIterations, 1
         solver.conv.jacobianUpdateRequested = True
         mbs.SetPreNewtonResidualUserFunction(_leading_to(place))
+        self._time = math.nan
         solver.Newton(mbs, self.simulation)
         mbs.SetPreNewtonResidualUserFunction(self.before or 0)
         solver.newton.maxIterations = iterations
+        there = zip(self._at, (place.q, place.v, place.multipliers), strict=True)
+        at_its_time = (self._time, self._step) == (place.time, place.step)
+        return at_its_time and all(np.array_equal(now, kept) for now, kept in there)
 
 
 def _leading_to(place: Place) -> Callable[..., None]:

@@ -1,7 +1,7 @@
 """The engine's vectors in its own memory.
 
 The engine takes about a microsecond to hand one out, and a step asks for a dozen. They stay where they are for as long
-as a solve goes on, so that each is asked for once.
+as a solve goes on, so that each is asked for once. Where they do not (`engine_checks`) each is asked for every time.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from typing import Any
 
 import exudyn as exu
 
+from granular_contact.multibody.engine_checks import abilities
 from granular_contact.scene.types import Vector
 
 START = exu.ConfigurationType.StartOfStep
@@ -29,29 +30,36 @@ def reference(mbs: Any, nodes: Iterable[int], origin: Vector) -> Vector:
     return found
 
 
-def _view(getter: str, *configuration: Any) -> cached_property[Vector]:
-    """Attribute of a vector that the engine is asked for once."""
+class _View:
+    """Attribute of a vector that the engine is asked for once, or each time where vectors do not stay."""
 
-    def view(of: Views) -> Vector:
-        found: Vector = getattr(of.data, getter)(*configuration, copy=False)
+    def __init__(self, getter: str, *configuration: Any) -> None:
+        self.getter, self.configuration = getter, configuration
+
+    def __set_name__(self, _: type, name: str) -> None:
+        self.name = name
+
+    def __get__(self, of: Views, _: type | None = None) -> Vector:
+        found: Vector = getattr(of.data, self.getter)(*self.configuration, copy=False)
+        if of.stay:
+            vars(of)[self.name] = found  # found there from now on
         return found
-
-    return cached_property(view)
 
 
 class Views:
     """Vectors of the present state and, `_before`, of the start of the step; to be made anew for each part of a solve.
 
     q, v, a (m,): coordinates from their reference, rates and accelerations; multipliers (k,): of the constraints.
+    stay: whether they are the engine's memory and stay where they are; else they are of the instant, to be read only.
     """
 
-    q, q_before = _view("GetODE2Coordinates"), _view("GetODE2Coordinates", START)
-    v, v_before = _view("GetODE2Coordinates_t"), _view("GetODE2Coordinates_t", START)
-    a, a_before = _view("GetODE2Coordinates_tt"), _view("GetODE2Coordinates_tt", START)
-    multipliers, multipliers_before = _view("GetAECoordinates"), _view("GetAECoordinates", START)
+    q, q_before = _View("GetODE2Coordinates"), _View("GetODE2Coordinates", START)
+    v, v_before = _View("GetODE2Coordinates_t"), _View("GetODE2Coordinates_t", START)
+    a, a_before = _View("GetODE2Coordinates_tt"), _View("GetODE2Coordinates_tt", START)
+    multipliers, multipliers_before = _View("GetAECoordinates"), _View("GetAECoordinates", START)
 
     def __init__(self, mbs: Any) -> None:
-        self.data = mbs.systemData
+        self.data, self.stay = mbs.systemData, abilities().views
 
     @cached_property
     def where(self) -> tuple[int, int, int]:

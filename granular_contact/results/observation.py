@@ -49,7 +49,8 @@ class Observation:
     `frames.frames`. energies: as of `energy.columns`. reach: None where nothing could meet the medium. stop: when it
     stopped after the touch. outlines: as drawn at an instant; pictures: what gives them at given times (k,) s. more:
     what the summary has besides. accuracy: what the steps say of their own error. steered: warnings of what a
-    program set. known: None where depths and deflection are to be looked through.
+    program set. notices: of what the engine could not do as usual. known: None where
+    depths and deflection are to be looked through.
     """
 
     scene: Scene
@@ -73,6 +74,7 @@ class Observation:
     more: dict[str, Any]
     accuracy: Sequence[AccuracyWarning] = ()
     steered: Sequence[str] = ()
+    notices: Sequence[str] = ()
     known: Known | None = None
 
     @cached_property
@@ -123,7 +125,7 @@ def key_numbers(seen: Observation) -> tuple[dict[str, Any], Touch | None]:
     stop = None if touch is None else seen.stop(touch)
     summary = summarise(scene, seen.status, seen.cost, energies, touch, stop, found) | seen.more
     start = None if seen.depth is None else float(seen.depth[0])
-    return warned(summary, scene, found, seen.reach, start, seen.accuracy, seen.steered), touch
+    return warned(summary, scene, found, seen.reach, start, seen.accuracy, [*seen.notices, *seen.steered]), touch
 
 
 def warned(
@@ -135,7 +137,10 @@ def warned(
     accuracy: Sequence[AccuracyWarning] = (),
     steered: Sequence[str] = (),
 ) -> dict[str, Any]:
-    """A summary with its warnings in it; start: depth (m) of the deepest point then; others as of Observation."""
+    """A summary with its warnings in it; start: depth (m) of the deepest point then; others as of Observation.
+
+    steered: notices, too.
+    """
     summary["warnings"] += [
         *map(str, scene.notes),
         *steered,

@@ -24,6 +24,9 @@ from multiprocessing.connection import wait as await_any
 from pathlib import Path
 from typing import Any
 
+# Workers print nothing of their own, and `import exudyn` would where it finds settings in ~/.exudyn; nor do results
+# depend on these.
+_QUIET = {"EXUDYN_NO_USER_SETTINGS": "1"}
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 # What a worker needs anyway; where workers are forked from a server, it is imported once for all of them. numba and
 # pydantic import most of themselves only when they are first used.
@@ -180,7 +183,7 @@ def _as_workers(**more: str) -> Iterator[None]:
     """Processes that start now use one thread each and have SIGINT blocked: a terminal sends it to all its processes,
     but only the parent handles it. Here it is delayed until the end. more: of their environment.
     """
-    environment = dict.fromkeys(_THREADS, "1") | more
+    environment = dict.fromkeys(_THREADS, "1") | _QUIET | more
     before = {name: os.environ.get(name) for name in environment}
     os.environ.update(environment)
     block = getattr(signal, "pthread_sigmask", None)  # not everywhere

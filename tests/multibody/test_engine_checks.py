@@ -1,0 +1,261 @@
+"""An Exudyn that hands out copies, or asks objects in another order: noticed, told, and the same motion."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from types import SimpleNamespace
+from typing import Any
+
+import exudyn as exu
+import numpy as np
+import pytest
+from exudyn import itemInterface as items
+from support_runs import scenario_of, scene_of
+
+from granular_contact import GranularBed, Simulation, preset
+from granular_contact.errors import SolveError
+from granular_contact.multibody import engine_checks
+from granular_contact.multibody.build import build
+from granular_contact.multibody.engine_checks import CONSTRAINT, RESIDUAL, SINK, TRIGGER, Abilities, abilities, in_order
+from granular_contact.multibody.solve import solve
+from granular_contact.multibody.system import Trajectory
+from granular_contact.multibody.tangent import Tangent
+from granular_contact.run import run
+
+CHAIN = """
+model:
+  name: chain
+  chain: {count: 4, link: {length_m: 0.05, diameter_m: 0.006, density_kg_m3: 7700}}
+medium: play_sand
+initial: {impact_angle_deg: 40, impact_speed_rad_s: 5}
+solver: {step_s: 2e-4, end_time_s: 0.04, rest_time_s: null}
+method: engine
+"""
+PATCH = pytest.MonkeyPatch
+
+
+@pytest.fixture(autouse=True)
+def _tried_anew(monkeypatch: PATCH) -> Iterator[None]:
+    """Each test tries the engine for itself, and leaves nothing of that behind."""
+    abilities.cache_clear()
+    yield
+    monkeypatch.undo()
+    abilities.cache_clear()
+
+
+def copies_of_controls(monkeypatch: PATCH) -> None:
+    """Let the solver hand out copies of what it reads while it runs."""
+    fields = {
+        "it": ("currentStepSize", "maxStepSize", "minStepSize", "endTime", "currentTime", *("newtonStepsCount",)),
+        "conv": ("jacobianUpdateRequested", "residual"),
+        "newton": ("absoluteTolerance", "maxIterations"),
+    }
+    fields["it"] += "newtonJacobiCount", "rejectedModifiedNewtonSteps"
+
+    for handle, names in fields.items():
+        own = getattr(exu.MainSolverImplicitSecondOrder, handle)
+
+        def copy(solver: Any, own: Any = own, names: tuple[str, ...] = names) -> Any:
+            found = own.fget(solver)
+            return SimpleNamespace(**{name: getattr(found, name) for name in names})
+
+        monkeypatch.setattr(exu.MainSolverImplicitSecondOrder, handle, property(copy))
+
+
+def copies_of_vectors(monkeypatch: PATCH) -> None:
+    """Let the system hand out copies of its vectors, whatever it is asked for."""
+    for getter in engine_checks.GETTERS:
+        own = getattr(exu.SystemData, getter)
+
+        def copy(data: Any, configuration: Any = exu.ConfigurationType.Current, *, own: Any = own, **_: bool) -> Any:
+            return own(data, configuration, copy=True)
+
+        monkeypatch.setattr(exu.SystemData, getter, copy)
+
+
+def other_order(_: PATCH) -> None:
+    """Try an engine that asks for what was added last but one after what was added last."""
+    own, kept = exu.MainSystem.AddObject, []
+
+    def swapped(mbs: Any, item: Any) -> Any:
+        if isinstance(item, items.ObjectGenericODE2) and not kept:
+            return kept.append(item)
+        found = own(mbs, item)
+        if isinstance(item, items.ObjectGenericODE2):
+            own(mbs, kept.pop())
+        return found
+
+    with pytest.MonkeyPatch.context() as during:
+        during.setattr(exu.MainSystem, "AddObject", swapped)
+        assert not abilities().order  # and is not tried again
+
+
+CASES = {
+    "controls": (copies_of_controls, "copies of solver.it, .conv and .newton"),
+    "views": (copies_of_vectors, "copies of its vectors of state"),
+    "order": (other_order, "the order in which they were added"),
+}
+
+
+def spoil(case: str, monkeypatch: PATCH) -> None:
+    """From now on the engine is one that does not do this."""
+    abilities.cache_clear()
+    CASES[case][0](monkeypatch)
+
+
+each = pytest.mark.parametrize("case", CASES)
+
+
+def simulated(*changes: str) -> Trajectory:
+    return solve(build(scene_of(CHAIN, *changes)))
+
+
+def ends(one: Trajectory, other: Trajectory) -> float:
+    """Greatest difference (m, rad) of coordinates at the end."""
+    return float(np.abs(one.q[-1] - other.q[-1]).max())
+
+
+def test_this_engine_does_it_all() -> None:
+    assert abilities() == Abilities()
+    assert simulated().notices == ()
+
+
+@each
+def test_what_does_not_work_is_found_and_told_once(case: str, monkeypatch: PATCH) -> None:
+    spoil(case, monkeypatch)
+    missing = [name for name in ("controls", "views", "order") if not getattr(abilities(), name)]
+    assert missing == [case]
+    told = [warning for warning in run(scene_of(CHAIN)).warnings if CASES[case][1] in warning]
+    assert len(told) == 1
+    assert "Exudyn 1." in told[0]
+
+
+@each
+def test_the_motion_is_the_same_within_the_error_of_its_steps(case: str, monkeypatch: PATCH) -> None:
+    usual, finer = simulated(), simulated("solver.step_s=1e-4")
+    spoil(case, monkeypatch)
+    other = simulated()
+    assert len(other.time) == len(usual.time)
+    # What halving the steps changes is most of their error; half of that is left for other ends of iterations.
+    assert ends(other, usual) < 0.5 * ends(finer, usual)
+
+
+@each
+def test_chosen_steps_keep_their_accuracy(case: str, monkeypatch: PATCH) -> None:
+    """Where none can be set, they are refused by the same estimate."""
+    accuracy, true = 3e-3, simulated("solver.step_s=1e-5")
+    spoil(case, monkeypatch)
+    found = simulated(f"solver.accuracy={accuracy}")
+    assert found.notices
+    path = float(np.abs(np.diff(true.q, axis=0)).sum(axis=0).max())
+    assert ends(found, true) < accuracy * path
+    assert 1.0 < len(found.time) < 0.5 * len(simulated().time)
+
+
+def test_a_bed_of_the_users_own_system_reads_the_present_state(monkeypatch: PATCH) -> None:
+    """A falling ball is stopped alike; whoever attaches the bed is warned."""
+
+    def fall() -> float:
+        container = exu.SystemContainer()
+        mbs = container.AddSystem()
+        node = mbs.AddNode(items.NodeRigidBody2D(referenceCoordinates=[0, 0.03, 0], initialVelocities=[0.0, -1.0, 0]))
+        body = mbs.AddObject(items.ObjectRigidBody2D(mass=0.1, inertia=1e-4, nodeNumber=node))
+        bed = GranularBed(mbs, preset("play_sand"), 0.0)
+        bed.add_rigid(body, (-0.05, 0.0), (0.05, 0.0), 0.01)
+        bed.attach()
+        mbs.Assemble()
+        settings = exu.SimulationSettings()
+        settings.timeIntegration.endTime, settings.timeIntegration.numberOfSteps = 0.06, 300
+        settings.timeIntegration.verboseMode, settings.solution.file.write = 0, False
+        mbs.SolveDynamic(settings)
+        assert bed.work < 0.0
+        return float(mbs.systemData.GetODE2Coordinates()[1])
+
+    usual = fall()
+    spoil("views", monkeypatch)
+    with pytest.warns(UserWarning, match="copies of its vectors") as told:
+        found = fall()
+    assert len(told) == 1
+    assert told[0].filename == __file__
+    # The same steps and iterations from the same start: but for round-off, of 0.1 m, the same.
+    assert found == pytest.approx(usual, abs=1e-12)
+
+
+def test_a_run_that_can_not_be_stepped_is_refused(monkeypatch: PATCH) -> None:
+    copies_of_controls(monkeypatch)
+    with pytest.raises(SolveError, match=r"can't be stepped with Exudyn 1\..*`simulate` it"):
+        Simulation(scenario_of(CHAIN))
+
+
+def test_with_copies_of_vectors_it_is_stepped_and_goes_back(monkeypatch: PATCH) -> None:
+    copies_of_vectors(monkeypatch)
+    assert _after_a_detour() == 0.0
+
+
+def test_a_jacobian_that_is_not_computed_where_it_was_is_made_anew(monkeypatch: PATCH) -> None:
+    """The engine ignores where it is led: told, and the same within what Newton's method leaves."""
+    monkeypatch.setattr("granular_contact.multibody.tangent._leading_to", lambda _: lambda *_: None)
+    told: list[str] = []
+    changed = _after_a_detour(told)
+    assert any("did not go back to the Jacobian" in words for words in told)
+    # A residual of 1e-5 of the forces (solver.tolerance) each step, which sand takes out.
+    assert 0.0 < changed < 1e-5 * 0.2
+
+
+def test_accelerations_that_are_not_those_of_the_state_are_told(monkeypatch: PATCH) -> None:
+    monkeypatch.setattr(exu.MainSolverImplicitSecondOrder, "InitializeSolverInitialConditions", lambda *_: True)
+    told: list[str] = []
+    _after_a_detour(told)
+    assert any("accelerations of a saved state" in words for words in told)
+
+
+def _after_a_detour(told: list[str] | None = None) -> float:
+    """Greatest difference in the table (m) of tips between a run, and the same gone on with from a restored state."""
+    simulation = Simulation(scenario_of(CHAIN))
+    simulation.step({}, 0.02)
+    kept = simulation.state()
+    simulation.step({}, 0.02)
+    first = simulation.results()
+    simulation.restore(kept)
+    simulation.step({}, 0.02)
+    second = simulation.results()
+    if told is not None:
+        told += second.warnings
+    place = [column.name for column in first.columns].index("tip_x_m")
+    return float(np.abs(first.table - second.table)[:, place : place + 2].max())
+
+
+def test_a_prescribed_motion_needs_constraints_after_forces() -> None:
+    able = Abilities(constraints_last=False)
+    assert "prescribed motion" in str(engine_checks.refusal(able, pauses=False, turns=True))
+    assert engine_checks.refusal(able, pauses=True, turns=False) is None
+
+
+@pytest.mark.parametrize(
+    ("asked", "fine"),
+    [
+        ([RESIDUAL, TRIGGER, SINK, CONSTRAINT, RESIDUAL, TRIGGER, TRIGGER, SINK, CONSTRAINT], True),
+        ([RESIDUAL, TRIGGER, SINK, CONSTRAINT, RESIDUAL, SINK, TRIGGER, CONSTRAINT], False),
+        ([RESIDUAL, TRIGGER, CONSTRAINT], False),
+        ([], False),
+    ],
+)
+def test_the_order_is_looked_at_in_every_residual(asked: list[str], fine: bool) -> None:
+    assert in_order(asked, TRIGGER, SINK) == fine
+
+
+def test_what_is_watched_is_what_a_jacobian_depends_on() -> None:
+    """The usual way back: the engine computes the Jacobian where it did."""
+    found: list[bool] = []
+    again = Tangent.again
+
+    def watched(tangent: Tangent, place: Any) -> bool:
+        found.append(again(tangent, place))
+        return found[-1]
+
+    with pytest.MonkeyPatch.context() as during:
+        during.setattr(Tangent, "again", watched)
+        told: list[str] = []
+        assert _after_a_detour(told) == 0.0
+    assert found == [True]
+    assert not any("did not go back" in words for words in told)
