@@ -58,8 +58,8 @@ def write(directory: Path, further: Mapping[str, bytes] | None = None) -> list[s
     files = {**shipped(), **(further or {})}
     other = [name for name, content in files.items() if _differs(directory / name, content)]
     if other:
-        more = f" and {len(other) - 3} more" if len(other) > 3 else ""
-        raise FileExistsError(f"{', '.join(other[:3])}{more} in {directory} would be overwritten: give another folder")
+        rest = f" and {len(other) - 3} more" if len(other) > 3 else ""
+        raise FileExistsError(f"{', '.join(other[:3])}{rest} in {directory} would be overwritten: give another folder")
     for name, content in files.items():
         path = directory / name
         path.parent.mkdir(parents=True, exist_ok=True)

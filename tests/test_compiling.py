@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gc
 import json
 import os
 import shutil
@@ -12,11 +11,8 @@ import time
 from contextlib import suppress
 from pathlib import Path
 
-import numpy as np
 import pytest
 from support_runs import simulate
-
-from granular_contact.kernels.compiled import part
 
 ROOT = Path(__file__).parents[1]
 
@@ -138,57 +134,3 @@ def test_the_command_says_on_stderr_what_it_compiles_the_first_time_only(tmp_pat
     )
     assert (first.stderr, second.stderr) == (words, "")
     assert [" s of compiling, once" in done.stdout for done in (first, second)] == [True, False]
-
-
-def test_numba_and_the_collector_are_left_as_they_were() -> None:
-    from numba.core.types.functions import BaseFunction
-
-    from granular_contact.kernels.hurry import hurried
-
-    own = BaseFunction.get_call_type
-
-    def broken() -> None:
-        with hurried():
-            with hurried():
-                assert BaseFunction.get_call_type is not own
-            assert not gc.isenabled()
-            raise KeyError
-
-    with pytest.raises(KeyError):
-        broken()
-    assert gc.isenabled()
-    assert BaseFunction.get_call_type is own
-    gc.disable()
-    try:
-        with hurried():
-            pass
-        assert not gc.isenabled()
-    finally:
-        gc.enable()
-
-
-def test_only_what_makes_an_array_or_gives_one_back_counts_references() -> None:
-    def filled(a):  # type: ignore[no-untyped-def]
-        for i in range(a.shape[0]):
-            a[i] = 2.0
-        return a[0]
-
-    def made(a):  # type: ignore[no-untyped-def]
-        return np.zeros(a.shape[0])
-
-    def worked(a):  # type: ignore[no-untyped-def]
-        return (a + a)[0]
-
-    def given(a):  # type: ignore[no-untyped-def]
-        return a[:1]
-
-    a, counted = np.ones(1000), {}
-    before = sys.getrefcount(a)
-    for function in (filled, made, worked, given):
-        compiled = part(function, cache=False)
-        results = [compiled(a) for _ in range(10)]
-        counted[function] = "NRT" in next(iter(compiled.inspect_llvm().values()))
-        assert np.asarray(results[-1]).ravel()[0] == {filled: 2.0, made: 0.0, worked: 4.0, given: 2.0}[function]
-        del results
-        assert sys.getrefcount(a) == before
-    assert counted == {filled: False, made: True, worked: True, given: True}

@@ -20,7 +20,7 @@ import numpy as np
 
 from granular_contact import preset
 from granular_contact.kernels import batches, kinematics, planar_sand
-from granular_contact.kernels.entry import entry
+from granular_contact.kernels.compiled import ready
 from granular_contact.kernels.forces import medium_record
 from granular_contact.kernels.law import LINE
 from granular_contact.kernels.lending import places
@@ -49,8 +49,8 @@ def calls(medium: Law) -> tuple[Callable[[], None], Callable[[], None]]:
     group = np.zeros(3), active, ends, where, geometry, run, *sand, *batches.work(ends, sand[-1]), *of_end
     words = places(*group)[None, :]
     force, tangent = (
-        entry(planar_sand.force, words, q, v, out),
-        entry(planar_sand.tangent, words, q, v, 1.0, 1.0, triplets),
+        ready(planar_sand.force, words, q, v, out),
+        ready(planar_sand.tangent, words, q, v, 1.0, 1.0, triplets),
     )
 
     def forces() -> None:

@@ -21,7 +21,7 @@ from granular_contact.errors import scene_error
 from granular_contact.geometry.surface import pieces
 from granular_contact.kernels import planar_sand
 from granular_contact.kernels.batches import EVER
-from granular_contact.kernels.entry import entry
+from granular_contact.kernels.compiled import ready
 from granular_contact.kernels.lines import FIRST
 from granular_contact.laws.floor import TERM as FLOOR_TERM
 from granular_contact.laws.floor import Floor
@@ -51,11 +51,11 @@ def _compiled() -> _Compiled:
     """What is the same for all loads: finding it takes as long as some steps."""
     sand, q, triplets = np.zeros((1, 1), np.int64), np.zeros(1), np.zeros((1, 3))
     return _Compiled(
-        entry(planar_sand.force, sand, q, q, q),
-        entry(planar_sand.tangent, sand, q, q, 1.0, 1.0, triplets),
-        entry(planar_sand.accept, sand, q, q, q, True),
-        entry(planar_sand.update_active, sand, 0.0),
-        entry(planar_sand.soonest, sand),
+        ready(planar_sand.force, sand, q, q, q),
+        ready(planar_sand.tangent, sand, q, q, 1.0, 1.0, triplets),
+        ready(planar_sand.accept, sand, q, q, q, True),
+        ready(planar_sand.update_active, sand, 0.0),
+        ready(planar_sand.soonest, sand),
     )
 
 

@@ -23,8 +23,8 @@ reduced model       modal, modal_motion, modal_load, modal_calls, pendulum, slip
 trees               tree_arrays, tree, tree_load         its equations
                     tree_newton, tree_march, tree_calls  its steps
                     signal_tables                        of drives
-how it is compiled  compiled, compiling, hurry, counting, loaded
-                    records, entry, lending, memory    record types; calls and arrays without numba's general forms
+how it is compiled  compiled, compiling, loaded
+                    records, calls, lending, memory    record types; calls by address, arrays at addresses
 
 numba keeps what it compiled beside the sources and takes it again while the file of the called function is unchanged;
 it does not see that a function of another file, inlined into it, has changed. So what is older than any kernel or law

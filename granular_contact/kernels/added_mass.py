@@ -33,7 +33,7 @@ import math
 
 import numpy as np
 
-from granular_contact.kernels.compiled import part
+from granular_contact.kernels.compiled import kernel, part
 from granular_contact.kernels.memory import clear, room1
 
 # Of a clock: length of the step (s); how long the one took that ended here (s), 0 if none did; else whether a motion
@@ -193,7 +193,7 @@ def add_to_matrix(last, parents, axes, added, matrix):
             i = parents[i]
 
 
-@part
+@kernel(nogil=True)
 def add_damping(starts, counts, columns, derivatives, damping, shares, matrix):
     """Add to a mass matrix (m, m) what is implicit of other forces: shares (2,), of derivatives and of damping (m,).
 
@@ -383,7 +383,7 @@ def find_base(applied, numbers, written, home, base):
                 base[b, k] = now
 
 
-@part
+@kernel(nogil=True)
 def write_loads(applied, numbers, base, loads, written):
     """Set the rows applied[numbers], and written, to base and loads together."""
     for b in range(numbers.shape[0]):

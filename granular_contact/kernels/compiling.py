@@ -1,6 +1,7 @@
 """Whether a kernel is being compiled, told when it begins: with the first run of a law in an installation.
 
-Numba tells of a compilation as it starts one, and says nothing when it finds the kernel in its cache on the disk; so
+Numba tells of what it compiles as it begins (its events `numba:compile` of a function, `numba:run_pass` of each pass
+over one, which alone tell of C functions), and says nothing when it finds the kernel in its cache on the disk; so
 nothing needs to be guessed beforehand.
 """
 
@@ -24,12 +25,17 @@ def seconds() -> float:
 def announced(tell: Callable[[str], None] | None, what: str) -> Iterator[None]:
     """Call `tell` with a sentence once, when the first kernel is compiled inside; `what` is being compiled.
 
-    Without numba loaded there is nothing to compile, and it is not loaded for this.
+    Without numba loaded there is nothing to compile, and it is not loaded for this. Of a numba without such events
+    nothing is told.
     """
     if tell is None or "numba" not in sys.modules:
         yield
         return
-    from numba.core import event
+    try:
+        from numba.core import event
+    except ImportError:
+        yield
+        return
 
     say = tell
 
@@ -52,5 +58,6 @@ def announced(tell: Callable[[str], None] | None, what: str) -> Iterator[None]:
             if self.depth == 0:
                 _spent += time.perf_counter() - self.begin
 
-    with event.install_listener("numba:compile", Listener()):
+    listener = Listener()
+    with event.install_listener("numba:compile", listener), event.install_listener("numba:run_pass", listener):
         yield

@@ -31,8 +31,8 @@ from numba import types
 from numpy.typing import NDArray
 
 from granular_contact.kernels import planar_sand
+from granular_contact.kernels.calls import address_of, caller
 from granular_contact.kernels.compiled import kernel, part
-from granular_contact.kernels.law import address_of, caller
 from granular_contact.kernels.memory import clear, piece
 
 ITERATIONS, SHORTENED, SHARE = 8, 4, 0.4  # most of them; most shares of a step, each so much of the one before
@@ -87,8 +87,8 @@ class Room(NamedTuple):
 def called() -> NDArray[np.void]:
     """Record (1,) of CALLED with the addresses of functions, which are compiled where they are not yet."""
     found = np.zeros(1, CALLED)
-    for name, (arguments, _) in _SIGNATURES.items():
-        found[name] = address_of(getattr(planar_sand, name), arguments)
+    for name, signature in _SIGNATURES.items():
+        found[name] = address_of(getattr(planar_sand, name), *signature)
     return found
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from granular_contact.kernels import space_law as law
 from granular_contact.kernels.added_mass import STEP, add_inertia, advance
-from granular_contact.kernels.compiled import part
+from granular_contact.kernels.compiled import kernel, part
 from granular_contact.kernels.facets_added_mass import add_turned
 from granular_contact.kernels.law import TERMS
 from granular_contact.kernels.memory import clear, copy, room1, room2
@@ -20,7 +20,7 @@ from granular_contact.kernels.space_bodies import DEEPEST, bound
 TRIAL = 1e-6  # m/s
 
 
-@part
+@kernel(nogil=True)
 def act(
     bodies, of_bed, clusters, inner, elements, anchors, active, ground, medium, rows, clock, poses, then, seen, turn,
     arms, wrench, added,

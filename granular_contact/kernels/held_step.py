@@ -29,11 +29,11 @@ from granular_contact.kernels.added_mass import (
     to_freedoms,
     write_loads,
 )
-from granular_contact.kernels.compiled import part
+from granular_contact.kernels.compiled import kernel
 from granular_contact.kernels.memory import copy
 
 
-@part
+@kernel(nogil=True)
 def begin(
     last, parents, axes, v, numbers, tops, positions, rotations, inertial, centres, turn, applied, written, brought,
     base, sizes, slow, clock, loads, start, slopes, works, drifts, gained, seen, twists, later, past, arms, poses,
@@ -68,7 +68,7 @@ def begin(
     place_bodies(numbers, tops, positions, rotations, centres, later, turn, then, arms)
 
 
-@part
+@kernel(nogil=True)
 def guess(turn, numbers, wrench, arms, added, past, clock, foreseen, loads, slopes, applied, base, written):
     """Write the loads of the step before, as a first guess of this one's; whether there is any resistance.
 
@@ -82,7 +82,7 @@ def guess(turn, numbers, wrench, arms, added, past, clock, foreseen, loads, slop
     return some
 
 
-@part
+@kernel(nogil=True)
 def correct(
     last, parents, axes, v, numbers, tops, inertial, centres, added, twists, past, change, clock, foreseen, error,
     loads, applied, base, written, matrix, x, slopes,

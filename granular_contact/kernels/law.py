@@ -18,10 +18,9 @@ from typing import Any
 
 import numpy as np
 from numba import from_dtype, types
-from numba.core import cgutils
-from numba.core.errors import TypingError
-from numba.extending import intrinsic, overload
+from numba.extending import overload
 
+from granular_contact.kernels.calls import OWN, address_of, caller
 from granular_contact.kernels.compiled import part
 from granular_contact.kernels.kinematics import STATION
 from granular_contact.kernels.records import fields
@@ -66,7 +65,6 @@ LAW = np.dtype([*fields("i8", *FUNCTIONS), ("own", "f8", (SIZE,))])
 _LINE, _NUMBER = from_dtype(LINE), types.float64
 _ROW, _VECTORS, _PAIR, _ENDS = (types.Array(_NUMBER, n, "C") for n in (1, 2, 2, 3))
 _STATIONS = types.Array(from_dtype(STATION), 1, "C")
-OWN = None  # where a law's function takes its own record
 SIGNATURES: dict[str, tuple[tuple[Any, ...], Any]] = {  # arguments, result
     "forces": ((*[_VECTORS] * 3, _LINE, _VECTORS, from_dtype(LAW), _VECTORS, _VECTORS), types.none),
     "strip_force": ((*[_NUMBER] * 14, _LINE, OWN, _ENDS), types.none),
@@ -88,47 +86,6 @@ SIGNATURES: dict[str, tuple[tuple[Any, ...], Any]] = {  # arguments, result
     "spatial_stations": ((_ROW, _ROW, _STATIONS, _VECTORS, _VECTORS), types.none),
     "spatial_scatter": ((_ROW, _STATIONS, _VECTORS, _ROW), types.none),
 }
-
-
-def caller(name: str, kinds: tuple[Any, ...], result: Any, layout: np.dtype) -> Any:
-    """Function for kernels: (medium, arguments) -> result of what the medium's record has under this name.
-
-    kinds, result: types of the function's arguments and of what it gives; layout: of the medium's record. That record,
-    or the law's own in it, is put among the arguments where the function takes it.
-    """
-
-    @intrinsic
-    def call(typing_context, medium, arguments):
-        if medium != from_dtype(layout):  # a law's own record, say, which has no addresses
-            raise TypingError(f"got {medium} for a medium, allowed is a record of {layout.names}")
-
-        def generate(context, builder, signature, values):
-            record, given = values
-            at = builder.bitcast(record, cgutils.voidptr_t)
-            passed = [builder.extract_value(given, i) for i in range(len(arguments))]
-            for i, have in enumerate(signature.args[1].types):
-                expected = [kind for kind in kinds if kind not in (OWN, medium)][i]
-                passed[i] = context.cast(builder, passed[i], have, expected)
-            if OWN in kinds:
-                passed.insert(kinds.index(OWN), builder.bitcast(_offset(builder, at, layout, "own"), record.type))
-            elif medium in kinds:
-                passed.insert(kinds.index(medium), record)
-            types_there = [medium if kind is OWN else kind for kind in kinds]  # any record is a pointer
-            address = builder.load(builder.bitcast(_offset(builder, at, layout, name), cgutils.intp_t.as_pointer()))
-            pointer = context.call_conv.get_function_type(result, types_there).as_pointer()
-            callee = builder.inttoptr(address, pointer)
-            status, value = context.call_conv.call_function(builder, callee, result, types_there, passed)
-            with cgutils.if_unlikely(builder, status.is_error):
-                context.call_conv.return_status_propagate(builder, status)
-            return context.get_dummy_value() if result is types.none else value
-
-        return result(medium, arguments), generate
-
-    return call
-
-
-def _offset(builder: Any, at: Any, layout: np.dtype, field: str) -> Any:
-    return builder.gep(at, [cgutils.intp_t(layout.fields[field][1])])  # type: ignore[index]
 
 
 _forces, _strip, _cap, _ball, _anchor, _line, _accept, _shear, _path, _scattered, _lowering, *_of_spatial = (
@@ -244,8 +201,9 @@ def filled(own: np.ndarray, functions: dict[str, Any], layout: np.dtype, signatu
     for name, function in functions.items():
         known = function, name, layout, own.dtype
         if known not in _ADDRESSES:
-            kinds = (from_dtype(own.dtype) if kind is OWN else kind for kind in signatures[name][0])
-            _ADDRESSES[known] = _address_of_law(function, tuple(kinds), own.dtype)
+            kinds, result = signatures[name]
+            kinds = tuple(from_dtype(own.dtype) if kind is OWN else kind for kind in kinds)
+            _ADDRESSES[known] = _address_of_law(function, kinds, result, own.dtype)
         medium[name] = _ADDRESSES[known]
     return medium
 
@@ -256,23 +214,16 @@ _ADDRESSES: dict[tuple[Any, str, np.dtype, np.dtype], int] = {}  # numba's types
 OWN_LAWS: dict[np.dtype, Any] = {}  # by record type: classes of laws from outside the package
 
 
-def _address_of_law(function: Any, arguments: tuple[Any, ...], own: np.dtype) -> int:
+def _address_of_law(function: Any, kinds: tuple[Any, ...], result: Any, own: np.dtype) -> int:
     """`address_of`; what can't be compiled of a law from outside is told in one sentence."""
     try:
-        return address_of(function, arguments)
+        return address_of(function, kinds, result)
     except Exception as error:
         if own not in OWN_LAWS:
             raise
         from granular_contact.kernels.own_law import why_not
 
         raise TypeError(why_not(OWN_LAWS[own], own, error)) from None
-
-
-def address_of(function: Any, arguments: tuple[Any, ...]) -> int:
-    """Address of a function compiled for arguments of these types; it is compiled where it is not yet."""
-    function.compile(arguments)
-    compiled = function.overloads[arguments]
-    return int(compiled.library.get_pointer_to_function(compiled.fndesc.llvm_func_name))
 
 
 _KNOWN: dict[np.dtype, str] = {}  # record types of laws, with the function that came first

@@ -10,11 +10,11 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import types
-from numba.core import cgutils
-from numba.extending import intrinsic
-from numba.np.arrayobj import make_array, populate_array
+from numba import carray, types
+from numba.extending import overload
 from numpy.typing import NDArray
+
+from granular_contact.kernels.memory import pointer_to
 
 WORDS = 4  # for each array: where it begins, and its size along up to three axes
 
@@ -31,26 +31,21 @@ def places(*arrays: NDArray[Any]) -> NDArray[np.int64]:
 
 def lender(kind: types.Array) -> Any:
     """Function for kernels, (words, number) -> the array of this kind that was given to `places` as that number."""
+    at, size = pointer_to(kind.dtype), WORDS
 
-    @intrinsic
-    def lend(typing_context, words, number):
-        def generate(context, builder, signature, values):
-            given = make_array(signature.args[0])(context, builder, values[0])
-            first = builder.mul(values[1], cgutils.intp_t(WORDS))
+    def lend(words, number):
+        raise NotImplementedError("arrays are found by their places in compiled functions alone")
 
-            def word(i: int) -> Any:
-                return builder.load(builder.gep(given.data, [builder.add(first, cgutils.intp_t(i))]))
-
-            made, size = make_array(kind)(context, builder), context.get_abi_sizeof(context.get_data_type(kind.dtype))
-            shape = [word(1 + axis) for axis in range(kind.ndim)]
-            strides = [cgutils.intp_t(size)]
-            for length in shape[:0:-1]:
-                strides.insert(0, builder.mul(strides[0], length))
-            nothing = context.get_constant_null(types.voidptr)
-            data = builder.inttoptr(word(0), made.data.type)
-            populate_array(made, data, shape, strides, cgutils.intp_t(size), nothing)
-            return made._getvalue()
-
-        return kind(words, types.intp), generate
+    @overload(lend)
+    def _lend(words, number):
+        if kind.ndim == 1:
+            return lambda words, number: carray(at(words[size * number]), (words[size * number + 1],))
+        if kind.ndim == 2:
+            return lambda words, number: carray(
+                at(words[size * number]), (words[size * number + 1], words[size * number + 2])
+            )
+        return lambda words, number: carray(
+            at(words[size * number]), (words[size * number + 1], words[size * number + 2], words[size * number + 3])
+        )
 
     return lend

@@ -12,8 +12,9 @@ from typing import Any
 import numpy as np
 from numba import from_dtype, types
 
+from granular_contact.kernels.calls import address_of, caller
 from granular_contact.kernels.compiled import part
-from granular_contact.kernels.law import LAW, LINE, address_of, caller
+from granular_contact.kernels.law import LAW, LINE
 from granular_contact.kernels.modal import MODAL_STATION
 from granular_contact.kernels.modal_load import PendulumArrays
 from granular_contact.kernels.pendulum import PENDULUM
@@ -42,7 +43,7 @@ def provide(pendulum: np.ndarray, functions: dict[str, Any]) -> None:
 
 @cache
 def _address(function: Any, name: str) -> int:
-    return address_of(function, _ARGUMENTS[name])
+    return address_of(function, _ARGUMENTS[name], types.none)
 
 
 @part

@@ -10,6 +10,7 @@ import numpy as np
 from numba import from_dtype, types
 
 from granular_contact.kernels import law, space_law
+from granular_contact.kernels.calls import OWN
 from granular_contact.kernels.compiled import part
 from granular_contact.kernels.signatures import IN_PLANE, IN_SPACE, arguments, wanted
 
@@ -37,7 +38,7 @@ def _reasons(owner: Any, record: Any) -> Iterator[str]:
         except Exception as error:
             yield f"{name}{_place(error)}: {_of_constant(owner, error) or _first_line(error)}"
             continue
-        given = compiled.overloads[kinds].signature.return_type
+        given = compiled.nopython_signatures[0].return_type
         if count and getattr(given, "count", None) != count:
             yield f"{name} gives {given}, wanted is {wanted(name)}"
 
@@ -50,7 +51,7 @@ def _kinds(name: str, record: Any) -> tuple[Any, ...]:
         found = law.SIGNATURES[name][0]
     else:
         return (*[types.float64] * (len(arguments(name)) - 1), record)
-    return tuple(record if kind is law.OWN else kind for kind in found)
+    return tuple(record if kind is OWN else kind for kind in found)
 
 
 def _of_constant(owner: Any, error: Exception) -> str | None:

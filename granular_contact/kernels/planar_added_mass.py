@@ -14,7 +14,7 @@ import numpy as np
 
 from granular_contact.kernels import lines as one
 from granular_contact.kernels.added_mass import BEGINS, PASSED, STEP, advance
-from granular_contact.kernels.compiled import part
+from granular_contact.kernels.compiled import kernel, part
 from granular_contact.kernels.friction import SMOOTH
 from granular_contact.kernels.friction import drive as drive_along
 from granular_contact.kernels.kinematics import stations
@@ -44,7 +44,7 @@ def longest(ends):
     return n
 
 
-@part
+@kernel(nogil=True)
 def act(
     ends, of_bed, reaches, facings, geometry, lines, profile, medium, anchors, active, bristle, clock, poses, then,
     seen, turn, arms, wrench, added,

@@ -11,7 +11,7 @@ import math
 
 from granular_contact.kernels import space_law as law
 from granular_contact.kernels.added_mass import BEGINS, PASSED, STEP, add_inertia, add_point, advance
-from granular_contact.kernels.compiled import part
+from granular_contact.kernels.compiled import kernel, part
 from granular_contact.kernels.facets import COLUMNS
 from granular_contact.kernels.facets_added_mass import add_turned, held_facets
 from granular_contact.kernels.friction import SMOOTH
@@ -24,7 +24,7 @@ from granular_contact.kernels.space_bodies import DEEPEST, below, bound, may_tou
 from granular_contact.kernels.space_friction import drive
 
 
-@part
+@kernel(nogil=True)
 def act(
     bodies, of_bed, clusters, inner, elements, anchors, active, ground, medium, bristle, rows, clock, poses, then, seen,
     turn, arms, wrench, added,

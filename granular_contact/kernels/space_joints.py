@@ -22,11 +22,11 @@ from functools import cache
 import numpy as np
 from numba import from_dtype, types
 
+from granular_contact.kernels.calls import address_of, caller
 from granular_contact.kernels.compiled import kernel, part
 from granular_contact.kernels.joint_coordinates import HINGE, SLIDER
 from granular_contact.kernels.joint_laws import follow, total
 from granular_contact.kernels.joint_loads import ANCHOR, DRIVE, LAW, RATE, TURNS, VALUE, gather
-from granular_contact.kernels.law import address_of, caller
 from granular_contact.kernels.lines import difference
 from granular_contact.kernels.memory import clear, room1, room2, room3, rows
 from granular_contact.kernels.space_bodies import by_parameters
@@ -52,7 +52,8 @@ JOINT = np.dtype(
 )
 _ROW, _ROWS, _ROOM = (types.Array(types.float64, n, "C") for n in (1, 2, 3))
 _FIND = (from_dtype(JOINT), *[_ROW] * 4, _ROOM, _ROWS, _ROOM)  # arguments of `_hinge` and its like
-_find = caller("find", _FIND, types.UniTuple(types.float64, 2), JOINT)
+_FOUND = types.UniTuple(types.float64, 2)
+_find = caller("find", _FIND, _FOUND, JOINT)
 
 
 @part
@@ -282,4 +283,4 @@ def single(joint, last, q, v, slope):
 @cache
 def found_by(kind: int) -> int:
     """Address of what finds the coordinate of joints of a kind, which is compiled where it is not yet."""
-    return address_of({HINGE: _hinge, SLIDER: _slider, BALL: _ball}[kind], _FIND)
+    return address_of({HINGE: _hinge, SLIDER: _slider, BALL: _ball}[kind], _FIND, _FOUND)

@@ -17,7 +17,8 @@ from typing import Any
 import numpy as np
 from numba import from_dtype, types
 
-from granular_contact.kernels.law import FRICTION, OWN, SIZE, caller, filled
+from granular_contact.kernels.calls import OWN, caller
+from granular_contact.kernels.law import FRICTION, SIZE, filled
 from granular_contact.kernels.records import fields
 
 # A cluster: sphere around it in the frame of its body (m), its first element and the one after its last, its body;

@@ -4,24 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 from numba import carray, types
-from numba.core import cgutils
-from numba.extending import intrinsic
 
 from granular_contact.kernels.compiled import part
+from granular_contact.kernels.memory import pointer_to
 
-
-@intrinsic
-def _pointer(typing_context, address):
-    def generate(context, builder, signature, values):
-        return builder.inttoptr(values[0], cgutils.voidptr_t)
-
-    return types.voidptr(types.int64), generate
+_numbers = pointer_to(types.float64)
 
 
 @part
 def numbers_at(address, count):
     """Array (count,) of what lies at an address, a whole number that a record has as a float."""
-    return carray(_pointer(np.int64(address)), (count,), np.float64)
+    return carray(_numbers(np.int64(address)), (count,))
 
 
 @part

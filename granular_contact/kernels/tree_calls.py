@@ -14,8 +14,8 @@ from numba import types
 from numpy.typing import NDArray
 
 from granular_contact.kernels import anderson, planar_sand
+from granular_contact.kernels.calls import address_of, caller
 from granular_contact.kernels.compiled import part
-from granular_contact.kernels.law import address_of, caller
 from granular_contact.kernels.memory import flat
 from granular_contact.kernels.tree_arrays import (
     CALL,
@@ -64,7 +64,7 @@ def record(look: Any, attempt: Any) -> NDArray[np.void]:
     functions |= {"begin": anderson.begin, "go_on": anderson.go_on, "look": look, "attempt": attempt}
     found = np.zeros(1, CALL)
     for name, function in functions.items():
-        found[name] = address_of(function, _SIGNATURES[name][0])
+        found[name] = address_of(function, *_SIGNATURES[name])
     return found
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dis
 import inspect
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
@@ -64,5 +65,7 @@ def _fault(name: str, found: Any) -> str | None:
     shown = inspect.Signature([one.replace(annotation=inspect.Parameter.empty) for one in given.values()])
     if any(one.kind not in _POSITIONAL for one in given.values()) or len(given) != len(right):
         return f"got the arguments {shown}"
+    if any(instruction.opname == "RAISE_VARARGS" for instruction in dis.get_instructions(function)):
+        return "it raises or asserts, of which nobody would hear, as it is compiled to be called by its address"
     moved = [one for i, one in enumerate(given) if one in right and right.index(one) != i]
     return f"got the arguments {shown}, with {listed(moved)} at another place" if moved else None

@@ -14,7 +14,7 @@ from granular_contact.bed.rolling import roll_in
 from granular_contact.kernels import iterations as of
 from granular_contact.kernels import step_error
 from granular_contact.kernels import tree_march as kernels
-from granular_contact.kernels.entry import entry
+from granular_contact.kernels.compiled import ready
 from granular_contact.kernels.lending import places
 from granular_contact.kernels.lines import DEPTH
 from granular_contact.kernels.tree import SLIDER
@@ -70,7 +70,7 @@ class March:
         self._newton, self._changes = _iterations(arrays), _changes(arrays)
         arrays["iterations"], arrays["changes"] = places(*self._newton), places(*self._changes)
         self._words = words(arrays)
-        self._start, self._march = entry(kernels.start, True, self._words), entry(kernels.march, 0, self._words)
+        self._start, self._march = ready(kernels.start, True, self._words), ready(kernels.march, 0, self._words)
         self.begin()
 
     def begin(self) -> None:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from granular_contact.bed.load import GranularLoad
 from granular_contact.kernels import added_mass as kernels
 from granular_contact.kernels import planar_added_mass, space_added_mass
-from granular_contact.kernels.entry import bound
+from granular_contact.kernels.compiled import bound
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
 
 Vector = NDArray[np.float64]

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from granular_contact.kernels import held_step
 from granular_contact.kernels.added_mass import BEGINS, PASSED, STEP, write_loads
-from granular_contact.kernels.entry import bound
+from granular_contact.kernels.compiled import bound
 from granular_contact.mujoco.sand import State
 from granular_contact.mujoco.trial import Trial
 

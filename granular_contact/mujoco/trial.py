@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.kernels.added_mass import add_damping
-from granular_contact.kernels.entry import bound
+from granular_contact.kernels.compiled import bound
 from granular_contact.mujoco.engine import mujoco
 
 Vector = NDArray[np.float64]

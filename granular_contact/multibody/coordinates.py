@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from granular_contact.kernels import joint_loads
-from granular_contact.kernels.entry import entry
+from granular_contact.kernels.compiled import ready
 from granular_contact.kernels.joint_coordinates import SLIDER
 from granular_contact.kernels.joint_loads import JOINT, MOST
 from granular_contact.scene.types import Joint, Vector
@@ -90,5 +90,5 @@ class Coordinate:
         """Coordinate and its rate, as `at`; slope, of at least as many numbers as kernels fill, gets the gradient."""
         arguments = self.record, self.last_angles, np.array(q), np.array(v), self._slope if slope is None else slope
         if self._at is None:
-            self._at = entry(self.kernels.single, *arguments)
+            self._at = ready(self.kernels.single, *arguments)
         return self._at(*arguments)

@@ -63,7 +63,7 @@ class JointActions:
         """In the assembled system, before anything is asked for; kernels are compiled here, the first time."""
         if not self.loads:
             return
-        from granular_contact.kernels.entry import entry
+        from granular_contact.kernels.compiled import ready
 
         data, kernels = self.mbs.systemData, self.loads[0].kernels
         for load, places in zip(self.loads, self.places, strict=True):
@@ -73,10 +73,10 @@ class JointActions:
         self._arguments = records, self.state, self.places
         self._triplets = np.zeros((sum(sum(load.sizes) ** 2 for load in self.loads), 3))
         q = np.zeros(data.ODE2Size())
-        self.add_forces = partial(entry(kernels.force, *self._arguments, q, q, q), *self._arguments)
-        self._tangent = entry(kernels.tangent, q, q, *self._arguments, 1.0, 1.0, self._triplets)
+        self.add_forces = partial(ready(kernels.force, *self._arguments, q, q, q), *self._arguments)
+        self._tangent = ready(kernels.tangent, q, q, *self._arguments, 1.0, 1.0, self._triplets)
         if self._rubs:
-            self._accept = entry(kernels.accept, q, q, *self._arguments)
+            self._accept = ready(kernels.accept, q, q, *self._arguments)
 
     def begin(self, t: float) -> None:
         """Look at another instant (s): learn what drives want then; before t = 0 clocks stand."""

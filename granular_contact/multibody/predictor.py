@@ -191,10 +191,10 @@ class Predictor:
 def _compiled() -> tuple[Callable[..., Any], Callable[..., Any]]:
     """`begin` and `go_on` of `kernels.anderson`: finding them takes as long as some steps."""
     from granular_contact.kernels import anderson
-    from granular_contact.kernels.entry import entry
+    from granular_contact.kernels.compiled import ready
 
     words = np.zeros(1, np.int64)
     return (
-        entry(anderson.begin, words, 0.0, 0.0, False, 0, False, 0.0),
-        entry(anderson.go_on, words, 0, 0.5, True),
+        ready(anderson.begin, words, 0.0, 0.0, False, 0, False, 0.0),
+        ready(anderson.go_on, words, 0, 0.5, True),
     )

@@ -6,7 +6,6 @@ import math
 import signal
 import threading
 import time
-from _signal import signal as set_handler  # type: ignore[import-not-found]
 from collections.abc import Callable
 from contextlib import nullcontext
 from types import FrameType
@@ -60,11 +59,11 @@ class _Guarded:
         if self._prints:  # how a run ended is reported by its status
             exu.config.printToConsole = False
         if self._takes:
-            self._before = set_handler(signal.SIGINT, self._handler)
+            self._before = signal.signal(signal.SIGINT, self._handler)
 
     def __exit__(self, *_: object) -> None:
         if self._takes:
-            set_handler(signal.SIGINT, self._before)
+            signal.signal(signal.SIGINT, self._before)
         if self._prints:
             exu.config.printToConsole = True
 

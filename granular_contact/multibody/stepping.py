@@ -140,7 +140,7 @@ class StepControl:
 
     def __init__(self, system: System, solver: Any, lever: Vector, accuracy: float, *, sets: bool = True) -> None:
         from granular_contact.kernels import step_choice, step_error  # here, see `choice`
-        from granular_contact.kernels.entry import entry
+        from granular_contact.kernels.compiled import ready
         from granular_contact.kernels.lending import places
 
         scene = system.scene
@@ -156,9 +156,9 @@ class StepControl:
         signals = signals_of(scene) if len(follows[1]) else []
         tables = tabulate(signals, scene.solver.end_time_s) if signals else NO_TABLE
         self._follows = *follows, *tables, np.zeros((len(signals), 3))
-        self._judge = entry(step_choice.judge, self._words, 1.0, self._record, 1.0, 1.0)
-        self._choose = entry(step_choice.choose, 1.0, 1.0, 1.0, self._record, 1.0, 1.0, *self._follows)
-        self._start = entry(step_error.begin, self._words, 1.0)
+        self._judge = ready(step_choice.judge, self._words, 1.0, self._record, 1.0, 1.0)
+        self._choose = ready(step_choice.choose, 1.0, 1.0, 1.0, self._record, 1.0, 1.0, *self._follows)
+        self._start = ready(step_error.begin, self._words, 1.0)
         self._kept = step_choice.SHORTER, step_choice.LONGER
         self.until = math.inf  # time (s) that a step has to end at
         self.last = self.next  # step taken last

@@ -93,6 +93,18 @@ def _with(name: str, function: Any) -> type[Law]:
     return own(**{name: staticmethod(function)})
 
 
+def test_what_raises_is_refused() -> None:
+    """It is called by its address, and what it raised would be printed and passed over."""
+
+    def stress(tx, ty, ux, uy, m):  # type: ignore[no-untyped-def]  # noqa: ARG001
+        if uy > 0.0:
+            raise ValueError("upward")
+        return 0.0, -m.k
+
+    with pytest.raises(TypeError, match=r"Own.stress: it raises or asserts.*wanted is a static method stress\("):
+        refuse_faulty(own(stress=staticmethod(stress)))
+
+
 def test_names_of_arguments_are_free() -> None:
     refuse_faulty(own(stress=staticmethod(lambda a, b, c, d, numbers: (0.0, 0.0))))  # noqa: ARG005
 

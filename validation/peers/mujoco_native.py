@@ -1,7 +1,7 @@
 """Steps of `mujoco_scene` without Python: the sand and all of MuJoCo are called by one compiled loop.
 
-What `MujocoBed.apply` does in a step, with the same kernels in the same order, is done by their addresses, and MuJoCo's
-functions by those of its library. So this is what whoever writes the callback in C gets. One medium, fixed steps,
+What `MujocoBed.apply` does in a step, with the same kernels in the same order, is compiled into one function, which
+calls MuJoCo's functions in its library. So this is what whoever writes the callback in C gets. One medium, fixed steps,
 implicit integrators.
 """
 
@@ -34,24 +34,26 @@ def _engine(name: str, *more: Any) -> Any:
     return ctypes.CFUNCTYPE(_VOID, _PLACE, _PLACE, *more)(ctypes.cast(function, _PLACE).value)
 
 
-def _kernel(bound: Any) -> tuple[int, int]:
-    """Address of a function of `kernels.entry.bound`, and the place of its arguments."""
-    return int(ctypes.cast(bound.func, _PLACE).value or 0), int(bound.args[0])
-
-
 def run(bed: MujocoBed, model: Any, data: Any, controls: Array, states: Array, laws: Laws) -> float:
     """Make a step for each row of controls (n, drives), fill states (n + 1, nq); processor time of the steps (s)."""
     assert not len(laws.places)
     step = bed.of(data)._step
     (act,), trial = step._acts, step._trial
     called = step._begin, act, step._guess, trial.damp, step._correct
-    addresses, places = zip(*map(_kernel, called), strict=True)
-    march = _march(addresses)
+    march = _march(tuple(one.func for one in called))
     trial.shares[:] = -model.opt.timestep, 0.0
     mass = (
         data.qM if not MASS_OF_DATA else trial.matrix
     )  # as the last argument of `mj_fullM`, but for the matrix in between
-    given = (model._address, data._address, np.array(places), step._clock, data.ctrl, data.qpos, trial.state)
+    given = (
+        model._address,
+        data._address,
+        tuple(one.args for one in called),
+        step._clock,
+        data.ctrl,
+        data.qpos,
+        trial.state,
+    )
     given += (trial.matrix, mass)
     march(*given, model.opt.timestep, controls[:0], states)  # compiles
     began = time.process_time()
@@ -60,9 +62,9 @@ def run(bed: MujocoBed, model: Any, data: Any, controls: Array, states: Array, l
 
 
 @lru_cache
-def _march(addresses: tuple[int, ...]) -> Any:
-    """The loop, with the functions at these addresses: begin, forces, guess, damping and correct."""
-    begins, acts, guesses, damps, corrects = (ctypes.CFUNCTYPE(ctypes.c_bool, _PLACE)(one) for one in addresses)
+def _march(kernels: tuple[Any, ...]) -> Any:
+    """The loop, with these kernels: begin, forces, guess, damping and correct."""
+    begins, acts, guesses, damps, corrects = kernels
     position, velocity, second = _engine("mj_fwdPosition"), _engine("mj_fwdVelocity"), _engine("mj_step2")
     get, put = (_engine(name, _PLACE, ctypes.c_uint) for name in ("mj_getState", "mj_setState"))
     whole = _engine("mj_step")
@@ -70,16 +72,16 @@ def _march(addresses: tuple[int, ...]) -> Any:
     kept, old = STATE, not MASS_OF_DATA
 
     @njit
-    def march(model, data, places, clock, controls_now, place, state, matrix, mass, step, controls, states):
+    def march(model, data, arguments, clock, controls_now, place, state, matrix, mass, step, controls, states):
         clock[STEP] = step
         for i in range(controls.shape[0]):
             states[i] = place
             controls_now[:] = controls[i]
             position(model, data)
             clock[PASSED], clock[BEGINS] = step if i else 0.0, i == 0
-            begins(places[0])
-            acts(places[1])
-            if guesses(places[2]):
+            begins(*arguments[0])
+            acts(*arguments[1])
+            if guesses(*arguments[2]):
                 get(model, data, state.ctypes, kept)
                 velocity(model, data)
                 second(model, data)
@@ -87,8 +89,8 @@ def _march(addresses: tuple[int, ...]) -> Any:
                     full(model, matrix.ctypes, mass.ctypes)
                 else:
                     full(model, data, matrix.ctypes)
-                damps(places[3])
-                corrects(places[4])
+                damps(*arguments[3])
+                corrects(*arguments[4])
                 put(model, data, state.ctypes, kept)
             whole(model, data)
         states[controls.shape[0]] = place

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from granular_contact.bed.space.elements import Elements
 from granular_contact.bed.space.triangles import around
 from granular_contact.kernels import space_bodies as kernels
-from granular_contact.kernels.entry import entry
+from granular_contact.kernels.compiled import ready
 from granular_contact.kernels.ground import PLANE
 from granular_contact.kernels.lending import places
 from granular_contact.kernels.space_joining import space_record
@@ -90,10 +90,10 @@ class SpatialBatch:
         on = (self.places, self.bodies, self.turn, self.clusters, self.elements, self.anchors, self.active, self.ground)
         sand = self._sand = places(reference, *on, self._for_bodies, self.poses, self.proximity, self.columns)
         if not self._compiled:  # the first time on a machine, which belongs to the start and not to the first step
-            self._force = entry(kernels.force, sand, q, q, q)
-            self._tangent = entry(kernels.tangent, sand, q, q, 1.0, 1.0, np.zeros((0, 3)), 0)
-            self._accept = entry(kernels.accept, sand, q, q, q, True)
-            self._update = entry(kernels.update_active, sand, 0.0)
+            self._force = ready(kernels.force, sand, q, q, q)
+            self._tangent = ready(kernels.tangent, sand, q, q, 1.0, 1.0, np.zeros((0, 3)), 0)
+            self._accept = ready(kernels.accept, sand, q, q, q, True)
+            self._update = ready(kernels.update_active, sand, 0.0)
             self._compiled = True
         still = np.zeros_like(q)
         self._accept(sand, q, still, still, True)

@@ -1,0 +1,66 @@
+"""Views and small arrays in compiled code: each is what its body in Python says."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from numba import njit
+
+from granular_contact.kernels import memory
+
+A = np.arange(60.0).reshape(5, 4, 3)
+STATIONS = np.array([(1.0, 2), (3.0, 4), (5.0, 6)], [("x", "f8"), ("k", "i8")])
+VIEWS: dict[str, tuple[Callable[..., Any], tuple[Any, ...]]] = {
+    "rows of one axis": (lambda a: memory.rows(a, 1, 2), (A[0, 0].copy(),)),
+    "rows of two": (lambda a: memory.rows(a, 1, 3), (A[1].copy(),)),
+    "rows of three": (lambda a: memory.rows(a, 2, 2), (A,)),
+    "rows of records": (lambda a: memory.rows(a, 1, 2), (STATIONS,)),
+    "none": (lambda a: memory.rows(a, 5, 0), (A,)),
+    "piece of two": (lambda a: memory.piece(a, 2, 2), (A[3].copy(),)),
+    "piece of three": (lambda a: memory.piece(a, 4, 3), (A,)),
+    "flat": (lambda a: memory.flat(a), (A,)),
+    "borrowed": (lambda a: memory.borrowed(a), (A,)),
+}
+
+
+@pytest.mark.parametrize("name", VIEWS)
+def test_a_view_is_the_slice(name: str) -> None:
+    """Its entries, and that what is written to it is written to the array."""
+    function, given = VIEWS[name]
+    compiled = njit(function)(*given)
+    np.testing.assert_array_equal(compiled, function(*given))
+
+    other = njit(lambda a: memory.clear(function_of(a)))
+    function_of = njit(function)
+    left, right = given[0].copy(), given[0].copy()
+    if left.dtype.names is None:
+        other(left)
+        memory.clear(function(right))
+        np.testing.assert_array_equal(left, right)
+
+
+def test_rooms_are_apart_and_live_as_long_as_the_call() -> None:
+    @njit
+    def sums(n):  # type: ignore[no-untyped-def]
+        total = 0.0
+        for i in range(n):  # one room for all turns, or the stack would grow with n
+            a, b, c = memory.room1(4), memory.room2(3, 2), memory.room3(2, 2, 2)
+            memory.clear(b)
+            memory.clear(c)
+            for k in range(4):
+                a[k] = i
+            b[2, 1], c[1, 1, 1] = 1.0, 2.0
+            total += a.sum() + b.sum() + c.sum()
+        return total
+
+    n = 1_000_000
+    assert sums(n) == 4.0 * n * (n - 1) / 2.0 + 3.0 * n
+
+
+def test_copies_are_of_all_entries() -> None:
+    to = np.zeros_like(A)
+    njit(lambda to, given: memory.copy(to, given))(to, A)
+    np.testing.assert_array_equal(to, A)

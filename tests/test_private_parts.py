@@ -1,0 +1,34 @@
+"""Public parts of numba and LLVM alone, but for those that docs/architecture.md lists, with what happens then."""
+
+from __future__ import annotations
+
+from test_imports import MODULES, ROOT, ids, imports, wrong
+
+PRIVATE = ("numba.core", "numba.np", "numba.cpython", "numba.typed", "numba.experimental", "llvmlite", "_")
+ALLOWED = {
+    "kernels/compiling.py": {"numba.core", "numba.core.event"},
+    "kernels/calls.py": {"llvmlite", "llvmlite.ir"},
+    "kernels/memory.py": {"llvmlite", "llvmlite.ir"},
+}
+
+
+def private(path):  # type: ignore[no-untyped-def]
+    """What a module imports of others that begins with a name from above."""
+    found = {name for name in imports(path) if name.startswith(PRIVATE) and not name.startswith("__future__")}
+    return found - ALLOWED.get(ids(path), set())
+
+
+def test_no_private_part_of_numba_or_python_is_imported() -> None:
+    assert wrong(private) == {}
+
+
+def test_what_is_used_of_them_is_listed() -> None:
+    page = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    table = page.split("## Parts of other libraries that are not public")[1].split("\n## ")[0]
+    for module in ALLOWED:
+        assert module in table
+
+
+def test_every_exception_is_used() -> None:
+    used = {ids(path): imports(path) & ALLOWED[ids(path)] for path in MODULES if ids(path) in ALLOWED}
+    assert used == ALLOWED
