@@ -19,6 +19,7 @@ ERROR = 5e-3  # of the distance, that is reported
 DOUBTFUL = 0.1  # of what is allowed: where a first estimate is above it, it is made more exact
 SAFE = 3.0  # errors near what is asked for are up to four times the estimate
 MOST = 128, 32  # strips of a rigid part and of an element, to which they are chosen
+STALLED = 0.8  # part of the error before that is left where it is not of the strips; by theirs of first order 2/3 is
 
 
 def strip_error(observer: Kinematics, allowed: float | None = None) -> float:
@@ -39,8 +40,7 @@ def strip_error(observer: Kinematics, allowed: float | None = None) -> float:
 def finer(observer: Kinematics, before: float = math.inf) -> Scene | None:
     """The scene with shorter strips, where its steps are chosen by their error and its strips are off by more.
 
-    before: the error with the strips before, of which these were to leave half at most; where they do not, what is left
-    is not of the strips.
+    before: the error with the strips before; where nearly as much is left, it is not of the strips.
     """
     scene = observer.scene
     accuracy, t = scene.solver.accuracy, observer.trajectory
@@ -52,7 +52,7 @@ def finer(observer: Kinematics, before: float = math.inf) -> Scene | None:
         return None
     error = SAFE * strip_error(observer)
     load = shorter(scene.load, error / accuracy)
-    if not error > accuracy or load == scene.load or error > 0.5 * SAFE * before:
+    if not error > accuracy or load == scene.load or error > STALLED * SAFE * before:
         return None
     left = None if scene.solver.max_wall_s is None else max(1e-3, scene.solver.max_wall_s - t.cost.solve_s)
     return replace(scene, load=load, solver=scene.solver.model_copy(update={"max_wall_s": left}))
