@@ -95,13 +95,13 @@ class Coupling:
         joints: on the overlay of this coupling. warns: whether to warn the caller's caller of what is slower with this
         Exudyn, which results of a run tell.
         """
-        for words in of_vectors(abilities()) if warns else ():
+        for words in of_vectors(abilities(self.overlay.mbs)) if warns else ():
             warnings.warn(words, stacklevel=3)
         self.load.close()
         self._joints = joints
         self.overlay.attach(constant, self._force, self._jacobian)
         self._set, self._sink = self.overlay.set_forces, self.overlay.sink
-        self._stay = abilities().views  # whether `_q` and `_v` follow the engine
+        self._stay = abilities(self.overlay.mbs).views  # whether `_q` and `_v` follow the engine
 
     # ---- what the engine calls ----
 

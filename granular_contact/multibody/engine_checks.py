@@ -45,9 +45,21 @@ class Abilities:
     constraints_last: bool = True
 
 
+def abilities(mbs: Any = None) -> Abilities:
+    """What works with the Exudyn of this process; mbs: the system for which it is asked.
+
+    The engine's window shows the container that was made last: after the trial it is given back that of the system.
+    """
+    is_first = not tried.cache_info().currsize
+    found = tried()
+    if is_first and mbs is not None:
+        mbs.GetSystemContainer().renderer.Attach()
+    return found
+
+
 @cache
-def abilities() -> Abilities:
-    """What works with the Exudyn of this process."""
+def tried() -> Abilities:
+    """What the trial shows."""
     trial = _Trial()
     views = trial.views()
     trial.run()

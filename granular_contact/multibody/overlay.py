@@ -60,7 +60,7 @@ class Overlay:
         self.forces = self.constant.copy()
         self.empty = self.matrix(np.zeros((0, 3)))
         self.set_forces = self.mbs.SetObjectParameter
-        if due is not None and not abilities().order:
+        if due is not None and not abilities(self.mbs).order:
             self._attach_whole(due, jacobian)
             return
         if due is not None:

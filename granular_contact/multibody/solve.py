@@ -85,7 +85,7 @@ class Solve:
         self.system, mbs, scene = system, system.mbs, system.scene
         self.simulation = settings(scene) if simulation is None else simulation
         self.recorder = Recorder(system, progress)
-        self._able = abilities()
+        self._able = abilities(mbs)
         if (why := refusal(self._able, pauses=pauses, turns=bool(system.turning))) is not None:
             raise SolveError(why)
         self.solver = exu.MainSolverImplicitSecondOrder()

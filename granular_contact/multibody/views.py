@@ -59,7 +59,7 @@ class Views:
     multipliers, multipliers_before = _View("GetAECoordinates"), _View("GetAECoordinates", START)
 
     def __init__(self, mbs: Any) -> None:
-        self.data, self.stay = mbs.systemData, abilities().views
+        self.data, self.stay = mbs.systemData, abilities(mbs).views
 
     @cached_property
     def where(self) -> tuple[int, int, int]:

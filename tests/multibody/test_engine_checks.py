@@ -16,7 +16,16 @@ from granular_contact import GranularBed, Simulation, preset
 from granular_contact.errors import SolveError
 from granular_contact.multibody import engine_checks
 from granular_contact.multibody.build import build
-from granular_contact.multibody.engine_checks import CONSTRAINT, RESIDUAL, SINK, TRIGGER, Abilities, abilities, in_order
+from granular_contact.multibody.engine_checks import (
+    CONSTRAINT,
+    RESIDUAL,
+    SINK,
+    TRIGGER,
+    Abilities,
+    abilities,
+    in_order,
+    tried,
+)
 from granular_contact.multibody.solve import solve
 from granular_contact.multibody.system import Trajectory
 from granular_contact.multibody.tangent import Tangent
@@ -37,10 +46,10 @@ PATCH = pytest.MonkeyPatch
 @pytest.fixture(autouse=True)
 def _tried_anew(monkeypatch: PATCH) -> Iterator[None]:
     """Each test tries the engine for itself, and leaves nothing of that behind."""
-    abilities.cache_clear()
+    tried.cache_clear()
     yield
     monkeypatch.undo()
-    abilities.cache_clear()
+    tried.cache_clear()
 
 
 def copies_of_controls(monkeypatch: PATCH) -> None:
@@ -99,7 +108,7 @@ CASES = {
 
 def spoil(case: str, monkeypatch: PATCH) -> None:
     """From now on the engine is one that does not do this."""
-    abilities.cache_clear()
+    tried.cache_clear()
     CASES[case][0](monkeypatch)
 
 
