@@ -120,10 +120,10 @@ def check(job: bytes, cases: Sequence[Case], probe: Probe | None) -> list[Fault]
 def _line(task: Task, job: Job) -> bytes:
     try:
         scenario = _scenario(task, job)
-        if job.folder is None or job.function is not simulate:
-            made = job.function(scenario)
-            return _row(task, job, scenario, made.summary if isinstance(made, Results) else made)
-        found = simulate_with_pictures(scenario)
+        kept = job.folder is not None and job.function is simulate
+        found = (simulate_with_pictures if kept else job.function)(scenario)
+        if job.folder is None or not isinstance(found, Results):
+            return _row(task, job, scenario, found.summary if isinstance(found, Results) else found)
     except Exception as error:
         return error_row(task, job.sweep, error).line()
     try:
