@@ -154,7 +154,7 @@ def test_there_is_room_for_what_is_kept_of_each_line() -> None:
     """Compiled code looks at no bounds: what lay beyond would be other memory."""
     ends, anchors = np.array([[0, 0], [4, 3], [9, 9]]), np.zeros((9, 2))  # lines of 3 and 6 coordinates
     stations, body = batches.work(ends, anchors)
-    assert stations.shape == (7, 9, 2)
+    assert stations.shape == (6, 9, 2)
     assert body.shape == (batches.BLOCK + 6 + 2 * batches.KEPT, 3 * TERMS)
 
 
