@@ -32,8 +32,9 @@ def status(recorder: Recorder, success: bool, problem: str, step: float) -> Stat
 def steep(scene: Scene) -> float | None:
     """Reference speed (m/s) of a smooth sign that is so steep that steps get very short; None of any other."""
     static = scene.static
-    is_steep = bool(scene.media) and isinstance(static, Smooth) and static.reference_speed <= STEEP
-    return static.reference_speed if is_steep and isinstance(static, Smooth) else None
+    if scene.media and isinstance(static, Smooth) and static.reference_speed <= STEEP:
+        return static.reference_speed
+    return None
 
 
 def late(scene: Scene, t: float) -> Status:
