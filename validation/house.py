@@ -1,0 +1,174 @@
+"""How large the package is, and how much of it a run needs.
+
+    python validation/house.py [--files 15] [--small] [--run configs/pendulum.yaml]
+
+A line of code is one that is neither blank nor part of a comment or a docstring. Printed are the rooms (folders) with
+their files and lines, the longest files, functions of more than ten arguments, and the lines of the functions that a run
+enters. Compiled functions are entered as Python's only where `NUMBA_DISABLE_JIT=1`; by default those are not counted.
+`--small` lists files below 75 lines that one other module imports.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import contextlib
+import io
+import os
+import sys
+import tempfile
+import tokenize
+from collections import Counter
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from types import CodeType, FrameType
+
+ROOT = Path(__file__).parents[1]
+sys.path.insert(0, str(ROOT))
+
+from validation.tables import markdown
+
+PACKAGE = ROOT / "granular_contact"
+LONGEST, MOST_ARGUMENTS, SMALL = 340, 10, 75
+_NO_CODE = {tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT, tokenize.ENDMARKER}
+_WITH_DOCSTRING = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
+
+
+@dataclass(frozen=True)
+class File:
+    """A file of the package: its numbers of lines that hold code, and its functions of too many arguments."""
+
+    path: Path
+    code: frozenset[int]
+    many_arguments: tuple[tuple[str, int], ...]
+
+    @property
+    def room(self) -> str:
+        """Its folder, two levels below the package at the most."""
+        return "/".join(self.path.relative_to(PACKAGE).parts[:-1][:2]) or "."
+
+
+def code_lines(source: str) -> frozenset[int]:
+    """Numbers of the lines that are neither blank nor part of a comment or a docstring."""
+    docstrings: set[int] = set()
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, _WITH_DOCSTRING) and ast.get_docstring(node, clean=False) is not None:
+            docstrings.update(range(node.body[0].lineno, (node.body[0].end_lineno or 0) + 1))
+    lines: set[int] = set()
+    for token in tokenize.generate_tokens(io.StringIO(source).readline):
+        if token.type not in _NO_CODE:
+            lines.update(range(token.start[0], token.end[0] + 1))
+    return frozenset(lines - docstrings)
+
+
+def many_arguments(source: str) -> Iterator[tuple[str, int]]:
+    """Functions with more arguments than `MOST_ARGUMENTS`, and how many."""
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
+            count = len(node.args.posonlyargs) + len(node.args.args) + len(node.args.kwonlyargs)
+            if count > MOST_ARGUMENTS:
+                yield node.name, count
+
+
+def files() -> list[File]:
+    """All Python files of the package."""
+    found = []
+    for path in sorted(PACKAGE.rglob("*.py")):
+        source = path.read_text(encoding="utf-8")
+        found.append(File(path, code_lines(source), tuple(many_arguments(source))))
+    return found
+
+
+def entered(action: Callable[[], object]) -> list[CodeType]:
+    """Functions of the package that are entered while an action runs, bodies of modules and classes left out."""
+    seen: set[CodeType] = set()
+    own = str(PACKAGE) + os.sep
+
+    def note(frame: FrameType, event: str, _: object) -> None:
+        if event == "call":
+            seen.add(frame.f_code)
+
+    sys.setprofile(note)
+    try:
+        action()
+    finally:
+        sys.setprofile(None)
+    return [code for code in seen if code.co_filename.startswith(own) and code.co_flags & 0x2]  # CO_NEWLOCALS
+
+
+def lines_of(codes: list[CodeType], code_of: dict[str, frozenset[int]]) -> int:
+    """Lines of code of functions, each line once."""
+    lines = set()
+    for code in codes:
+        numbers = [line for *_, line in code.co_lines() if line]
+        lines.update((code.co_filename, line) for line in range(code.co_firstlineno, max(numbers) + 1))
+    return sum(line in code_of.get(name, ()) for name, line in lines)
+
+
+def readers(house: list[File]) -> dict[Path, set[Path]]:
+    """Which modules of the package import each of its modules."""
+    names = {".".join(f.path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__"): f.path for f in house}
+    found: dict[Path, set[Path]] = {f.path: set() for f in house}
+    for file in house:
+        base = file.path.relative_to(ROOT).parts[:-1]
+        for node in ast.walk(ast.parse(file.path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ImportFrom):
+                stem = list(base[: len(base) - node.level + 1]) if node.level else []
+                module = ".".join([*stem, *([node.module] if node.module else [])])
+                for name in [module, *(f"{module}.{one.name}" for one in node.names)]:
+                    if name in names and names[name] != file.path:
+                        found[names[name]].add(file.path)
+    return found
+
+
+def small_with_one_reader(house: list[File]) -> list[tuple[File, Path]]:
+    """Files below `SMALL` lines that one other module imports, and that module."""
+    by_path = readers(house)
+    small = [f for f in house if len(f.path.read_text("utf-8").splitlines()) < SMALL and len(by_path[f.path]) == 1]
+    return [(f, next(iter(by_path[f.path]))) for f in small if f.path.name != "__init__.py"]
+
+
+def rooms(house: list[File]) -> str:
+    """Table of the rooms: files and lines of code."""
+    count, lines = Counter(f.room for f in house), Counter[str]()
+    for file in house:
+        lines[file.room] += len(file.code)
+    rows = [(room, count[room], lines[room]) for room in sorted(count)]
+    return markdown(("room", "files", "lines of code"), [*rows, ("all", len(house), sum(lines.values()))])
+
+
+def of_run(config: str, house: list[File]) -> str:
+    """What a run from the command line enters."""
+    from granular_contact.cli import main
+
+    with tempfile.TemporaryDirectory() as folder, contextlib.redirect_stdout(io.StringIO()):
+        codes = entered(lambda: main(["run", config, "--out", str(Path(folder) / "out")]))
+    lines = lines_of(codes, {str(f.path): f.code for f in house})
+    return f"`run {config}` enters {len(codes)} functions with {lines} lines of code."
+
+
+def main() -> None:
+    """Print it."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--files", type=int, default=15, help="how many of the longest files to print")
+    parser.add_argument("--small", action="store_true", help="list small files with one reader")
+    parser.add_argument("--run", metavar="CONFIG", help="count what a run of this config enters")
+    chosen = parser.parse_args()
+    house = files()
+    print(rooms(house))
+    lengths = sorted(((len(f.path.read_text("utf-8").splitlines()), f) for f in house), key=lambda p: -p[0])
+    print(f"\n{sum(n > LONGEST for n, _ in lengths)} files above {LONGEST} lines; the longest:\n")
+    print(markdown(("file", "lines"), [(f.path.relative_to(PACKAGE), n) for n, f in lengths[: chosen.files]]))
+    many = [(f.path.relative_to(PACKAGE), name, n) for f in house for name, n in f.many_arguments]
+    print(f"\n{len(many)} functions of more than {MOST_ARGUMENTS} arguments.")
+    small = small_with_one_reader(house)
+    print(f"{len(small)} files below {SMALL} lines with one reader.")
+    if chosen.small:
+        print(markdown(("file", "read by"), [(f.path.relative_to(PACKAGE), r.relative_to(PACKAGE)) for f, r in small]))
+    if chosen.run:
+        print(of_run(chosen.run, house))
+
+
+if __name__ == "__main__":
+    main()
