@@ -60,7 +60,6 @@ SOLVERS = {
     "minimal": ("double_pendulum", "method={minimal: {}}"),
     "reduced, bristles": ("pendulum", "method.reduced={modes: 1, static: elastoplastic}"),
     "reduced, true sign, modes": ("pendulum", "method.reduced={modes: 1, static: true_sign}"),
-    "reduced, by scipy": ("pendulum", "method.reduced={modes: 0, integrator: DOP853}"),
 }
 
 

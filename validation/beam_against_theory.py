@@ -136,9 +136,7 @@ def fe_frequencies(scene: Scene) -> Vector:
 
 def reduced_record(modes: int) -> np.void:
     """Inertia, couplings c, static moments p and stiffness k of the modal pendulum."""
-    return arrays_of(
-        model(pendulum(), Reduced(modes=modes, static="true_sign", rtol=1e-10, integrator="dormand_prince"))
-    ).pendulum[0]
+    return arrays_of(model(pendulum(), Reduced(modes=modes, static="true_sign", rtol=1e-10))).pendulum[0]
 
 
 def reduced_frequencies(modes: int) -> Vector:
@@ -281,9 +279,9 @@ def frequency_part(elements: Sequence[int], count: int = 5) -> Part:
     elements = [n for n in elements if n > 2]
     rows, data, fe_orders, modal_orders = [], {}, {}, []
     link = cantilever(1).links[0]
-    exact = model(
-        pendulum(), Reduced(modes=count, static="true_sign", rtol=1e-10, integrator="dormand_prince")
-    ).modes.frequencies(link.bending_stiffness, link.mass_per_length)
+    exact = model(pendulum(), Reduced(modes=count, static="true_sign", rtol=1e-10)).modes.frequencies(
+        link.bending_stiffness, link.mass_per_length
+    )
     modes = [n for n in MODES if n >= 5]
     for name, scene in scenes.items():
         fe = np.array([fe_frequencies(scene(n))[:count] for n in elements]) / theory[name] - 1

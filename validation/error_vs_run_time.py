@@ -227,18 +227,12 @@ def chosen(accuracy: float) -> Setting:
     )
 
 
-OWN_PAIR = "tsitouras"
-OTHERS = ("dormand_prince", "RK23", "RK45", "DOP853", "LSODA", "Radau", "BDF")  # the first is ours, too
-
-
-def modal(modes: int, static: str, rtol: float, integrator: str = OWN_PAIR) -> Setting:
+def modal(modes: int, static: str, rtol: float) -> Setting:
     """Reduced model."""
     model = "rigid" if modes == 0 else f"{modes} mode{'s' if modes > 1 else ''}"
     law = static.replace("_", " ")
-    chosen = f"method={{reduced: {{modes: {modes}, static: {static}, rtol: {rtol}, integrator: {integrator}}}}}"
-    own = integrator == OWN_PAIR
-    name = f"{model}, {law}, rtol {rtol:g}" + ("" if own else f", {integrator}")
-    return Setting(f"{model}, {law}" if own else f"{model}, {integrator}", name, (chosen,))
+    chosen = f"method={{reduced: {{modes: {modes}, static: {static}, rtol: {rtol}}}}}"
+    return Setting(f"{model}, {law}", f"{model}, {law}, rtol {rtol:g}", (chosen,))
 
 
 def default_reduced(modes: int) -> Setting:
@@ -273,15 +267,11 @@ def beams(quick: bool) -> list[Setting]:
 
 
 def reductions(quick: bool) -> list[Setting]:
-    """Reduced models with the project's stepper, and with scipy's."""
+    """Reduced models."""
     found = [default_reduced(0), default_reduced(1)]
     for modes in (0, 1, 2, 5):
         for static in ("true_sign", "elastoplastic"):
             found += [modal(modes, static, rtol) for rtol in ((1e-6,) if quick else (1e-4, 1e-6, 1e-8))]
-    for integrator in OTHERS:
-        for modes in (0, 1) if quick else (0, 1, 2):
-            rtols = (1e-4,) if quick else (1e-4, 1e-6, 1e-8)
-            found += [modal(modes, "elastoplastic", rtol, integrator) for rtol in rtols]
     return found
 
 
@@ -413,24 +403,13 @@ OWN = tuple(
     f"{model}, {law}" for law in ("true sign", "elastoplastic") for model in ("rigid", "1 mode", "2 modes", "5 modes")
 )
 INTEGRATORS = ("4 elements", "radius 1", "radius 0.7", "radius 0.4", "radius 0", "trapezoidal")
-DRAWN = {"1 mode, elastoplastic": f"{OWN_PAIR} (ours, default)"} | {f"1 mode, {name}": name for name in OTHERS[1:]}
 
 
 def draw(points: Sequence[Point], found: Reference) -> None:
-    """Three figures: all models, Exudyn's integrators at four elements, our own and scipy's with one mode."""
+    """Two figures: all models, and Exudyn's integrators at four elements."""
     names = {"4 elements": "radius 0.9 (default)"}
     _diagram(points, found, (*OWN, *FE_MODELS), FIGURES / "error_vs_run_time.png", {}, True)
     _diagram(points, found, INTEGRATORS, FIGURES / "error_vs_run_time_integrators.png", names, False)
-    integration, truth = alone([p for p in points if p.setting.model in DRAWN])
-    _diagram(integration, truth, tuple(DRAWN), FIGURES / "error_vs_run_time_scipy.png", DRAWN, False)
-
-
-def alone(points: Sequence[Point]) -> tuple[list[Point], Reference]:
-    """The same points of one mode with errors against one mode, so that only those of integration are left."""
-    check, truth = (simulate(modal(1, "elastoplastic", rtol)) for rtol in (1e-10, 1e-12))
-    uncertainty = {key: max(error, 1e-6) for key, error in errors(check, truth).items()}
-    found = [replace(p, errors=errors(simulate(p.setting), truth), ranked={}) for p in points if p.setting.ladder]
-    return found, Reference(truth, uncertainty, [])
 
 
 def _looks(model: str, index: int) -> dict[str, Any]:

@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from granular_contact.kernels import march as kernels
 from granular_contact.kernels.modal_load import PendulumArrays
-from granular_contact.kernels.runge_kutta import PAIRS
 from granular_contact.reduced import energies
 from granular_contact.reduced.arrays import stacked
 from granular_contact.reduced.looks import known
@@ -64,7 +63,7 @@ def _alike(models: Sequence[Model]) -> Iterator[list[int]]:
     """Places of models whose arrays have the same sizes, at most so many; alone those that are looked at on the way."""
     groups: dict[object, list[int]] = {}
     for i, model in enumerate(models):
-        watched = model.scene.solver.max_wall_s is not None or model.method.integrator not in PAIRS
+        watched = model.scene.solver.max_wall_s is not None
         groups.setdefault(i if watched else _sizes(model), []).append(i)
     for group in groups.values():
         solvers = [models[i].scene.solver for i in group]
@@ -78,7 +77,6 @@ def _sizes(model: Model) -> object:
     strips = tuple((bar.strips, bar.bends) for bar in model.bars)
     return (
         model.size,
-        model.method.integrator,
         model.method.static,
         model.met,
         strips,

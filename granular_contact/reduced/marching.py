@@ -1,25 +1,22 @@
-"""State of a solve under way, and the two ways to carry it on: the project's own stepper, or one of scipy's."""
+"""State of a solve of the modal pendulum under way, and the march by the Runge-Kutta pair of Tsitouras (2011)."""
 
 from __future__ import annotations
 
-import copy
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from granular_contact.kernels import events
 from granular_contact.kernels import march as kernels
 from granular_contact.kernels.modal_load import PendulumArrays, rest
-from granular_contact.kernels.modal_motion import decide, follow, rates
+from granular_contact.kernels.modal_motion import decide
 from granular_contact.kernels.runge_kutta import PAIRS, STAGES
 from granular_contact.reduced.arrays import alone, arrays_of, one_of
 from granular_contact.reduced.model import Model
 from granular_contact.scene.types import Reduced, Vector
 
 SHARE = 4096  # steps between two looks at the progress bar and at the clock
-SLOW_SHARE = 128  # of scipy's, each a hundred times slower
 # Longest step, of the scene's: a bristle yields at the end of a step, and the true sign has no such memory.
 LONGEST, LONGEST_OF_BRISTLES = 50.0, 5.0
 MOST_STILL = 1e-5  # of the speed of the scene
@@ -44,10 +41,9 @@ def started(y: Vector, capacity: int) -> kernels.State:
 
 
 def room(method: Reduced) -> kernels.Room:
-    """To work in; a stepper of scipy's does not come to the pair that is there then."""
+    """To work in."""
     size = 2 * method.modes + 4
-    pair = PAIRS.get(method.integrator, PAIRS["tsitouras"])
-    return kernels.Room(pair, np.zeros((STAGES, size)), np.zeros((5, size)), np.zeros(size))
+    return kernels.Room(PAIRS["tsitouras"], np.zeros((STAGES, size)), np.zeros((5, size)), np.zeros(size))
 
 
 def control(several: Sequence[Model], w: PendulumArrays, *, forces: bool) -> NDArray[np.void]:
@@ -180,107 +176,3 @@ class March:
     def _changing(self) -> dict[str, NDArray[Any]]:
         own = {name: array[0] for name, array in self.state._asdict().items() if name != "rows"}
         return own | {"anchors": self.arrays.anchors, "still": self.arrays.pendulum["still"]}
-
-
-# scipy's interpolants are read at these places of a step, and taken on as polynomials.
-NODES = 0.5 - 0.5 * np.cos(np.linspace(0.0, np.pi, 9))
-FIT = np.linalg.inv(np.vander(NODES, increasing=True))
-ANY = 1e6  # J: the two works are found from the motion, and do not limit the step
-RTOL = 1e-13  # the error allowed is absolute, see `March.allowed`; scipy wants some of the other kind
-
-
-class _Standing:
-    """A stepper of scipy's after a step in which nothing moved."""
-
-    t_old, t = 0.0, 1e-12
-
-    def __init__(self, y: Vector) -> None:
-        self.y = y.copy()
-
-    def dense_output(self) -> Callable[[Vector], Vector]:
-        """States (size, times) at times (s)."""
-        return lambda times: np.repeat(self.y[:, None], len(times), axis=1)
-
-
-class ScipyMarch(March):
-    """The same march with a stepper of `scipy.integrate`, for comparison: many times slower, but implicit ones too."""
-
-    def warm(self) -> None:
-        """Compile or load what a step calls, by a step that goes nowhere, of a copy."""
-        from scipy import integrate  # noqa: F401  # a fifth of a second
-
-        super().warm()
-        still = copy.deepcopy(self)
-        sigma, slopes = np.zeros_like(still.regime), np.empty_like(still.y)
-        rates(still.y, still.regime, still.arrays, sigma, np.zeros((3, 3)), slopes)
-        still._take(_Standing(still.y))
-        events.shorten(np.ascontiguousarray(FIT @ np.tile(still.y, (len(NODES), 1))), 1.0)
-        kernels.rests(still.y, still.regime, still.arrays, still.control[0], still.clock)
-        end = still.control[0], still.clock, still.counts, still.stopped, still.state.turns[0]
-        if self.true_sign:  # else there may be no line to be followed
-            follow(still.y, still.regime, still.arrays)
-            kernels.turn(still.y, still.regime, still.arrays, *end)
-
-    def _march(self, share: int = SLOW_SHARE) -> int:
-        if share == 0:
-            return super()._march(0)
-        try:
-            return self._steps()
-        except FloatingPointError:
-            return kernels.FAILED
-
-    def _steps(self) -> int:
-        """`_march`; raises FloatingPointError where the motion has no finite rate."""
-        from scipy import integrate
-
-        control, clock = self.control[0], self.clock
-        slopes, sigma, totals = np.empty_like(self.y), np.zeros_like(self.regime), np.zeros((3, 3))
-
-        def slope(_: float, y: Vector) -> Any:
-            self.counts[kernels.RATES] += 1
-            rates(np.ascontiguousarray(y), self.regime, self.arrays, sigma, totals, slopes)
-            if not np.isfinite(slopes).all():
-                raise FloatingPointError  # scipy would shorten its step for ever
-            return slopes.copy()
-
-        stepper = getattr(integrate, self.model.method.integrator)(
-            slope,
-            self.time,
-            self.y,
-            float(control["end"]),
-            first_step=float(min(clock[kernels.STEP], control["end"] - self.time)),
-            max_step=float(control["longest"]),
-            rtol=RTOL,
-            atol=np.concatenate([self.allowed, [ANY, ANY]]),
-        )
-        for _ in range(SLOW_SHARE):
-            if self.full:
-                return kernels.PAUSE
-            if self.true_sign:
-                follow(self.y, self.regime, self.arrays)
-            if stepper.step() is not None:
-                return kernels.FAILED
-            if self._take(stepper):
-                w, stopped, turns = self.arrays, self.stopped, self.state.turns[0]
-                fine = kernels.turn(self.y, self.regime, w, control, clock, self.counts, stopped, turns)
-                return kernels.PAUSE if fine else kernels.CHATTERING
-            if kernels.rests(self.y, self.regime, self.arrays, control, clock):
-                return kernels.REST
-            if stepper.status == "finished":
-                return kernels.END
-        return kernels.PAUSE
-
-    def _take(self, stepper: Any) -> bool:
-        """Accept a step up to its end or that of a regime; whether it was the latter."""
-        start, h = stepper.t_old, stepper.t - stepper.t_old
-        path = np.ascontiguousarray(FIT @ stepper.dense_output()(start + NODES * h).T)
-        theta = events.regime_end(path, self.regime, self.arrays, self.stopped) if self.true_sign else 2.0
-        if theta <= 1.0:
-            events.shorten(path, theta)
-            h *= theta
-        kernels.finish(start, h, path, self.regime, self.arrays, self.control[0], self.rows, self.counts, self.watch)
-        self.y[:] = path.sum(axis=0) if theta <= 1.0 else stepper.y
-        self.clock[kernels.NOW] = start + h
-        self.clock[kernels.STEP] = h
-        self.counts[kernels.STEPS] += 1
-        return theta <= 1.0

@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from granular_contact.kernels import march as kernels
 from granular_contact.kernels.modal_load import PendulumArrays
-from granular_contact.kernels.runge_kutta import PAIRS
-from granular_contact.reduced.marching import March, ScipyMarch
+from granular_contact.reduced.marching import March
 from granular_contact.reduced.model import Model
 from granular_contact.results import Cost, Outline, Progress, Status
 from granular_contact.results.ending import ended, paused
@@ -61,7 +60,7 @@ class Solve:
 
     def __init__(self, model: Model, progress: Progress | None = None) -> None:
         self.model, self.progress = model, progress
-        self.march = (March if model.method.integrator in PAIRS else ScipyMarch)(model)
+        self.march = March(model)
         self.seconds, self._code, self._interrupted = 0.0, kernels.PAUSE, False
 
     @property

@@ -39,7 +39,7 @@ solver: {end_time_s: 0.2}
 
 
 def reduce(scene: Scene, modes: int, static: str = "true_sign", rtol: float = 1e-8) -> Model:
-    return model(scene, Reduced(modes=modes, static=static, rtol=rtol, integrator="tsitouras"))
+    return model(scene, Reduced(modes=modes, static=static, rtol=rtol))
 
 
 def points(reduced: Model) -> tuple[Array, Array, Array]:

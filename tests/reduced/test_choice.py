@@ -80,7 +80,6 @@ def test_the_fault_gets_its_line(tmp_path, capsys):
         ("method.reduced.modes=-1", "got the number -1; allowed is a whole number from 0 to 20"),
         ("method.reduced.modes=21", "from 0 to 20"),
         ("method.reduced.rtol=0", "from 1e-13 to 0.01"),
-        ("method.reduced.integrator=euler", "one of tsitouras, dormand_prince, RK23"),
         ("method.reduced.order=2", "unknown key"),
         ("method=fem", "allowed are auto, engine, minimal, reduced, and a mapping whose key is one of the last three"),
         ("method={minimal: {rtol: 1e-5}}", "method.minimal.rtol: unknown key; none is allowed here"),

@@ -307,10 +307,7 @@ def _pendulum(rng: Random, family: str) -> Tree:
     drawn["initial"] = _strike(rng)
     if rng.random() < 0.6:
         modes = rng.randint(0, 4) if "flexible" in link else 0
-        integrator = rng.choice(
-            ("tsitouras", "dormand_prince") * 2 + ("RK45", "LSODA", "BDF", "Radau", "DOP853", "RK23")
-        )
-        drawn["method"] = {"reduced": {"modes": modes, "rtol": 10.0 ** rng.uniform(-9, -2), "integrator": integrator}}
+        drawn["method"] = {"reduced": {"modes": modes, "rtol": 10.0 ** rng.uniform(-9, -2)}}
     return drawn
 
 

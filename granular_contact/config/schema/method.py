@@ -31,8 +31,6 @@ class Reduced(Strict):
     load.friction. auto: the faster one at equal error, true_sign for a rigid link, load.friction for one that bends."""
     rtol: Annotated[float, Field(ge=1e-13, le=1e-2)] = 1e-6
     """Error of a step, relative to the size and the speed of the mechanism."""
-    integrator: Literal["tsitouras", "dormand_prince", "RK23", "RK45", "DOP853", "LSODA", "Radau", "BDF"] = "tsitouras"
-    """The project's own, tsitouras and dormand_prince, or one of scipy's."""
 
 
 class Method(Strict):
