@@ -4,7 +4,7 @@
 
 A line of code is one that is neither blank nor part of a comment or a docstring. Printed are the rooms (folders) with
 their files and lines, the longest files, functions of more than ten arguments, and the lines of the functions that a
-run enters. Compiled functions are entered as Python's only where `NUMBA_DISABLE_JIT=1`; by default those are not counted.
+run enters. Compiled functions are counted only with `NUMBA_DISABLE_JIT=1`.
 `--small` lists files below 75 lines that one other module imports.
 """
 
