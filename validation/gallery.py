@@ -52,7 +52,7 @@ FITS = """## Fits
 SEARCHES = """## Searches
 
 `granular-contact optimise configs/optimise_speed_close.yaml` takes these; what they gain over the config as it is
-stands in [validation](../validation/README.md#gaitspy)."""
+stands in [validation](../docs/studies/gaits.md)."""
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,8 @@
-"""The record of the studies: what each one found, when, where and at which commit; the page is written from it.
+"""The record of the studies: what each one found, when, where and at which commit; their pages are written from it.
 
-`claims.json` holds one `Made` for each study and form (full or quick). In README.md each study has a section; what
-stands there between two marks, and the third column of the table at the top, is written here. All else on the page is
-by hand.
+`claims.json` holds one `Made` for each study and form (full or quick). Each study has a page in docs/studies: its
+title, question, answer and explanation are by hand; tables, figures and claims stand between two marks, and are written
+here. So is what stands between the marks of README.md, the index of all pages.
 """
 
 from __future__ import annotations
@@ -11,13 +11,15 @@ import json
 import math
 import re
 import subprocess
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from validation.study import Claim
 
 HERE = Path(__file__).parent
-PAGE, RECORD = HERE / "README.md", HERE / "claims.json"
+PAGES, INDEX, RECORD = HERE.parent / "docs" / "studies", HERE / "README.md", HERE / "claims.json"
+FIGURES = "../../validation/figures/"  # as pages name the folder; studies write `figures/`
 BEGIN, END = "<!-- written by granular-contact validate --record -->", "<!-- end -->"
 _NUMBER = re.compile(r"[-+]?\d+\.?\d*(?:e[-+]?\d+)?")
 
@@ -85,48 +87,74 @@ def _claim(name: str, said: str) -> Claim:
     return Claim(name, held == "held", detail)
 
 
-def not_held(made: Made | None) -> str:
-    """Cell of the table at the top of the page: the claims that did not hold."""
-    if made is None or not made.claims:
-        return "no claims recorded"
-    lost = [claim.name.partition(".")[2] for claim in made.claims if not claim.held]
-    return f"{len(lost)} of {len(made.claims)}: {'; '.join(lost)}" if lost else f"none of {len(made.claims)}"
+def page_of(name: str) -> Path:
+    """Page of a study."""
+    return PAGES / f"{name}.md"
 
 
-def claim_lines(made: Made) -> str:
-    """Claims of a study as the page shows them, those that did not hold first."""
-    return "\n".join(str(claim) for claim in sorted(made.claims, key=lambda claim: claim.held))
+def claim_lines(made: Made) -> list[str]:
+    """Claims of a study as its page shows them, those that did not hold first."""
+    claims = sorted(made.claims, key=lambda claim: claim.held)
+    return [f"- {'held' if one.held else '**NOT HELD**'}: {one.name.partition('.')[2]}: {one.detail}" for one in claims]
 
 
-def on_page(page: str, name: str, made: Made, text: str) -> str:
-    """The page with tables and claims of a study in its section, and its row at the top; all else unchanged."""
-    claims = f"\n\n```\n{claim_lines(made)}\n```" if made.claims else ""
-    block = f"{BEGIN}\n\n{made.where()}\n\n{text.strip()}{claims}\n\n{END}"
-    begin, end = _section(page, name)
-    section = page[begin:end]
-    if BEGIN in section:
-        before, _, rest = section.partition(BEGIN)
-        section = before + block + rest.partition(END)[2]
-    else:
-        section = f"{section.rstrip()}\n\n{block}\n\n"
-    return _with_row(page[:begin] + section + page[end:], name, not_held(made))
+def between_marks(page: str, block: str) -> str:
+    """The page with other text between its marks; all else unchanged."""
+    before, begin, rest = page.partition(BEGIN)
+    _, end, after = rest.partition(END)
+    if not begin or not end:
+        raise ValueError(f"a page without {BEGIN!r} and {END!r}")
+    return f"{before}{BEGIN}\n\n{block}\n\n{END}{after}"
 
 
-def differences(page: str, record: Record) -> list[str]:
-    """What the page says of the studies otherwise than the record; numbers are compared by value."""
+def on_page(page: str, made: Made, text: str) -> str:
+    """The page of a study with its tables, figures and claims."""
+    claims = ["## Claims", "\n".join(claim_lines(made))] if made.claims else []
+    shown = text.strip().replace("](figures/", f"]({FIGURES}")
+    return between_marks(page, "\n\n".join([*claims, "## Tables", made.where(), shown]))
+
+
+def said_on(page: str, what: str) -> str:
+    """The paragraph of a page that begins with `**Question.**`, `**Answer.**` or `**What did not hold.**`, or ""."""
+    found = re.search(rf"^\*\*{what}\.\*\* (.+?)\n\n", page, flags=re.M | re.S)
+    return " ".join(found[1].split()) if found else ""
+
+
+def index(pages: Mapping[str, str], record: Record) -> str:
+    """What stands between the marks of the index: what did not hold, then all studies, in the order of the pages."""
+    failed, rows = [], []
+    for name, page in pages.items():
+        link = f"[{name}](../docs/studies/{name}.md)"
+        made = record.get(name, {}).get("full")
+        claims = made.claims if made is not None else ()
+        lost = sum(not claim.held for claim in claims)
+        if words := said_on(page, "What did not hold"):
+            failed.append(f"- {link}{f' ({lost} of {len(claims)} claims)' if lost else ''}: {words}")
+        held = f"{len(claims) - lost} of {len(claims)}" if claims else "-"
+        rows.append(f"| {link} | {said_on(page, 'Question')} | {said_on(page, 'Answer')} | {held} |")
+    head = "| study | question | answer | claims that held |\n| --- | --- | --- | --- |"
+    return "\n".join(["## What did not hold", "", *failed, "", "## All studies", "", head, *rows])
+
+
+def differences(pages: Mapping[str, str], written: str, record: Record) -> list[str]:
+    """What the pages, or the index as it is written, say otherwise than the record; numbers are compared by value."""
     found = []
-    for name, forms in record.items():
-        made = forms.get("full")
-        cells = _row(page, name).split(" | ")
-        if not _same(cells[2], not_held(made)):
-            found.append(f"{name}: the table at the top has {cells[2]!r}, the record {not_held(made)!r}")
-        begin, end = _section(page, name)
-        block = page[begin:end].partition(BEGIN)[2].partition(END)[0]
-        shown = re.findall(r"^(?:Made at|held|NOT HELD) .*$", block, flags=re.M)
-        kept = [] if made is None else [made.where(), *filter(None, claim_lines(made).split("\n"))]
+    for name, page in pages.items():
+        made = record.get(name, {}).get("full")
+        block = page.partition(BEGIN)[2].partition(END)[0]
+        shown = re.findall(r"^(?:Made at|- held:|- \*\*NOT HELD\*\*:) .*$", block, flags=re.M)
+        kept = [] if made is None else [*claim_lines(made), made.where()]
         if len(shown) != len(kept):
             found.append(f"{name}: the page has {len(shown)} lines of the record, the record {len(kept)}")
         found += [f"{name}: page: {a}; record: {b}" for a, b in zip(shown, kept, strict=False) if not _same(a, b)]
+        if made is not None and not all(one.held for one in made.claims) and not said_on(page, "What did not hold"):
+            found.append(f"{name}: claims did not hold, and the page has no paragraph '**What did not hold.**'")
+    shown, kept = (
+        text.strip().split("\n") for text in (written.partition(BEGIN)[2].partition(END)[0], index(pages, record))
+    )
+    if len(shown) != len(kept):
+        found.append(f"the index has {len(shown)} lines, of {len(kept)}")
+    found += [f"index: {a}; pages: {b}" for a, b in zip(shown, kept, strict=False) if not _same(a, b)]
     return found
 
 
@@ -151,19 +179,3 @@ def _same(a: str, b: str) -> bool:
     return _NUMBER.sub("0", a) == _NUMBER.sub("0", b) and all(
         math.isclose(float(x), float(y), rel_tol=1e-6) for x, y in numbers
     )
-
-
-def _section(page: str, name: str) -> tuple[int, int]:
-    begin = page.index(f"\n## {name}.py\n") + 1
-    end = page.find("\n## ", begin)
-    return begin, len(page) if end < 0 else end + 1
-
-
-def _row(page: str, name: str) -> str:
-    return re.search(rf"^\| \[{name}\.py\].*$", page, flags=re.M).group()  # type: ignore[union-attr]
-
-
-def _with_row(page: str, name: str, cell: str) -> str:
-    row = _row(page, name)
-    cells = row.split(" | ")
-    return page.replace(row, " | ".join([*cells[:2], cell, *cells[3:]]))

@@ -5,7 +5,8 @@
 
 A claim that held in the record (validation/claims.json) and does not any more makes the exit code 1, and so does a
 study that ends in an error. A claim of the source paper that we do not find is one that never held: it is shown as such
-and stays in. --record makes what was found the new record and writes it into README.md.
+and stays in. --record makes what was found the new record and writes it into the study's page in docs/studies and
+into the index, README.md.
 """
 
 from __future__ import annotations
@@ -65,50 +66,56 @@ def _script(name: str, full: Sequence[str] = (), quick: Sequence[str] | None = N
 
 
 STUDIES = (
+    # Against measurements, sources and theory
+    Entry("measured"),
     Entry("paper_cases"),
+    Entry("laws"),
+    Entry("beam_against_theory"),
     Entry("single_mode_vs_fe"),
+    Entry("sensitivity"),
+    Entry("fit_recovery"),
+    Entry("force_tests"),
+    # Accuracy
+    Entry("accuracy_promise"),
+    Entry("default_steps"),
+    Entry("convergence"),
     Entry("error_vs_run_time"),
-    Entry("stability"),
-    _script("fuzz", full=("--count", "10000"), quick=()),
     Entry("strips"),
     Entry("strip_estimates"),
-    Entry("properties"),
-    _script("mutants", by_hand="it needs cosmic-ray, and half an hour"),
-    Entry("lean_scenes"),
-    Entry("beam_against_theory"),
-    Entry("sensitivity"),
-    _script("sweep_throughput", quick=("--quick",)),
-    Entry("laws"),
     _script("space_configs"),
     Entry("settling"),
     _script("standing"),
-    _script("law_cost"),
-    _script("space_cost"),
-    Entry("compile_cost"),
-    _script("robot_loading"),
-    _script("hexapod"),
-    Entry("fit_recovery"),
-    Entry("measured"),
-    Entry("force_tests"),
-    Entry("scatter_cost"),
-    Entry("convergence"),
-    Entry("default_steps"),
-    Entry("mechanism_cost"),
+    # Other tools
+    _script("against_peers"),
     Entry("mechanism_fronts"),
-    Entry("accuracy_promise"),
-    Entry("minimal_cost"),
-    _script("load_cost"),
-    Entry("control_cost"),
-    Entry("runner_policy"),
-    Entry("gym_speed"),
-    Entry("runner"),
-    _script("gaits", quick=("--quick",)),
-    _script("bookkeeping", quick=("--quick",)),
-    Entry("scaling"),
     _script("two_engines", quick=("--quick",)),
     _script("mujoco_cost"),
     _script("menagerie", by_hand="it needs a copy of MuJoCo Menagerie"),
-    _script("against_peers"),
+    # Robots
+    Entry("runner"),
+    _script("gaits", quick=("--quick",)),
+    Entry("runner_policy"),
+    # Cost
+    Entry("mechanism_cost"),
+    Entry("minimal_cost"),
+    Entry("scaling"),
+    _script("load_cost"),
+    _script("law_cost"),
+    _script("space_cost"),
+    _script("hexapod"),
+    Entry("scatter_cost"),
+    _script("sweep_throughput", quick=("--quick",)),
+    _script("bookkeeping", quick=("--quick",)),
+    Entry("control_cost"),
+    Entry("gym_speed"),
+    _script("robot_loading"),
+    Entry("compile_cost"),
+    Entry("lean_scenes"),
+    # Robustness
+    Entry("properties"),
+    Entry("stability"),
+    _script("fuzz", full=("--count", "10000"), quick=()),
+    _script("mutants", by_hand="it needs cosmic-ray, and half an hour"),
 )
 
 
@@ -127,8 +134,15 @@ def table() -> str:
         lines.append(f"{entry.name}: {', '.join(took)}{'; by hand: ' if entry.by_hand else ''}{entry.by_hand}")
         if (made := forms.get("full")) is not None:
             lines.append(f"    {made.when()}, {record.commits_since(made)} commits of the package ago")
-            lines.append(f"    did not hold: {record.not_held(made)}")
+            lines.append(f"    did not hold: {_not_held(made)}")
     return "\n".join(lines)
+
+
+def _not_held(made: record.Made) -> str:
+    lost = [claim.name.partition(".")[2] for claim in made.claims if not claim.held]
+    if not made.claims:
+        return "no claims recorded"
+    return f"{len(lost)} of {len(made.claims)}: {'; '.join(lost)}" if lost else f"none of {len(made.claims)}"
 
 
 def _seconds(made: record.Made | None) -> str:
@@ -150,9 +164,21 @@ def run(entry: Entry, form: str, write: bool) -> tuple[record.Made, list[str]]:
         kept[entry.name][form] = made
         record.save(kept)
         if form == "full":
-            page = record.PAGE.read_text(encoding="utf-8")
-            record.PAGE.write_text(record.on_page(page, entry.name, made, outcome.text), encoding="utf-8")
+            _write_pages(entry.name, made, outcome.text)
     return made, lost(made.claims, before.claims if before is not None else ())
+
+
+def pages() -> dict[str, str]:
+    """Pages of all studies of the list, in its order."""
+    return {entry.name: record.page_of(entry.name).read_text(encoding="utf-8") for entry in STUDIES}
+
+
+def _write_pages(name: str, made: record.Made, text: str) -> None:
+    """Write what a study gave into its page, and the index."""
+    path = record.page_of(name)
+    path.write_text(record.on_page(path.read_text(encoding="utf-8"), made, text), encoding="utf-8")
+    written = record.between_marks(record.INDEX.read_text(encoding="utf-8"), record.index(pages(), record.read()))
+    record.INDEX.write_text(written, encoding="utf-8")
 
 
 def main(quick: bool = False, write: bool = False, only: Sequence[str] = ()) -> int:

@@ -4,8 +4,8 @@
 
 Difference: greatest distance of the tip's path from that of the same scene with a quarter of the step (an accuracy of
 1e-5 where steps are chosen) and, where the structure is varied, more elements; over the length of that path, which
-counts as a hundredth of the mechanism at least. Every run has max_wall_s, so that none can hang unseen. A run gives
-its word when it ends at rest or at its end time without a warning about its own accuracy; warnings of what lies outside
+counts as a hundredth of the mechanism at least. Every run has max_wall_s, so that none can hang unseen. A run is
+accepted when it ends at rest or at its end time without a warning about its own accuracy; warnings of what lies outside
 the range that the sand was measured in are no such warnings. The full form also runs every config at ten times its step
 against itself.
 """
@@ -42,7 +42,7 @@ FINER = 4.0
 LIMIT = {False: 20.0, True: 6.0}  # s of the clock, by quick
 OF_RANGES = ("outside the range", "the floor was", "wall of the container", "without moving a grain")
 GOOD = ("rest", "end_time")
-WORD, BALANCE = 0.02, 1e-2  # what a run without a warning may differ by, and its energy imbalance
+ACCEPTED, BALANCE = 0.02, 1e-2  # what a run without a warning may differ by, and its energy imbalance
 STIFFEST, PAPER = ("EI and EA, 64 elements", "1e6"), ("EI and EA, 64 elements", "1e0")
 
 
@@ -61,7 +61,7 @@ class Found:
     finite: bool = True
 
     @property
-    def word(self) -> bool:
+    def accepted(self) -> bool:
         """Whether it claims to be right."""
         return self.status in GOOD and not self.warnings
 
@@ -144,7 +144,7 @@ def coarse_table(found: Sequence[Coarse]) -> str:
 
 def coarse_claim(found: Sequence[Coarse]) -> Claim:
     """Within 5 % with a warning, and within what a run without one may differ by."""
-    bad = [one for one in found if not one.difference <= (0.05 if one.warnings else WORD) and one.status in GOOD]
+    bad = [one for one in found if not one.difference <= (0.05 if one.warnings else ACCEPTED) and one.status in GOOD]
     worst = max(found, key=lambda one: one.difference)
     quiet = max((one.difference for one in found if not one.warnings), default=0.0)
     return Claim(
@@ -209,15 +209,17 @@ def summary(found: Sequence[Found]) -> str:
     rows = []
     for factor in dict.fromkeys(one.case.factor for one in found):
         mine = [one for one in found if one.case.factor == factor]
-        ends = Counter("word" if one.word else "warned" if one.status in GOOD else one.status for one in mine)
-        worst = max((one.difference for one in mine if one.word and not math.isnan(one.difference)), default=math.nan)
-        balance = max((one.imbalance for one in mine if one.word), default=math.nan)
+        ends = Counter("accepted" if one.accepted else "warned" if one.status in GOOD else one.status for one in mine)
+        worst = max(
+            (one.difference for one in mine if one.accepted and not math.isnan(one.difference)), default=math.nan
+        )
+        balance = max((one.imbalance for one in mine if one.accepted), default=math.nan)
         rows.append([factor, len(mine), *(ends.get(k, 0) or "" for k in ENDS), _number(worst), _number(balance)])
     head = ["factor", "runs", *ENDS, "largest difference without a warning", "largest imbalance without a warning"]
     return markdown(head, rows)
 
 
-ENDS = ("word", "warned", "failed", "refused", "time_limit")
+ENDS = ("accepted", "warned", "failed", "refused", "time_limit")
 
 
 def unexplained(found: Sequence[Found]) -> list[Found]:
@@ -232,14 +234,14 @@ def unexplained(found: Sequence[Found]) -> list[Found]:
 
 def claims(found: Sequence[Found], seconds: float, quick: bool) -> tuple[Claim, ...]:
     """What must hold of the matrix."""
-    words = [one for one in found if one.word]
-    off = [one for one in words if one.imbalance > BALANCE]
-    wrong = [one for one in words if one.difference > WORD]
-    worst = max((one.difference for one in words if not math.isnan(one.difference)), default=math.nan)
+    accepted = [one for one in found if one.accepted]
+    off = [one for one in accepted if one.imbalance > BALANCE]
+    wrong = [one for one in accepted if one.difference > ACCEPTED]
+    worst = max((one.difference for one in accepted if not math.isnan(one.difference)), default=math.nan)
     lost = unexplained(found)
     by = {(one.case.factor, one.case.value): one for one in found}
     coarse = [one for one in found if one.case.factor == "step" and one.case.step >= 2e-3]
-    silent = [one for one in coarse if one.word or (one.case.step <= 2e-3 and not one.difference <= 0.05)]
+    silent = [one for one in coarse if one.accepted or (one.case.step <= 2e-3 and not one.difference <= 0.05)]
     limit = 120.0 if quick else 1200.0
     made = [
         Claim("stability.no NaN", all(one.finite for one in found), f"{len(found)} runs, every number of every table"),
@@ -247,12 +249,12 @@ def claims(found: Sequence[Found], seconds: float, quick: bool) -> tuple[Claim, 
         Claim(
             "stability.energy balance of runs without a warning",
             not off,
-            f"{len(words)} runs, {_names(off)} above {BALANCE:g}",
+            f"{len(accepted)} runs, {_names(off)} above {BALANCE:g}",
         ),
         Claim(
             "stability.difference of runs without a warning",
             not wrong,
-            f"largest {worst:.2%} of the path length (asked: {WORD:.0%}); above it: {_names(wrong)}",
+            f"largest {worst:.2%} of the path length (asked: {ACCEPTED:.0%}); above it: {_names(wrong)}",
         ),
         Claim(
             "stability.steps ten times too large warn, and are within 5 %",
@@ -298,7 +300,7 @@ def _draw(found: Sequence[Found], places: Sequence[tuple[str, float, float, Case
                 values[i, j] = one.difference
                 mark = (
                     ""
-                    if one.word
+                    if one.accepted
                     else "w"
                     if one.status in GOOD
                     else {"failed": "F", "refused": "R"}.get(one.status, "T")
@@ -338,7 +340,7 @@ def study(quick: bool) -> Outcome:
     ended = [one for one in found if one.status not in GOOD]
     text = [
         f"{len(found)} runs and their references, median solve {1e3 * statistics.median(times):.0f} ms.",
-        "Ends by factor (word: no warning about accuracy):",
+        "Ends by factor (accepted: no warning about accuracy):",
         summary(found),
         "Runs that did not end well, in their own words:",
         *(f"- {one.case.factor}, {one.case.value}: {one.status}: {one.message}" for one in ended),

@@ -365,12 +365,13 @@ def main() -> int:
         print(markdown(HEAD_BESIDE, [row for rows in several for row in rows]))
         return 0
     beside = in_this_process(64 if chosen.quick else 256, repeats)
-    print(f"{machine('numba', 'scipy')}; least of {repeats} rounds after a warm-up\n")
+    print(f"{machine('exudyn', 'numba', 'scipy')}; least of {repeats} rounds after a warm-up\n")
+    print("Runs of one process, by processor time:\n")
     print(markdown(HEAD_TOGETHER, beside) + "\n")
     if chosen.together:
         return 0
     found = [measure(method, count // share, repeats) for method, count in COUNTS.items()]
-    print(f"{machine('exudyn', 'numba', 'scipy')}; best of {repeats} after a warm-up\n")
+    print(f"The whole command; best of {repeats} after a warm-up:\n")
     print(markdown(HEAD, [cells for cells, _ in found]))
     return 0 if all(running >= 0.95 for _, running in found) else 1
 

@@ -23,7 +23,7 @@ import reference
 PAGES = {
     "configs/README.md": "gallery.md",
     "models/README.md": "howto/mechanisms.md",
-    "validation/README.md": "about/studies.md",
+    "validation/README.md": "studies/index.md",
     "README.md": "index.md",
     "CHANGELOG.md": "about/changes.md",
     "CONTRIBUTING.md": "about/contributing.md",

@@ -1,9 +1,8 @@
-"""The record of the studies: all are in the list, the page says what the record says, and a difference is noticed."""
+"""The record of the studies: all are in the list, pages and index say what it says, and a difference is noticed."""
 
 from __future__ import annotations
 
 import ast
-import re
 from pathlib import Path
 
 import pytest
@@ -14,15 +13,20 @@ from validation.record import Made
 from validation.study import Claim, Outcome
 
 HERE = Path(run_all.__file__).parent
-PAGE = record.PAGE.read_text(encoding="utf-8")
 NAMES = [entry.name for entry in run_all.STUDIES]
 MADE = Made(
     "1a2b3c4", "2026-11-25", "2 cores", 12.0, (Claim("one.a: b", True, "1.50 mm"), Claim("one.c", False, "2 of 3"))
 )
-SMALL = "| study | question | claims that did not hold | answer |\n| --- | --- | --- | --- |\n" + "".join(
-    f"| [{name}.py](#{name}py) | why? | x | {name} |\n" for name in ("one", "two")
+MARKS = f"{record.BEGIN}\n\nnothing yet\n\n{record.END}\n"
+SMALL = (
+    f"# One\n\n**Question.** Why\nso?\n\n**Answer.** So.\n\n**What did not hold.** The third.\n\nBy hand.\n\n{MARKS}"
 )
-SMALL += "\n## one.py\n\nBy hand.\n\n## two.py\n\nBy hand too.\n"
+
+
+def both(page: str, made: Made = MADE) -> tuple[dict[str, str], str, dict[str, dict[str, Made]]]:
+    """A page, its index and its record, as `record.differences` takes them."""
+    pages, kept = {"one": page}, {"one": {"full": made}}
+    return pages, record.between_marks(f"# Studies\n\n{MARKS}", record.index(pages, kept)), kept
 
 
 def test_every_script_that_makes_claims_is_in_the_list() -> None:
@@ -44,41 +48,65 @@ def test_what_the_list_says_of_a_study_is_so(entry: run_all.Entry) -> None:
         assert entry.has("quick")
 
 
-def test_page_list_and_record_have_the_same_studies() -> None:
-    assert sorted(re.findall(r"^## (\w+)\.py$", PAGE, flags=re.M)) == sorted(NAMES)
-    assert sorted(re.findall(r"^\| \[(\w+)\.py\]", PAGE, flags=re.M)) == sorted(NAMES)
+def test_pages_list_and_record_have_the_same_studies() -> None:
+    assert sorted(path.stem for path in record.PAGES.glob("*.md")) == sorted(NAMES)
     assert sorted(record.read()) == sorted(NAMES)
 
 
-def test_the_page_says_what_the_record_says() -> None:
-    assert record.differences(PAGE, record.read()) == []
+@pytest.mark.parametrize("name", NAMES)
+def test_a_page_asks_and_answers(name: str) -> None:
+    page = run_all.pages()[name]
+    assert page.startswith("# ")
+    assert record.said_on(page, "Question").endswith("?")
+    assert 5 < len(record.said_on(page, "Answer")) < 400  # one line of the index
+
+
+def test_the_pages_and_the_index_say_what_the_record_says() -> None:
+    written = record.INDEX.read_text(encoding="utf-8")
+    assert record.differences(run_all.pages(), written, record.read()) == []
 
 
 @pytest.mark.parametrize(
     ("before", "after", "noticed"),
     [
-        ("held      one.a: b: 1.50 mm", "held      one.a: b: 1.5 mm", False),
-        ("held      one.a: b: 1.50 mm", "held      one.a: b: 1.51 mm", True),
-        ("NOT HELD  one.c: 2 of 3", "held      one.c: 2 of 3", True),
-        ("NOT HELD  one.c: 2 of 3\n", "", True),
-        ("1 of 2: c", "none of 2", True),
+        ("- held: a: b: 1.50 mm", "- held: a: b: 1.5 mm", False),
+        ("- held: a: b: 1.50 mm", "- held: a: b: 1.51 mm", True),
+        ("- **NOT HELD**: c: 2 of 3", "- held: c: 2 of 3", True),
+        ("- **NOT HELD**: c: 2 of 3\n", "", True),
+        ("**What did not hold.** The third.\n\n", "", True),
         ("at commit 1a2b3c4", "at commit 1a2b3c5", True),
         ("12 s; 2 cores", "13 s; 2 cores", True),
     ],
 )
 def test_a_page_that_says_otherwise_is_noticed_by_value(before: str, after: str, noticed: bool) -> None:
-    page = record.on_page(SMALL, "one", MADE, "| a |\n| --- |\n| 3 |")
+    page = record.on_page(SMALL, MADE, "| a |\n| --- |\n| 3 |")
     assert before in page
-    assert bool(record.differences(page.replace(before, after), {"one": {"full": MADE}})) == noticed
+    assert bool(record.differences(*both(page.replace(before, after)))) == noticed
 
 
-def test_a_study_writes_its_own_section_and_row_and_nothing_else() -> None:
-    page = record.on_page(SMALL, "one", MADE, "| a |")
-    again = record.on_page(page, "one", MADE, "| b |")
-    assert again == page.replace("| a |", "| b |")
-    assert "| why? | 1 of 2: c | one |" in page
-    assert page.endswith("\n## two.py\n\nBy hand too.\n")
-    assert page.index("NOT HELD  one.c") < page.index("held      one.a: b")
+@pytest.mark.parametrize(
+    ("before", "after", "noticed"),
+    [
+        ("(1 of 2 claims): The third.", "(1.0 of 2 claims): The third.", False),
+        ("(1 of 2 claims): The third.", "(0 of 2 claims): The third.", True),
+        ("| Why so? | So. | 1 of 2 |", "| Why so? | Not so. | 1 of 2 |", True),
+        ("| Why so? | So. | 1 of 2 |", "| Why so? | So. | 2 of 2 |", True),
+    ],
+)
+def test_an_index_that_says_otherwise_is_noticed(before: str, after: str, noticed: bool) -> None:
+    pages, index, kept = both(record.on_page(SMALL, MADE, "| a |"))
+    assert before in index
+    assert bool(record.differences(pages, index.replace(before, after), kept)) == noticed
+
+
+def test_a_study_writes_between_the_marks_of_its_page_and_nothing_else() -> None:
+    page = record.on_page(SMALL, MADE, "| a |\n\n![b](figures/b.png)")
+    assert page.partition(record.BEGIN)[0] == SMALL.partition(record.BEGIN)[0]
+    assert record.on_page(page, MADE, "| b |") == record.on_page(SMALL, MADE, "| b |")
+    assert page.index("**NOT HELD**: c") < page.index("held: a: b")
+    assert "![b](../../validation/figures/b.png)" in page
+    with pytest.raises(ValueError, match="a page without"):
+        record.on_page("# One\n", MADE, "| a |")
 
 
 def test_a_record_is_read_as_it_was_saved(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -92,8 +120,11 @@ def test_validate_runs_records_and_tells_what_is_lost(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """A study that comes out otherwise the second time, in a list of two of which the other ends in an error."""
-    page, kept = tmp_path / "README.md", tmp_path / "claims.json"
-    page.write_text(SMALL, encoding="utf-8")
+    index, kept = tmp_path / "README.md", tmp_path / "claims.json"
+    index.write_text(MARKS, encoding="utf-8")
+    page, other = (tmp_path / f"{name}.md" for name in ("one", "two"))
+    for path in (page, other):
+        path.write_text(SMALL, encoding="utf-8")
     kept.write_text("{}", encoding="utf-8")
     held = [True]
 
@@ -105,17 +136,19 @@ def test_validate_runs_records_and_tells_what_is_lost(
 
     monkeypatch.setattr(run_all.Entry, "run", made)
     monkeypatch.setattr(run_all, "STUDIES", (run_all.Entry("one"), run_all.Entry("two")))
-    monkeypatch.setattr(record, "PAGE", page)
+    monkeypatch.setattr(record, "PAGES", tmp_path)
+    monkeypatch.setattr(record, "INDEX", index)
     monkeypatch.setattr(record, "RECORD", kept)
     assert main(["validate", "--only", "one", "--record"]) == 0
-    assert "held      one.holds: 1" in page.read_text(encoding="utf-8")
+    assert "- held: holds: 1" in page.read_text(encoding="utf-8")
+    assert "| So. | 1 of 1 |" in index.read_text(encoding="utf-8")
     held[0] = False
     assert main(["validate", "--only", "one"]) == 1
     assert "LOST      one.holds" in capsys.readouterr().out
-    assert record.differences(page.read_text(encoding="utf-8"), record.read()) == []
+    assert record.differences(run_all.pages(), index.read_text(encoding="utf-8"), record.read()) == []
     assert main(["validate", "--record"]) == 1
     assert "FAILED    two" in capsys.readouterr().out
-    assert "NOT HELD  one.holds: 1" in page.read_text(encoding="utf-8")
+    assert "- **NOT HELD**: holds: 1" in page.read_text(encoding="utf-8")
     assert main(["validate", "--only", "three"]) == 2
 
 

@@ -9,7 +9,6 @@ def test_a_solid_is_as_exact_as_the_study_says() -> None:
     """A box that falls and tumbles: silent, exact by its strips, and within what was asked where both are chosen."""
     found = strips.judge(strips.CASES["solid, poppy seeds"])
     assert not found.told
-    # Before: 1.5 and 0.26 %.
     assert found.errors[0] < 5e-4
     assert found.errors[1] < 5e-4
     for (error, steps, _), accuracy in zip(found.chosen, strips.ACCURACIES, strict=True):
