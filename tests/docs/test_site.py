@@ -18,7 +18,7 @@ from granular_contact.config.schema import shapes
 from granular_contact.config.schema.space import shapes as shapes_in_space
 from granular_contact.laws.catalogue import LAWS
 
-BUILD = "from mkdocs.__main__ import cli; cli(['build', '--strict', '-q', '-d', {!r}])"
+BUILD = "from mkdocs.__main__ import cli; cli(['build', '--strict', '-d', {!r}])"  # (with -q warnings do not count)
 
 
 @pytest.fixture(scope="module")
