@@ -17,6 +17,11 @@ from hypothesis.internal.conjecture import providers
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT))
 
+# Bytecode is kept, whatever the environment says (containers often forbid it): else each of the workers and of the
+# processes that tests start would compile every module of every library anew, which takes seconds each.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
+
 # numba looks only at the file of the function that it loads from its cache, not at the files of those which were
 # inlined into it: after a change in plates.py it would still run the old one out of lines.py. So the cache is named
 # after the contents of all kernels and laws, and numba's version; subprocesses inherit it.
