@@ -30,9 +30,8 @@ from granular_contact.report.figures.style import BLUE, DOUBLE, DPI, FAINT, GREE
 from granular_contact.run import run
 from granular_contact.scene import build
 from granular_contact.studies.fit import fit, load_specification, prepare
-from granular_contact.studies.fit.jacobian import jacobian
 from granular_contact.studies.fit.problem import Problem
-from granular_contact.studies.fit.solve import Solution
+from granular_contact.studies.fit.solve import Solution, jacobian
 from granular_contact.studies.fit.uncertainty import Uncertainty, uncertainty
 from granular_contact.studies.processes import cores, local_processes
 from validation.paper_cases import CASES, CONFIG, SPEEDS

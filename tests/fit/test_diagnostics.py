@@ -10,7 +10,7 @@ import pytest
 from support_fit import CONFIG, NOISE, measure, problem
 
 from granular_contact.errors import ConfigError
-from granular_contact.studies.fit import noise
+from granular_contact.studies.fit import diagnostics
 from granular_contact.studies.fit.diagnostics import data_warnings
 from granular_contact.studies.fit.problem import Problem
 
@@ -112,12 +112,12 @@ def test_rounding_is_seen_and_told(two: Problem) -> None:
         "tip_y_m is rounded to 0.0002",
     ]
     values = runs[0].measured.values[:, 0]
-    assert noise.rounding(values) == pytest.approx(step, rel=1e-9)
+    assert diagnostics.rounding(values) == pytest.approx(step, rel=1e-9)
     # Most third differences of a link at rest are 0; the noise of rounding is a step over sqrt(12).
     flat = np.repeat([0.0, step, 2.0 * step], 20)
-    assert noise.roughness(flat) == pytest.approx(step / np.sqrt(12.0))
+    assert diagnostics.roughness(flat) == pytest.approx(step / np.sqrt(12.0))
 
 
 def test_data_that_are_not_rounded_have_no_rounding() -> None:
     random = np.random.default_rng(0)
-    assert max(noise.rounding(random.standard_normal(10)) for _ in range(100)) == 0.0
+    assert max(diagnostics.rounding(random.standard_normal(10)) for _ in range(100)) == 0.0

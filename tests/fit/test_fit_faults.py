@@ -13,8 +13,7 @@ from granular_contact.config.csv_table import read_table
 from granular_contact.config.tree import Position
 from granular_contact.errors import ConfigError, Fault
 from granular_contact.studies.fit import load_specification, prepare
-from granular_contact.studies.fit.faults import gathered
-from granular_contact.studies.fit.measurements import select
+from granular_contact.studies.fit.measurements import gathered, select
 
 FIT = f"""\
 parameters: [medium.eta_d]

@@ -9,7 +9,7 @@ import pytest
 from support_fit import fitted
 from support_runs import simulate
 
-from granular_contact.studies.fit.medium import media
+from granular_contact.studies.fit.writing import media
 
 BALL = """
 model:

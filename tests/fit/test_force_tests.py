@@ -19,7 +19,7 @@ from granular_contact.errors import ConfigError
 from granular_contact.laws.rft import GENERIC
 from granular_contact.scene import build
 from granular_contact.studies.fit import fit
-from granular_contact.studies.fit.columns import OF_FORCE_TESTS, plain, recognise
+from granular_contact.studies.fit.measurements import OF_FORCE_TESTS, plain, recognise
 
 RFT = "medium={law: rft, zeta: 0.9}"
 DEPTH = np.linspace(0.5e-3, 0.04, 40)

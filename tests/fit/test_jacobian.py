@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from support_fit import CONFIG, RIGID, measure, problem, start
 
-from granular_contact.studies.fit import jacobian as module
+from granular_contact.studies.fit import solve as module
 
 PARAMETERS = "[medium.eta_d, medium.eta_h, medium.plunging.eta_v]"
 

@@ -7,9 +7,8 @@ from pathlib import Path
 import pytest
 from support_fit import CONFIG, RIGID, fitted, measure, problem
 
-from granular_contact.studies.fit.media_of_runs import carrier, words
-from granular_contact.studies.fit.medium import media
-from granular_contact.studies.fit.writing import summary
+from granular_contact.studies.fit.fitting import carrier, words
+from granular_contact.studies.fit.writing import media, summary
 
 ALBERT = "medium: {law: albert, density_kg_m3: 2500, eta_h: 8}"
 

@@ -10,11 +10,10 @@ import pytest
 from scipy.stats import binom
 from support_fit import NOISE, TRUE, TWO, four, problem
 
-from granular_contact.studies.fit import noise
+from granular_contact.studies.fit import diagnostics
 from granular_contact.studies.fit.goodness import ljung_box
-from granular_contact.studies.fit.jacobian import STEP, jacobian
 from granular_contact.studies.fit.problem import Loss, Problem
-from granular_contact.studies.fit.solve import Solution, minimise, solve
+from granular_contact.studies.fit.solve import STEP, Solution, jacobian, minimise, solve
 from granular_contact.studies.fit.uncertainty import uncertainty
 
 KEYS = "parameters: {medium.eta_d: , medium.plunging.eta_v: , medium.plunging.lambda: {from: 0.5, to: 2}}"
@@ -148,9 +147,9 @@ def test_derivatives_stay_within_the_bounds(exact: Problem) -> None:
 
 def test_expected_pull_of_normal_noise() -> None:
     points, weights = np.polynomial.hermite_e.hermegauss(100)
-    mean = np.sum(weights * noise.psi(points, "soft_l1") ** 2) / np.sum(weights)
-    assert mean == pytest.approx(noise._EXPECTED, rel=1e-8)
-    slope = np.sum(weights * noise.psi_slope(points, "soft_l1")) / np.sum(weights)
+    mean = np.sum(weights * diagnostics.psi(points, "soft_l1") ** 2) / np.sum(weights)
+    assert mean == pytest.approx(diagnostics._EXPECTED, rel=1e-8)
+    slope = np.sum(weights * diagnostics.psi_slope(points, "soft_l1")) / np.sum(weights)
     assert slope**2 / mean == pytest.approx(0.98, abs=0.005)  # the 2 % that the module tells
 
 
@@ -158,10 +157,10 @@ def test_scale_of_normal_noise_and_of_noise_with_outliers() -> None:
     values = 3.0 * np.random.default_rng(1).standard_normal(4000)
     # 1 in sqrt(8000) is 1.1 %; four of these.
     for loss in ("linear", "soft_l1"):
-        assert noise.scale(values, loss, 0.0) == pytest.approx(3.0, rel=0.045)
+        assert diagnostics.scale(values, loss, 0.0) == pytest.approx(3.0, rel=0.045)
     values[:200] = 300.0  # 5 %
-    assert noise.scale(values, "soft_l1", 0.0) < 4.5
-    assert noise.scale(values, "linear", 0.0) > 60.0
+    assert diagnostics.scale(values, "soft_l1", 0.0) < 4.5
+    assert diagnostics.scale(values, "linear", 0.0) > 60.0
 
 
 def test_roughness_sees_noise_under_a_motion() -> None:
@@ -169,8 +168,8 @@ def test_roughness_sees_noise_under_a_motion() -> None:
     motion = np.exp(-3.0 * time)
     # A median of 2000 values that overlap by three is good to some 4 %.
     values = motion + 1e-3 * np.random.default_rng(0).standard_normal(2000)
-    assert noise.roughness(values) == pytest.approx(1e-3, rel=0.12)
-    assert noise.roughness(values[:9]) is None
+    assert diagnostics.roughness(values) == pytest.approx(1e-3, rel=0.12)
+    assert diagnostics.roughness(values[:9]) is None
 
 
 def test_ljung_box_is_fair_to_noise() -> None:

@@ -11,7 +11,7 @@ from support_force import DRAGGED, PLATE, fitted, forces, problem, table
 
 from granular_contact.errors import ConfigError
 from granular_contact.studies.fit import load_specification, prepare
-from granular_contact.studies.fit.plausible import published
+from granular_contact.studies.fit.fitting import published
 
 DEPTH = np.linspace(0.5e-3, 0.04, 40)
 ZETA = 0.8

@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 
 from granular_contact.errors import Fault
 from granular_contact.results import Results
-from granular_contact.studies.fit import noise
-from granular_contact.studies.fit.columns import forces
-from granular_contact.studies.fit.measurements import Measured
+from granular_contact.studies.fit import diagnostics
+from granular_contact.studies.fit.measurements import Measured, forces
 from granular_contact.studies.fit.parameters import Choice
 from granular_contact.studies.fit.problem import Problem
 from granular_contact.studies.fit.responses import ModelFailed
@@ -138,14 +137,14 @@ def _moving_at_the_end(time: Vector, values: Vector) -> float | None:
     count = max(4, len(time) // 10)
     spans = [slice(i, i + count) for i in range(0, len(time) - count + 1)]
     slopes = np.array([np.polyfit(time[s] - time[s][0], values[s], 1)[0] for s in spans])
-    error = (noise.roughness(values) or 0.0) / (float(np.std(time[spans[-1]])) * np.sqrt(count))
+    error = (diagnostics.roughness(values) or 0.0) / (float(np.std(time[spans[-1]])) * np.sqrt(count))
     share = abs(slopes[-1]) / max(float(np.max(np.abs(slopes))), 1e-300)
     return float(share) if share > STILL_MOVING and abs(slopes[-1]) > 4.0 * error else None
 
 
 def unused(problem: Problem, choices: Sequence[Choice]) -> Iterator[Fault]:
     """Parameters that no column of any run depends on."""
-    floors = noise.floors(problem)[problem.column_of()]
+    floors = diagnostics.floors(problem)[problem.column_of()]
     times = problem.times()
     at = problem.model(problem.start, times)
     for j, choice in enumerate(choices):

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
-from granular_contact.studies.fit import noise
+from granular_contact.studies.fit import diagnostics
 from granular_contact.studies.fit.diagnostics import OUTLIER, data_warnings, outliers, rounded
 from granular_contact.studies.fit.problem import Problem
 from granular_contact.studies.fit.solve import Solution
@@ -69,7 +69,7 @@ def goodness(problem: Problem, solution: Solution) -> Goodness:
     """Judge residuals by their size, where that can be known, and by their order."""
     free, degrees = len(problem.parameters), degrees_of_freedom(problem)
     f = solution.residuals / solution.sigma[problem.column_of()]
-    tiny = noise.at_floor(problem, solution.sigma)
+    tiny = diagnostics.at_floor(problem, solution.sigma)
     unordered = tiny | rounded(problem, solution.sigma)
     blocks = problem.split(f)
     by_column = problem.by_column(blocks)
@@ -104,7 +104,7 @@ def _columns(problem: Problem, solution: Solution, series: Mapping[str, Sequence
             noise_given=given is not None,
             rows=len(own),
             residual_rms=float(np.sqrt(np.mean(own**2))),
-            row_to_row_noise=noise.roughness_of(problem, name),
+            row_to_row_noise=diagnostics.roughness_of(problem, name),
             reduced_chi_square=known,
             durbin_watson=_durbin_watson(series[name]),
         )

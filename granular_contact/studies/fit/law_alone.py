@@ -24,11 +24,11 @@ from granular_contact.laws.catalogue import LAWS
 from granular_contact.laws.layer import Layer
 from granular_contact.laws.scatter import Scatter
 from granular_contact.scene import build
-from granular_contact.studies.fit import columns
+from granular_contact.studies.fit import measurements
 from granular_contact.studies.fit.force_tests import angle_of
 from granular_contact.studies.fit.measurements import Measured
-from granular_contact.studies.fit.request import looked_for
 from granular_contact.studies.fit.responses import Key, ModelFailed, Simulator
+from granular_contact.studies.fit.specification import looked_for
 
 Vector = NDArray[np.float64]
 
@@ -67,23 +67,23 @@ class Motion:
 
 def motion_of(given: Mapping[str, Vector], test: ForceTest) -> Motion:
     """Motion of the columns that were prescribed."""
-    depth = given[columns.DEPTH]
-    speed = given.get(columns.SPEED, np.full(len(depth), CREEP))
-    return Motion(depth, np.maximum(speed, CREEP), given[columns.RATE], angle_of(test))
+    depth = given[measurements.DEPTH]
+    speed = given.get(measurements.SPEED, np.full(len(depth), CREEP))
+    return Motion(depth, np.maximum(speed, CREEP), given[measurements.RATE], angle_of(test))
 
 
 def measured(
     body: SteadyBody, motion: Motion, layers: Sequence[Layer] | None = None, scatter: Scatter | None = None
 ) -> dict[str, Vector]:
-    """Forces (n,) of a steady motion, by the names of columns; see `columns.SIGNS` for their signs."""
+    """Forces (n,) of a steady motion, by the names of columns; see `measurements.SIGNS` for their signs."""
     velocity = motion.speed[:, None] * motion.along
     force = body.force(motion.depth, velocity, -motion.rate, layers, scatter)
     turning = np.where(motion.rate == 0.0, 1.0, -np.sign(motion.rate))
     return {
-        columns.FORCE: -force[:, :2] @ motion.along,
-        columns.VERTICAL: force[:, 1],
-        columns.HORIZONTAL: force[:, 0],
-        columns.TORQUE: -force[:, 2] * turning,
+        measurements.FORCE: -force[:, :2] @ motion.along,
+        measurements.VERTICAL: force[:, 1],
+        measurements.HORIZONTAL: force[:, 0],
+        measurements.TORQUE: -force[:, 2] * turning,
     }
 
 
@@ -105,7 +105,7 @@ class SteadyResponse:
         moved = replace(motion, depth=motion.depth - self.depth_offset)
         found = measured(self.body, moved, self.layers)
         found = {name: one + self.force_offset if name.endswith("_N") else one for name, one in found.items()}
-        found[columns.PRESSURE] = found[columns.FORCE] / self.area
+        found[measurements.PRESSURE] = found[measurements.FORCE] / self.area
         return np.column_stack([found[name] for name in self.names])
 
 
@@ -174,7 +174,7 @@ class LawAlone(Simulator):
             self.motion, depth=depth[deepest], speed=self.motion.speed[deepest], rate=self.motion.rate[deepest]
         )
         found = measured(response.body, rows, response.layers, Scatter(SMALL, length))
-        name = columns.FORCE if self.columns[0] == columns.PRESSURE else self.columns[0]
+        name = measurements.FORCE if self.columns[0] == measurements.PRESSURE else self.columns[0]
         return float(np.std(found[name]) / abs(np.mean(found[name])) / SMALL)
 
     def _bodies(self, values: tuple[float, ...]) -> tuple[SteadyBody, tuple[Layer, ...] | None]:
@@ -221,7 +221,7 @@ def zeros_of(test: ForceTest, held: Measured) -> list[tuple[Key, float, float, f
     """Zeros of depth (m) and force (N) that are looked for: key, least, greatest and start."""
     found = []
     force = max((float(np.max(np.abs(one))) * size for one, size in _forces(test, held)), default=1.0)
-    depth = float(np.max(np.abs(held.given[columns.DEPTH])))
+    depth = float(np.max(np.abs(held.given[measurements.DEPTH])))
     for key, zero, reach in (
         (DEPTH_OFFSET, test.depth_offset_m, DEPTH_REACH * depth),
         (FORCE_OFFSET, test.force_offset_N, FORCE_REACH * force),
@@ -235,4 +235,4 @@ def _forces(test: ForceTest, held: Measured) -> Iterator[tuple[Vector, float]]:
     """Columns that are forces, and what one of their units is in N."""
     for name, values in zip(held.columns, held.values.T, strict=True):
         if name.endswith(("_N", "_Pa")):
-            yield values, test.area_m2 or 1.0 if name == columns.PRESSURE else 1.0
+            yield values, test.area_m2 or 1.0 if name == measurements.PRESSURE else 1.0

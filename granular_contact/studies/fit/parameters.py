@@ -12,8 +12,8 @@ from granular_contact.config.overrides import Override
 from granular_contact.config.tree import Scalar
 from granular_contact.errors import ConfigError, Fault
 from granular_contact.studies.fit.problem import Parameter
-from granular_contact.studies.fit.request import ParameterRequest, RunRequest
 from granular_contact.studies.fit.responses import Simulator
+from granular_contact.studies.fit.specification import ParameterRequest, RunRequest
 
 # How a run is computed is no property of the sand or the mechanism.
 NOT_FITTED = ("solver", "method", "output", "name")

@@ -17,16 +17,14 @@ from granular_contact.config.schema.fit import ForceTest
 from granular_contact.config.yaml_source import read_file
 from granular_contact.errors import ConfigError, Fault, SceneError
 from granular_contact.scene import build
-from granular_contact.studies.fit import checks, force_checks, force_tests
-from granular_contact.studies.fit.columns import TIME, in_words, observables, recognise
-from granular_contact.studies.fit.faults import gathered, refuse
+from granular_contact.studies.fit import checks, force_tests
 from granular_contact.studies.fit.law_alone import DEPTH_OFFSET, FORCE_OFFSET, LawAlone, known_zero, motion_of, zeros_of
-from granular_contact.studies.fit.measurements import select
+from granular_contact.studies.fit.measurements import TIME, gathered, in_words, observables, recognise, refuse, select
 from granular_contact.studies.fit.parameters import Choice, choose, own_choices
 from granular_contact.studies.fit.problem import OFFSET, MeasuredRun, Parameter, Problem
-from granular_contact.studies.fit.request import RunRequest, Specification
 from granular_contact.studies.fit.responses import HERE, ModelFailed, Simulator
 from granular_contact.studies.fit.scatter import faults as scatter_faults
+from granular_contact.studies.fit.specification import RunRequest, Specification
 
 NO_KEYS = (OFFSET, DEPTH_OFFSET, FORCE_OFFSET)  # parameters that are in no config
 
@@ -50,7 +48,7 @@ def prepare(request: Specification) -> Problem:
     refuse(_in_order(faults))
     faults += _twice(request.runs, sources)
     tests = [source for source in sources if source.test is not None]
-    faults += force_checks.between_tests([one.measured for one in tests], [one.model for one in tests])
+    faults += force_tests.between_tests([one.measured for one in tests], [one.model for one in tests])
     choices = choose(request.parameters, [s.simulator for s in sources], faults)
     for i, (one, source) in enumerate(zip(request.runs, sources, strict=True)):
         choices += own_choices(one, i, source.simulator, faults)
@@ -137,7 +135,7 @@ class _Source:
             depths = [low for key, low, _, _ in self.own if key == DEPTH_OFFSET]
             least = depths[0] if depths else known_zero(test.depth_offset_m)
             size = 2.0 * self._scene.radius(body.body)
-            refuse(force_checks.of_test(held, self.model, size, least))
+            refuse(force_tests.of_test(held, self.model, size, least))
         refuse(faults)
 
 

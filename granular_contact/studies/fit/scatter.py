@@ -23,13 +23,11 @@ from scipy.linalg import cho_factor, cho_solve, solve_triangular
 from scipy.optimize import minimize
 
 from granular_contact.errors import Fault
-from granular_contact.studies.fit.columns import PATH
-from granular_contact.studies.fit.jacobian import jacobian
 from granular_contact.studies.fit.law_alone import LawAlone
-from granular_contact.studies.fit.measurements import Measured
+from granular_contact.studies.fit.measurements import PATH, Measured
 from granular_contact.studies.fit.problem import MeasuredRun, Problem
-from granular_contact.studies.fit.request import RunRequest
-from granular_contact.studies.fit.solve import Solution
+from granular_contact.studies.fit.solve import Solution, jacobian
+from granular_contact.studies.fit.specification import RunRequest
 
 Vector = NDArray[np.float64]
 # Path length (m), force of the law and residual of a test, (n,) each.

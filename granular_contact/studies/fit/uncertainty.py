@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import t as student
 
-from granular_contact.studies.fit import noise
+from granular_contact.studies.fit import diagnostics
 from granular_contact.studies.fit.problem import Parameter, Problem
 from granular_contact.studies.fit.solve import Solution
 
@@ -122,10 +122,10 @@ def _slopes_and_pulls(problem: Problem, solution: Solution) -> tuple[Vector, Vec
     f = solution.residuals / solution.sigma[column]
     left = degrees_of_freedom(problem) / len(f)
     each = range(len(problem.columns))
-    slope = np.array([np.mean(noise.psi_slope(f[column == k], problem.loss)) for k in each])
-    pull = np.array([np.mean(noise.psi(f[column == k], problem.loss) ** 2) / left for k in each])
+    slope = np.array([np.mean(diagnostics.psi_slope(f[column == k], problem.loss)) for k in each])
+    pull = np.array([np.mean(diagnostics.psi(f[column == k], problem.loss) ** 2) / left for k in each])
     given = np.array([one is not None for one in problem.noise.values()])
-    believed = given | noise.at_floor(problem, solution.sigma)
+    believed = given | diagnostics.at_floor(problem, solution.sigma)
     return slope, np.where(believed, np.maximum(pull, slope**2), pull)
 
 
