@@ -36,6 +36,13 @@ def test_the_citation_has_what_its_format_needs_and_the_licence_of_the_project()
     assert f'license = "{citation["license"]}"' in (ROOT / "pyproject.toml").read_text(encoding="utf-8")
 
 
+def test_the_description_of_the_package_leads_nowhere_that_a_registry_does_not_have() -> None:
+    (name,) = re.findall(r'^readme = "(.+?)"', (ROOT / "pyproject.toml").read_text(encoding="utf-8"), re.M)
+    links = re.findall(r"\]\((.*?)\)", (ROOT / name).read_text(encoding="utf-8"))
+    assert links
+    assert all(link.startswith("https://") for link in links)
+
+
 def test_what_comes_after_a_release_has_another_number() -> None:
     command = ["git", "tag", "--no-contains", "HEAD"]
     tags = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
