@@ -1,15 +1,8 @@
 """What is public, each name once: for editors and type checkers; `__init__.py` loads each when it is asked for."""
 
-from granular_contact.bed.space.shapes import Bar as Bar
-from granular_contact.bed.space.shapes import Box as Box
-from granular_contact.bed.space.shapes import Capsule as Capsule
-from granular_contact.bed.space.shapes import Cone as Cone
-from granular_contact.bed.space.shapes import Cylinder as Cylinder
-from granular_contact.bed.space.shapes import Mesh as Mesh
-from granular_contact.bed.space.shapes import Plate as Plate
-from granular_contact.bed.space.shapes import Sphere as Sphere
 from granular_contact.config.add_law import add_law as add_law
 from granular_contact.config.load import load as load
+from granular_contact.engines.exudyn.bed import GranularBed as GranularBed
 from granular_contact.laws.albert import Albert as Albert
 from granular_contact.laws.allen import Allen as Allen
 from granular_contact.laws.bingham import Bingham as Bingham
@@ -29,8 +22,15 @@ from granular_contact.laws.rft3d import Rft3d as Rft3d
 from granular_contact.laws.static_friction import Elastoplastic as Elastoplastic
 from granular_contact.laws.static_friction import Smooth as Smooth
 from granular_contact.laws.tsimring_volfson import TsimringVolfson as TsimringVolfson
-from granular_contact.multibody.bed import GranularBed as GranularBed
 from granular_contact.results import Results as Results
+from granular_contact.sand.space.shapes import Bar as Bar
+from granular_contact.sand.space.shapes import Box as Box
+from granular_contact.sand.space.shapes import Capsule as Capsule
+from granular_contact.sand.space.shapes import Cone as Cone
+from granular_contact.sand.space.shapes import Cylinder as Cylinder
+from granular_contact.sand.space.shapes import Mesh as Mesh
+from granular_contact.sand.space.shapes import Plate as Plate
+from granular_contact.sand.space.shapes import Sphere as Sphere
 from granular_contact.scene.build import build as build
 from granular_contact.scene.media import preset as preset
 from granular_contact.simulation import Simulation as Simulation

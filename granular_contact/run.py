@@ -12,7 +12,7 @@ from granular_contact.config import Scenario, scenario_to_dict
 from granular_contact.config.changed import checked
 from granular_contact.config.differences import differing_keys
 from granular_contact.errors import scene_error
-from granular_contact.kernels.compiling import announced
+from granular_contact.jit.compiling import announced
 from granular_contact.laws.kinds import WORDS
 from granular_contact.results import Compiling, Outline, Progress, Results, Status
 from granular_contact.results.observation import Observation, key_numbers, results
@@ -20,7 +20,7 @@ from granular_contact.results.observed import Observations
 from granular_contact.scene.types import Reduced, Scene
 
 if TYPE_CHECKING:
-    from granular_contact.multibody.system import System, Trajectory
+    from granular_contact.mechanics.system import System, Trajectory
 
 Made = TypeVar("Made")
 
@@ -86,8 +86,8 @@ def summaries_of(scenes: Sequence[Scene]) -> list[dict[str, Any] | Exception]:
 
     While they march other threads of Python go on.
     """
-    from granular_contact.reduced.batch import summaries
-    from granular_contact.reduced.model import Models
+    from granular_contact.engines.modal.batch import summaries
+    from granular_contact.engines.modal.model import Models
 
     of, places = Models(), [i for i, scene in enumerate(scenes) if isinstance(scene.method, Reduced)]
     found: dict[int, Any] = {i: tried(of, scenes[i]) for i in places}
@@ -195,9 +195,9 @@ def begin(scene: Scene, progress: Progress | None, compiling: Compiling | None, 
 def _by_engine(scene: Scene, progress: Progress | None, compiling: Compiling | None, pauses: bool) -> Begun:
     if scene.in_space:
         return _in_space(scene, progress, compiling, pauses)
-    from granular_contact.multibody.build import build
-    from granular_contact.multibody.observe import observe
-    from granular_contact.multibody.solve import Solve
+    from granular_contact.engines.exudyn.build import build
+    from granular_contact.engines.exudyn.solve import Solve
+    from granular_contact.mechanics.observe import observe
 
     system = build(scene)
     with announced(compiling, kernels_of(scene)):
@@ -205,9 +205,9 @@ def _by_engine(scene: Scene, progress: Progress | None, compiling: Compiling | N
 
 
 def _in_space(scene: Any, progress: Progress | None, compiling: Compiling | None, pauses: bool) -> Begun:
-    from granular_contact.multibody.solve import Solve
-    from granular_contact.multibody.space.build import build
-    from granular_contact.multibody.space.observe import observe
+    from granular_contact.engines.exudyn.build_in_space import build
+    from granular_contact.engines.exudyn.solve import Solve
+    from granular_contact.mechanics.space.observe import observe
 
     system = build(scene)
     with announced(compiling, kernels_of(scene)):
@@ -215,9 +215,9 @@ def _in_space(scene: Any, progress: Progress | None, compiling: Compiling | None
 
 
 def _by_minimal(scene: Scene, progress: Progress | None, compiling: Compiling | None) -> Begun:
-    from granular_contact.minimal.solve import Solve
-    from granular_contact.minimal.tree import tree
-    from granular_contact.multibody.observe import observe
+    from granular_contact.engines.tree.solve import Solve
+    from granular_contact.engines.tree.tree import tree
+    from granular_contact.mechanics.observe import observe
 
     made = tree(scene)
     with announced(compiling, kernels_of(scene)):
@@ -225,9 +225,9 @@ def _by_minimal(scene: Scene, progress: Progress | None, compiling: Compiling | 
 
 
 def _by_modes(scene: Scene, progress: Progress | None, compiling: Compiling | None) -> Begun:
-    from granular_contact.reduced.model import model
-    from granular_contact.reduced.observe import observe
-    from granular_contact.reduced.solve import Solve
+    from granular_contact.engines.modal.model import model
+    from granular_contact.engines.modal.observe import observe
+    from granular_contact.engines.modal.solve import Solve
 
     assert isinstance(scene.method, Reduced)
     reduced = model(scene, scene.method)
@@ -253,8 +253,8 @@ def _observed(
     if begun.system is None:
         return begun, begun.observe(trajectory)
     if trajectory.load is not None and not scene.in_space:
-        from granular_contact.multibody.kinematics import Kinematics
-        from granular_contact.multibody.strip_error import finer, strip_error
+        from granular_contact.mechanics.kinematics import Kinematics
+        from granular_contact.mechanics.strip_error import finer, strip_error
 
         spent, before = trajectory.cost.solve_s, math.inf
         while begun.system:

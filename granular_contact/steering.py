@@ -17,7 +17,7 @@ from granular_contact.simulation import Simulation
 
 if TYPE_CHECKING:
     from granular_contact.laws.law import Law
-    from granular_contact.multibody.system import System, Trajectory
+    from granular_contact.mechanics.system import System, Trajectory
 
 
 def simulate(

@@ -36,7 +36,7 @@ sys.path.insert(0, TESTS)
 from support_runs import simulate
 
 import exudyn
-import granular_contact.multibody.solve, granular_contact.minimal.solve, granular_contact.reduced.solve
+import granular_contact.engines.exudyn.solve, granular_contact.engines.tree.solve, granular_contact.engines.modal.solve
 
 for name, overrides in SOLVERS.items():
     assert hours[0] == 0
@@ -87,7 +87,7 @@ def test_compiling_is_no_wall_time() -> None:
 def test_compiling_is_told_once_when_it_begins_and_not_when_it_is_done() -> None:
     from numba import njit
 
-    from granular_contact.kernels.compiling import announced, seconds
+    from granular_contact.jit.compiling import announced, seconds
 
     told: list[str] = []
     before, begin = seconds(), time.perf_counter()

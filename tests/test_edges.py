@@ -12,9 +12,9 @@ import pytest
 from support_runs import scene_of, simulate
 
 from granular_contact.cli import main
+from granular_contact.engines.exudyn.recorder import Recorder
+from granular_contact.engines.modal.marching import March
 from granular_contact.errors import SceneError
-from granular_contact.multibody.recorder import Recorder
-from granular_contact.reduced.marching import March
 
 ROOT = Path(__file__).parents[1]
 SETTLED = """
@@ -161,7 +161,7 @@ def test_ctrl_c_ends_a_comparison(
 def test_ctrl_c_ends_settling(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    from granular_contact.multibody import settle
+    from granular_contact.engines.exudyn import settle
 
     struck(monkeypatch, settle._Descent, "_step")
     config = tmp_path / "settled.yaml"
@@ -171,7 +171,7 @@ def test_ctrl_c_ends_settling(
 
 
 def test_an_interrupted_run_whose_table_is_full_is_kept() -> None:
-    from granular_contact.reduced.model import model
+    from granular_contact.engines.modal.model import model
 
     scene = scene_of("pendulum", "method.reduced.modes=0")
     march = March(

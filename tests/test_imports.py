@@ -15,137 +15,48 @@ from support_runs import ROOT
 
 PACKAGE = ROOT / "granular_contact"
 MODULES = sorted(PACKAGE.rglob("*.py"))
-_READERS = {"config.csv_table", "config.yaml_source"}
-# For each part of the package, what of the package it may import; the longest name that fits counts, on both sides.
-# Parts not named here are at the top and free.
-MAY = {
-    "errors": set(),
-    "examples": set(),
-    "geometry": {"geometry", "errors"},
-    "robot": {"robot", "geometry", "errors"},
-    "kernels": {"kernels"},
-    "values": {"values"},
-    "laws": {"laws", "kernels", "values"},
-    "config": {"config", *_READERS, "robot", "values", "laws", "errors", "examples", "geometry"},
-    "scene": {"scene", "scene.space", "config", "laws", "errors", "geometry"},
-    # Shapes and meshes are made by the bed, once.
-    "scene.space": {"scene.space", "scene", "config", "config.csv_table", "bed.space", "laws", "errors", "geometry"},
-    "results": {"results", "scene", "laws", "geometry", "errors"},
-    # Folders and figures by method calls of results: loaded when one is called.
-    "results.methods": {"results", "report", "report.figures", "report.pages", "config", "scene", "errors"},
-    "bed": {"bed", "kernels", "laws", "scene", "results", "geometry", "errors"},
-    "bed.space": {"bed.space", "bed", "kernels", "laws", "geometry", "errors"},
-    # Three ways through; the reduced one knows nothing of the others.
-    # The coordinates of the engine's door and its observer, without the engine.
-    "minimal": {"minimal", "bed", "multibody", "scene", "laws", "kernels", "results"},
-    "multibody": {"multibody", "bed", "bed.space", "results", "scene", "laws", "kernels", "geometry", "errors"},
-    "multibody.space": {
-        "multibody.space",
-        "multibody",
-        "bed",
-        "bed.space",
-        "results",
-        "scene",
-        "scene.space",
-        "laws",
-        "kernels",
-        "geometry",
-        "errors",
-    },
-    # The second door: it knows nothing of the first.
-    "mujoco": {"mujoco", "bed", "bed.space", "laws", "kernels", "errors"},
-    "reduced": {"reduced", "results", "config", "scene", "laws", "kernels", "errors"},
-    # (kernels tell when they are compiled)
-    "run": {
-        "config",
-        "kernels",
-        "scene",
-        "laws",
-        "multibody",
-        "multibody.space",
-        "minimal",
-        "reduced",
-        "results",
-        "errors",
-    },
-    "controllers": {"results", "errors"},
-    "simulation": {"controllers", "run", "config", "scene", "results", "errors"},
-    "steering": {
-        "controllers",
-        "simulation",
-        "run",
-        "config",
-        "scene",
-        "results",
-        "multibody",
-        "laws",
-        "errors",
-    },
-    "gym": {"gym", "simulation", "controllers", "config", "examples", "report.figures", "results", "errors"},
-    "report": {"report", "results", "report.figures", "errors"},
-    "report.figures": {"report.figures", "report", "results"},
-    "report.pages": {
-        "report.pages",
-        "report.figures",
-        "report",
-        "results",
-        "errors",
-        "config.csv_table",
-        "config.yaml_source",
-    },
-    "studies": {"studies", "config", "scene", "run", "report", "report.figures", "results", "errors"},
-    "studies.processes": set(),
-    "studies.sweep": {
-        "studies.sweep",
-        "studies.processes",
-        "config",
-        "scene",
-        "run",
-        "report",
-        "report.figures",
-        "results",
-        "errors",
-    },
-    "studies.ensemble": {
-        "studies.ensemble",
-        "studies.sweep",
-        "config",
-        "scene",
-        "run",
-        "laws",
-        "report",
-        "report.figures",
-        "results",
-        "errors",
-    },
-    "studies.optimise": {
-        "studies.optimise",
-        "studies.sweep",
-        "config",
-        "scene",
-        "run",
-        "report",
-        "report.figures",
-        "results",
-        "errors",
-    },
-    "studies.fit": {
-        *_READERS,
-        "studies.fit",
-        "studies.processes",
-        "studies.sweep",
-        "bed",
-        "laws",
-        "config",
-        "scene",
-        "run",
-        "report",
-        "report.figures",
-        "results",
-        "errors",
-    },
+# Rooms from the ground up: each imports itself and those before it.
+FLOORS = (
+    ("errors", "examples", "values", "jit", "studies.processes"),
+    ("geometry", "config.tree"),
+    ("config.compose",),
+    ("config.csv_table", "config.yaml_source"),
+    ("sand.kernels",),
+    ("mechanics.kernels", "laws"),
+    ("robot",),
+    ("config",),
+    ("sand.space.triangles", "sand.space.heights"),  # shapes and surfaces are made once, for scenes too
+    ("sand.space.shapes",),
+    ("scene", "starter"),
+    ("results",),
+    ("sand",),
+    ("mechanics",),
+    ("engines.exudyn", "engines.tree", "engines.modal", "engines.mujoco"),
+    ("run",),
+    ("controllers", "report"),
+    ("simulation",),
+    ("steering", "gym"),
+    ("studies.sweep",),
+    ("studies",),
+    ("cli",),
+)
+# What rooms do without, though it lies below them; and what lies above them and is loaded when a method is called.
+NEVER = {
+    "sand.kernels": {"laws"},
+    "mechanics.kernels": {"laws"},
+    "laws": {"geometry", "config", "mechanics.kernels"},
+    "robot": {"laws", "jit"},
+    "config": {"jit", "sand.kernels"},
+    "scene": {"jit", "sand.kernels"},
+    "results": {"jit", "sand.kernels", "mechanics.kernels", "config"},
+    "sand": {"config", "robot"},
+    "mechanics": {"config", "robot"},
+    "engines.mujoco": {"mechanics", "scene", "results", "config"},
+    "report": {"run", "engines", "mechanics", "sand", "scene", "laws", "jit"},
+    "studies": {"engines", "mechanics", "jit"},
 }
-IMPORTED: set[str] = set().union(*MAY.values())
+LATE = {"results.methods": {"report", "config"}, "scene.space": {"sand.space.load"}}
+ROOMS = [room for floor in FLOORS for room in floor]
 
 
 def dotted(path: Path) -> str:
@@ -186,8 +97,9 @@ def imports(path: Path, *, when_run: bool = False) -> set[str]:
 
 def own(path: Path) -> set[str]:
     """The package's modules that a file imports."""
-    found = {name.removeprefix("granular_contact.") for name in imports(path)}
-    return found & NAMES
+    ours = {name for name in imports(path) if name.startswith("granular_contact.")}
+    found = {name.removeprefix("granular_contact.") for name in ours} & NAMES
+    return {name for name in found if not any(other.startswith(f"{name}.") for other in found)}
 
 
 def ids(path: Path) -> str:
@@ -199,10 +111,23 @@ def wrong(of: Callable[[Path], set[str]], modules: Sequence[Path] = MODULES) -> 
     return {ids(path): found for path in modules if (found := of(path))}
 
 
+def below(name: str) -> set[str]:
+    """Rooms that a module may import: its own, those on lower floors, and what it may load late."""
+    room = part(name, set(ROOMS))
+    floor = next((i for i, rooms in enumerate(FLOORS) if room in rooms), len(FLOORS))
+    lower = {one for rooms in FLOORS[:floor] for one in rooms} | {room}
+    never = NEVER.get(room, set())
+    late = set().union(*(more for one, more in LATE.items() if f"{name}.".startswith(f"{one}.")))
+    return {one for one in lower if one == room or not any(f"{one}.".startswith(f"{no}.") for no in never)} | late
+
+
 def test_imports_go_one_way() -> None:
     def forbidden(path: Path) -> set[str]:
-        allowed = MAY.get(part(dotted(path), set(MAY)))
-        return set() if allowed is None else {part(name, IMPORTED) for name in own(path)} - allowed
+        name = dotted(path)
+        if part(name, set(ROOMS)) not in ROOMS:  # at the top, and free
+            return set()
+        allowed = below(name)
+        return {other for other in own(path) if not {part(other, set(ROOMS)), part(other, allowed)} & allowed}
 
     assert len(MODULES) > 300
     assert wrong(forbidden) == {}
@@ -210,8 +135,9 @@ def test_imports_go_one_way() -> None:
 
 def test_heavy_libraries_stay_where_they_belong() -> None:
     homes: dict[str, tuple[str, ...]] = {
-        "exudyn": ("multibody", "multibody.space"),
-        "numba": ("kernels",),
+        "exudyn": ("engines.exudyn",),
+        "mujoco": ("engines.mujoco",),
+        "numba": ("jit", "sand.kernels", "mechanics.kernels", "engines"),
         "pydantic": ("config", "laws", "values"),
         "matplotlib": ("report.figures",),
         "gymnasium": ("gym",),
@@ -222,17 +148,18 @@ def test_heavy_libraries_stay_where_they_belong() -> None:
 
     def astray(path: Path) -> set[str]:
         libraries = {name.split(".")[0] for name in imports(path, when_run=True)} & set(homes)
-        return {library for library in libraries if part(dotted(path), IMPORTED) not in homes[library]}
+        name = dotted(path)
+        return {one for one in libraries if not any(f"{name}.".startswith(f"{home}.") for home in homes[one])}
 
     assert wrong(astray) == {}
 
 
-def test_the_bed_knows_no_engine() -> None:
+def test_sand_and_mechanics_know_no_engine() -> None:
     def engines(path: Path) -> set[str]:
         text = path.read_text(encoding="utf-8").lower()
-        return {name for name in ("exudyn", "mujoco", "mbs") if name in text}
+        return {name for name in ("import exudyn", "mujoco", "systemdata") if name in text}
 
-    rooms = [path for path in MODULES if dotted(path).startswith(("bed", "kernels", "laws"))]
+    rooms = [path for path in MODULES if dotted(path).startswith(("sand", "mechanics", "laws", "jit"))]
     assert len(rooms) > 80
     assert wrong(engines, rooms) == {}
 
@@ -282,8 +209,8 @@ WITHOUT_THE_ENGINE = {
     "a bed on given poses": """
 import numpy as np
 from granular_contact import preset
-from granular_contact.bed.contact_lines import Body, polyline
-from granular_contact.bed.load import GranularLoad
+from granular_contact.sand.contact_lines import Body, polyline
+from granular_contact.sand.load import GranularLoad
 load = GranularLoad(preset("rft_generic"), surface=0.0)
 load.add(polyline(Body("plate", [0, 1, 2]), [[-0.05, 0.0], [0.05, 0.0]], width=0.1))
 pose, velocity = np.array([0.0, -0.02, 0.0]), np.array([0.0, -0.1, 0.0])
@@ -338,9 +265,9 @@ def test_run_without_figures_loads_no_matplotlib(after: dict[str, set[str]]) -> 
 
 def test_a_planar_run_loads_nothing_of_space(after: dict[str, set[str]]) -> None:
     names = after["a run without figures"]
-    assert "granular_contact.kernels.lines" in names  # the test would see it
+    assert "granular_contact.sand.kernels.lines" in names  # the test would see it
     space = {"facets", "bars", "slices"} | {path.stem for path in MODULES if path.stem.startswith("space_")}
-    assert not names & {f"granular_contact.kernels.{name}" for name in space}
+    assert not names & {f"granular_contact.sand.kernels.{name}" for name in space}
     assert not [name for name in names if ".space" in name and name.startswith("granular_contact.")]
 
 

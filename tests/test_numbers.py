@@ -12,8 +12,8 @@ from support_runs import CONFIGS
 
 from granular_contact import run as run_module
 from granular_contact.config import Scenario, is_run, load_scenario
-from granular_contact.multibody.kinematics import Kinematics
-from granular_contact.multibody.system import Trajectory
+from granular_contact.mechanics.kinematics import Kinematics
+from granular_contact.mechanics.system import Trajectory
 from granular_contact.results import FINISHED, REST_MEASURE, Results
 from granular_contact.results.interpolation import Track, above_zero, at_times, greatest, positive_part, rates
 from granular_contact.results.observation import results

@@ -33,8 +33,8 @@ def test_every_name_is_a_thing_to_call_whatever_was_loaded_before_it(step: int) 
 
 
 def test_another_name_is_refused() -> None:
-    with pytest.raises(AttributeError, match="no attribute 'sand'"):
-        granular_contact.sand  # noqa: B018
+    with pytest.raises(AttributeError, match="no attribute 'grains'"):
+        granular_contact.grains  # noqa: B018
 
 
 def test_a_run_without_files() -> None:

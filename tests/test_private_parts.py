@@ -6,9 +6,9 @@ from test_imports import MODULES, ROOT, ids, imports, wrong
 
 PRIVATE = ("numba.core", "numba.np", "numba.cpython", "numba.typed", "numba.experimental", "llvmlite", "_")
 ALLOWED = {
-    "kernels/compiling.py": {"numba.core", "numba.core.event"},
-    "kernels/calls.py": {"llvmlite", "llvmlite.ir"},
-    "kernels/memory.py": {"llvmlite", "llvmlite.ir"},
+    "jit/compiling.py": {"numba.core", "numba.core.event"},
+    "jit/calls.py": {"llvmlite", "llvmlite.ir"},
+    "jit/memory.py": {"llvmlite", "llvmlite.ir"},
 }
 
 

@@ -28,7 +28,6 @@ from numpy.typing import NDArray
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from granular_contact.config import Scenario, load_scenario
-from granular_contact.multibody.recorder import levers
 from granular_contact.results import Cost
 from granular_contact.run import begin
 from granular_contact.run import run as run_scene
@@ -115,7 +114,7 @@ def run(config: str, sets: tuple[str, ...]) -> Run:
     begun.solving.advance()
     trajectory = begun.solving.trajectory()
     assert begun.system is not None
-    lever = levers(begun.system)
+    lever = begun.system.levers
     begun.solving.close()
     return Run(trajectory.time, trajectory.q * lever, trajectory.status.code)
 

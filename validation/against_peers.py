@@ -22,9 +22,9 @@ HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent))
 
 from granular_contact.config import load_scenario
-from granular_contact.multibody.build import build
-from granular_contact.multibody.kinematics import Kinematics
-from granular_contact.multibody.solve import solve
+from granular_contact.engines.exudyn.build import build
+from granular_contact.engines.exudyn.solve import solve
+from granular_contact.mechanics.kinematics import Kinematics
 from granular_contact.scene import build as build_scene
 from validation import peer_chains
 from validation.peers import Path as TipPath

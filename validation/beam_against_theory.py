@@ -31,9 +31,9 @@ HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent))
 
 from granular_contact.config import load_scenario
-from granular_contact.multibody.build import build as assemble
-from granular_contact.reduced.arrays import arrays_of
-from granular_contact.reduced.model import model
+from granular_contact.engines.exudyn.build import build as assemble
+from granular_contact.engines.modal.arrays import arrays_of
+from granular_contact.engines.modal.model import model
 from granular_contact.report.figures.panels import blank
 from granular_contact.report.figures.style import BLUE, DOUBLE, DPI, FAINT, GREEN, INK, ORANGE, PURPLE, VERMILION, style
 from granular_contact.run import run

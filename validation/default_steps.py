@@ -26,7 +26,6 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from granular_contact.config import is_run, load_scenario
-from granular_contact.multibody.recorder import levers
 from granular_contact.results import Cost
 from granular_contact.run import begin
 from granular_contact.scene import Scene, build
@@ -67,7 +66,7 @@ def solved(scene: Scene) -> tuple[Run, Cost, float]:
     seconds = time.process_time() - began
     trajectory = begun.solving.trajectory()
     assert begun.system is not None
-    lever = levers(begun.system)
+    lever = begun.system.levers
     begun.solving.close()
     place = trajectory.q * lever
     if _is_prescribed(scene):

@@ -28,9 +28,9 @@ HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent))
 
 from granular_contact.config import load_scenario
-from granular_contact.multibody.build import build as build_system
-from granular_contact.multibody.observe import observe
-from granular_contact.multibody.solve import settings, solve
+from granular_contact.engines.exudyn.build import build as build_system
+from granular_contact.engines.exudyn.solve import settings, solve
+from granular_contact.mechanics.observe import observe
 from granular_contact.results.stopping import find_touch
 from granular_contact.run import run
 from granular_contact.scene import build

@@ -22,13 +22,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import binom
 
-from granular_contact.bed.contact_lines import Body, polyline
-from granular_contact.bed.load import GranularLoad
-from granular_contact.bed.steady import SteadyBody
 from granular_contact.config import load_scenario
 from granular_contact.laws.probe import STEADY
 from granular_contact.laws.rft import GENERIC, Rft
 from granular_contact.laws.scatter import Scatter
+from granular_contact.sand.contact_lines import Body, polyline
+from granular_contact.sand.load import GranularLoad
+from granular_contact.sand.steady import SteadyBody
 from granular_contact.scene import build
 from granular_contact.studies.fit import fit, load_specification, prepare
 from granular_contact.studies.fit.law_alone import Motion, measured

@@ -19,13 +19,13 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 import numpy as np
 
 from granular_contact import preset
-from granular_contact.kernels import batches, kinematics, planar_sand
-from granular_contact.kernels.compiled import ready
-from granular_contact.kernels.forces import medium_record
-from granular_contact.kernels.law import LINE
-from granular_contact.kernels.lending import places
+from granular_contact.jit.compiled import ready
+from granular_contact.jit.lending import places
 from granular_contact.laws.law import Law
 from granular_contact.laws.static_friction import Elastoplastic
+from granular_contact.sand.kernels import batches, kinematics, planar_sand
+from granular_contact.sand.kernels.forces import medium_record
+from granular_contact.sand.kernels.law import LINE
 from validation.laws import every_medium
 from validation.tables import machine, markdown
 

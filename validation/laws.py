@@ -229,7 +229,7 @@ def drop(medium: Law, speed: float, step: float, end: float, mass: float = MASS)
     import exudyn as exu
     from exudyn import itemInterface as items
 
-    from granular_contact.multibody.bed import GranularBed
+    from granular_contact.engines.exudyn.bed import GranularBed
 
     mbs = exu.SystemContainer().AddSystem()
     node = mbs.AddNode(

@@ -21,8 +21,8 @@ from typing import Any
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from granular_contact.config import load_scenario
-from granular_contact.multibody.build import System, build
-from granular_contact.multibody.solve import settings, solve
+from granular_contact.engines.exudyn.build import System, build
+from granular_contact.engines.exudyn.solve import settings, solve
 from granular_contact.results import Cost
 from granular_contact.scene import Scene
 from granular_contact.scene import build as build_scene

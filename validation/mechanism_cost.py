@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from granular_contact.config import load_scenario
-from granular_contact.multibody.kinematics import Kinematics
+from granular_contact.mechanics.kinematics import Kinematics
 from granular_contact.results import Cost
 from granular_contact.run import begin
 from granular_contact.scene import build

@@ -27,11 +27,11 @@ HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent))
 
 from granular_contact.config import load
-from granular_contact.minimal.solve import Solve as SolveTree
-from granular_contact.minimal.tree import tree
-from granular_contact.multibody.build import build
-from granular_contact.multibody.kinematics import Kinematics
-from granular_contact.multibody.solve import Solve
+from granular_contact.engines.exudyn.build import build
+from granular_contact.engines.exudyn.solve import Solve
+from granular_contact.engines.tree.solve import Solve as SolveTree
+from granular_contact.engines.tree.tree import tree
+from granular_contact.mechanics.kinematics import Kinematics
 from granular_contact.results import Results
 from granular_contact.run import run
 from granular_contact.scene import build as build_scene

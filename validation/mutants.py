@@ -38,27 +38,27 @@ _TREES = (
 )
 AREAS: dict[str, dict[str, tuple[str, ...]]] = {
     "joints": {
-        "kernels/joint_loads.py": _JOINTS,
-        "kernels/joint_laws.py": _JOINTS,
-        "multibody/joint_actions.py": _JOINTS,
-        "multibody/joint_history.py": (*_JOINTS, "tests/test_simulation.py"),
+        "mechanics/kernels/joint_loads.py": _JOINTS,
+        "mechanics/kernels/joint_laws.py": _JOINTS,
+        "engines/exudyn/joint_actions.py": _JOINTS,
+        "mechanics/joint_history.py": (*_JOINTS, "tests/test_simulation.py"),
     },
     "trees": {
-        "kernels/tree.py": _TREES,
-        "kernels/tree_load.py": _TREES,
-        "kernels/tree_newton.py": _TREES,
-        "kernels/tree_march.py": (*_TREES, "tests/multibody/test_stepping.py", "tests/test_simulation.py"),
-        "kernels/step_choice.py": ("tests/multibody/test_stepping.py", "tests/multibody/test_drives.py"),
-        "minimal/march.py": (*_TREES, "tests/test_start_in_sand.py", "tests/test_simulation.py"),
+        "engines/tree/kernels/tree.py": _TREES,
+        "engines/tree/kernels/tree_load.py": _TREES,
+        "engines/tree/kernels/tree_newton.py": _TREES,
+        "engines/tree/kernels/tree_march.py": (*_TREES, "tests/multibody/test_stepping.py", "tests/test_simulation.py"),
+        "mechanics/kernels/step_choice.py": ("tests/multibody/test_stepping.py", "tests/multibody/test_drives.py"),
+        "engines/tree/march.py": (*_TREES, "tests/test_start_in_sand.py", "tests/test_simulation.py"),
     },
     "observers": {
-        "multibody/observe.py": (
+        "mechanics/observe.py": (
             "tests/multibody/test_powers.py",
             "tests/multibody/test_chains.py",
             "tests/multibody/test_free.py",
             "tests/test_run.py",
         ),
-        "multibody/senses.py": ("tests/test_simulation.py",),
+        "mechanics/senses.py": ("tests/test_simulation.py",),
         "results/stopping.py": ("tests/test_stops.py", "tests/multibody/test_stopping.py", "tests/test_edges.py"),
         "results/strides.py": ("tests/test_strides.py",),
     },
@@ -66,7 +66,7 @@ AREAS: dict[str, dict[str, tuple[str, ...]]] = {
         "scene/workspace.py": ("tests/scene/test_workspace.py", "tests/scene/test_build.py"),
         "scene/joints.py": ("tests/scene/test_build.py", "tests/scene/test_mechanisms.py", _JOINTS[0]),
         "scene/applicability.py": ("tests/test_bed_of_a_run.py", "tests/scene/test_workspace.py"),
-        "multibody/recorder.py": (
+        "engines/exudyn/recorder.py": (
             "tests/multibody/test_free.py",
             "tests/test_edges.py",
             "tests/test_simulation.py",
@@ -75,15 +75,15 @@ AREAS: dict[str, dict[str, tuple[str, ...]]] = {
         "results/limits.py": ("tests/test_bed_of_a_run.py", "tests/test_edges.py", "tests/test_start_in_sand.py"),
     },
     "kernels": {
-        "kernels/immersion.py": ("tests/kernels/test_immersion.py", "tests/properties/test_forces.py"),
-        "kernels/friction.py": ("tests/kernels/test_friction.py",),
-        "kernels/kinematics.py": ("tests/kernels/test_kinematics.py", "tests/multibody/test_batches.py"),
-        "kernels/batches.py": (
+        "sand/kernels/immersion.py": ("tests/kernels/test_immersion.py", "tests/properties/test_forces.py"),
+        "sand/kernels/friction.py": ("tests/kernels/test_friction.py",),
+        "sand/kernels/kinematics.py": ("tests/kernels/test_kinematics.py", "tests/multibody/test_batches.py"),
+        "sand/kernels/batches.py": (
             "tests/bed/test_load.py",
             "tests/multibody/test_batches.py",
             "tests/multibody/test_bed.py",
         ),
-        "kernels/planar_sand.py": (
+        "sand/kernels/planar_sand.py": (
             "tests/bed/test_load.py",
             "tests/multibody/test_batches.py",
             "tests/multibody/test_bed.py",
@@ -159,11 +159,9 @@ def stale(file: str) -> set[str]:
 
     Laws are joined to the kernels when they are first used, so that what a law uses may be in all of them.
     """
-    texts = {
-        (room, path.stem): path.read_text(encoding="utf-8")
-        for room in ("kernels", "laws")
-        for path in (ROOT / "granular_contact" / room).rglob("*.py")
-    }
+    package = ROOT / "granular_contact"
+    rooms = [*package.rglob("kernels"), package / "jit", package / "laws"]
+    texts = {(room.name, path.stem): path.read_text(encoding="utf-8") for room in rooms for path in room.glob("*.py")}
     found = {("kernels", Path(file).stem)}
     while True:
         names = "|".join(sorted(name for _, name in found))
@@ -193,7 +191,7 @@ def is_noticed(mutant: Mutant) -> bool:
     file, kept, cache = PLACE / "granular_contact" / mutant.file, PLACE / "cache", PLACE / "cache_of_mutant"
     before, stamp = file.read_text(encoding="utf-8"), file.stat()
     shutil.rmtree(cache, ignore_errors=True)
-    old = stale(mutant.file) if mutant.file.startswith("kernels/") else set()
+    old = stale(mutant.file) if "kernels/" in mutant.file else set()
     shutil.copytree(
         kept,
         cache,

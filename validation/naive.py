@@ -15,7 +15,7 @@ import numpy as np
 from exudyn import OutputVariableType as Output
 from exudyn import itemInterface as items
 
-from granular_contact.multibody.build import System
+from granular_contact.engines.exudyn.build import System
 
 GAUSS, WEIGHTS = np.polynomial.legendre.leggauss(3)
 

@@ -16,11 +16,11 @@ from functools import partial
 
 import numpy as np
 
-from granular_contact.minimal.solve import solve as solve_tree
-from granular_contact.minimal.tree import tree
-from granular_contact.multibody.build import build
-from granular_contact.multibody.kinematics import Kinematics
-from granular_contact.multibody.solve import solve
+from granular_contact.engines.exudyn.build import build
+from granular_contact.engines.exudyn.solve import solve
+from granular_contact.engines.tree.solve import solve as solve_tree
+from granular_contact.engines.tree.tree import tree
+from granular_contact.mechanics.kinematics import Kinematics
 from validation.chains import LENGTH, chain, strips
 from validation.peers import Path, mujoco_chain
 from validation.tables import markdown

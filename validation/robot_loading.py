@@ -51,7 +51,7 @@ def load_once(urdf: str) -> dict[str, float]:
     """CPU seconds of each stage in this process."""
     marks = {"": 0.0, "Python and numpy": time.process_time()}
     from granular_contact import config, scene
-    from granular_contact.multibody.space.build import build
+    from granular_contact.engines.exudyn.build_in_space import build
 
     marks["importing the package"] = time.process_time()
     loaded = config.load({**RUN, "model": {"urdf": urdf, "facet_size_m": 1.0}})

@@ -22,11 +22,11 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
-from granular_contact.multibody.build import build
-from granular_contact.multibody.observe import observe
-from granular_contact.multibody.overlay import Overlay
-from granular_contact.multibody.solve import solve
-from granular_contact.multibody.system import RigidHandle, System
+from granular_contact.engines.exudyn.build import build
+from granular_contact.engines.exudyn.overlay import Overlay
+from granular_contact.engines.exudyn.solve import solve
+from granular_contact.mechanics.observe import observe
+from granular_contact.mechanics.system import RigidHandle, System
 from granular_contact.scene import Scene
 from validation.chains import chain
 from validation.study import Claim, Outcome, script

@@ -31,9 +31,9 @@ from numpy.typing import NDArray
 from granular_contact import config, scene
 from granular_contact import run as run_module
 from granular_contact.config import load_scenario, scenario_to_dict
-from granular_contact.multibody.balance import Balance
-from granular_contact.multibody.mass_and_gravity import mass_matrix
-from granular_contact.multibody.system import System
+from granular_contact.engines.exudyn.balance import Balance
+from granular_contact.mechanics.mass_and_gravity import mass_matrix
+from granular_contact.mechanics.system import System
 from validation.study import Claim, Outcome
 from validation.tables import machine, markdown
 

@@ -26,11 +26,11 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 import numpy as np
 
 from granular_contact import Drft, Mesh, Rft, Rft3d, Sphere
-from granular_contact.bed.contact_lines import Body, polyline
-from granular_contact.bed.load import GranularLoad
-from granular_contact.bed.space.load import SpatialLoad
-from granular_contact.bed.space.triangles import clusters_of
 from granular_contact.laws.law import Law
+from granular_contact.sand.contact_lines import Body, polyline
+from granular_contact.sand.load import GranularLoad
+from granular_contact.sand.space.load import SpatialLoad
+from granular_contact.sand.space.triangles import clusters_of
 from validation.tables import machine, markdown
 
 ROUNDS, CALLS = 40, 10

@@ -25,8 +25,8 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 import numpy as np
 
 from granular_contact.config import load_scenario
-from granular_contact.multibody.kinematics import Kinematics
-from granular_contact.multibody.strip_error import strip_error
+from granular_contact.mechanics.kinematics import Kinematics
+from granular_contact.mechanics.strip_error import strip_error
 from granular_contact.run import begin, run
 from granular_contact.scene import build
 from granular_contact.scene.types import Reduced

@@ -27,7 +27,7 @@ from granular_contact.errors import ConfigError, Fault
 
 if TYPE_CHECKING:
     from granular_contact.config import Scenario
-    from granular_contact.multibody.system import System, Trajectory
+    from granular_contact.mechanics.system import System, Trajectory
     from granular_contact.results import Compiling, Progress, Results
     from granular_contact.scene import Scene
 
@@ -113,7 +113,7 @@ def execute(chosen: argparse.Namespace) -> int:
     if explained:
         say("\n".join(explained))
     for solved in kept if chosen.view else ():
-        from granular_contact.multibody import view
+        from granular_contact.engines.exudyn import view
 
         view.show(*solved)
     return ENDS.get(results.status.code, FINE)
@@ -123,7 +123,7 @@ def _simulate(
     chosen: argparse.Namespace, scenario: Scenario, scene: Scene, kept: list[tuple[System, Trajectory]]
 ) -> tuple[Results, str]:
     """The results of the run, and how long it took; kept: gets the engine's system, if it is looked at afterwards."""
-    from granular_contact.kernels.compiling import seconds
+    from granular_contact.jit.compiling import seconds
     from granular_contact.results.frames import MOST
     from granular_contact.run import run
 
@@ -155,7 +155,7 @@ def _explanation(scene: Scene, solved: list[tuple[System, Trajectory]]) -> Itera
         also = "" if "exudyn" in sys.modules else ", and it is not imported"
         yield f"  the engine: the method does without its solver{also}"
     for system, trajectory in solved:
-        from granular_contact.multibody.omissions import left_out
+        from granular_contact.mechanics.omissions import left_out
 
         yield from (f"  {line}" for line in left_out(system, trajectory))
 
@@ -171,7 +171,7 @@ def _refuse_view(scene: Scene) -> None:
     """Raise if the run can't be viewed."""
     if scene.method is not None:
         raise Refusal("--view: the viewer is the engine's, which this method does not run in; --animate shows both")
-    from granular_contact.multibody import view
+    from granular_contact.engines.exudyn import view
 
     if (problem := view.problem()) is not None:
         raise Refusal(f"--view: {problem}; --animate saves an animation, which needs none")
@@ -190,7 +190,7 @@ def _progress(shown: bool, end_time: float) -> Iterator[tuple[Progress | None, C
     from rich.progress import BarColumn, TextColumn, TimeElapsedColumn
     from rich.progress import Progress as Bar
 
-    from granular_contact.kernels.compiling import seconds
+    from granular_contact.jit.compiling import seconds
 
     console = Console(stderr=True)
     narrow, digits = console.width < NARROW, 4 if end_time < 1.0 else 2

@@ -26,7 +26,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(chosen: argparse.Namespace) -> int:
     """Run the command; returns the exit code."""
-    from granular_contact.kernels.compiling import seconds
+    from granular_contact.jit.compiling import seconds
     from granular_contact.run import begin
 
     scenes = [(path, read(path, chosen.set)[1]) for path in chosen.config or _shipped()]

@@ -1,6 +1,6 @@
 """The free surface by its corners (k, 2) m, x rising: straight between them, its first and last pieces without end.
 
-One corner is a level surface. The same as `kernels.surface`, for those who need no compiler.
+One corner is a level surface. The same as `sand.kernels.surface`, for those who need no compiler.
 """
 
 from __future__ import annotations

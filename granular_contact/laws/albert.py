@@ -12,9 +12,9 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from granular_contact import kernels
 from granular_contact.laws.gravity import BULK, WITH_WEIGHT
 from granular_contact.laws.law import Law
+from granular_contact.sand import kernels
 from granular_contact.values.strict import NotNegative, Positive
 
 
@@ -46,13 +46,13 @@ class Albert(Law):
 
     @staticmethod
     def strip_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, line, m, f):
-        """Add the horizontal term; arguments as in `kernels.law.strip_force`."""
+        """Add the horizontal term; arguments as in `sand.kernels.law.strip_force`."""
         k = m.eta_h_g_rho * line.width
         kernels.bar_statics.horizontal_force(a, b, z0, z1, cy, v0x, v1x, e0x, e1x, k, m, f[0])
 
     @staticmethod
     def bar_force(a, b, z0, z1, cx, cy, cz, v0x, v0y, v0z, v1x, v1y, v1z, e0x, e0y, e0z, e1x, e1y, e1z, cluster, m, f):
-        """Add the horizontal term in space; arguments as in `kernels.space_law.bar_force`."""
+        """Add the horizontal term in space; arguments as in `sand.kernels.space_law.bar_force`."""
         k = m.eta_h_g_rho * cluster.width
         kernels.bars.horizontal_force(
             a, b, z0, z1, cx, cy, cz, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, k, m, f[0]

@@ -4,7 +4,7 @@
 
 with the true velocity v and its part v_n normal to the element; on a one-sided outline only where n . v > 0. The free
 surface may be lowered by delta_h. Behind the axle of a turning wheel it is lowered by r (r omega^2 / g), as the source
-has it for driven wheels [1]; see `kernels.wheels`. In space n is the normal of a facet. With w = t x v = v_n and
+has it for driven wheels [1]; see `sand.kernels.wheels`. In space n is the normal of a facet. With w = t x v = v_n and
 n = (-t_y, t_x), the inertial term of a straight strip is a cubic in xi on either side of the zero of w, which two Gauss
 points integrate exactly.
 """
@@ -16,10 +16,10 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from granular_contact import kernels
 from granular_contact.laws.gravity import BULK, INERTIA, derived, not_known
 from granular_contact.laws.law import Law
 from granular_contact.laws.rft import CONSTANTS, FACTOR, GENERIC, WITH_GRAVITY, Rft, RftCoefficients
+from granular_contact.sand import kernels
 from granular_contact.values.strict import NotNegative, Positive
 
 INERTIAL = 1  # term
@@ -67,7 +67,7 @@ class Drft(Law):
 
     @staticmethod
     def strip_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, line, m, f):
-        """Add the static and the inertial term; arguments as in `kernels.law.strip_force`."""
+        """Add the static and the inertial term; arguments as in `sand.kernels.law.strip_force`."""
         z0, z1 = z0 - m.delta_h, z1 - m.delta_h
         low, high = kernels.immersion.immersed_interval(z0, z1)
         a, b = max(a, low), min(b, high)
@@ -79,7 +79,7 @@ class Drft(Law):
 
     @staticmethod
     def facet_inertia(nx, ny, nz, vx, vy, vz, side, m):
-        """Inertial traction; as `kernels.facets.inertia`."""
+        """Inertial traction; as `sand.kernels.facets.inertia`."""
         w = nx * vx + ny * vy + nz * vz
         inertial = 0.0 if side * w < 0.0 else pressure(w, m.lam_rho)
         return -inertial * nx, -inertial * ny, -inertial * nz

@@ -23,8 +23,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from granular_contact import kernels
 from granular_contact.laws.kinds import Kind
+from granular_contact.sand import kernels
 
 TERM = "floor"
 
@@ -54,14 +54,14 @@ class Floor:
 
     def record(self, kind: Kind) -> NDArray[np.void]:
         """Constants as the (1,) record that the kernels read on shapes of a kind."""
-        from granular_contact.kernels.joining import blank
+        from granular_contact.sand.kernels.joining import blank
 
         record = blank(OnBalls if kind == "ball" else OnStrips)
         return self._filled(record)
 
     def record_in_space(self) -> NDArray[np.void]:
         """Constants as the (1,) record of `InSpace`."""
-        from granular_contact.kernels.joining import blank
+        from granular_contact.sand.kernels.joining import blank
 
         return self._filled(blank(InSpace))
 
@@ -77,7 +77,7 @@ class OnStrips:
 
     @staticmethod
     def strip_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, line, m, f):
-        """Add the end forces of a strip; z0, z1 are depths below the floor, else as in `kernels.law.strip_force`."""
+        """Add the end forces of a strip; z0, z1 are depths below the floor, as `strip_force` of `sand.kernels.law`."""
         share = max(0.0, 1.0 - m.damping * 0.5 * (v0y + v1y))
         k = m.stiffness * share * math.sqrt(cx * cx + cy * cy)
         j0, j1 = kernels.immersion.part_integrals(a, b, z0, z1, 1.0)
@@ -98,7 +98,7 @@ class OnBalls:
 
     @staticmethod
     def ball_force(z, vx, vy, ex, ey, line, m, f):
-        """Add the force of a ball, z being the depth of its lowest point below the floor; as in `kernels.law`."""
+        """Add the force of a ball, z the depth of its lowest point below the floor; as in `sand.kernels.law`."""
         f[0, 1] += m.stiffness * line.width * z * max(0.0, 1.0 - m.damping * vy)
 
 
@@ -110,12 +110,12 @@ class InSpace:
 
     @staticmethod
     def facet_force(z, nx, ny, nz, vx, vy, vz, ex, ey, ez, spread, side, j, m):
-        """Traction of the floor, z being the depth below it; as `kernels.facets.force`."""
+        """Traction of the floor, z being the depth below it; as `sand.kernels.facets.force`."""
         return 0.0, 0.0, m.stiffness * max(0.0, 1.0 - m.damping * vz), 0.0, 0.0, 0.0
 
     @staticmethod
     def bar_force(a, b, z0, z1, cx, cy, cz, v0x, v0y, v0z, v1x, v1y, v1z, e0x, e0y, e0z, e1x, e1y, e1z, cluster, m, f):
-        """Add the end forces of a strip, z0 and z1 being depths below the floor; as `kernels.space_law.bar_force`."""
+        """Add the end forces of a strip, z0, z1 being depths below the floor; as `sand.kernels.space_law`."""
         share = max(0.0, 1.0 - m.damping * 0.5 * (v0z + v1z))
         k = m.stiffness * share * cluster.width * math.sqrt(cx * cx + cy * cy + cz * cz)
         j0, j1 = kernels.immersion.part_integrals(a, b, z0, z1, 1.0)
@@ -124,7 +124,7 @@ class InSpace:
 
     @staticmethod
     def space_ball_force(z, vx, vy, vz, ex, ey, ez, cluster, m, f):
-        """Add the force of a ball, z being the depth of its lowest point below the floor; as `kernels.space_law`."""
+        """Add the force of a ball, z the depth of its lowest point below the floor; as `sand.kernels.space_law`."""
         k = m.stiffness * math.pi * cluster.width * max(0.0, 1.0 - m.damping * vz)
         cap = min(z, cluster.width)  # all of the sphere is below where z is more
         f[0, 2] += k * (0.5 * cap * cap + cluster.width * (z - cap))

@@ -7,8 +7,8 @@ import inspect
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-from granular_contact.kernels.signatures import IN_PLANE, IN_SPACE, OF_BALLS, OF_SURFACES, arguments, wanted
 from granular_contact.laws.kinds import WORDS
+from granular_contact.sand.kernels.signatures import IN_PLANE, IN_SPACE, OF_BALLS, OF_SURFACES, arguments, wanted
 from granular_contact.values.strict import listed
 
 if TYPE_CHECKING:

@@ -14,10 +14,10 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from granular_contact import kernels
 from granular_contact.laws.gravity import BULK, SHAPE
 from granular_contact.laws.law import Law
 from granular_contact.laws.lee_marghitu import VerticalResistance
+from granular_contact.sand import kernels
 from granular_contact.values.strict import Positive
 
 
@@ -61,7 +61,7 @@ class Hill(Law):
 
     @staticmethod
     def strip_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, line, m, f):
-        """Add the vertical term; arguments as in `kernels.law.strip_force`."""
+        """Add the vertical term; arguments as in `sand.kernels.law.strip_force`."""
         eta, lam = (m.eta_plunge, m.eta_withdraw), (m.lam_plunge, m.lam_withdraw)
         k, scale = factor(line.width, m)
         kernels.bar_statics.vertical_force(
@@ -70,7 +70,7 @@ class Hill(Law):
 
     @staticmethod
     def bar_force(a, b, z0, z1, cx, cy, cz, v0x, v0y, v0z, v1x, v1y, v1z, e0x, e0y, e0z, e1x, e1y, e1z, cluster, m, f):
-        """Add the vertical term in space; arguments as in `kernels.space_law.bar_force`."""
+        """Add the vertical term in space; arguments as in `sand.kernels.space_law.bar_force`."""
         eta, lam = (m.eta_plunge, m.eta_withdraw), (m.lam_plunge, m.lam_withdraw)
         k, scale = factor(cluster.width, m)
         kernels.bars.vertical_force(

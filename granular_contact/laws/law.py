@@ -8,12 +8,12 @@ The class of a law says
   gravity, see `laws.gravity`.
 - `equation`, `terms` and `takes`, `by_component` and `resultant`, see `Law`;
 - `constants`, the names of the numbers (all float) that its forces need, and `numbers`, which gives their values;
-- its forces, as static methods named and called as the stubs in `kernels.law` and `kernels.plates`: for lines and
+- its forces, as static methods named and called as the stubs in `sand.kernels.law` and `plates`: for lines and
   outlines `stress`, `traction` or `strip_force` and, if it knows one, `cap_force`; for balls `ball_force`. `m` has the
   constants.
 
 Forces are plain functions that numba compiles when they are first needed: they may call plain functions of their file,
-and kernels as `kernels.bar_statics.horizontal_force`. Nothing of numba is imported here.
+and kernels as `sand.kernels.bar_statics.horizontal_force`. Nothing of numba is imported here.
 """
 
 from __future__ import annotations
@@ -147,7 +147,7 @@ class Law(Coefficients):
         TypeError
             Kernels can't call the functions of the law, or its numbers are none of its constants.
         """
-        from granular_contact.kernels.plates import PRESSED
+        from granular_contact.sand.kernels.plates import PRESSED
 
         if self.lacking:
             got = ", ".join(f"{type(self).__name__}.{key}" for key in self.lacking)
@@ -167,7 +167,7 @@ class Law(Coefficients):
     def blank(cls) -> NDArray[np.void]:
         """Record (1,) of the law with all numbers 0; the law is joined to the kernels, which loads the compiler."""
         refuse_faulty(cls)
-        from granular_contact.kernels.joining import PARTS, blank
+        from granular_contact.sand.kernels.joining import PARTS, blank
 
         return blank(next(one for one in cls.__mro__ if PARTS & vars(one).keys()))
 
@@ -179,7 +179,7 @@ class Law(Coefficients):
 
     @property
     def needs_path_length(self) -> bool:
-        """Whether its forces need path lengths or shear displacements, see `kernels.path_length`."""
+        """Whether its forces need path lengths or shear displacements, see `sand.kernels.path_length`."""
         return self.shear_grows or self.scatters
 
     @property

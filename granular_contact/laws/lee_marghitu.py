@@ -8,8 +8,8 @@ With local depth z, velocity v, unit tangent t, diameter d and section area A = 
 
 Over a straight link that pierces the surface these integrate to the resultants of the source paper [rebuilt, see
 docs/about/model.md]. (eta_v, lam) have one value for plunging (v_y < 0) and one for withdrawing. The sign is
-regularised in `kernels.friction`. In space sgn(v_x) e_x becomes the horizontal direction r of the motion and |t_y|
-becomes |t x r| [ours], see `kernels.bars`.
+regularised in `sand.kernels.friction`. In space sgn(v_x) e_x becomes the horizontal direction r of the motion and |t_y|
+becomes |t x r| [ours], see `sand.kernels.bars`.
 
 A strip has end positions p_0, p_1 with c = p_1 - p_0, so that ds = |c| dxi, |t x v| ds = |c x v| dxi and
 |t_y| ds = |c_y| dxi.
@@ -22,10 +22,10 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, SerializerFunctionWrapHandler, field_serializer
 
-from granular_contact import kernels
 from granular_contact.laws.coefficients import Coefficients
 from granular_contact.laws.gravity import BULK, INERTIA, SHAPE, WITH_WEIGHT
 from granular_contact.laws.law import Law
+from granular_contact.sand import kernels
 from granular_contact.values.strict import NotNegative, OrNull, Positive
 
 DRAG, HORIZONTAL, VERTICAL = 0, 1, 2  # terms
@@ -104,7 +104,7 @@ class LeeMarghitu(Law):
 
     @staticmethod
     def strip_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, line, m, f):
-        """Add the three force terms; arguments as in `kernels.law.strip_force`, line.width is the diameter d."""
+        """Add the three force terms; arguments as in `sand.kernels.law.strip_force`, line.width is the diameter d."""
         d = line.width
         drag, horizontal, vertical = factors(d, m)
         if drag != 0.0:
@@ -118,7 +118,7 @@ class LeeMarghitu(Law):
 
     @staticmethod
     def bar_force(a, b, z0, z1, cx, cy, cz, v0x, v0y, v0z, v1x, v1y, v1z, e0x, e0y, e0z, e1x, e1y, e1z, cluster, m, f):
-        """Add the three force terms in space; arguments as in `kernels.space_law.bar_force`."""
+        """Add the three force terms in space; arguments as in `sand.kernels.space_law.bar_force`."""
         d = cluster.width
         drag, horizontal, vertical = factors(d, m)
         if drag != 0.0:
@@ -144,7 +144,7 @@ class LeeMarghitu(Law):
 
     @staticmethod
     def bar_cap(cx, cy, cz, vx, vy, vz, cluster, m, f):
-        """As `cap_force`, in space; arguments as in `kernels.space_law.cap_force`."""
+        """As `cap_force`, in space; arguments as in `sand.kernels.space_law.cap_force`."""
         length = math.sqrt(cx * cx + cy * cy + cz * cz)
         if length == 0.0:
             return

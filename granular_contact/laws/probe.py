@@ -39,8 +39,8 @@ class Probe:
 
 def force(medium: Law, probe: Probe, velocity: Vector, gravity: float = 9.81) -> Vector:
     """Force x, y (N) of each term, (terms, 2), on a body that moves steadily with a velocity (2,) m/s, y up."""
-    from granular_contact.kernels import probe as kernel
-    from granular_contact.kernels.law import LINE, TERMS
+    from granular_contact.sand.kernels import probe as kernel
+    from granular_contact.sand.kernels.law import LINE, TERMS
 
     line = np.zeros(1, LINE)
     line["width"], line["side"] = probe.width, probe.side

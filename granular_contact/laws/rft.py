@@ -120,7 +120,7 @@ class Rft(Law):
 
     @staticmethod
     def stress(tx, ty, ux, uy, m):
-        """S (N/m^3) of the law; as `kernels.plates.stress`."""
+        """S (N/m^3) of the law; as `sand.kernels.plates.stress`."""
         c2, s2 = tx * tx - ty * ty, 2.0 * tx * ty
         return (
             -(m.C01 + m.C_sum * c2) * ux - m.C_difference * s2 * uy - m.D10 * s2,

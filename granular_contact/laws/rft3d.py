@@ -95,14 +95,14 @@ class Rft3d(Law):
 
     @staticmethod
     def stress(tx, ty, ux, uy, m):
-        """S (N/m^3) of the law; as `kernels.plates.stress`."""
+        """S (N/m^3) of the law; as `sand.kernels.plates.stress`."""
         ax, _, ay = response(ty, 0.0, -tx, ux, 0.0, uy)
         sx, sy = limited_in_plane(ax, ay, tx, ty, ux, uy, m)
         return m.xi_n * sx, m.xi_n * sy
 
     @staticmethod
     def facet_stress(nx, ny, nz, ux, uy, uz, m):
-        """S (N/m^3) of the law; as `kernels.facets.stress`."""
+        """S (N/m^3) of the law; as `sand.kernels.facets.stress`."""
         ax, ay, az = response(nx, ny, nz, ux, uy, uz)
         return limited(ax, ay, az, nx, ny, nz, ux, uy, uz, m)
 

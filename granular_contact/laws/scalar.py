@@ -14,9 +14,9 @@ from __future__ import annotations
 
 import math
 
-from granular_contact import kernels
 from granular_contact.laws.gravity import measured, not_known
 from granular_contact.laws.law import Law
+from granular_contact.sand import kernels
 
 STATIC, VISCOUS = 0, 1  # terms; where the quadratic one goes is the record's `quadratic`
 SHALLOW = 1e-3
@@ -47,7 +47,7 @@ class ScalarLaw(Law):
 
     @staticmethod
     def ball_force(z, vx, vy, ex, ey, line, m, f):
-        """Add the force of a ball to f[term, xy]; arguments as in `kernels.law.ball_force`."""
+        """Add the force of a ball to f[term, xy]; arguments as in `sand.kernels.law.ball_force`."""
         static, viscous, quadratic = resistance(z, math.hypot(vx, vy), line, m)
         qx, qy = kernels.planar_friction.drive(ex, ey, vx, vy, m)
         ux, uy, share = kernels.planar_friction.mobilised(qx, qy, m)
@@ -62,7 +62,7 @@ class ScalarLaw(Law):
 
     @staticmethod
     def space_ball_force(z, vx, vy, vz, ex, ey, ez, cluster, m, f):
-        """Add the force of a ball in space to f[term, xyz]; arguments as in `kernels.space_law.ball_force`."""
+        """Add the force of a ball in space to f[term, xyz]; arguments as in `sand.kernels.space_law.ball_force`."""
         static, viscous, quadratic = resistance(z, math.sqrt(vx * vx + vy * vy + vz * vz), cluster, m)
         qx, qy, qz, _ = kernels.space_friction.drive(ex, ey, ez, vx, vy, vz, m)
         ux, uy, uz, share, _ = kernels.space_friction.mobilised(qx, qy, qz, m)

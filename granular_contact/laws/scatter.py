@@ -1,4 +1,4 @@
-"""Scatter of a medium's static resistance: how much, over which length; its equations are in `kernels.scatter`.
+"""Scatter of a medium's static resistance: how much, over which length; its equations are in `sand.kernels.scatter`.
 
 What is measured is how much the force on a body scatters, not the resistance of a piece as long as a grain. Pieces that
 differ from grain to grain make a body's force scatter by s sqrt(L / B), B its length in the plane, and by s L / B in

@@ -1,4 +1,4 @@
-"""Regularisations of the sign in the static resistance; their equations are in `kernels.friction`."""
+"""Regularisations of the sign in the static resistance; their equations are in `sand.kernels.friction`."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Elastoplastic(Coefficients):
 
     def fill(self, record: NDArray[np.void]) -> None:
         """Write the constants into a medium record (1,)."""
-        from granular_contact.kernels.friction import ELASTOPLASTIC
+        from granular_contact.sand.kernels.friction import ELASTOPLASTIC
 
         record["friction"] = ELASTOPLASTIC
         record["u_y"], record["tau"] = self.yield_displacement, self.damping_time
@@ -55,7 +55,7 @@ class Smooth(Coefficients):
 
     def fill(self, record: NDArray[np.void]) -> None:
         """Write the constants into a medium record (1,)."""
-        from granular_contact.kernels.friction import SMOOTH
+        from granular_contact.sand.kernels.friction import SMOOTH
 
         record["friction"] = SMOOTH
         record["v_eps"] = self.reference_speed

@@ -7,8 +7,8 @@ against n, the shear against the part of the motion along the surface, no more t
 Wong put these stresses on the rim of a wheel. The shear displacement j of Janosi and Hanamoto is the path that the
 bristles of a surface were dragged along it since it got into the medium. They give no law for a surface that turns
 back, as the rim of a braked wheel does: j is counted anew from there, as in Wong and Reece's towed wheel, and the shear
-opposes the motion (`kernels.path_length`). So nothing is given back, and the pull goes over from driving to braking
-without a jump, though steeply: by the root of the slip.
+opposes the motion (`sand.kernels.path_length`). So nothing is given back, and the pull goes over from driving to
+braking without a jump, though steeply: by the root of the slip.
 
 The stresses do not vanish where the motion comes to lie along a thin plate, or at right angles to a surface: there both
 are faded, over the angle FADE [ours]. The laws are of what presses down: on what leads with a normal that looks up the
@@ -101,7 +101,7 @@ class SurfacePressure(Law):
 
     @staticmethod
     def traction(z, tx, ty, ux, uy, width, side, j, m):
-        """Pressure and shear; as `kernels.plates.traction`."""
+        """Pressure and shear; as `sand.kernels.plates.traction`."""
         across, along = tx * uy - ty * ux, tx * ux + ty * uy
         lead = faded(across) if side == 0.0 else math.copysign(1.0, across)
         p = pressure(z, width, m)
@@ -111,7 +111,7 @@ class SurfacePressure(Law):
 
     @staticmethod
     def facet_traction(z, nx, ny, nz, ux, uy, uz, side, j, m):
-        """Pressure and shear; as `kernels.facets.traction`."""
+        """Pressure and shear; as `sand.kernels.facets.traction`."""
         across = nx * ux + ny * uy + nz * uz
         lead = faded(across) if side == 0.0 else math.copysign(1.0, across)
         p = pressure(z, 0.0, m)

@@ -20,9 +20,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field
 
-from granular_contact import kernels
 from granular_contact.laws.gravity import SHAPE, not_known
 from granular_contact.laws.law import Law
+from granular_contact.sand import kernels
 from granular_contact.values.strict import Faults, Listed, LocalFault
 
 if TYPE_CHECKING:
@@ -92,13 +92,13 @@ class StressTable(Law):
 
     @staticmethod
     def traction(z, tx, ty, ux, uy, width, side, j, m):
-        """Stress of the table; as `kernels.plates.traction`."""
+        """Stress of the table; as `sand.kernels.plates.traction`."""
         sx, sy = stress(z, tx, ty, ux, uy, m)
         return sx, sy, 0.0, 0.0
 
     @staticmethod
     def facet_traction(z, nx, ny, nz, ux, uy, uz, side, j, m):
-        """Stress on the slices along the motion, as in `kernels.slices`; as `kernels.facets.traction`."""
+        """Stress on the slices along the motion, as in `sand.kernels.slices`; as `sand.kernels.facets.traction`."""
         level, ahead = math.sqrt(nx * nx + ny * ny), math.sqrt(ux * ux + uy * uy)
         share = 1.0 if ahead >= UPRIGHT * level else ahead / (UPRIGHT * level)
         sx, sy, sz = 0.0, 0.0, 0.0

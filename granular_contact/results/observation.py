@@ -1,7 +1,7 @@
 """What was observed of a solved scene -> Results: the one place where table, summary, warnings and pictures are made.
 
 Every method of solution reads its own coordinates and gives an `Observation`: the engine and minimal coordinates in
-`multibody.observe`, modes in `reduced.observe`.
+`mechanics.observe`, modes in `engines.modal.observe`.
 """
 
 from __future__ import annotations

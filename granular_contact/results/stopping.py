@@ -4,7 +4,7 @@ A pendulum stops at the first zero of its mean rate, whether it stays there or s
 from the side before the stop, as there the static resistance turns round: values after it say nothing about when it
 came. The last step before it has the rate and its derivative, from the moments that act; with the derivative one step
 earlier the zero of a parabola is the stop, to second order in the step. (The reduced model locates the same zero while
-it integrates, see `kernels.events`.)
+it integrates, see `engines.modal.kernels.events`.)
 
 Of all else only rest is reported: one part, or one component of a velocity, may be zero while the rest still falls.
 """

@@ -1,4 +1,4 @@
-"""Signals of drives -> the tables that kernels look them up in, see `kernels.signal_tables`."""
+"""Signals of drives -> the tables that kernels look them up in, see `mechanics.kernels.signal_tables`."""
 
 from __future__ import annotations
 

@@ -8,17 +8,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import granular_contact.bed
+import granular_contact.sand
 from granular_contact import preset
-from granular_contact.bed import state
-from granular_contact.bed.contact_lines import Body, ball, outline, polyline
-from granular_contact.bed.load import GranularLoad
 from granular_contact.errors import SceneError
-from granular_contact.kernels import batches
-from granular_contact.kernels.law import TERMS
 from granular_contact.laws import probe
 from granular_contact.laws.floor import Floor
 from granular_contact.laws.static_friction import Elastoplastic
+from granular_contact.sand import state
+from granular_contact.sand.contact_lines import Body, ball, outline, polyline
+from granular_contact.sand.kernels import batches
+from granular_contact.sand.kernels.law import TERMS
+from granular_contact.sand.load import GranularLoad
 
 SAND, SIZE, SPEED, STEP = preset("poppy_seeds_loose"), 0.1, 0.1, 1e-4
 HALF = 0.5 * SIZE
@@ -196,4 +196,4 @@ def test_what_cannot_be_is_refused() -> None:
 
 
 def test_the_example_of_the_package() -> None:
-    assert doctest.testmod(granular_contact.bed).failed == 0
+    assert doctest.testmod(granular_contact.sand).failed == 0

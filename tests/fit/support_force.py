@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 from support_runs import CONFIGS
 
-from granular_contact.bed.steady import SteadyBody
 from granular_contact.config import load_scenario
 from granular_contact.config.schema.fit import ForceTest
+from granular_contact.sand.steady import SteadyBody
 from granular_contact.scene import build
 from granular_contact.studies.fit import Fit, fit, load_specification, prepare
 from granular_contact.studies.fit.law_alone import Motion, measured

@@ -13,10 +13,10 @@ from support_force import DRAGGED, PLATE, WIDTH, fitted, forces, found, problem,
 from support_runs import CONFIGS, simulate
 
 from granular_contact import cli
-from granular_contact.bed.steady import SteadyBody
 from granular_contact.config import load_scenario
 from granular_contact.errors import ConfigError
 from granular_contact.laws.rft import GENERIC
+from granular_contact.sand.steady import SteadyBody
 from granular_contact.scene import build
 from granular_contact.studies.fit import fit
 from granular_contact.studies.fit.measurements import OF_FORCE_TESTS, plain, recognise

@@ -11,12 +11,12 @@ import yaml
 from support_force import PLATE, fitted, found, problem, table
 
 from granular_contact import cli
-from granular_contact.bed.contact_lines import Body, polyline
-from granular_contact.bed.load import GranularLoad
 from granular_contact.errors import ConfigError
 from granular_contact.laws.probe import STEADY
 from granular_contact.laws.rft import GENERIC, Rft
 from granular_contact.laws.scatter import Scatter
+from granular_contact.sand.contact_lines import Body, polyline
+from granular_contact.sand.load import GranularLoad
 from granular_contact.studies.fit import fit
 from granular_contact.studies.fit.scatter import correlation
 

@@ -8,8 +8,6 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from granular_contact.kernels import kinematics, law, spatial
-from granular_contact.kernels.forces import medium_record
 from granular_contact.laws.albert import Albert
 from granular_contact.laws.allen import Allen
 from granular_contact.laws.bingham import Bingham
@@ -25,6 +23,8 @@ from granular_contact.laws.rft import Rft, RftCoefficients
 from granular_contact.laws.rft3d import Rft3d
 from granular_contact.laws.static_friction import Elastoplastic
 from granular_contact.laws.tsimring_volfson import TsimringVolfson
+from granular_contact.sand.kernels import kinematics, law, spatial
+from granular_contact.sand.kernels.forces import medium_record
 
 Array = NDArray[np.float64]
 

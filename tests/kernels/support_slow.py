@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import quad
 
-from granular_contact.kernels import lines, strips
-from granular_contact.kernels.forces import medium_record
 from granular_contact.laws.lee_marghitu import LeeMarghitu, VerticalResistance
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
+from granular_contact.sand.kernels import lines, strips
+from granular_contact.sand.kernels.forces import medium_record
 
 Array = NDArray[np.float64]
 

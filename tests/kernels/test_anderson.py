@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from granular_contact.kernels import anderson
-from granular_contact.kernels import iterations as of
-from granular_contact.kernels.lending import places
+from granular_contact.jit.lending import places
+from granular_contact.mechanics.kernels import anderson
+from granular_contact.mechanics.kernels import iterations as of
 
 UNKNOWNS = 4
 OF_Q, OF_V = 1e-6, 1e-3

@@ -10,10 +10,10 @@ from scipy.integrate import quad
 from support_laws import LEE_MARGHITU, G
 from support_slow import fitted_order
 
-from granular_contact.kernels.bar_statics import linear_integrals, mobilised_integrals
-from granular_contact.kernels.friction import direction
-from granular_contact.kernels.immersion import part_integrals
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
+from granular_contact.sand.kernels.bar_statics import linear_integrals, mobilised_integrals
+from granular_contact.sand.kernels.friction import direction
+from granular_contact.sand.kernels.immersion import part_integrals
 
 EXPONENTS = (0.0, 0.3, 1.0, 1.1, 1.7, 2.0)
 BRISTLE, SMOOTH = (LEE_MARGHITU.record(static, G)[0] for static in (Elastoplastic(), Smooth()))

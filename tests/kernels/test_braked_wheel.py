@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from granular_contact.bed.contact_lines import Body, outline
-from granular_contact.bed.load import GranularLoad
-from granular_contact.bed.space.load import SpatialLoad
-from granular_contact.bed.space.shapes import Cylinder
-from granular_contact.kernels.plates import EDGE
 from granular_contact.laws.pressure_sinkage import PressureSinkage
 from granular_contact.laws.static_friction import Elastoplastic
 from granular_contact.laws.surface_pressure import FADE, SHALLOW
+from granular_contact.sand.contact_lines import Body, outline
+from granular_contact.sand.kernels.plates import EDGE
+from granular_contact.sand.load import GranularLoad
+from granular_contact.sand.space.load import SpatialLoad
+from granular_contact.sand.space.shapes import Cylinder
 
 RADIUS, WIDTH, DEPTH, SPEED = 0.058, 0.05, 0.019, 0.02
 ENTRY = math.acos(1.0 - DEPTH / RADIUS)

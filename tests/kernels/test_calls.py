@@ -7,7 +7,7 @@ import pytest
 from numba import from_dtype, njit, types
 from numba.core.errors import TypingError
 
-from granular_contact.kernels.calls import OWN, address_of, caller
+from granular_contact.jit.calls import OWN, address_of, caller
 
 LAYOUT = np.dtype([("scaled", "i8"), ("both", "i8"), ("own", "f8", (2,))])
 PAIR = np.dtype([("a", "f8"), ("b", "f8")])

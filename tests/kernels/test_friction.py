@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from support_slow import Link, kernel, medium
 
-from granular_contact.kernels import friction, lines, planar_friction
-from granular_contact.kernels.forces import medium_record
-from granular_contact.kernels.friction import drag_component
 from granular_contact.laws.lee_marghitu import LeeMarghitu, VerticalResistance
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
+from granular_contact.sand.kernels import friction, lines, planar_friction
+from granular_contact.sand.kernels.forces import medium_record
+from granular_contact.sand.kernels.friction import drag_component
 
 U_Y = 1e-5
 PLASTIC = medium(static=Elastoplastic(U_Y, 0.0))[0]

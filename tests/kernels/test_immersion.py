@@ -10,13 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
-from granular_contact.kernels.immersion import (
-    LEVEL,
-    immersed_interval,
-    moments,
-    part_integrals,
-    sign_change,
-)
+from granular_contact.sand.kernels.immersion import LEVEL, immersed_interval, moments, part_integrals, sign_change
 
 EXPONENTS = (0.0, 0.3, 1.0, 1.1, 1.7, 2.0, 3.0)
 # Kinds of strip by the depths of its ends: wholly immersed, cut either way, level, nearly level.

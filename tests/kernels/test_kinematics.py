@@ -9,9 +9,9 @@ import pytest
 from support_laws import stations
 from support_slow import TRUE_SIGN, TWO_WAYS, Link, fitted_order, kernel, medium
 
-from granular_contact.kernels import kinematics, lines, spatial
-from granular_contact.kernels.forces import medium_record
-from granular_contact.kernels.kinematics import cable_stations, curved_stations, hermite, rigid_stations
+from granular_contact.sand.kernels import kinematics, lines, spatial
+from granular_contact.sand.kernels.forces import medium_record
+from granular_contact.sand.kernels.kinematics import cable_stations, curved_stations, hermite, rigid_stations
 
 LENGTHS = np.array([0.1, 0.07, 0.12])
 

@@ -7,9 +7,9 @@ import pytest
 from numba import njit
 from support_laws import ALL_LAWS, BAR_LAWS, SCALAR_LAWS, SOFT, G, label, run_record
 
-from granular_contact.kernels import law
-from granular_contact.kernels.forces import medium_record
-from granular_contact.kernels.probe import probe
+from granular_contact.sand.kernels import law
+from granular_contact.sand.kernels.forces import medium_record
+from granular_contact.sand.kernels.probe import probe
 
 LEVEL = np.zeros((1, 2))
 

@@ -7,9 +7,9 @@ import pytest
 from support_laws import BAR_LAWS, SOFT, SURFACE_LAWS, Array, G, label
 from support_slow import fitted_order
 
-from granular_contact.kernels import law, strips
-from granular_contact.kernels.forces import medium_record
 from granular_contact.laws.surface_pressure import SurfacePressure
+from granular_contact.sand.kernels import law, strips
+from granular_contact.sand.kernels.forces import medium_record
 
 LEVEL = np.array([[0.0, 0.0]])
 

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from support_laws import BAR_LAWS, MASS, SCALAR_LAWS, SURFACE_LAWS, Array, G, label, stations
 
-from granular_contact.kernels import kinematics, law, lines
-from granular_contact.kernels.forces import medium_record
-from granular_contact.kernels.friction import SWITCH
 from granular_contact.laws.floor import Floor
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
+from granular_contact.sand.kernels import kinematics, law, lines
+from granular_contact.sand.kernels.forces import medium_record
+from granular_contact.sand.kernels.friction import SWITCH
 
 STATES = 12
 LEVEL = np.zeros((1, 2))

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numba import njit
 
-from granular_contact.kernels import memory
+from granular_contact.jit import memory
 
 A = np.arange(60.0).reshape(5, 4, 3)
 STATIONS = np.array([(1.0, 2), (3.0, 4), (5.0, 6)], [("x", "f8"), ("k", "i8")])

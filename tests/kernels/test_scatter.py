@@ -6,12 +6,12 @@ import numpy as np
 from numba import njit
 from support_laws import LEE_MARGHITU, LOOSE
 
-from granular_contact.bed.contact_lines import Body, polyline
-from granular_contact.bed.load import GranularLoad
-from granular_contact.kernels import scatter
 from granular_contact.laws.drft import Drft
 from granular_contact.laws.law import Law
 from granular_contact.laws.scatter import MOST, Scatter
+from granular_contact.sand.contact_lines import Body, polyline
+from granular_contact.sand.kernels import scatter
+from granular_contact.sand.load import GranularLoad
 
 
 @njit
@@ -79,7 +79,7 @@ def test_static_terms_scatter_and_those_of_the_speed_do_not() -> None:
 
 
 def test_finer_strips_scatter_as_much_as_a_whole() -> None:
-    # A body of 17 grains: however it is divided, its forces scatter by s / sqrt(17), see `kernels.scatter`.
+    # A body of 17 grains: however it is divided, its forces scatter by s / sqrt(17), see `sand.kernels.scatter`.
     medium = Drft(LOOSE, 1500.0, 1.1)
     plain = [pushed(medium, 0, strips, 51)[50, 0, 1] for strips in (4, 64)]
     found = [

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from granular_contact.geometry.surface import height_at, surface
-from granular_contact.kernels.surface import depth, height
+from granular_contact.sand.kernels.surface import depth, height
 
 
 def test_profile_is_level_beyond_its_corners_and_straight_between() -> None:

@@ -22,12 +22,12 @@ from support_laws import (
     strip_force,
 )
 
-from granular_contact.kernels.plates import EDGE, PRESSED, leading
 from granular_contact.laws import rft3d
 from granular_contact.laws.drft import Drft
 from granular_contact.laws.rft import Rft
 from granular_contact.laws.static_friction import Elastoplastic
 from granular_contact.laws.surface_pressure import SurfacePressure
+from granular_contact.sand.kernels.plates import EDGE, PRESSED, leading
 
 ANGLES = np.arange(-90.0, 91.0, 7.5)
 SETS = pytest.mark.parametrize("coefficients", [GENERIC, LOOSE, CLOSE], ids=["generic", "loose", "close"])

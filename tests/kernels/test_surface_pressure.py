@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from support_laws import BEKKER, REECE, TRUE_SIGN, G, Strip, element, strip_force
 
-from granular_contact.bed.contact_lines import Body, polyline
-from granular_contact.bed.load import GranularLoad
-from granular_contact.bed.space.load import SpatialLoad
-from granular_contact.bed.space.shapes import Box
 from granular_contact.laws.pressure_sinkage import PressureSinkage
 from granular_contact.laws.static_friction import Elastoplastic
+from granular_contact.sand.contact_lines import Body, polyline
+from granular_contact.sand.load import GranularLoad
+from granular_contact.sand.space.load import SpatialLoad
+from granular_contact.sand.space.shapes import Box
 
 TAN = math.tan(math.radians(29.0))
 

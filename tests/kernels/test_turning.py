@@ -11,13 +11,13 @@ from support_laws import BAR_LAWS, LOOSE, SAND, SURFACE_LAWS, TRUE_SIGN, Array, 
 from support_sharp import force
 from support_slow import fitted_order
 
-from granular_contact.kernels import law, lines
-from granular_contact.kernels.forces import medium_record
-from granular_contact.kernels.friction import SWITCH
-from granular_contact.kernels.probe import probe
 from granular_contact.laws.drft import Drft
 from granular_contact.laws.rft import Rft
 from granular_contact.laws.static_friction import Elastoplastic
+from granular_contact.sand.kernels import law, lines
+from granular_contact.sand.kernels.forces import medium_record
+from granular_contact.sand.kernels.friction import SWITCH
+from granular_contact.sand.kernels.probe import probe
 
 LEVEL = np.zeros((1, 2))
 RADIUS, WIDTH, POINTS = 0.05, 0.03, 5000

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from support_laws import LOOSE, G
 
-from granular_contact.kernels import law, space_law
-from granular_contact.kernels.forces import medium_record
-from granular_contact.kernels.space_joining import space_record
 from granular_contact.laws.rft import Rft
 from granular_contact.laws.static_friction import Elastoplastic
+from granular_contact.sand.kernels import law, space_law
+from granular_contact.sand.kernels.forces import medium_record
+from granular_contact.sand.kernels.space_joining import space_record
 
 OWN = Rft(LOOSE).record(Elastoplastic(1e-4, 1e-3), G)
 LINE = np.zeros(1, law.LINE)

@@ -2,7 +2,8 @@ from typing import Literal
 
 from pydantic import Field
 
-from granular_contact import Law, kernels
+from granular_contact import Law
+from granular_contact.sand import kernels
 
 
 class Power(Law):

@@ -17,12 +17,12 @@ from pydantic import ValidationError
 from support_every_law import NONE, UNITS, WITHOUT_UNIT, bodies, motions, sample, total, unit
 
 from granular_contact.config import json_schema
-from granular_contact.kernels.law import TERMS
 from granular_contact.laws.catalogue import LAWS, laws_for
 from granular_contact.laws.coefficients import Coefficients
 from granular_contact.laws.kinds import WORDS
 from granular_contact.laws.law import ABOUT, Law
 from granular_contact.laws.probe import force
+from granular_contact.sand.kernels.law import TERMS
 from validation.fuzzing import media
 
 EVERY = pytest.mark.parametrize("law", LAWS.values(), ids=list(LAWS))

@@ -11,10 +11,10 @@ import pytest
 from granular_contact import Law, simulate
 from granular_contact.config import allowed
 from granular_contact.config.schema import Bed, BedLayer, Scenario
-from granular_contact.kernels import facets, law, plates
-from granular_contact.kernels.signatures import IN_PLANE, IN_SPACE, arguments
 from granular_contact.laws.catalogue import LAWS
 from granular_contact.laws.functions import refuse_faulty
+from granular_contact.sand.kernels import facets, law, plates
+from granular_contact.sand.kernels.signatures import IN_PLANE, IN_SPACE, arguments
 
 SURFACES = frozenset({"round", "flat", "outline"})
 

@@ -21,10 +21,10 @@ from numpy.typing import NDArray
 from support_every_law import sample, unit
 
 import granular_contact as gc
-from granular_contact.kernels.friction import SWITCH
 from granular_contact.laws.catalogue import LAWS
 from granular_contact.laws.gravity import key_of, scalings
 from granular_contact.laws.law import Law
+from granular_contact.sand.kernels.friction import SWITCH
 
 STEPS, TIME = 400, 0.4  # s
 R, Q = 2.7, 0.31  # of sizes, of gravity

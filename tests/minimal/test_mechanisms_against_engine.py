@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from support_runs import simulate, tip_error
 
-from granular_contact.kernels.signal_tables import look_up
+from granular_contact.mechanics.kernels.signal_tables import look_up
 from granular_contact.results import Results
 from granular_contact.scene.signal_tables import tabulate
 from granular_contact.scene.signals import (

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from support_runs import order, scene_of, simulate
 
-from granular_contact.kernels import tree, tree_load
-from granular_contact.kernels.tree_arrays import NODE, room, words
-from granular_contact.minimal.march import March
-from granular_contact.minimal.tree import tree as make_tree
+from granular_contact.engines.tree.kernels import tree, tree_load
+from granular_contact.engines.tree.kernels.tree_arrays import NODE, room, words
+from granular_contact.engines.tree.march import March
+from granular_contact.engines.tree.tree import tree as make_tree
 
 
 def random_tree(rng: np.random.Generator, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -11,8 +11,8 @@ from support_mujoco import BOX, GRAVITY, SAND, energy, go, model_of, thrown
 from support_runs import ROOT
 
 from granular_contact import Albert, Floor, Layer, LeeMarghitu, Poncelet, Rft, VerticalResistance, preset
-from granular_contact.bed.contact_lines import Body, outline, polyline
 from granular_contact.laws.scatter import Scatter
+from granular_contact.sand.contact_lines import Body, outline, polyline
 
 mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed")
 from granular_contact.mujoco import MujocoBed  # noqa: E402
@@ -179,7 +179,7 @@ LINES: dict[str, Any] = {
 
 @pytest.mark.parametrize("name", LINES)
 def test_a_planar_bed_has_the_forces_of_the_load_without_an_engine(name: str) -> None:
-    from granular_contact.bed.load import GranularLoad
+    from granular_contact.sand.load import GranularLoad
 
     medium, lines = LINES[name]
     # The body turns in the plane of y and z of the world, about its own x axis.

@@ -10,8 +10,8 @@ import pytest
 from exudyn import itemInterface as items
 from test_bed import DIAMETER, HALF, INERTIA, MASS, SAND, G, settings
 
-from granular_contact.bed.load import GranularLoad
-from granular_contact.multibody.bed import GranularBed
+from granular_contact.engines.exudyn.bed import GranularBed
+from granular_contact.sand.load import GranularLoad
 
 COUNT, SURFACE = 8, -0.03
 HEIGHTS = np.linspace(0.0, 0.6, COUNT)  # the first is in the sand after 20 ms, the last never

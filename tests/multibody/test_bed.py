@@ -14,14 +14,14 @@ from exudyn.rigidBodyUtilities import RigidBodyInertia, RotationMatrixX, Rotatio
 from support_runs import order
 
 from granular_contact import preset
-from granular_contact.bed.contact_lines import ELEMENTS_PER_LINE
+from granular_contact.engines.exudyn.bed import GranularBed
 from granular_contact.errors import SceneError
-from granular_contact.kernels import kinematics, lines, strips
-from granular_contact.kernels.forces import medium_record
 from granular_contact.laws.layer import Layer
 from granular_contact.laws.lee_marghitu import LeeMarghitu, VerticalResistance
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
-from granular_contact.multibody.bed import GranularBed
+from granular_contact.sand.contact_lines import ELEMENTS_PER_LINE
+from granular_contact.sand.kernels import kinematics, lines, strips
+from granular_contact.sand.kernels.forces import medium_record
 
 SAND = LeeMarghitu(2500.0, 6.5, 8.0, VerticalResistance(22.0, 1.1), VerticalResistance(22.0, 1.1))
 GRAVEL = LeeMarghitu(1600.0, 3.0, 4.0, VerticalResistance(10.0, 1.4), VerticalResistance(0.5, 1.7))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from granular_contact.multibody.coordinates import Coordinate, End
+from granular_contact.mechanics.coordinates import Coordinate, End
 from granular_contact.scene.types import Joint
 
 RIGID, CABLE, GROUND = [0.1, -0.2, 0.4], [0.3, 0.2, 0.8, 0.6], list[float]()

@@ -7,9 +7,9 @@ import pytest
 from scipy.integrate import solve_ivp
 from support_runs import DENSITY, LENGTH, LINE_MASS, STIFFNESS, order, scene_of, simulate
 
-from granular_contact.multibody.build import build
-from granular_contact.multibody.mass_and_gravity import gravity_loads, mass_matrix
-from granular_contact.multibody.solve import settings
+from granular_contact.engines.exudyn.build import build
+from granular_contact.engines.exudyn.solve import settings
+from granular_contact.mechanics.mass_and_gravity import gravity_loads, mass_matrix
 
 VACUUM = ("medium=null", "solver.rest_time_s=null", "solver.tolerance=1e-9")
 ROOTS = np.array([1.87510406871, 4.69409113297])  # of cos a cosh a = -1

@@ -13,10 +13,9 @@ from exudyn import itemInterface as items
 from support_runs import scenario_of, scene_of
 
 from granular_contact import GranularBed, Simulation, preset
-from granular_contact.errors import SolveError
-from granular_contact.multibody import engine_checks
-from granular_contact.multibody.build import build
-from granular_contact.multibody.engine_checks import (
+from granular_contact.engines.exudyn import engine_checks
+from granular_contact.engines.exudyn.build import build
+from granular_contact.engines.exudyn.engine_checks import (
     CONSTRAINT,
     RESIDUAL,
     SINK,
@@ -26,9 +25,10 @@ from granular_contact.multibody.engine_checks import (
     in_order,
     tried,
 )
-from granular_contact.multibody.solve import solve
-from granular_contact.multibody.system import Trajectory
-from granular_contact.multibody.tangent import Tangent
+from granular_contact.engines.exudyn.solve import solve
+from granular_contact.engines.exudyn.tangent import Tangent
+from granular_contact.errors import SolveError
+from granular_contact.mechanics.system import Trajectory
 from granular_contact.run import run
 
 CHAIN = """
@@ -203,7 +203,7 @@ def test_with_copies_of_vectors_it_is_stepped_and_goes_back(monkeypatch: PATCH) 
 
 def test_a_jacobian_that_is_not_computed_where_it_was_is_made_anew(monkeypatch: PATCH) -> None:
     """The engine ignores where it is led: told, and the same within what Newton's method leaves."""
-    monkeypatch.setattr("granular_contact.multibody.tangent._leading_to", lambda _: lambda *_: None)
+    monkeypatch.setattr("granular_contact.engines.exudyn.tangent._leading_to", lambda _: lambda *_: None)
     told: list[str] = []
     changed = _after_a_detour(told)
     assert any("did not go back to the Jacobian" in words for words in told)

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from support_runs import scene_of
 
-from granular_contact.multibody.build import build
-from granular_contact.multibody.overlay import Overlay
-from granular_contact.multibody.settings import patience, settings
-from granular_contact.multibody.solve import solve
+from granular_contact.engines.exudyn.build import build
+from granular_contact.engines.exudyn.overlay import Overlay
+from granular_contact.engines.exudyn.settings import patience, settings
+from granular_contact.engines.exudyn.solve import solve
 from granular_contact.scene import Scene
 
 CHAIN = """

@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 from support_runs import scene_of
 
-from granular_contact.multibody.build import build
-from granular_contact.multibody.omissions import left_out
-from granular_contact.multibody.solve import solve
+from granular_contact.engines.exudyn.build import build
+from granular_contact.engines.exudyn.solve import solve
+from granular_contact.mechanics.omissions import left_out
 
 PAIR = """
 model:

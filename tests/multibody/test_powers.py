@@ -14,12 +14,12 @@ import pytest
 from numpy.typing import NDArray
 from support_runs import DENSITY, scenario_of, simulate
 
-from granular_contact.multibody.build import build as build_system
-from granular_contact.multibody.joint_history import JointForces
-from granular_contact.multibody.kinematics import Kinematics
-from granular_contact.multibody.mechanism import joint_forces
-from granular_contact.multibody.observe import observe
-from granular_contact.multibody.solve import solve
+from granular_contact.engines.exudyn.build import build as build_system
+from granular_contact.engines.exudyn.solve import solve
+from granular_contact.mechanics.joint_history import JointForces
+from granular_contact.mechanics.kinematics import Kinematics
+from granular_contact.mechanics.mechanism import joint_forces
+from granular_contact.mechanics.observe import observe
 from granular_contact.results import Results
 from granular_contact.results.energy import accumulate, work
 from granular_contact.scene import build

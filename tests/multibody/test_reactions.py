@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from granular_contact import load, simulate
-from granular_contact.multibody.drive_error import drive_warnings
+from granular_contact.mechanics.drive_error import drive_warnings
 from granular_contact.results.strides import Driving
 from granular_contact.scene import build
 

@@ -6,14 +6,13 @@ import numpy as np
 import pytest
 from support_runs import scenario_of, scene_of, simulate, tip_error
 
+from granular_contact.engines.exudyn.build import build
+from granular_contact.engines.exudyn.recorder import Recorder, status
+from granular_contact.engines.exudyn.settings import force_noise, unresolved
+from granular_contact.engines.exudyn.solve import solve
 from granular_contact.errors import ConfigError
-from granular_contact.multibody.accuracy import jump_error, step_error
-from granular_contact.multibody.build import build
-from granular_contact.multibody.ending import status
-from granular_contact.multibody.omissions import left_out
-from granular_contact.multibody.recorder import Recorder
-from granular_contact.multibody.settings import force_noise, unresolved
-from granular_contact.multibody.solve import solve
+from granular_contact.mechanics.accuracy import jump_error, step_error
+from granular_contact.mechanics.omissions import left_out
 from granular_contact.run import run
 from granular_contact.scene import build as scene_from
 from granular_contact.scene.build import _bow

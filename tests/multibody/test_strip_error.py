@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from support_runs import FOUR_BAR, scene_of
 
-from granular_contact.multibody import strip_error as module
-from granular_contact.multibody.freedoms import freedoms
-from granular_contact.multibody.kinematics import Kinematics
+from granular_contact.mechanics import strip_error as module
+from granular_contact.mechanics.freedoms import freedoms
+from granular_contact.mechanics.kinematics import Kinematics
 from granular_contact.run import begin
 
 FOUR_BAR_FALLS = FOUR_BAR + "medium: play_sand\nsurface_height_m: -0.3\nsolver: {end_time_s: 0.1}\n"

@@ -15,11 +15,11 @@ from exudyn.basicUtilities import SetSolutionState
 from support_runs import CONFIGS, ROOT, scene_of
 
 from granular_contact import cli
-from granular_contact.multibody import view
-from granular_contact.multibody.build import System, build
-from granular_contact.multibody.kinematics import Kinematics
-from granular_contact.multibody.solve import solve
-from granular_contact.multibody.system import Trajectory
+from granular_contact.engines.exudyn import view
+from granular_contact.engines.exudyn.build import System, build
+from granular_contact.engines.exudyn.solve import solve
+from granular_contact.mechanics.kinematics import Kinematics
+from granular_contact.mechanics.system import Trajectory
 from granular_contact.results import Outline
 from granular_contact.scene.types import InitialMotion
 
@@ -97,9 +97,9 @@ def test_areas_and_bent_bars_are_solids_in_the_frame_of_their_body() -> None:
 SCRIPT = """
 import threading, time
 from granular_contact import config
-from granular_contact.multibody import view
-from granular_contact.multibody.build import build
-from granular_contact.multibody.solve import solve
+from granular_contact.engines.exudyn import view
+from granular_contact.engines.exudyn.build import build
+from granular_contact.engines.exudyn.solve import solve
 from granular_contact.scene import build as scene
 assert view.problem() is None
 system = build(scene(config.load({config!r}).scenario))

@@ -9,16 +9,16 @@ import numpy as np
 import pytest
 from support_runs import order, scenario_of, scene_of, simulate
 
-from granular_contact.bed.contact_lines import Body, outline
-from granular_contact.bed.load import GranularLoad
 from granular_contact.config.schema import shapes
 from granular_contact.config.schema.shapes import Grousers
 from granular_contact.errors import ConfigError
 from granular_contact.geometry.polygon import crossing, doubled_area
-from granular_contact.kernels.wheels import ROUND
 from granular_contact.laws.drft import Drft
 from granular_contact.laws.rft import GENERIC
 from granular_contact.results import Results
+from granular_contact.sand.contact_lines import Body, outline
+from granular_contact.sand.kernels.wheels import ROUND
+from granular_contact.sand.load import GranularLoad
 from granular_contact.scene.shapes import made
 
 SURFACE = "initial.joints={post: {position_m: 0}}"  # from where a wheel sinks by its dynamics

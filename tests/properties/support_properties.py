@@ -18,12 +18,12 @@ from numpy.typing import NDArray
 from pydantic import TypeAdapter
 
 from granular_contact.config import schema
-from granular_contact.kernels import law, lines
-from granular_contact.kernels.forces import medium_record
-from granular_contact.kernels.probe import probe
 from granular_contact.laws.floor import Floor
 from granular_contact.laws.law import Law
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
+from granular_contact.sand.kernels import law, lines
+from granular_contact.sand.kernels.forces import medium_record
+from granular_contact.sand.kernels.probe import probe
 from validation.fuzzing.media import FAMILIES, numbers
 
 Array = NDArray[np.float64]

@@ -10,8 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from support_properties import COMMON, Array, State, floors, states
 
-from granular_contact.kernels import kinematics, law, lines
-from granular_contact.kernels.forces import medium_record
+from granular_contact.sand.kernels import kinematics, law, lines
+from granular_contact.sand.kernels.forces import medium_record
 
 SOFT = states(COMMON, yields=(1e-3, 1e-1))
 D = 1e-8  # s: `lines.difference` moves positions by at most 10 nm and velocities by 1 um/s

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from granular_contact.reduced.marching import March
-from granular_contact.reduced.model import Model, model
+from granular_contact.engines.modal.marching import March
+from granular_contact.engines.modal.model import Model, model
 from granular_contact.scene.types import Reduced, Scene
 
 Array = NDArray[np.float64]

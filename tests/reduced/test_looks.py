@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from granular_contact import load
-from granular_contact.reduced.model import model
-from granular_contact.reduced.observe import Motion
-from granular_contact.reduced.solve import solve
+from granular_contact.engines.modal.model import model
+from granular_contact.engines.modal.observe import Motion
+from granular_contact.engines.modal.solve import solve
 from granular_contact.results.interpolation import Track
 from granular_contact.results.stopping import find_touch
 from granular_contact.results.summary import extremes

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from support_runs import LENGTH, LINE_MASS, STIFFNESS
 
-from granular_contact.reduced.modes import Modes, roots
+from granular_contact.engines.modal.modes import Modes, roots
 
 XI, WEIGHT = np.polynomial.legendre.leggauss(200)  # exact to round-off for 20 half waves
 XI, WEIGHT = 0.5 * (1 + XI), 0.5 * WEIGHT

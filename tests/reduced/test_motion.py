@@ -7,13 +7,13 @@ import pytest
 from support_pendulum import CROOKED, lagrange, mass_matrix, reduce
 from support_runs import GRAVITY_MOMENT, INERTIA, L_RB, LENGTH, LINE_MASS, STIFFNESS, order, scenario_of, scene_of
 
-from granular_contact.kernels import pendulum
-from granular_contact.kernels.modal import modal_scatter as scatter
-from granular_contact.kernels.modal import modal_stations as stations
-from granular_contact.kernels.modal_load import load
-from granular_contact.kernels.runge_kutta import DENSE, ERROR, PAIRS
-from granular_contact.reduced.arrays import arrays_of
-from granular_contact.reduced.marching import March
+from granular_contact.engines.modal.arrays import arrays_of
+from granular_contact.engines.modal.kernels import pendulum
+from granular_contact.engines.modal.kernels.modal import modal_scatter as scatter
+from granular_contact.engines.modal.kernels.modal import modal_stations as stations
+from granular_contact.engines.modal.kernels.modal_load import load
+from granular_contact.engines.modal.kernels.runge_kutta import DENSE, ERROR, PAIRS
+from granular_contact.engines.modal.marching import March
 from granular_contact.run import run
 from granular_contact.scene import build
 

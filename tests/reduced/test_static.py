@@ -8,10 +8,10 @@ from scipy.integrate import solve_ivp
 from support_pendulum import reduce
 from support_runs import scene_of
 
-from granular_contact.kernels.modal_motion import decide, margins, rates
-from granular_contact.kernels.slip import hold, slip_bias, slip_rows, slip_velocity
-from granular_contact.reduced.marching import March
-from granular_contact.reduced.solve import Trajectory, solve
+from granular_contact.engines.modal.kernels.modal_motion import decide, margins, rates
+from granular_contact.engines.modal.kernels.slip import hold, slip_bias, slip_rows, slip_velocity
+from granular_contact.engines.modal.marching import March
+from granular_contact.engines.modal.solve import Trajectory, solve
 
 # Impact angle (deg) and speed (rad/s), stopping time (s) and angle at stop (deg): see the table in tests/test_run.py.
 TABLE = [

@@ -9,9 +9,9 @@ import pytest
 
 from granular_contact import load
 from granular_contact.config import load_sweep
+from granular_contact.engines.modal import batch, observe
+from granular_contact.engines.modal.model import Model
 from granular_contact.errors import GranularContactError
-from granular_contact.reduced import batch, observe
-from granular_contact.reduced.model import Model
 from granular_contact.run import summaries_of, summary_of
 from granular_contact.scene import Scene, build
 from granular_contact.scene.again import Builder

@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 
 from granular_contact import KatsuragiDurian, LinearDepth, Poncelet, load, preset
-from granular_contact.bed.load import GranularLoad
-from granular_contact.bed.space.load import SpatialLoad
 from granular_contact.errors import SceneError
 from granular_contact.laws.gravity import at_gravity, gravity_notes
 from granular_contact.laws.law import Law
+from granular_contact.sand.load import GranularLoad
+from granular_contact.sand.space.load import SpatialLoad
 from granular_contact.scene import Scene, build
 
 MOON, EARTH = 1.62, 9.81

@@ -11,11 +11,11 @@ from scipy.spatial.transform import Rotation
 
 from granular_contact import Albert, Bar, Box, Cone, Drft, Hill, Layer, LeeMarghitu, Mesh, Poncelet, Rft, Rft3d, Sphere
 from granular_contact import VerticalResistance as Vertical
-from granular_contact.bed.contact_lines import Body
-from granular_contact.bed.load import GranularLoad
-from granular_contact.bed.space.load import SpatialLoad
-from granular_contact.bed.space.shapes import Shape
 from granular_contact.errors import SceneError
+from granular_contact.sand.contact_lines import Body
+from granular_contact.sand.load import GranularLoad
+from granular_contact.sand.space.load import SpatialLoad
+from granular_contact.sand.space.shapes import Shape
 
 Array = NDArray[np.float64]
 BODY = Body("body", [0, 1, 2, 3, 4, 5, 6])

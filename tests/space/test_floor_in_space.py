@@ -10,9 +10,9 @@ from scipy.spatial.transform import Rotation
 from support_space import FLAT, PAIRS, PLAY, SAND, Array, Motion, both, driven, load_on, state
 
 from granular_contact import Bar, Box, Floor, Plate, Poncelet, Rft, Sphere
-from granular_contact.bed.contact_lines import polyline
-from granular_contact.bed.load import GranularLoad
-from granular_contact.kernels.law import TERMS
+from granular_contact.sand.contact_lines import polyline
+from granular_contact.sand.kernels.law import TERMS
+from granular_contact.sand.load import GranularLoad
 
 K, D = 2e6, 0.3  # N/m3, s/m
 NOTHING = Rft(zeta=1e-12)

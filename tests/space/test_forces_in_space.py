@@ -11,13 +11,13 @@ import pytest
 from scipy.spatial.transform import Rotation
 from support_space import FLAT, PAIRS, SAND, Array, Motion, both, driven, load_on, prism, state
 
-import granular_contact.bed.space
+import granular_contact.sand.space
 from granular_contact import Bar, Box, Drft, Mesh, Plate, Rft, Rft3d, Sphere
-from granular_contact.bed.contact_lines import Body, outline, polyline
-from granular_contact.bed.load import GranularLoad
-from granular_contact.bed.space.load import SpatialLoad
 from granular_contact.laws.rft3d import C
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
+from granular_contact.sand.contact_lines import Body, outline, polyline
+from granular_contact.sand.load import GranularLoad
+from granular_contact.sand.space.load import SpatialLoad
 
 DISC = 0.05 * np.column_stack([np.cos(a := np.linspace(0, 2 * np.pi, 48, endpoint=False)), np.sin(a)])
 
@@ -315,4 +315,4 @@ def test_what_is_out_of_reach_costs_nothing_and_changes_nothing() -> None:
 
 
 def test_the_example_in_the_package() -> None:
-    assert doctest.testmod(granular_contact.bed.space).failed == 0
+    assert doctest.testmod(granular_contact.sand.space).failed == 0

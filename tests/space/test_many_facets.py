@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from granular_contact import Box, Capsule, Cone, Cylinder, Mesh, Plate, Sphere, load, preset, simulate
-from granular_contact.bed.contact_lines import Body
-from granular_contact.bed.space import elements, triangles
-from granular_contact.bed.space.load import SpatialLoad
-from granular_contact.bed.space.triangles import MOST_FACETS
 from granular_contact.errors import SceneError
+from granular_contact.sand.contact_lines import Body
+from granular_contact.sand.space import elements, triangles
+from granular_contact.sand.space.load import SpatialLoad
+from granular_contact.sand.space.triangles import MOST_FACETS
 from granular_contact.scene import build
 
 SQUARE = Mesh([[0, 0, 0], [0.1, 0, 0], [0.1, 0.1, 0], [0, 0.1, 0]], [[0, 1, 2], [0, 2, 3]], thin=True)
@@ -84,7 +84,7 @@ def test_out_of_the_sand_it_is_no_matter() -> None:
 
 
 def test_all_shapes_of_a_bed_count(monkeypatch: Any) -> None:
-    monkeypatch.setattr("granular_contact.bed.space.load.MOST_FACETS", 700)
+    monkeypatch.setattr("granular_contact.sand.space.load.MOST_FACETS", 700)
     bed = SpatialLoad(preset("rft3d_sand"), 0.0)
     box, body = Box((0.2, 0.1, 0.04)), Body("foot", range(7))
     each = len(box.corners())

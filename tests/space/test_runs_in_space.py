@@ -15,9 +15,9 @@ from support_runs import ROOT
 
 from granular_contact import Results, load, simulate
 from granular_contact.geometry import rotations
-from granular_contact.kernels import space_joints
-from granular_contact.multibody.joint_loads import fill
-from granular_contact.multibody.space.coordinates import SpatialCoordinate
+from granular_contact.mechanics.joint_loads import fill
+from granular_contact.mechanics.kernels import space_joints
+from granular_contact.mechanics.space.coordinates import SpatialCoordinate
 from granular_contact.scene import build
 from granular_contact.scene.joint_law import JointLaw
 

@@ -9,15 +9,15 @@ from support_runs import ROOT
 from support_space import SAND, Array, load_on, state
 
 from granular_contact import Drft, Hill, Plate, VerticalResistance
-from granular_contact.bed.contact_lines import Body, polyline
-from granular_contact.bed.load import GranularLoad
 from granular_contact.config import load
 from granular_contact.errors import ConfigError
-from granular_contact.kernels.scatter import value
 from granular_contact.laws.law import Law
 from granular_contact.laws.scatter import Scatter
 from granular_contact.laws.static_friction import Smooth
 from granular_contact.run import run
+from granular_contact.sand.contact_lines import Body, polyline
+from granular_contact.sand.kernels.scatter import value
+from granular_contact.sand.load import GranularLoad
 from granular_contact.scene import build
 from granular_contact.scene.media import preset
 

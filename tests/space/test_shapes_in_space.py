@@ -10,9 +10,9 @@ import pytest
 from support_space import BODY, PLAY, SAND, load_on, message
 
 from granular_contact import Bar, Box, Capsule, Cone, Cylinder, Mesh, Plate, Poncelet, Rft, Sphere
-from granular_contact.bed.space.load import SpatialLoad
-from granular_contact.bed.space.triangles import facet_rows
 from granular_contact.geometry.mesh import areas
+from granular_contact.sand.space.load import SpatialLoad
+from granular_contact.sand.space.triangles import facet_rows
 
 D, H = 0.1, 0.15
 SOLIDS = {

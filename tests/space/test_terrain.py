@@ -12,10 +12,10 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from granular_contact import Results, load, simulate
-from granular_contact.bed.space.heights import Heights
 from granular_contact.errors import SceneError
-from granular_contact.kernels.ground import tangent_plane
 from granular_contact.results.motion import Motion
+from granular_contact.sand.kernels.ground import tangent_plane
+from granular_contact.sand.space.heights import Heights
 from granular_contact.scene import build
 from validation.stills_in_space import ground_of, parted
 

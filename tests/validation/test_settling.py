@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from granular_contact.multibody import settle
+from granular_contact.engines.exudyn import settle
 from validation import settling
 
 CASES = [name for name in settling.CASES if name not in ("walker_in_space", "snake")]

@@ -14,14 +14,14 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from granular_contact import preset
-from granular_contact.bed.contact_lines import Body, outline
-from granular_contact.bed.load import GranularLoad
-from granular_contact.bed.steady import SteadyBody
 from granular_contact.config import load_scenario
 from granular_contact.laws.law import Law
 from granular_contact.laws.layer import Layer
 from granular_contact.laws.probe import STEADY
 from granular_contact.laws.rft import GENERIC, Rft
+from granular_contact.sand.contact_lines import Body, outline
+from granular_contact.sand.load import GranularLoad
+from granular_contact.sand.steady import SteadyBody
 from granular_contact.scene import build
 from granular_contact.studies.fit import fit, load_specification, prepare
 

@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from granular_contact import preset
-from granular_contact.bed.steady import SteadyBody
 from granular_contact.config import load_scenario
 from granular_contact.laws.katsuragi_durian import KatsuragiDurian
 from granular_contact.laws.law import Law
 from granular_contact.laws.layer import Layer
+from granular_contact.sand.steady import SteadyBody
 from granular_contact.scene import build
 from granular_contact.studies.fit import fit, load_specification, prepare
 from validation.laws import DIAMETER, G, drop

@@ -16,11 +16,11 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from granular_contact.kernels.forces import medium_record
-from granular_contact.kernels.immersion import immersed_interval
-from granular_contact.kernels.law import LINE, drag_anchor, strip_force
 from granular_contact.laws.lee_marghitu import LeeMarghitu, VerticalResistance
 from granular_contact.laws.static_friction import Elastoplastic
+from granular_contact.sand.kernels.forces import medium_record
+from granular_contact.sand.kernels.immersion import immersed_interval
+from granular_contact.sand.kernels.law import LINE, drag_anchor, strip_force
 
 GRAVITY = 9.81  # m/s^2
 DENSITY = 7700.0  # kg/m^3

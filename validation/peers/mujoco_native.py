@@ -18,9 +18,9 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from granular_contact.kernels.added_mass import BEGINS, PASSED, STEP
+from granular_contact.engines.mujoco.kernels.added_mass import BEGINS, PASSED, STEP
+from granular_contact.engines.mujoco.trial import MASS_OF_DATA, STATE
 from granular_contact.mujoco import MujocoBed
-from granular_contact.mujoco.trial import MASS_OF_DATA, STATE
 from validation.peers.mujoco_scene import Laws
 
 Array = NDArray[np.float64]

@@ -15,11 +15,11 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from granular_contact.bed.of_scene import lines_of
-from granular_contact.kernels.joint_laws import follow, total
-from granular_contact.kernels.joint_loads import JOINT
+from granular_contact.mechanics.joint_loads import fill
+from granular_contact.mechanics.kernels.joint_laws import follow, total
+from granular_contact.mechanics.kernels.joint_loads import JOINT
 from granular_contact.mujoco import MujocoBed
-from granular_contact.multibody.joint_loads import fill
+from granular_contact.sand.of_scene import lines_of
 from granular_contact.scene import Scene
 from granular_contact.scene.types import Drive, Joint, RigidBody, rotation
 

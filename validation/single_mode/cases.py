@@ -16,8 +16,8 @@ from scipy.linalg import eigh
 
 from granular_contact import scene
 from granular_contact.config import Scenario, load, load_sweep
-from granular_contact.reduced.arrays import arrays_of
-from granular_contact.reduced.model import model as reduce
+from granular_contact.engines.modal.arrays import arrays_of
+from granular_contact.engines.modal.model import model as reduce
 from granular_contact.report import yaml_text
 from granular_contact.results import Results
 from granular_contact.run import run

@@ -9,12 +9,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from granular_contact.bed.space.heights import Heights
 from granular_contact.config.schema import space as schema
 from granular_contact.errors import Fault, scene_fault
 from granular_contact.laws.floor import Floor
 from granular_contact.laws.law import Law
 from granular_contact.laws.layer import Layer
+from granular_contact.sand.space.heights import Heights
 from granular_contact.scene.bed import ROUND_OFF, idle, layers_of, walls_of
 from granular_contact.scene.space.height_map import heights_of
 from granular_contact.scene.space.types import Part, SpatialRigidBody

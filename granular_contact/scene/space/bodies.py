@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from granular_contact.bed.space.triangles import FACET_SIZE
 from granular_contact.config.schema import space as schema
 from granular_contact.config.schema.space.shapes import SpatialMesh
 from granular_contact.errors import Fault, SceneError, scene_fault
+from granular_contact.sand.space.triangles import FACET_SIZE
 from granular_contact.scene.space.layout import Pose
 from granular_contact.scene.space.shapes import Mass, merged, moved, part_of
 from granular_contact.scene.space.types import Part, SpatialRigidBody

@@ -7,10 +7,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from granular_contact.bed.space.load import kinds
 from granular_contact.config.schema import space as schema
 from granular_contact.errors import Fault, SceneError, scene_fault
 from granular_contact.laws.law import Law
+from granular_contact.sand.space.load import kinds
 from granular_contact.scene.bed import places
 from granular_contact.scene.checks import beyond_numbers, closure_faults
 from granular_contact.scene.drives import drives

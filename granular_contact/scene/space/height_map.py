@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from granular_contact.bed.space.heights import Heights
 from granular_contact.config.csv_table import number
 from granular_contact.config.schema import space as schema
 from granular_contact.config.schema.bed import STEEPEST
 from granular_contact.errors import Fault, scene_fault
+from granular_contact.sand.space.heights import Heights
 
 Vector = NDArray[np.float64]
 STEEPEST_RISE = math.tan(math.radians(STEEPEST))

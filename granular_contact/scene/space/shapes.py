@@ -13,13 +13,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from granular_contact.bed.space import shapes as made
 from granular_contact.config.schema import space as schema
 from granular_contact.config.schema.space import shapes as shapes_schema
 from granular_contact.config.schema.space.turned import Oriented
 from granular_contact.geometry import mesh, rotations
 from granular_contact.geometry.mesh_quality import quality_notes
 from granular_contact.geometry.polygon import ears
+from granular_contact.sand.space import shapes as made
 from granular_contact.scene.space.types import Meets, Part, Vector
 
 CHORDS = 96  # of a full circle of an arc: trajectories of a C-leg are then within 3e-4 of the path

@@ -27,7 +27,7 @@ Meets = Literal["surface", "bar", "ball"]
 class Part:
     """A shape of a body as the medium meets it and as it is drawn, in the frame of the merged body.
 
-    name: of the body in the config; shape: of `bed.space.shapes`, at a position (3,) m, turned by (3, 3); in_sand:
+    name: of the body in the config; shape: of `sand.space.shapes`, at a position (3,) m, turned by (3, 3); in_sand:
     whether the medium acts on it; facet_size (m): greatest edge of its facets, None for the usual; triangles (k, 3, 3)
     m: to be drawn; points (n, 3) m: the outermost of what the medium meets, which reaches `drop` (m) below them;
     notes: what makes its forces uncertain as a surface, in sentences.

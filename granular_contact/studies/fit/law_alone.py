@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from granular_contact.bed.steady import SteadyBody
 from granular_contact.config import scenario_to_dict
 from granular_contact.config.load import Loaded, Template
 from granular_contact.config.overrides import Override
@@ -23,6 +22,7 @@ from granular_contact.errors import ConfigError, SceneError
 from granular_contact.laws.catalogue import LAWS
 from granular_contact.laws.layer import Layer
 from granular_contact.laws.scatter import Scatter
+from granular_contact.sand.steady import SteadyBody
 from granular_contact.scene import build
 from granular_contact.studies.fit import measurements
 from granular_contact.studies.fit.force_tests import angle_of

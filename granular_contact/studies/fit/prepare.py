@@ -6,7 +6,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from granular_contact.bed.steady import SteadyBody
 from granular_contact.config.changed import filled
 from granular_contact.config.csv_table import Table, read_table
 from granular_contact.config.load import Template
@@ -16,6 +15,7 @@ from granular_contact.config.references import shown
 from granular_contact.config.schema.fit import ForceTest
 from granular_contact.config.yaml_source import read_file
 from granular_contact.errors import ConfigError, Fault, SceneError
+from granular_contact.sand.steady import SteadyBody
 from granular_contact.scene import build
 from granular_contact.studies.fit import checks, force_tests
 from granular_contact.studies.fit.law_alone import DEPTH_OFFSET, FORCE_OFFSET, LawAlone, known_zero, motion_of, zeros_of

@@ -1,8 +1,8 @@
 """Repeated force tests: the scatter of grains, the noise of the sensor and the coefficients, separated.
 
-A medium that scatters (`kernels.scatter`) gives a force F (1 + s xi), xi a smooth random function of the path that the
-body has gone, of the length L. Its residuals are as large as the force and alike over L; those of a sensor are neither.
-With F the force of the law, path w and noise sigma the residuals have the covariance
+A medium that scatters (`sand.kernels.scatter`) gives a force F (1 + s xi), xi a smooth random function of the path that
+the body has gone, of the length L. Its residuals are as large as the force and alike over L; those of a sensor are
+neither. With F the force of the law, path w and noise sigma the residuals have the covariance
 
     Omega_ij = s^2 F_i F_j rho((w_i - w_j) / L) + sigma^2 delta_ij
 

@@ -1,0 +1,14 @@
+"""The engine Exudyn: the only room that imports it.
+
+bed                               `GranularBed`, for Exudyn scripts of any kind
+bodies, coupling, overlay         which bodies can carry a bed; how its forces get into a system, and when
+build, build_in_space, joints     Scene -> System
+joint_actions                     what joints do at an instant
+settings, step_control            tolerances; steps that are chosen
+predictor                         where Newton's method begins
+solve, recorder                   the steps; what is kept of each, and when it ends
+engine_checks                     what the engine lets us do, tried once
+settle, balance                   static equilibrium before the start
+state, tangent, views             pauses and going back; the engine's Jacobian; its vectors
+view                              Exudyn's own viewer
+"""

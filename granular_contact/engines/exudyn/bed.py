@@ -1,0 +1,401 @@
+"""The plugin door: a granular bed that acts on bodies of any Exudyn model.
+
+The load itself is `granular_contact.sand`, which knows no engine; how it gets into the system is `coupling`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from granular_contact.engines.exudyn.coupling import Coupling
+from granular_contact.errors import SceneError, scene_error
+from granular_contact.laws.floor import Floor
+from granular_contact.laws.law import Law
+from granular_contact.laws.layer import Layer
+from granular_contact.laws.static_friction import Elastoplastic, Smooth
+from granular_contact.sand.contact_lines import ball, outline, planar, polyline
+from granular_contact.sand.given import told
+from granular_contact.sand.history import LoadHistory
+from granular_contact.sand.load import GranularLoad
+
+if TYPE_CHECKING:
+    from granular_contact.sand.space.shapes import Shape
+
+Vector = NDArray[np.float64]
+
+
+class GranularBed:
+    """Bed of one medium, or of several whose forces add, acting on the bodies named to it.
+
+    Parameters
+    ----------
+    mbs : exudyn.MainSystem
+        System whose bodies move in its x-y plane, y up.
+    medium : Law, Layer, or sequence of these
+        For example `preset("play_sand")`; a `Layer` is a medium between two depths. Where several lie, forces add.
+    surface : float or (k, 2) array
+        Height y of the level surface (m), or the corners x, y (m) of a surface of straight pieces, level beyond them.
+        In space its height along `up`, where it is sloped that at the world origin.
+    slope : float or, in space, (3,) array
+        Rise per length of a surface given by its height, which is then that at x = 0; it has no end. In space the rise
+        along each axis of the world.
+    up : (3,) array, optional
+        Makes the bed one in space, on rigid bodies that move as they like (`add_body`): the direction, in the world
+        frame, against which depth is counted and gravity acts on the medium.
+    gravity : float
+        Magnitude of gravity (m/s2) in the static resistance of the medium.
+    static : Elastoplastic or Smooth
+        How the sign of the static resistance is regularised.
+    form : {"distributed", "resultant"}
+        Law integrated along the immersed part, or the source paper's single force at its middle.
+    end_cap : bool
+        Whether free end faces add to the drag.
+    floor : Floor, optional
+        Contact with a level floor; its work is kept apart from that of the media. Its stiffness is per area in space.
+
+    Raises
+    ------
+    ValueError
+        One of these, or a number of a medium, is not allowed.
+
+    Notes
+    -----
+    Without `up` bodies move in the plane; a spatial one that leans out of it while it moves ends the solve with an
+    error. `work`, `force`, `terms` and the whole `history` can be read at any time, during a solve or after it.
+    A solve that starts when the last one ended, or in the state in which it ended, goes on with friction state and
+    history as they are; any other resets them. A static solve moves bodies and leaves no history.
+    """
+
+    def __init__(
+        self,
+        mbs: Any,
+        medium: Law | Layer | Sequence[Law | Layer],
+        surface: ArrayLike,
+        *,
+        slope: ArrayLike = 0.0,
+        up: ArrayLike | None = None,
+        gravity: float = 9.81,
+        static: Elastoplastic | Smooth | None = None,
+        form: str = "distributed",
+        end_cap: bool = False,
+        floor: Floor | None = None,
+    ) -> None:
+        options: dict[str, Any] = {"slope": slope, "gravity": gravity, "static": static, "end_cap": end_cap}
+        self.in_space = up is not None
+        if up is None:
+            self.load = GranularLoad(medium, surface, **options, form=form, floor=floor)
+        else:
+            if form != "distributed":
+                raise ValueError(f"form: got {form!r}, allowed in space (with up) is 'distributed'")
+            from granular_contact.sand.space.load import SpatialLoad
+
+            self.load = SpatialLoad(medium, np.asarray(surface), **options, up=up, floor=floor)
+        self.mbs, self.coupling = mbs, Coupling(mbs, told(self.load))
+
+    def add_rigid(
+        self,
+        body: Any,
+        start: ArrayLike,
+        end: ArrayLike,
+        diameter: float,
+        *,
+        strips: int = 16,
+        free_end: bool = True,
+        name: str | None = None,
+    ) -> None:
+        """Let the medium act on a straight cylinder fixed to a rigid body.
+
+        Parameters
+        ----------
+        body : ObjectIndex
+            A rigid body of Exudyn, planar, or spatial with Euler parameters.
+        start, end : (2,) array
+            Axis of the cylinder (m), in the frame of the body.
+        diameter : float
+            m.
+        strips : int
+            How finely depth, velocity and friction state are resolved along it.
+        free_end : bool
+            Whether the face at `end` is free (for end caps).
+        name : str, optional
+            Under which the forces on the body are kept; that of the body unless given.
+
+        Raises
+        ------
+        SceneError
+            The body is of another kind, the cylinder has no length or no diameter, or no medium here takes such shapes;
+            a spatial body does not start in the plane.
+        """
+        with self._call("add_rigid"):
+            axis = np.concatenate([planar(point) for point in (start, end)])
+            on = self.coupling.body(body, name)
+            self.load.add(polyline(on, axis, diameter=diameter, strips=strips, free_end=free_end))
+
+    def add_line(
+        self,
+        body: Any,
+        points: ArrayLike,
+        *,
+        diameter: float | None = None,
+        width: float | None = None,
+        turns: ArrayLike | None = None,
+        strips: int = 16,
+        free_end: bool = True,
+        name: str | None = None,
+    ) -> None:
+        """Let the medium act on a thin bar or plate along a polyline fixed to a rigid body.
+
+        Parameters
+        ----------
+        body, strips, free_end, name
+            As of `add_rigid`.
+        points : (k, 2) array
+            Corners (m) in the frame of the body, two or more.
+        diameter, width : float
+            Diameter of a round bar, or width of a plate normal to the plane of motion (m); give one of the two.
+        turns : (k - 1,) array, optional
+            Angle (rad) by which each side turns, counter-clockwise, where it is the chord of an arc: an arc of few
+            points is round for the medium. Straight unless given.
+
+        Raises
+        ------
+        SceneError
+            As of `add_rigid`.
+        """
+        with self._call("add_line"):
+            on = self.coupling.body(body, name)
+            line = polyline(on, points, diameter=diameter, width=width, turns=turns, strips=strips, free_end=free_end)
+            self.load.add(line)
+
+    def add_outline(
+        self,
+        body: Any,
+        points: ArrayLike,
+        width: float,
+        *,
+        turns: ArrayLike | None = None,
+        strips: int = 32,
+        name: str | None = None,
+    ) -> None:
+        """Let the medium act on the outside of a solid with a polygon as its section, fixed to a rigid body.
+
+        Parameters
+        ----------
+        body, strips, name
+            As of `add_rigid`.
+        points : (k, 2) array
+            Corners (m) in the frame of the body, in either sense of turning; the last side joins the first point again.
+        width : float
+            Width (m) normal to the plane of motion.
+        turns : (k,) array, optional
+            As of `add_line`.
+
+        Raises
+        ------
+        SceneError
+            As of `add_rigid`.
+        """
+        with self._call("add_outline"):
+            self.load.add(outline(self.coupling.body(body, name), points, width, turns=turns, strips=strips))
+
+    def add_ball(
+        self, body: Any, center: ArrayLike, diameter: float, *, mass: float | None = None, name: str | None = None
+    ) -> None:
+        """Let the medium act on a sphere fixed to a rigid body.
+
+        Parameters
+        ----------
+        body, name
+            As of `add_rigid`.
+        center : (2,) array
+            Its centre (m) in the frame of the body.
+        diameter : float
+            m.
+        mass : float, optional
+            Mass of the sphere itself (kg), for laws that need it; that of the body unless given.
+
+        Raises
+        ------
+        SceneError
+            As of `add_rigid`.
+        """
+        with self._call("add_ball"):
+            on = self.coupling.body(body, name)
+            own = float(self.mbs.GetObject(body)["mass"]) if mass is None else mass
+            self.load.add(ball(on, center, diameter, own))
+
+    def add_cables(
+        self,
+        elements: Sequence[Any],
+        diameter: float | None = None,
+        *,
+        width: float | None = None,
+        strips_per_element: int = 4,
+        free_end: bool = True,
+        name: str | None = None,
+    ) -> None:
+        """Let the medium act on ANCFCable2D elements that follow one another: a round beam, or a flat one.
+
+        Parameters
+        ----------
+        elements : sequence of ObjectIndex
+            The elements, each of which shares a node with the one before.
+        diameter, width : float
+            Diameter of a round beam, or width of a flat one normal to the plane of motion (m); give one of the two.
+        strips_per_element : int
+            How finely depth, velocity and friction state are resolved along an element.
+        free_end, name
+            As of `add_rigid`, for the last face and the beam.
+
+        Raises
+        ------
+        SceneError
+            There is no item, one is no ANCFCable2D, two neighbours in the list share no node, or no medium here takes
+            such shapes.
+        """
+        with self._call("add_cables"):
+            given = {"diameter": diameter, "width": width, "strips_per_element": strips_per_element}
+            self.load.add(self.coupling.cables(list(elements), name, **given, free_end=free_end))
+
+    def add_body(
+        self,
+        body: Any,
+        shape: Shape,
+        *,
+        position: ArrayLike = (0.0, 0.0, 0.0),
+        rotation: ArrayLike | None = None,
+        facet_size: float | None = None,
+        name: str | None = None,
+    ) -> None:
+        """Let the medium act on a shape fixed to a rigid body in space, of a bed with `up`.
+
+        A law of balls takes a Sphere as a whole, one of bars a Bar, any other the surface of the rest.
+
+        Parameters
+        ----------
+        body : ObjectIndex
+            A rigid body of Exudyn in space.
+        shape : Shape
+            Box, Cylinder, Sphere, Capsule, Cone, Plate, Bar or Mesh.
+        position : (3,) array
+            Origin of the frame of the shape (m), in the frame of the body.
+        rotation : (3, 3) array, optional
+            Axes of the frame of the shape as columns, in the frame of the body.
+        facet_size : float, optional
+            Greatest edge of its facets (m); an eighth of its diagonal unless given.
+        name : str, optional
+            Under which the forces on the body are kept; that of the body unless given.
+
+        Raises
+        ------
+        SceneError
+            The body is of another kind, no medium here takes such shapes, or the bed is one in the plane.
+        """
+        with self._call("add_body", in_space=True):
+            on = self.coupling.body(body, name, in_space=True)
+            mass = float(self.mbs.GetObject(body)["mass"])
+            self.load.add_shape(on, shape, position, rotation, facet_size=facet_size, mass=mass)  # type: ignore[attr-defined]
+
+    def attach(self, constant: Mapping[int, ArrayLike] | None = None) -> None:
+        """Put the load into the system; once, after all bodies are named and before `mbs.Assemble()`.
+
+        Parameters
+        ----------
+        constant : mapping of int to array, optional
+            Generalised forces by node number that act all the time, such as weights.
+
+        Raises
+        ------
+        SceneError
+            Nothing was named, or attach was called before.
+        """
+        self.load.check_open()
+        if not self.load.lines:
+            raise scene_error("bed", "no body was named: use add_rigid or add_cables first")
+        self.coupling.attach(constant or {}, warns=True)
+
+    @contextmanager
+    def _call(self, name: str, *, in_space: bool = False) -> Iterator[None]:
+        """A call that names a body: its errors say which one it was; in_space: whether the bed must be one in space."""
+        try:
+            self.load.check_open()
+            if in_space != self.in_space:
+                what = "in space (with up): use add_body" if self.in_space else "in the plane: give it up=(x, y, z)"
+                raise scene_error("bed", f"the bed is one {what}")
+            yield
+        except SceneError as error:
+            raise SceneError([replace(fault, key=f"bed.{name}") for fault in error.faults]) from None
+
+    @property
+    def load_calls(self) -> int:
+        """How often the engine asked for forces."""
+        return self.coupling.load_calls
+
+    def accept(self) -> None:
+        """Take the current state of the system as accepted; for callers that know it is (a post-step function)."""
+        self.coupling.accept()
+
+    def accept_state(self, t: float, q: Vector, v: Vector) -> None:
+        """`accept`, for callers that have the time (s) and all coordinates and rates of the system at hand.
+
+        Parameters
+        ----------
+        t : float
+            Time (s).
+        q, v : (n,) array
+            Coordinates and rates of the system, float64 and contiguous, as the engine keeps them; not checked.
+        """
+        self.coupling.accept_state(t, q, v)
+
+    @property
+    def history(self) -> LoadHistory:
+        """All steps up to the system's current state, which counts as accepted; reading it changes nothing."""
+        with self.coupling.present():
+            return self.load.history
+
+    @property
+    def accepted(self) -> LoadHistory:
+        """The steps accepted so far; safe to read while a solve is under way."""
+        return self.load.history
+
+    @property
+    def _now(self) -> LoadHistory:
+        """The last entry of the history, at no more than the cost of one."""
+        with self.coupling.present():
+            return self.load.last
+
+    @property
+    def work(self) -> float:
+        """Work done by the medium on the bodies (J); its negative is the energy dissipated in the medium."""
+        work = self._now.work
+        return float(work[-1]) if len(work) else 0.0
+
+    @property
+    def terms(self) -> dict[str, Vector]:
+        """Each term's resultant x, y (N) and moment about the origin (N m) at the end, (3,) each; in space (6,).
+
+        Right-handed about z, as the engine has moments: counter-clockwise is positive. So is all else that a bed gives.
+        """
+        now = self._now
+        return _last(now.terms, now.term_names)
+
+    @property
+    def bodies(self) -> dict[str, Vector]:
+        """Resultant x, y (N) and moment about the origin (N m) on each named body at the end, (3,), in space (6,)."""
+        now = self._now
+        return _last(now.bodies, now.body_names)
+
+    @property
+    def force(self) -> Vector:
+        """Resultant (2,) N, in space (3,), of the medium on all named bodies at the end."""
+        return np.asarray(np.sum([*self.terms.values()], axis=0)[: 3 if self.in_space else 2])
+
+
+def _last(rows: Vector, names: tuple[str, ...]) -> dict[str, Vector]:
+    return dict(zip(names, rows[-1] if len(rows) else np.zeros(rows.shape[1:]), strict=True))

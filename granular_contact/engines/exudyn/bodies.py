@@ -1,0 +1,87 @@
+"""Bodies of an Exudyn system that can carry contact lines."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from granular_contact.errors import scene_error
+from granular_contact.sand.kernels.spatial import SIZE
+
+NODES_IN_SPACE = {"RigidBodyEP": SIZE, "RigidBodyRxyz": 6}
+OUT_OF_PLANE = 1e-6  # sine of an angle, or m/s and 1/s: round-off of what a script computes
+
+
+def rigid_node(mbs: Any, body: Any) -> tuple[int, int]:
+    """Node of a rigid body and its number of coordinates, in the plane or with Euler parameters.
+
+    Raises
+    ------
+    SceneError
+        The body is of another kind, or a spatial one does not start in the plane.
+    """
+    item = mbs.GetObject(body)
+    if item["objectType"] == "RigidBody2D":
+        return int(item["nodeNumber"]), 3
+    if item["objectType"] != "RigidBody":
+        allowed = "allowed are RigidBody2D and RigidBody"
+        raise scene_error("bed", f"object {item['name']} is a {item['objectType']}, {allowed}")
+    node = mbs.GetNode(item["nodeNumber"])
+    if node["nodeType"] != "RigidBodyEP":
+        raise scene_error("bed", f"the node of {item['name']} is a {node['nodeType']}, allowed is RigidBodyEP")
+    _stays_in_plane(item["name"], node)
+    return int(item["nodeNumber"]), SIZE
+
+
+def spatial_node(mbs: Any, body: Any) -> tuple[int, int]:
+    """Node of a rigid body in space and its number of coordinates, with Euler parameters or Tait-Bryan angles.
+
+    Raises
+    ------
+    SceneError
+        The body is of another kind.
+    """
+    item = mbs.GetObject(body)
+    if item["objectType"] != "RigidBody":
+        raise scene_error("bed", f"object {item['name']} is a {item['objectType']}, allowed in space is RigidBody")
+    kind = mbs.GetNode(item["nodeNumber"])["nodeType"]
+    if kind not in NODES_IN_SPACE:
+        allowed = " and ".join(NODES_IN_SPACE)
+        raise scene_error("bed", f"the node of {item['name']} is a {kind}, allowed are {allowed}")
+    return int(item["nodeNumber"]), NODES_IN_SPACE[kind]
+
+
+def _stays_in_plane(name: str, node: Any) -> None:
+    """Refuse a spatial body whose frame leans out of the plane at the start, or begins to."""
+    e = np.add(node["referenceCoordinates"], node["initialCoordinates"])[3:]
+    leaning = 2.0 * float(np.hypot(e[1], e[2]) * np.hypot(e[0], e[3]))  # sine of the angle between its z axis and ours
+    upright = np.hypot(e[1], e[2]) < np.hypot(e[0], e[3])  # or upside down
+    rates = np.abs(np.asarray(node["initialVelocities"])[[2, 4, 5] if upright else [2, 3, 6]])
+    if leaning > OUT_OF_PLANE or rates.max() > OUT_OF_PLANE:
+        raise scene_error("bed", f"{name} does not move in the x-y plane: its z axis leans or it has a speed out of it")
+
+
+def cable_nodes(mbs: Any, elements: Sequence[Any]) -> tuple[list[int], list[float]]:
+    """Nodes (k + 1) of ANCFCable2D elements that follow one another, and their lengths (k,) m.
+
+    Raises
+    ------
+    SceneError
+        There is no element, one is no ANCFCable2D, or two neighbours share no node.
+    """
+    nodes: list[int] = []
+    lengths = []
+    for element in elements:
+        item = mbs.GetObject(element)
+        if item["objectType"] != "ANCFCable2D":
+            raise scene_error("bed", f"object {item['name']} is a {item['objectType']}, allowed is ANCFCable2D")
+        first, second = (int(node) for node in item["nodeNumbers"])
+        if nodes and nodes[-1] != first:
+            raise scene_error("bed", f"{item['name']} does not start at the node where its neighbour ends")
+        nodes += [second] if nodes else [first, second]
+        lengths.append(item["length"])
+    if not nodes:
+        raise scene_error("bed", "got no elements; allowed is at least one")
+    return nodes, lengths

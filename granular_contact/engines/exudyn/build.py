@@ -1,0 +1,166 @@
+"""Scene -> System: the mechanism in Exudyn, with the granular load on what can reach the surface."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import exudyn as exu
+import numpy as np
+from exudyn import itemInterface as items
+
+from granular_contact.engines.exudyn.joint_actions import JointActions
+from granular_contact.engines.exudyn.joints import add_joint
+from granular_contact.engines.exudyn.overlay import Overlay
+from granular_contact.engines.exudyn.views import EngineCoordinates
+from granular_contact.mechanics.mass_and_gravity import gravity_loads
+from granular_contact.mechanics.system import LinkHandle, RigidHandle, System
+from granular_contact.scene.types import FlexibleLink, RigidBody, Scene, Vector, rotation
+from granular_contact.scene.workspace import can_get_below, immersible
+
+if TYPE_CHECKING:
+    from granular_contact.engines.exudyn.coupling import Coupling
+
+AnySystem = TypeVar("AnySystem", bound=System)
+
+
+def build(scene: Scene) -> System:
+    """Set the scene up in Exudyn and assemble it, once."""
+    if scene.wheel_test is not None:
+        from granular_contact.sand.rolling import sunk
+
+        scene = sunk(scene)
+    container = exu.SystemContainer()
+    mbs = container.AddSystem()
+    ground = mbs.AddObject(items.ObjectGround())
+    origin = np.round(scene.bodies[0].motion.position)
+    system = System(
+        scene=scene,
+        coordinates=EngineCoordinates(mbs),
+        container=container,
+        mbs=mbs,
+        rigid={body.name: _add_rigid(mbs, body, origin) for body in scene.rigid},
+        links={link.name: _add_link(mbs, link, origin) for link in scene.links},
+        bed=None,
+        origin=origin,
+    )
+    for joint in scene.joints:
+        add_joint(system, ground, joint)
+    return assembled(replace(system, bed=_granular_load(system)))
+
+
+def assembled(system: AnySystem) -> AnySystem:
+    """The system with weights, bed and what joints do in it, through one overlay, and ready to be solved."""
+    system = _attach(system)
+    system.mbs.Assemble()
+    if system.joints is not None:
+        system.joints.start()
+    return system
+
+
+def _attach(system: AnySystem) -> AnySystem:
+    mbs, bed, weights = system.mbs, system.bed, gravity_loads(system)
+    overlay = Overlay(mbs) if bed is None else bed.overlay
+    act = system.loads or system.turning
+    joints = JointActions(overlay, list(system.loads.values()), system.turning) if act else None
+    if bed is not None:
+        bed.attach(weights, joints)
+    elif joints is not None:
+        overlay.coordinates(*_any_node(system))  # what has a place in the overlay is asked for forces
+        joints.attach(weights)
+    elif weights:
+        overlay.attach(weights)
+    return replace(system, joints=joints)
+
+
+def _any_node(system: AnySystem) -> tuple[list[int], int]:
+    """A node of the system, and how many coordinates it has."""
+    for some in system.rigid.values():
+        return [some.node], len(some.body.levers(0.0))
+    return [next(iter(system.links.values())).nodes[0]], 4
+
+
+def _add_rigid(mbs: Any, body: RigidBody, origin: Vector) -> RigidHandle[RigidBody]:
+    motion = body.motion
+    node = mbs.AddNode(
+        items.NodeRigidBody2D(
+            referenceCoordinates=[*(motion.position - origin), motion.angle],
+            initialVelocities=[*motion.velocity, motion.rate],
+        )
+    )
+    obj = mbs.AddObject(items.ObjectRigidBody2D(mass=body.mass, inertia=body.inertia, nodeNumber=node, name=body.name))
+    return RigidHandle(body, node, obj)
+
+
+def _add_link(mbs: Any, link: FlexibleLink, origin: Vector) -> LinkHandle:
+    """Straight row of ANCF cable elements that starts like a rigid body."""
+    motion = link.motion
+    axis = rotation(motion.angle)[:, 0]
+    nodes = []
+    for s in np.linspace(0.0, link.length, link.elements + 1):
+        arm = s * axis
+        velocity = motion.velocity + motion.rate * np.array([-arm[1], arm[0]])
+        slope_rate = motion.rate * np.array([-axis[1], axis[0]])
+        nodes.append(
+            mbs.AddNode(
+                items.NodePoint2DSlope1(
+                    referenceCoordinates=[*(motion.position - origin + arm), *axis],
+                    initialVelocities=[*velocity, *slope_rate],
+                )
+            )
+        )
+    elements = []
+    for first, second in pairwise(nodes):
+        elements.append(
+            mbs.AddObject(
+                items.ObjectANCFCable2D(
+                    length=link.length / link.elements,
+                    massPerLength=link.mass_per_length,
+                    bendingStiffness=link.bending_stiffness,
+                    axialStiffness=link.axial_stiffness,
+                    bendingDamping=link.bending_damping,
+                    axialDamping=link.axial_damping,
+                    nodeNumbers=[first, second],
+                )
+            )
+        )
+    return LinkHandle(link, tuple(map(int, nodes)), tuple(map(int, elements)))
+
+
+def _granular_load(system: System) -> Coupling | None:
+    """Load on all parts that can reach the surface of the bed, to be attached; None when there are none."""
+    scene = system.scene
+    if scene.bed is None or not scene.media:
+        return None
+    shapes = immersible(scene.bed, scene.rigid)
+    cables = [(handle, _reaching_elements(scene, handle)) for handle in system.links.values()]
+    if not shapes and not any(elements for _, elements in cables):
+        return None
+    from granular_contact.engines.exudyn.coupling import Coupling
+    from granular_contact.sand.of_scene import lines_of, load_of, section
+    from granular_contact.sand.rolling import roll_in
+
+    coupling = Coupling(system.mbs, load_of(scene), system.origin)
+    coupling.roll_in = partial(roll_in, scene)
+    load, strips = coupling.load, scene.load
+    for body, shape in shapes:
+        load.add(lines_of(coupling.body(system.rigid[body.name].object), shape, strips.strips_per_rigid_part))
+    for handle, elements in cables:
+        if elements:
+            link, each = handle.link, strips.strips_per_element
+            options = {**section(link), "strips_per_element": each, "free_end": link.free}
+            load.add(coupling.cables(elements, link.name, **options))
+    return coupling
+
+
+def _reaching_elements(scene: Scene, handle: LinkHandle) -> tuple[int, ...]:
+    """Elements of a link from the first to the last that can reach the surface."""
+    places = np.linspace(0.0, handle.link.length, handle.link.elements + 1)
+    assert scene.bed is not None
+    ends = [(np.array([a, 0.0]), np.array([b, 0.0])) for a, b in pairwise(places)]
+    near = [can_get_below(scene.bed, handle.link, np.array(pair)) for pair in ends]
+    if not any(near):
+        return ()
+    return handle.elements[near.index(True) : len(near) - near[::-1].index(True)]

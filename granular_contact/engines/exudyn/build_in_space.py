@@ -1,0 +1,107 @@
+"""Scene in space -> SpatialSystem: the mechanism in Exudyn, with the granular load on its parts in sand."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import exudyn as exu
+import numpy as np
+from exudyn import itemInterface as items
+
+from granular_contact.engines.exudyn.build import assembled
+from granular_contact.engines.exudyn.coupling import Coupling
+from granular_contact.engines.exudyn.joints import let_act, rigid_marker
+from granular_contact.engines.exudyn.views import EngineCoordinates
+from granular_contact.errors import scene_error
+from granular_contact.geometry import rotations
+from granular_contact.mechanics.space.coordinates import coordinate
+from granular_contact.mechanics.space.system import SpatialSystem
+from granular_contact.mechanics.system import RigidHandle
+from granular_contact.sand.space.load import SpatialLoad
+from granular_contact.scene.space.loops import CONSTRAINED
+from granular_contact.scene.space.types import SpatialJoint, SpatialRigidBody, SpatialScene
+
+WHOLE = {
+    "hinge": items.ObjectJointRevoluteZ,
+    "slider": items.ObjectJointPrismaticX,
+    "ball": items.ObjectJointSpherical,
+}
+
+
+def build(scene: SpatialScene) -> SpatialSystem:
+    """Set the scene up in Exudyn and assemble it, once."""
+    container = exu.SystemContainer()
+    mbs = container.AddSystem()
+    ground = mbs.AddObject(items.ObjectGround())
+    rigid = {body.name: _add(mbs, body) for body in scene.rigid}
+    system = SpatialSystem(
+        scene=scene, coordinates=EngineCoordinates(mbs), container=container, mbs=mbs, rigid=rigid, links={}, bed=None
+    )
+    for joint in scene.joints:
+        _constrain(system, ground, joint)
+        if joint.has_coordinate or joint.is_sprung:
+            let_act(system, joint, scene.drive(joint.name), partial(coordinate, system, joint))
+    return assembled(replace(system, bed=_granular_load(system)))
+
+
+def _add(mbs: Any, body: SpatialRigidBody) -> RigidHandle[SpatialRigidBody]:
+    motion, J = body.motion, body.inertia
+    e = rotations.quaternion_of(motion.rotation)
+    node = mbs.AddNode(
+        items.NodeRigidBodyEP(
+            referenceCoordinates=[*motion.position, *e],
+            initialVelocities=[*motion.velocity, *rotations.quaternion_rates(e, motion.rate)],
+        )
+    )
+    obj = mbs.AddObject(
+        items.ObjectRigidBody(
+            mass=body.mass,
+            inertia=[J[0, 0], J[1, 1], J[2, 2], J[1, 2], J[0, 2], J[0, 1]],
+            nodeNumber=node,
+            name=body.name,
+        )
+    )
+    return RigidHandle(body, node, obj)
+
+
+def _constrain(system: SpatialSystem, ground: Any, joint: SpatialJoint) -> None:
+    """Constraint of a joint: the engine's own of its kind, or of what is left of it where it closes a loop."""
+    if joint.kind == "free":
+        return
+    mbs = system.mbs
+    # The engine's slider has its axis along x.
+    order = np.eye(3)[:, [2, 0, 1]] if joint.kind == "slider" and all(joint.constrained[3:]) else np.eye(3)
+    ends = (
+        (ground if joint.parent is None else system.rigid[joint.parent].object, joint.parent_point, joint.parent_turn),
+        (system.rigid[joint.child].object, joint.child_point, joint.child_turn),
+    )
+    markers = [rigid_marker(mbs, body, point, turn @ order) for body, point, turn in ends]
+    held = [int(one) for one in joint.constrained]
+    if joint.kind in WHOLE and joint.constrained == CONSTRAINED[joint.kind]:
+        mbs.AddObject(WHOLE[joint.kind](markerNumbers=markers))
+    elif any(held):
+        mbs.AddObject(items.ObjectJointGeneric(markerNumbers=markers, constrainedAxes=held))
+
+
+def _granular_load(system: SpatialSystem) -> Coupling | None:
+    """Load on all parts in sand, to be attached; None when there are none."""
+    scene = system.scene
+    bed = scene.bed
+    parts = [(h, part) for h in system.rigid.values() for part in h.body.parts if part.in_sand]
+    if bed is None or not scene.media or not parts:
+        return None
+    slope = np.array([*bed.rise, 0.0])
+    options: dict[str, Any] = {"gravity": scene.gravity, "static": scene.static, "end_cap": scene.load.end_cap}
+    options |= {"floor": bed.floor, "heights": bed.heights, "watch": bool(bed.walls)}
+    try:
+        load = SpatialLoad(bed.layers, bed.origin, slope=slope, **options)
+    except ValueError as error:  # what a medium has for the plane alone
+        raise scene_error("medium", str(error)) from None
+    coupling = Coupling(system.mbs, load)
+    for handle, part in parts:
+        on = coupling.body(handle.object, in_space=True)
+        size = part.facet_size
+        load.add_shape(on, part.shape, part.position, part.rotation, facet_size=size, mass=handle.body.mass)
+    return coupling

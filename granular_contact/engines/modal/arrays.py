@@ -1,0 +1,101 @@
+"""Model -> PendulumArrays: records and stations as the kernels read them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granular_contact.engines.modal.kernels import modal_calls, modal_motion, slip
+from granular_contact.engines.modal.kernels.modal import MODAL_STATION
+from granular_contact.engines.modal.kernels.modal_load import PendulumArrays
+from granular_contact.engines.modal.model import Model
+from granular_contact.laws.static_friction import Elastoplastic
+from granular_contact.sand.kernels.forces import medium_record
+from granular_contact.sand.kernels.law import LAW, LINE
+
+# The true sign is aimed, not computed from a bristle: see `kernels.modal_load`.
+AIMED = Elastoplastic(yield_displacement=1.0, damping_time=0.0)
+STILL = 1e-10  # what counts as no speed, of the speed of the scene
+
+
+def arrays_of(reduced: Model) -> PendulumArrays:
+    """Mass properties, and stations, lines and medium of all that can reach the surface."""
+    scene = reduced.scene
+    meets = [(reduced.bars[i], reduced.stations[i]) for i in reduced.met]
+    starts = np.cumsum([0, *(len(stations) for _, stations in meets)])
+    geometry, lines = np.zeros(starts[-1], MODAL_STATION), np.zeros(len(meets), LINE)
+    for i, (bar, stations) in enumerate(meets):
+        geometry[starts[i] : starts[i + 1]] = stations
+        line = lines[i]
+        line["width"], line["cap"] = bar.diameter, scene.load.end_cap and bar.free
+        line["resultant"] = scene.load.form == "resultant"
+    record = _pendulum(reduced)
+    record["true_sign"] = reduced.method.static == "true_sign" and len(lines) > 0
+    parts = {"rates": modal_motion.rates}
+    if record["true_sign"]:
+        parts |= {"margins": modal_motion.margins, "hold": slip.hold if reduced.method.modes else slip.hold_rigid}
+    modal_calls.provide(record, parts)
+    medium = np.zeros(1, LAW)
+    if scene.media:
+        medium = medium_record(_law(reduced), lines, paths=False, bodies=False)
+    profile = np.array([[0.0, -np.inf if scene.surface is None else scene.surface]])
+    anchors, most = np.zeros((starts[-1], 2)), max((len(stations) for _, stations in meets), default=0)
+    room, depths = np.zeros((6, most, 2)), np.zeros(most)
+    return PendulumArrays(record, geometry, starts, lines, profile, medium, anchors, room, depths)
+
+
+def stacked(several: Sequence[Model]) -> PendulumArrays:
+    """Arrays of models whose arrays have the same sizes, as `kernels.march` takes those of several runs."""
+    like, count = several[0], len(several)
+    own = arrays_of(like)
+    if not all(_differs_in_numbers(like, one) for one in several):
+        return joined([alone(own), *(alone(arrays_of(one)) for one in several[1:])])
+    made = own._replace(**{name: np.repeat(getattr(alone(own), name), count, axis=0) for name in _ITS_OWN})
+    made.pendulum["still"] = [STILL * one.speed for one in several]
+    made.profile[:, 0, 1] = [-np.inf if one.scene.surface is None else one.scene.surface for one in several]
+    if like.scene.media:
+        laws = np.concatenate([_law(one) for one in several])
+        numbers = made.medium["own"].view(np.uint8)
+        numbers[:, : laws.itemsize] = laws.view(np.uint8).reshape(count, laws.itemsize)
+    return made
+
+
+def _differs_in_numbers(one: Model, other: Model) -> bool:
+    """Whether models of the same parts meet media of one law with the same of these parts."""
+    alike = one.mechanics is other.mechanics and list(map(type, one.scene.media)) == list(map(type, other.scene.media))
+    return alike and one.scene.static == other.scene.static and one.met == other.met
+
+
+def _law(reduced: Model) -> NDArray[np.void]:
+    """The record (1,) of the medium's law."""
+    static = AIMED if reduced.method.static == "true_sign" else reduced.scene.static
+    return reduced.scene.media[0].record(static, reduced.scene.gravity)
+
+
+_ITS_OWN = ("pendulum", "geometry", "lines", "profile", "medium", "anchors")  # of a run; runs share all else
+
+
+def alone(w: PendulumArrays) -> PendulumArrays:
+    """The arrays of one run as `kernels.march` takes those of several."""
+    return w._replace(**{name: getattr(w, name)[None] for name in ("geometry", "lines", "profile", "anchors")})
+
+
+def one_of(w: PendulumArrays, i: int) -> PendulumArrays:
+    """The arrays of the i-th of several runs."""
+    own = {name: getattr(w, name)[i] for name in ("geometry", "lines", "profile", "anchors")}
+    return w._replace(pendulum=w.pendulum[i : i + 1], medium=w.medium[i : i + 1], **own)
+
+
+def joined(several: Sequence[PendulumArrays]) -> PendulumArrays:
+    """Arrays of single runs, each with a first axis, as that of several; what all share is that of the first."""
+    made = {name: np.concatenate([getattr(one, name) for one in several]) for name in _ITS_OWN}
+    return several[0]._replace(**made)
+
+
+def _pendulum(reduced: Model) -> NDArray[np.void]:
+    """Inertia, static moments, stiffness and damping, and what counts as no speed."""
+    record = reduced.mechanics.copy()
+    record["still"] = STILL * reduced.speed
+    return record

@@ -1,0 +1,150 @@
+"""Key numbers of many runs that one compiled call marches, during which other threads of Python go on.
+
+Runs may differ in all their numbers. What they have in common is the size of their arrays: modes, strips, corners.
+What happens to each before and after the march happens to all at once, wherever it is more than a few numbers.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granular_contact.engines.modal import energies
+from granular_contact.engines.modal.arrays import stacked
+from granular_contact.engines.modal.kernels import march as kernels
+from granular_contact.engines.modal.kernels.modal_load import PendulumArrays
+from granular_contact.engines.modal.looks import known
+from granular_contact.engines.modal.marching import SHARE, SHORT, ahead, allowed, begin, control, room, started
+from granular_contact.engines.modal.model import Model
+from granular_contact.engines.modal.observe import observe, stop
+from granular_contact.engines.modal.solve import solve, status
+from granular_contact.results import Cost
+from granular_contact.results.observation import Known, key_numbers, warned
+from granular_contact.results.stopping import touched
+from granular_contact.results.summary import least_energy, summarise
+from granular_contact.scene.types import Vector
+
+MOST = 64  # runs in a call
+MOST_ROWS = 4096  # of a run, to begin with
+MOST_IN_ALL = MOST * MOST_ROWS  # of all runs of a call at their ends: some 30 MB with a mode
+
+
+class Marched(NamedTuple):
+    """Runs at their ends.
+
+    codes, seconds (runs,): why each ended, and its share of the time (s); state, arrays: of all; first (runs + 1,): the
+    first row of each in table (rows, as `State.rows`, without forces), which ends with the instant that the run came
+    to.
+    """
+
+    codes: NDArray[np.int64]
+    seconds: Vector
+    state: kernels.State
+    arrays: PendulumArrays
+    first: NDArray[np.int64]
+    table: Vector
+
+
+def summaries(models: Sequence[Model]) -> list[dict[str, Any]]:
+    """The summary of each model's run, as it would be alone."""
+    found: dict[int, dict[str, Any]] = {}
+    for places in _alike(models):
+        group = [models[i] for i in places]
+        numbers = [key_numbers(observe(group[0], solve(group[0])))[0]] if len(group) == 1 else _summaries(group)
+        found.update(zip(places, numbers, strict=True))
+    return [found[i] for i in range(len(models))]
+
+
+def _alike(models: Sequence[Model]) -> Iterator[list[int]]:
+    """Places of models whose arrays have the same sizes, at most so many; alone those that are looked at on the way."""
+    groups: dict[object, list[int]] = {}
+    for i, model in enumerate(models):
+        watched = model.scene.solver.max_wall_s is not None
+        groups.setdefault(i if watched else _sizes(model), []).append(i)
+    for group in groups.values():
+        solvers = [models[i].scene.solver for i in group]
+        rows = max(solver.end_time_s / solver.step_s for solver in solvers)
+        most = int(max(1, min(MOST, MOST_IN_ALL / rows)))
+        for first in range(0, len(group), most):
+            yield group[first : first + most]
+
+
+def _sizes(model: Model) -> object:
+    strips = tuple((bar.strips, bar.bends) for bar in model.bars)
+    return (
+        model.size,
+        model.method.static,
+        model.met,
+        strips,
+        len(model.lines.points),
+        bool(model.scene.media),
+    )
+
+
+def _summaries(group: Sequence[Model]) -> list[dict[str, Any]]:
+    """Of models that are alike, several."""
+    runs, m = march(group), group[0].size
+    looked = known(group, runs.first, runs.table)
+    mass = energies.mass(runs.arrays.pendulum, m - 1, np.diff(runs.first))
+    stored = energies.stored(runs.table[:, 1 : 1 + m], runs.table[:, 1 + m : 1 + 2 * m], mass)
+    least = np.array([least_energy(model.scene) for model in group])
+    numbers = energies.key_numbers(runs.first, stored, runs.table[:, 1 + 2 * m : 3 + 2 * m], least)
+    return [_summary(runs, i, *of_run) for i, of_run in enumerate(zip(group, looked, numbers, strict=True))]
+
+
+def march(group: Sequence[Model]) -> Marched:
+    """Bring the runs of models that are alike to their ends; each as `Solve.advance` does it, number by number."""
+    begun, w = time.perf_counter(), stacked(group)
+    limits, may = control(group, w, forces=False), allowed(group)
+    needed = ahead(limits)
+    rows = int(np.max(np.minimum(MOST_ROWS, limits["end"] / limits["interval"] + 2.0) + needed))
+    state = started(np.array([model.start for model in group]), rows)
+    state.clock[:, kernels.STEP] = SHORT * limits["interval"]
+    for i in range(len(group)):
+        begin(state, w, i)
+    codes, work = np.zeros(len(group), dtype=np.int64), room(group[0].method)
+    while np.any(codes == kernels.PAUSE):
+        kernels.march(SHARE, codes, state, w, limits, may, work)
+        if np.any(state.counts[:, kernels.ROWS] + needed > state.rows.shape[1]):
+            state = _with_rows(state, 2 * state.rows.shape[1])
+    used = [_ended(state, i) for i in range(len(group))]
+    evaluations = state.counts[:, kernels.RATES]
+    seconds = (time.perf_counter() - begun) * evaluations / evaluations.sum()
+    table = np.concatenate([state.rows[i, :count] for i, count in enumerate(used)])
+    return Marched(codes, seconds, state, w, np.cumsum([0, *used]), table)
+
+
+def _with_rows(state: kernels.State, capacity: int) -> kernels.State:
+    """The same with longer tables."""
+    table = np.zeros((len(state.rows), capacity, state.rows.shape[2]))
+    used = min(capacity, state.rows.shape[1], int(state.counts[:, kernels.ROWS].max()))
+    table[:, :used] = state.rows[:, :used]
+    return state._replace(rows=table)
+
+
+def _ended(state: kernels.State, i: int) -> int:
+    """Write a row for the instant that a run came to, for which there is room, if it is not the last one; how many."""
+    count, now = int(state.counts[i, kernels.ROWS]), float(state.clock[i, kernels.NOW])
+    if count and state.rows[i, count - 1, 0] >= now:
+        return count
+    state.rows[i, count, 0], state.rows[i, count, 1 : 1 + state.y.shape[1]] = now, state.y[i]
+    return count + 1
+
+
+def _summary(runs: Marched, i: int, model: Model, looked: Known, energy: dict[str, float]) -> dict[str, Any]:
+    """Of one of the runs; energy: its key numbers."""
+    state, own = runs.state, runs.table[runs.first[i] : runs.first[i + 1], 0]
+    counts, watch = state.counts[i].tolist(), state.watch[i].tolist()
+    cost = Cost(float(runs.seconds[i]), counts[kernels.STEPS], 0, 0, counts[kernels.RATES])
+    true_sign = bool(runs.arrays.pendulum["true_sign"][i])
+    ended = status(model, int(runs.codes[i]), float(state.clock[i, kernels.NOW]), state.y[i], true_sign)
+    touch = None if looked.touch is None else touched(own, looked.touch)
+    stopped = None if touch is None else stop(model, (watch[2], watch[3], watch[5]))
+    summary = summarise(model.scene, ended, cost, energy, touch, stopped, looked.greatest)
+    summary["static_turns"] = counts[kernels.TURNS]
+    start = None if looked.depth is None else float(looked.depth[0])
+    return warned(summary, model.scene, looked.greatest, looked.reach, start)

@@ -1,0 +1,122 @@
+"""What happens inside a step of the modal pendulum: a regime of the static law ends, the pendulum stops.
+
+A step is a polynomial C in theta = (t - t_0) / h, one row of coefficients for each power.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from granular_contact.engines.modal.kernels.modal import SIZE
+from granular_contact.engines.modal.kernels.modal_calls import margins
+from granular_contact.engines.modal.kernels.pendulum import inertia, momentum
+from granular_contact.engines.modal.kernels.runge_kutta import inside
+from granular_contact.jit.compiled import kernel, part
+from granular_contact.jit.memory import piece, room1, rows
+
+TOUCHED, MEAN_SIGN, MEAN_TIME, MEAN_ANGLE, HUB_SIGN, HUB_TIME = 0, 1, 2, 3, 4, 5  # of watch (6,); times NaN until found
+HALVINGS = 48
+
+
+@part
+def least_margin(C, theta, s, w, y, margin):
+    """Smallest margin at theta of a step; y and margin are filled."""
+    inside(C, theta, y)
+    margins(y, s, w, margin)
+    least = np.inf
+    for c in range(margin.shape[0]):
+        least = min(least, margin[c])
+    return least
+
+
+@part
+def mark(margin, stopped):
+    """Mark the components that are beyond the end of their regime."""
+    for c in range(margin.shape[0]):
+        stopped[c] = margin[c] < 0.0
+
+
+@kernel
+def regime_end(C, s, w, stopped):
+    """Theta of the first end of a regime in a step, 2 if there is none; marks the components that end it.
+
+    By the Illinois form of false position; both halves are looked at, as a component may turn and turn back.
+    """
+    y, margin = rows(room1(SIZE), 0, C.shape[1]), rows(room1(2), 0, s.shape[0])
+    for c in range(stopped.shape[0]):
+        stopped[c] = False
+    near = w.pendulum[0].still
+    low, f_low = 0.0, np.inf
+    for high in (0.5, 1.0):
+        f_high = least_margin(C, high, s, w, y, margin)
+        if f_high >= 0.0:
+            low, f_low = high, f_high
+            continue
+        if f_low == np.inf:
+            f_low = least_margin(C, low, s, w, y, margin)
+        if f_low < 0.0:
+            f_high = least_margin(C, low, s, w, y, margin)
+            mark(margin, stopped)
+            return low
+        side = 0
+        for _ in range(HALVINGS):
+            if f_high > -near or high - low < 1e-13:
+                break
+            theta = (low * f_high - high * f_low) / (f_high - f_low)
+            f = least_margin(C, theta, s, w, y, margin)
+            if f >= 0.0:
+                low, f_low = theta, f
+                f_high *= 0.5 if side == 1 else 1.0
+                side = 1
+            else:
+                high, f_high = theta, f
+                f_low *= 0.5 if side == -1 else 1.0
+                side = -1
+        least_margin(C, high, s, w, y, margin)
+        mark(margin, stopped)
+        return high
+    return 2.0
+
+
+@part
+def turning(y, w, which):
+    """Mean rate (which = 0) or rate of the hub (which = 1), rad/s."""
+    m = w.pendulum[0].modes + 1
+    q, v = rows(y, 0, m), rows(y, m, m)
+    return v[0] if which == 1 else momentum(q, v, w.pendulum[0]) / inertia(q, w.pendulum[0])
+
+
+@part
+def look_for_stop(t, h, C, w, watch):
+    """Locate the first zeros of mean rate and hub rate after the touch."""
+    y = rows(room1(SIZE), 0, C.shape[1])
+    for which, sign, time in ((0, MEAN_SIGN, MEAN_TIME), (1, HUB_SIGN, HUB_TIME)):
+        if not np.isnan(watch[time]):
+            continue
+        if watch[sign] == 0.0:
+            watch[sign] = np.sign(turning(piece(C, 0, C.shape[1]), w, which))
+        inside(C, 1.0, y)
+        if watch[sign] == 0.0 or turning(y, w, which) * watch[sign] > 0.0:
+            continue
+        low, high = 0.0, 1.0
+        for _ in range(HALVINGS):
+            theta = 0.5 * (low + high)
+            inside(C, theta, y)
+            if turning(y, w, which) * watch[sign] > 0.0:
+                low = theta
+            else:
+                high = theta
+        inside(C, high, y)
+        watch[time] = t + high * h
+        if which == 0:
+            watch[MEAN_ANGLE] = y[0]
+
+
+@kernel
+def shorten(C, theta):
+    """Let the polynomial of a step end at theta of it."""
+    factor = 1.0
+    for power in range(1, C.shape[0]):
+        factor *= theta
+        for i in range(C.shape[1]):
+            C[power, i] *= factor

@@ -1,0 +1,303 @@
+"""March of the modal pendulum through time: steps, rows on a regular grid, and what is looked for inside each step.
+
+A step is known as a polynomial C in theta = (t - t_0) / h (see `runge_kutta`), whoever made it; what happens inside
+it is found there, see `events`.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from granular_contact.engines.modal.kernels.events import TOUCHED, look_for_stop, regime_end, shorten
+from granular_contact.engines.modal.kernels.modal import SIZE
+from granular_contact.engines.modal.kernels.modal_calls import rates
+from granular_contact.engines.modal.kernels.modal_load import PendulumArrays, drag, lent
+from granular_contact.engines.modal.kernels.modal_motion import decide, follow
+from granular_contact.engines.modal.kernels.runge_kutta import STAGES, error, inside, interpolant, step
+from granular_contact.engines.modal.kernels.slip import middle, slip_velocity
+from granular_contact.jit.compiled import kernel, part
+from granular_contact.jit.memory import borrowed, clear, copy, piece, room1, room2
+from granular_contact.jit.memory import rows as rows_of
+from granular_contact.jit.records import fields
+
+# Why `march` came back: its share of steps is done, everything rests, the end, no step is small enough, the static
+# force turns round again and again.
+PAUSE, REST, END, FAILED, CHATTERING = 0, 1, 2, 3, 4
+
+CROWD = 50  # ends of regimes within `crowd` that are taken for chattering
+
+# Times and speeds in SI units; reach: greatest distance of a point from the pivot (m); rest_time infinite for never;
+# crowd: see CROWD (s); blurred: the most that may count as no speed (m/s); forces: whether rows get those of the
+# medium, which cost an evaluation each.
+CONTROL = np.dtype(
+    [
+        *fields("f8", "end", "longest", "interval", "reach"),
+        *fields("f8", "rest_speed", "rest_time", "crowd", "blurred"),
+        ("forces", "?"),
+    ]
+)
+# Of clock (5,): times (s), and of the latest step that the error allowed its length (s), 0 for none, and its error over
+# what is allowed.
+NOW, STEP, RESTING_SINCE, LATEST, RATIO = 0, 1, 2, 3, 4
+SAFETY, FILTER, LEAST_RATIO, MOST_GROWTH = 0.93, 6.0, 1e-6, 5.0  # see `next_step`
+# Of counts (6,): ends of regimes, and those of them since they were last found to crowd.
+STEPS, REJECTED, RATES, ROWS, TURNS, CROWDED = 0, 1, 2, 3, 4, 5
+
+
+class State(NamedTuple):
+    """All that changes while a pendulum is solved, of several one after another.
+
+    y (runs, size) as of `modal_motion`; regime, stopped (runs, components): of the static law, and which components
+    ended the last one; clock (runs, 5), counts (runs, 6), watch (runs, 6), see above and `events`; turns (runs, CROWD):
+    latest ends of regimes (s), the k-th at k modulo CROWD; rows (runs, capacity, 1 + size + 9): tables to be filled.
+    """
+
+    y: Any
+    regime: Any
+    stopped: Any
+    clock: Any
+    counts: Any
+    watch: Any
+    turns: Any
+    rows: Any
+
+
+class Room(NamedTuple):
+    """To work in: slopes (STAGES, size), a step as a polynomial (5, size), the state at its end (size,).
+
+    pair: of `runge_kutta.PAIRS`.
+    """
+
+    pair: Any
+    slopes: Any
+    path: Any
+    end: Any
+
+
+@kernel
+def write_row(t, y, s, w, row):
+    """Fill a row: time, state, forces of the medium (3, 3) as in `strips`."""
+    fill_row(t, borrowed(y), borrowed(s), lent(w), True, borrowed(row))
+
+
+@part
+def fill_row(t, y, s, w, forces, row):
+    """`write_row`; forces: whether they are asked for, else the row has none but those that it had."""
+    m = w.pendulum[0].modes + 1
+    row[0] = t
+    size = y.shape[0]
+    for i in range(size):
+        row[1 + i] = y[i]
+    if not forces:
+        return
+    dy, sigma, totals = rows_of(room1(SIZE), 0, 2 * m + 2), rows_of(room1(2), 0, s.shape[0]), room2(3, 3)
+    clear(totals)
+    clear(sigma)
+    rates(y, s, w, sigma, totals, dy)
+    for i in range(9):
+        row[1 + size + i] = totals[i // 3, i % 3]
+
+
+@part
+def ahead(control):
+    """Rows that a step may fill, and one more: a table without room for them is full."""
+    return int(control.longest / control.interval) + 2
+
+
+@kernel
+def finish(t, h, C, s, w, control, rows, counts, watch):
+    """Take a step from t as accepted: rows, stop, anchors."""
+    m = w.pendulum[0].modes + 1
+    y = rows_of(room1(SIZE), 0, C.shape[1])
+    due = counts[ROWS] * control.interval
+    while due <= t + h and counts[ROWS] < rows.shape[0]:
+        inside(C, (due - t) / h, y)
+        fill_row(due, y, s, w, control.forces, piece(rows, counts[ROWS], rows.shape[1]))
+        counts[ROWS] += 1
+        due = counts[ROWS] * control.interval
+    if w.lines.shape[0] == 0:
+        return
+    inside(C, 1.0, y)
+    if watch[TOUCHED] == 0.0 and middle(rows_of(y, 0, m), w)[2]:
+        watch[TOUCHED] = 1.0
+    if watch[TOUCHED] != 0.0:
+        look_for_stop(t, h, C, w, watch)
+    if not w.pendulum[0].true_sign:
+        drag(rows_of(y, 0, m), rows_of(y, m, m), w)
+
+
+@kernel
+def rests(y, s, w, control, clock):
+    """Whether all that the medium can hold has been slow for long enough.
+
+    A bristle damps the whole link. The true sign holds the middle of the immersed segment and nothing else: the link
+    may vibrate about it for ever.
+    """
+    m = w.pendulum[0].modes + 1
+    speed = abs(y[m]) * control.reach
+    for i in range(m + 1, 2 * m):
+        speed = max(speed, abs(y[i]))
+    if speed > control.rest_speed and m > 1 and w.pendulum[0].true_sign:
+        g = rows_of(room1(2), 0, s.shape[0])
+        if slip_velocity(rows_of(y, 0, m), rows_of(y, m, m), w, g):
+            speed = max(abs(g[0]), abs(g[1]))
+    if speed > control.rest_speed:
+        clock[RESTING_SINCE] = clock[NOW]
+    return clock[NOW] - clock[RESTING_SINCE] >= control.rest_time
+
+
+@kernel
+def turn(y, s, w, control, clock, counts, stopped, turns):
+    """Go on from the end of a regime: choose the next; False where regimes end again and again.
+
+    Before that ten times the speed counts as none, to get out of it, unless that would be too much.
+    """
+    turns[counts[CROWDED] % CROWD] = clock[NOW]
+    counts[TURNS] += 1
+    counts[CROWDED] += 1
+    if counts[CROWDED] > CROWD and clock[NOW] - turns[counts[CROWDED] % CROWD] < control.crowd:
+        counts[CROWDED] = 0
+        w.pendulum[0].still *= 10.0
+        if w.pendulum[0].still > control.blurred:
+            return False
+    decide(y, s, stopped, w)
+    return True
+
+
+@part
+def next_step(h, ratio, smooth, clock):
+    """Length (s) of the step after one of h (s) with the error `ratio` over what is allowed, which are remembered.
+
+    The error of a link that vibrates rises and falls four times a period: steps that follow each of its falls are too
+    long for the next rise, and every fifth was rejected. The filter H211b of Soderlind (2003) follows them less.
+    smooth: of a rigid one under the true sign, whose few steps grow by much; it is followed at once.
+    """
+    if not smooth and clock[LATEST] > 0.0:
+        change = (ratio * clock[RATIO]) ** (-0.2 / FILTER) * (h / clock[LATEST]) ** (-1.0 / FILTER)
+    else:
+        change = ratio**-0.2
+    clock[LATEST], clock[RATIO] = h, ratio
+    return h * min(MOST_GROWTH, SAFETY * change)
+
+
+@part
+def attempt(pair, y, s, w, control, allowed, clock, counts, k, sigma, totals, end):
+    """Step from y, with k[0] = y' there, as far as the error allows; its length (s), 0 if no step is small enough."""
+    h = min(clock[STEP], control.longest, control.end - clock[NOW])
+    smooth = w.pendulum[0].true_sign and w.pendulum[0].modes == 0
+    while True:
+        step(pair, y, h, s, w, k, sigma, totals, end)
+        counts[RATES] += STAGES - 1
+        ratio = error(pair, h, k, allowed)
+        if ratio <= 1.0:
+            clock[STEP] = next_step(h, max(ratio, LEAST_RATIO), smooth, clock)
+            return h
+        counts[REJECTED] += 1
+        h *= max(0.2, 0.9 * ratio**-0.2) if ratio < np.inf else 0.1
+        if h <= 1e-14 * control.end:
+            return 0.0
+
+
+@part
+def end_with_regime(pair, y, h, s, w, k, sigma, totals, C, end, counts, stopped):
+    """Let a step from y over h (s), as C, end where its regime does, if it does; its length, and theta of `regime_end`.
+
+    The interpolant is less exact than the step: step there, and look once more. If the end lies just behind, the next
+    step finds it near its start, where its interpolant is exact.
+    """
+    if not w.pendulum[0].true_sign:
+        return h, 2.0
+    theta = regime_end(C, s, w, stopped)
+    if theta > 1.0:
+        return h, theta
+    h *= theta
+    step(pair, y, h, s, w, k, sigma, totals, end)
+    counts[RATES] += STAGES - 1
+    interpolant(pair, y, h, k, C)
+    theta = regime_end(C, s, w, stopped)
+    if theta <= 1.0:
+        h *= theta
+        shorten(C, theta)
+        inside(C, 1.0, end)
+    return h, theta
+
+
+@part
+def march_one(share, y, s, w, c, allowed, clock, rows, counts, watch, stopped, turns, room):
+    """Step on from y until one of the reasons above; at most `share` steps. Everything passed in is kept up to date.
+
+    y, s, ...: of one run, as in `State`; c record of CONTROL; allowed: error of a step that each coordinate and rate
+    may have.
+    """
+    pair, k, C, end, totals = room.pair, room.slopes, room.path, room.end, room2(3, 3)
+    sigma = rows_of(room1(2), 0, s.shape[0])
+    known = False  # whether k[0] is y' at y
+    for _ in range(share):
+        if counts[ROWS] + ahead(c) > rows.shape[0]:
+            return PAUSE
+        if w.pendulum[0].true_sign and follow(y, s, w):
+            known = False
+        if not known:
+            rates(y, s, w, sigma, totals, piece(k, 0, k.shape[1]))
+            counts[RATES] += 1
+        h = attempt(pair, y, s, w, c, allowed, clock, counts, k, sigma, totals, end)
+        if h == 0.0:
+            return FAILED
+        interpolant(pair, y, h, k, C)
+        h, theta = end_with_regime(pair, y, h, s, w, k, sigma, totals, C, end, counts, stopped)
+        finish(clock[NOW], h, C, s, w, c, rows, counts, watch)
+        copy(y, end)
+        clock[NOW] += h
+        counts[STEPS] += 1
+        known = theta > 1.0
+        if not known:
+            if not turn(y, s, w, c, clock, counts, stopped, turns):
+                return CHATTERING
+            continue
+        # The last slope is that of the end, where bristles that were dragged along pull as they did.
+        copy(piece(k, 0, k.shape[1]), piece(k, STAGES - 1, k.shape[1]))
+        if rests(y, s, w, c, clock):
+            return REST
+        if clock[NOW] >= c.end * (1.0 - 1e-14):
+            return END
+    return PAUSE
+
+
+@kernel(nogil=True)
+def march(share, codes, state, stacked, control, allowed, room):
+    """March on all runs whose code is PAUSE, each by at most `share` steps; codes (runs,) get why it came back.
+
+    Other threads of Python go on meanwhile.
+
+    state: of State; stacked: `modal_load.PendulumArrays` with a first axis more in all but `starts` and what is to
+    work in; control (runs,), allowed (runs, coordinates and rates); room: of Room.
+    """
+    for i in range(codes.shape[0]):
+        if codes[i] != PAUSE:
+            continue
+        size, parts = state.y.shape[1], state.regime.shape[1]
+        codes[i] = march_one(
+            share, piece(state.y, i, size), piece(state.regime, i, parts), arrays_of_run(stacked, i), control[i],
+            piece(allowed, i, allowed.shape[1]), piece(state.clock, i, 5), piece(state.rows, i, state.rows.shape[1]),
+            piece(state.counts, i, 6), piece(state.watch, i, 6), piece(state.stopped, i, parts),
+            piece(state.turns, i, CROWD), lent_room(room),
+        )  # fmt: skip
+
+
+@part
+def lent_room(room):
+    """The same room for the time of a call, see `memory.borrowed`."""
+    return Room(borrowed(room.pair), borrowed(room.slopes), borrowed(room.path), borrowed(room.end))
+
+
+@part
+def arrays_of_run(w, i):
+    """Arrays of one run."""
+    stations = w.geometry.shape[1]
+    return PendulumArrays(
+        rows_of(w.pendulum, i, 1), piece(w.geometry, i, stations), borrowed(w.starts),
+        piece(w.lines, i, w.lines.shape[1]), piece(w.profile, i, w.profile.shape[1]), rows_of(w.medium, i, 1),
+        piece(w.anchors, i, stations), borrowed(w.room), borrowed(w.depths),
+    )  # fmt: skip

@@ -1,0 +1,119 @@
+"""Granular force on the modal pendulum: all its contact lines, as generalised forces.
+
+The laws of `kernels` are used as they are. Under the true sign they too see a bristle: one of yield displacement 1 and
+no damping, whose anchor is put where its stretch is the direction wanted (`aim`).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from granular_contact.engines.modal.kernels.modal import modal_scatter, modal_stations, place_stations, within_reach
+from granular_contact.jit.compiled import kernel, part
+from granular_contact.jit.memory import borrowed, clear, piece, rows
+from granular_contact.sand.kernels.law import forces
+from granular_contact.sand.kernels.lines import drag_anchors
+
+
+class PendulumArrays(NamedTuple):
+    """What the kernels of the modal pendulum read.
+
+    pendulum: (1,) record of `pendulum`; geometry: stations of all lines, one after another; starts: (lines + 1,) first
+    station of each line; lines: (lines,) records of `sand.kernels.law`; profile: (k, 2) of `sand.kernels.surface`;
+    medium: (1,) record of the law; anchors: (stations, 2) m; room, depths: to work in, (6, stations of the longest
+    line, 2) and (stations of it,).
+    """
+
+    pendulum: Any
+    geometry: Any
+    starts: Any
+    lines: Any
+    profile: Any
+    medium: Any
+    anchors: Any
+    room: Any
+    depths: Any
+
+
+@part
+def lent(w):
+    """The same arrays for the time of a call, see `memory.borrowed`."""
+    return PendulumArrays(
+        borrowed(w.pendulum), borrowed(w.geometry), borrowed(w.starts), borrowed(w.lines), borrowed(w.profile),
+        borrowed(w.medium), borrowed(w.anchors), borrowed(w.room), borrowed(w.depths),
+    )  # fmt: skip
+
+
+@part(inline=True)
+def stations_of(w, r):
+    """Stations of a line."""
+    return rows(w.geometry, w.starts[r], w.starts[r + 1] - w.starts[r])
+
+
+@part(inline=True)
+def anchors_of(w, r):
+    """Anchors (n, 2) m of a line."""
+    return rows(w.anchors, w.starts[r], w.starts[r + 1] - w.starts[r])
+
+
+@part
+def aim(P, pivot, modes, sigma, anchors):
+    """Put the anchors where the stretch of every bristle is its direction, (2,) in [-1, 1].
+
+    With modes sigma (2,) holds the directions of v_x and v_y. Without them sigma (1,) holds that of q_1', and each
+    station moves along with it, across its own arm.
+    """
+    for i in range(P.shape[0]):
+        x, y = P[i, 0], P[i, 1]
+        if modes == 0:
+            anchors[i, 0] = x - sigma[0] * np.sign(y - pivot[1])
+            anchors[i, 1] = y + sigma[0] * np.sign(x - pivot[0])
+        else:
+            anchors[i, 0] = x - sigma[0]
+            anchors[i, 1] = y - sigma[1]
+
+
+@part(inline=True)
+def load(q, v, sigma, w, totals, Q):
+    """Fill Q (n + 1,) with the generalised forces of the medium and totals (3, 3) as in `law`; sigma as in `aim`."""
+    load_at(math.cos(q[0]), math.sin(q[0]), q, v, sigma, w, totals, Q)
+
+
+@part(inline=True)
+def load_at(c, s, q, v, sigma, w, totals, Q):
+    """`load` with the cosine and the sine of q_1."""
+    pendulum = w.pendulum[0]
+    for i in range(Q.shape[0]):
+        Q[i] = 0.0
+    clear(totals)
+    for r in range(w.lines.shape[0]):
+        geometry = stations_of(w, r)
+        first, n = within_reach(c, s, q, geometry, w.profile[0, 1])
+        if n == 0:
+            continue
+        geometry, anchors = rows(geometry, first, n), rows(anchors_of(w, r), first, n)
+        P, V, F = piece(w.room, 0, n), piece(w.room, 1, n), piece(w.room, 2, n)
+        place_stations(c, s, q, v, geometry, P, V)
+        if pendulum.true_sign:
+            aim(P, geometry[0].pivot, pendulum.modes, sigma, anchors)
+        forces(P, V, anchors, w.lines[r], w.profile, w.medium[0], F, totals)
+        modal_scatter(c, s, q, geometry, P, F, Q)
+
+
+@part
+def drag(q, v, w):
+    """Let the anchors follow after an accepted step."""
+    for r in range(w.lines.shape[0]):
+        geometry = stations_of(w, r)
+        P, V = piece(w.room, 0, geometry.shape[0]), piece(w.room, 1, geometry.shape[0])
+        modal_stations(q, v, geometry, P, V)
+        drag_anchors(P, anchors_of(w, r), w.lines[r], w.profile, w.medium[0])
+
+
+@kernel
+def rest(q, geometry, anchors):
+    """Put the anchors (n, 2) m of a line where its stations are: no bristle is stretched."""
+    modal_stations(q, np.zeros_like(q), geometry, anchors, np.empty_like(anchors))

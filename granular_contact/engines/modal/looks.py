@@ -1,0 +1,71 @@
+"""Rows of runs -> what is greatest in their motion, and when they touch the medium: of one run, or of many at once."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granular_contact.engines.modal.kernels import modal_looks as kernels
+from granular_contact.engines.modal.model import Model
+from granular_contact.results.limits import Reach
+from granular_contact.results.observation import Known
+from granular_contact.results.summary import Extremes
+from granular_contact.scene.types import Vector
+
+
+def known(models: Sequence[Model], first: NDArray[np.int64], table: Vector) -> list[Known]:
+    """What is known of the runs of models that are alike, from their rows in a table; first (runs + 1,) of each.
+
+    table (rows, from 1 + 2 m): time, coordinates and rates.
+    """
+    lines = _lines(models)
+    count, most = len(lines.every), int(np.max(np.diff(lines.starts), initial=1))
+    depths = np.full(len(table), -np.inf)
+    found = np.tile(kernels.BLANK, (len(models), count, 1))
+    bends = np.zeros((len(models), 2, 2))
+    kernels.look(first, table, models[0].size, lines, np.zeros((3, most, 2)), depths, found, bends)
+    pieces = zip(first[:-1].tolist(), first[1:].tolist(), strict=True)
+    several = zip(models, pieces, found.tolist(), bends.tolist(), strict=True)
+    return [_known(model, depths[begin:end], *more) for model, (begin, end), *more in several]
+
+
+def _lines(models: Sequence[Model]) -> kernels.Lines:
+    """Bars, and other shapes in the sand, of runs whose lines have the same sizes."""
+    like, count = models[0].lines, len(models)
+    surface = np.array([np.nan if model.scene.surface is None else model.scene.surface for model in models])
+    if all(model.lines is like for model in models):
+        geometry, beside, drop = (np.repeat(one[None], count, axis=0) for one in (like.points, like.beside, like.drop))
+    else:
+        several = [model.lines for model in models]
+        geometry = np.array([one.points for one in several])
+        beside, drop = np.array([one.beside for one in several]), np.array([one.drop for one in several])
+    return kernels.Lines(geometry, like.starts, like.every, surface, beside, drop)
+
+
+def _known(model: Model, depth: Vector, found: list[list[float]], bends: list[list[float]]) -> Known:
+    (high, at), (low, then) = bends
+    bend = ((high, at) if high >= low else (-low, then)) if model.bends else None
+    if not found or model.scene.surface is None:
+        return Known(None, Extremes(None, bend), None, None)
+    deepest = max(found, key=lambda one: one[kernels.GREATEST])
+    touches = [one[kernels.TOUCH] for one in found if not np.isnan(one[kernels.TOUCH])]
+    most = deepest[kernels.GREATEST], deepest[kernels.WHEN]
+    touch = min(touches, default=None) if model.scene.media else None
+    return Known(depth, Extremes(most, bend), touch, _reach(model, found[: len(model.bars)]))
+
+
+def _reach(model: Model, found: list[list[float]]) -> Reach | None:
+    """Extremes of what was immersed; None where nothing could meet the medium."""
+    if not model.scene.media or not found:
+        return None
+    pairs = zip(model.bars, found, strict=True)
+    return Reach(
+        speed=max(one[kernels.SPEED] for one in found),
+        depth=max(one[kernels.DEEPEST] for one in found),
+        lowest=min(one[kernels.LOWEST] for one in found),
+        least=(min(one[kernels.LEFT] for one in found),),
+        greatest=(max(one[kernels.RIGHT] for one in found),),
+        sizes=tuple(sorted({("round", bar.diameter) for bar, one in pairs if one[kernels.DEEPEST] > 0.0})),
+    )

@@ -1,0 +1,178 @@
+"""State of a solve of the modal pendulum under way, and the march by the Runge-Kutta pair of Tsitouras (2011)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granular_contact.engines.modal.arrays import alone, arrays_of, one_of
+from granular_contact.engines.modal.kernels import march as kernels
+from granular_contact.engines.modal.kernels.modal_load import PendulumArrays, rest
+from granular_contact.engines.modal.kernels.modal_motion import decide
+from granular_contact.engines.modal.kernels.runge_kutta import PAIRS, STAGES
+from granular_contact.engines.modal.model import Model
+from granular_contact.scene.types import Reduced, Vector
+
+SHARE = 4096  # steps between two looks at the progress bar and at the clock
+# Longest step, of the scene's: a bristle yields at the end of a step, and the true sign has no such memory.
+LONGEST, LONGEST_OF_BRISTLES = 50.0, 5.0
+MOST_STILL = 1e-5  # of the speed of the scene
+SHORT = 0.1  # of the scene's step: the first one, and the time in which regimes crowd
+
+
+def started(y: Vector, capacity: int) -> kernels.State:
+    """State of several runs at their starts y (runs, size), with room for so many rows each."""
+    count, size = y.shape
+    parts = min(2, (size - 2) // 2)
+    watch = np.tile([0.0, 0.0, np.nan, np.nan, 0.0, np.nan], (count, 1))
+    return kernels.State(
+        y=y.copy(),
+        regime=np.ones((count, parts)),
+        stopped=np.zeros((count, parts), dtype=bool),
+        clock=np.zeros((count, 5)),
+        counts=np.zeros((count, 6), dtype=np.int64),
+        watch=watch,
+        turns=np.zeros((count, kernels.CROWD)),
+        rows=np.zeros((count, capacity, 1 + size + 9)),
+    )
+
+
+def room(method: Reduced) -> kernels.Room:
+    """To work in."""
+    size = 2 * method.modes + 4
+    return kernels.Room(PAIRS["tsitouras"], np.zeros((STAGES, size)), np.zeros((5, size)), np.zeros(size))
+
+
+def control(several: Sequence[Model], w: PendulumArrays, *, forces: bool) -> NDArray[np.void]:
+    """Records (runs,) of the kernels' CONTROL; w: Arrays of the runs, which all have the true sign or bristles.
+
+    forces: whether rows hold those of the medium.
+    """
+    made = np.zeros(len(several), kernels.CONTROL)
+    solvers = [model.scene.solver for model in several]
+    made["end"], made["interval"] = [one.end_time_s for one in solvers], [one.step_s for one in solvers]
+    bristles = w.lines.shape[-1] > 0 and not w.pendulum["true_sign"][0]
+    made["longest"] = made["interval"] * (LONGEST_OF_BRISTLES if bristles else LONGEST)
+    made["reach"], made["rest_speed"] = [m.reach for m in several], [one.rest_speed_m_s for one in solvers]
+    made["rest_time"] = [np.inf if one.rest_time_s is None else one.rest_time_s for one in solvers]
+    made["crowd"], made["blurred"] = SHORT * made["interval"], [MOST_STILL * model.speed for model in several]
+    made["forces"] = forces
+    return made
+
+
+def ahead(limits: NDArray[np.void]) -> NDArray[np.int64]:
+    """`kernels.ahead` of runs, from their records of CONTROL (runs,)."""
+    found: NDArray[np.int64] = (limits["longest"] / limits["interval"]).astype(np.int64) + 2
+    return found
+
+
+def allowed(several: Sequence[Model]) -> Vector:
+    """Error (runs, 2 n + 2) of a step that each coordinate and each rate may have."""
+    rtol, reach, speed = np.array([[m.method.rtol, m.reach, m.speed] for m in several]).T[:, :, None]
+    lengths = np.repeat(reach, several[0].size, axis=1)
+    lengths[:, 0] = 1.0
+    found: Vector = rtol * np.concatenate([lengths, lengths * speed / reach], axis=1)
+    return found
+
+
+def begin(state: kernels.State, w: PendulumArrays, i: int) -> None:
+    """Let the bristles of the i-th run rest where its stations are, or choose its regime of the true sign."""
+    y, own = state.y[i], one_of(w, i)
+    if own.pendulum["true_sign"][0]:
+        decide(y, state.regime[i], state.stopped[i], own)
+        return
+    for first, end in zip(w.starts[:-1], w.starts[1:], strict=True):
+        rest(y[: own.pendulum["modes"][0] + 1], own.geometry[first:end], own.anchors[first:end])
+
+
+class March:
+    """State of a solve, as `kernels.march` keeps it up to date; the arrays are explained there."""
+
+    def __init__(self, model: Model) -> None:
+        self.model, self.arrays = model, arrays_of(model)
+        self.size, self.true_sign = model.size, bool(self.arrays.pendulum["true_sign"][0])
+        self.control = control([model], self.arrays, forces=True)
+        self._take_places(started(model.start[None], 1024))
+        self.clock[kernels.STEP] = SHORT * model.scene.solver.step_s
+        self.allowed, self.room = allowed([model])[0], room(model.method)
+        self.codes = np.zeros(1, dtype=np.int64)
+        begin(self.state, alone(self.arrays), 0)
+        self.warm()
+
+    def _take_places(self, state: kernels.State) -> None:
+        self.state = state
+        self.y, self.regime, self.stopped, self.clock, self.counts, self.watch, *_ = (one[0] for one in state)
+
+    @property
+    def rows(self) -> Vector:
+        """Table to be filled."""
+        table: Vector = self.state.rows[0]
+        return table
+
+    @property
+    def time(self) -> float:
+        """Time reached (s)."""
+        return float(self.clock[kernels.NOW])
+
+    def go_on(self) -> int:
+        """March until something ends it or its share is done, and make room for rows; one of the kernels' codes."""
+        code = self._march()
+        if self.full:
+            self._more_rows(2 * len(self.rows))
+        return code
+
+    @property
+    def full(self) -> bool:
+        """Whether the rows of a step might not fit into the table any more."""
+        return bool(self.counts[kernels.ROWS] + ahead(self.control)[0] > len(self.rows))
+
+    def _more_rows(self, capacity: int) -> None:
+        used = min(int(self.counts[kernels.ROWS]), len(self.rows))
+        table = np.zeros((1, capacity, self.rows.shape[1]))
+        table[0, :used] = self.rows[:used]
+        self.state = self.state._replace(rows=table)
+
+    def warm(self) -> None:
+        """Compile what the march needs, or load it, which is no part of a solve; nothing is changed."""
+        self._march(0)
+        kernels.write_row(self.time, self.y, self.regime, self.arrays, np.zeros_like(self.rows[0]))
+
+    def _march(self, share: int = SHARE) -> int:
+        self.codes[0] = kernels.PAUSE
+        kernels.march(share, self.codes, self.state, alone(self.arrays), self.control, self.allowed[None], self.room)
+        return int(self.codes[0])
+
+    def table(self) -> Vector:
+        """Rows so far, and one for the instant reached if it is not the last of them."""
+        count = int(self.counts[kernels.ROWS])
+        rows = self.rows[:count]
+        if count and rows[-1, 0] >= self.time:
+            return rows.copy()
+        return np.vstack([rows, self.now()])
+
+    def now(self) -> Vector:
+        """Row of the instant reached, which the table need not have room for."""
+        row: Vector = np.zeros_like(self.rows[0])
+        kernels.write_row(self.time, self.y, self.regime, self.arrays, row)
+        return row
+
+    def kept(self) -> dict[str, NDArray[Any]]:
+        """Copies of all that its future and its rows depend on."""
+        held = {name: array.copy() for name, array in self._changing().items()}
+        return held | {"rows": self.rows[: int(self.counts[kernels.ROWS])].copy()}
+
+    def restore(self, kept: dict[str, NDArray[Any]]) -> None:
+        """Go back to what was kept."""
+        for name, array in self._changing().items():
+            array[...] = kept[name]
+        used = len(kept["rows"])
+        if used > len(self.rows):
+            self._more_rows(2 * used)
+        self.rows[:used] = kept["rows"]
+
+    def _changing(self) -> dict[str, NDArray[Any]]:
+        own = {name: array[0] for name, array in self.state._asdict().items() if name != "rows"}
+        return own | {"anchors": self.arrays.anchors, "still": self.arrays.pendulum["still"]}

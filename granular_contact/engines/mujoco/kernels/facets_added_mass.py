@@ -1,0 +1,144 @@
+"""Facets with forces that are made implicit: their wrench, and the inertia that stands for how it changes in a step.
+
+As `facets.facet_forces`, with one look at each facet for both. The inertia of a body is added up in its own frame,
+where centroids and normals stay as they are, and is turned once.
+"""
+
+from __future__ import annotations
+
+import math
+
+from granular_contact.engines.mujoco.kernels.added_mass import add_inertia, add_point
+from granular_contact.jit.compiled import part
+from granular_contact.jit.memory import clear, room2
+from granular_contact.sand.kernels import space_law as law
+from granular_contact.sand.kernels.facets import (
+    AREA,
+    AT_FIRST,
+    AT_SECOND,
+    CENTRE,
+    CONSTANT,
+    FIRST,
+    GROWING,
+    LANES,
+    ONE_SIDE,
+    ROW,
+    ROWS,
+    SECOND,
+    SPREAD,
+    E,
+    N,
+    V,
+    Z,
+)
+from granular_contact.sand.kernels.friction import SMOOTH
+from granular_contact.sand.kernels.space_friction import stretched
+
+
+@part
+def held_facets(elements, anchors, cluster, pose, ground, medium, step, bristle, W, inertia):
+    """Add the wrench on facets at a pose (6, 3) to W (6,), and what they add to the inertia (6, 6) of their body.
+
+    W as of one term of `space_law.forces`. inertia is about the reference point, for angular velocity and then
+    velocity, frame of the body; its upper triangle alone is filled.
+    """
+    B, M, first = room2(ROWS, LANES), room2(3, LANES), 0
+    while first < elements.shape[0]:
+        first, n = law.gather(medium, (elements, anchors, cluster, pose, ground, first, B))
+        if n == 0:
+            continue
+        law.facets(medium, (B, n))
+        push(B, n, W, M)
+        weigh(B, n, step, bristle, M)
+        for k in range(n):
+            if M[0, k] == 0.0 and M[1, k] == 0.0:
+                continue
+            i = int(B[ROW, k])
+            x, y, z = elements[i, 0], elements[i, 1], elements[i, 2]
+            mass, along = M[0, k], M[1, k]
+            reach = elements[i, 3] * ground[3]
+            if B[CENTRE, k] < reach:  # as if the surface did not cut it: in a step it may get all below
+                whole = 0.5 * (B[CENTRE, k] + reach) * elements[i, 7] / (B[AREA, k] * B[Z, k])
+                mass, along = mass * whole, along * whole
+            add_point(mass, x, y, z, inertia)
+            if along != 0.0:
+                add_inertia(along, elements[i, 4], elements[i, 5], elements[i, 6], x, y, z, inertia)
+
+
+@part(inline=True)
+def push(B, n, W, M):
+    """Add the forces on the facets of a block, and their moments, to W (6,); their squares (N^2) to M[2]."""
+    s0, s1, s2, s3, s4, s5 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for k in range(n):
+        one, two = B[AREA, k] * B[Z, k] * B[FIRST, k], B[AREA, k] * B[SECOND, k]
+        gx, gy, gz = one * B[GROWING, k], one * B[GROWING + 1, k], one * B[GROWING + 2, k]
+        qx, qy, qz = two * B[CONSTANT, k], two * B[CONSTANT + 1, k], two * B[CONSTANT + 2, k]
+        ax, ay, az = B[AT_FIRST, k], B[AT_FIRST + 1, k], B[AT_FIRST + 2, k]
+        hx, hy, hz = B[AT_SECOND, k], B[AT_SECOND + 1, k], B[AT_SECOND + 2, k]
+        fx, fy, fz = gx + qx, gy + qy, gz + qz
+        s0, s1, s2 = s0 + fx, s1 + fy, s2 + fz
+        s3, s4, s5 = (
+            s3 + ay * gz - az * gy + hy * qz - hz * qy,
+            s4 + az * gx - ax * gz + hz * qx - hx * qz,
+            s5 + ax * gy - ay * gx + hx * qy - hy * qx,
+        )
+        M[2, k] = fx * fx + fy * fy + fz * fz
+    W[0] += s0
+    W[1] += s1
+    W[2] += s2
+    W[3] += s3
+    W[4] += s4
+    W[5] += s5
+
+
+@part(inline=True)
+def weigh(B, n, step, bristle, M):
+    """Set M[0] (kg) to the masses of the facets of a block, and M[1] to what each has more of along its normal.
+
+    Nothing where q is 0, or n . q not positive: such a facet has no bristle to weigh, or is not loaded.
+    """
+    smooth = bristle.friction == SMOOTH
+    for k in range(n):
+        ex, ey, ez, vx, vy, vz = B[E, k], B[E + 1, k], B[E + 2, k], B[V, k], B[V + 1, k], B[V + 2, k]
+        qx, qy, qz, tau = stretched(ex, ey, ez, vx, vy, vz, bristle)
+        far = math.sqrt(ex * ex + ey * ey + ez * ez)
+        share = bristle.u_y / far if far > bristle.u_y else 1.0
+        if smooth:
+            qx, qy, qz, tau, share = vx, vy, vz, 1.0, 0.0
+        q = math.sqrt(qx * qx + qy * qy + qz * qz)
+        along = B[N, k] * qx + B[N + 1, k] * qy + B[N + 2, k] * qz + tau * B[SPREAD, k]
+        if B[ONE_SIDE, k] == 0.0:
+            along = q
+        force = step * (share * step + tau) * math.sqrt(M[2, k])
+        loaded = q > 0.0 and along > 0.0
+        M[0, k] = force / q if loaded else 0.0
+        M[1, k] = force * (1.0 / along - 1.0 / q) if loaded and along < q else 0.0
+
+
+@part
+def add_turned(inertia, pose, turn, arm, added):
+    """Add an inertia in the frame of a body, its upper triangle, to added (6, 6); arm (3,) and turn as there."""
+    B, T = room2(6, 6), room2(6, 6)  # twist in the frame of the body by that in the world
+    clear(B)
+    for i in range(3):
+        for j in range(3):
+            r = turn[0, j] * pose[0, i] + turn[1, j] * pose[1, i] + turn[2, j] * pose[2, i]
+            B[i, j] = B[3 + i, 3 + j] = r
+        x, y, z = B[3 + i, 3], B[3 + i, 4], B[3 + i, 5]
+        B[3 + i, 0], B[3 + i, 1], B[3 + i, 2] = (
+            arm[1] * z - arm[2] * y,
+            arm[2] * x - arm[0] * z,
+            arm[0] * y - arm[1] * x,
+        )
+    for i in range(6):
+        for j in range(6):
+            k = 0.0
+            for c in range(6):
+                k += (inertia[i, c] if c >= i else inertia[c, i]) * B[c, j]
+            T[i, j] = k
+    for i in range(6):
+        for j in range(6):
+            k = 0.0
+            for c in range(6):
+                k += B[c, i] * T[c, j]
+            added[i, j] += k

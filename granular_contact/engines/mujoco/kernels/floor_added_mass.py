@@ -1,0 +1,84 @@
+"""`added_mass` of bodies that touch a floor in space, whose contact has no bristle.
+
+Its force follows from the depth and the velocity where the step ends. How it changes with the velocity there is found
+from a second evaluation, of a body that came down faster by TRIAL and so got deeper; it acts along the vertical alone.
+Arguments as of `space_added_mass`.
+"""
+
+from __future__ import annotations
+
+from granular_contact.engines.mujoco.kernels.added_mass import STEP, add_inertia, advance
+from granular_contact.engines.mujoco.kernels.facets_added_mass import add_turned
+from granular_contact.engines.mujoco.kernels.space_added_mass import begin_or_follow, middle
+from granular_contact.jit.compiled import kernel, part
+from granular_contact.jit.memory import clear, copy, room1, room2
+from granular_contact.jit.memory import rows as some_of
+from granular_contact.sand.kernels import space_law as law
+from granular_contact.sand.kernels.law import TERMS
+from granular_contact.sand.kernels.space_bodies import DEEPEST, bound
+
+TRIAL = 1e-6  # m/s
+
+
+@kernel(nogil=True)
+def act(
+    bodies, of_bed, clusters, inner, elements, anchors, active, ground, medium, rows, clock, poses, then, seen, turn,
+    arms, wrench, added,
+):  # fmt: skip
+    """As `space_added_mass.act`; ground (4,): the floor."""
+    begin_or_follow(bodies, of_bed, clusters, elements, anchors, active, ground, medium, clock, poses, seen)
+    resist(
+        bodies, of_bed, clusters, inner, elements, anchors, active, ground, medium, rows, poses, then, clock[STEP],
+        turn, arms, wrench, added,
+    )  # fmt: skip
+
+
+@part
+def resist(
+    bodies, of_bed, clusters, inner, elements, anchors, active, ground, medium, rows, poses, then, step, turn, arms,
+    wrench, added,
+):  # fmt: skip
+    """As `space_added_mass.resist`."""
+    W, ahead, lower, near, inertia = room2(TERMS, 6), room2(6, 3), room2(6, 3), room1(2), room2(6, 6)
+    for b in range(bodies.shape[0]):
+        at, near_floor, some = of_bed[b], False, False
+        for c in range(bodies[b].first, bodies[b].last):
+            if not active[c]:
+                continue
+            if not near_floor:
+                advance(poses[at], then[at], step, ahead)
+                copy(lower, ahead)
+                lower[3, 2] -= step * TRIAL
+                lower[4, 2] -= TRIAL
+                clear(inertia)
+                near_floor = True
+            one = clusters[c]
+            bound(one.x, one.y, one.z, one.radius, ahead, ground, medium[0], near)
+            if near[DEEPEST] <= 0.0:
+                continue
+            s, e = one.first, one.last
+            for i in range(s, e - rows + 1):
+                E, A = some_of(elements, i, rows), some_of(anchors, i, rows)
+                clear(W)
+                law.forces(medium[0], (E, A, inner[c], lower, ground, W))
+                slope = W[0, 2]
+                if slope == 0.0:
+                    continue
+                clear(W)
+                law.forces(medium[0], (E, A, inner[c], ahead, ground, W))
+                for k in range(6):
+                    wrench[at, k] += W[0, k]
+                weigh(step * (slope - W[0, 2]) / TRIAL, E, poses[at], inertia)
+                some = True
+        if some:
+            add_turned(inertia, poses[at], turn, arms[at], added[at])
+
+
+@part
+def weigh(mass, E, pose, inertia):
+    """Add a mass (kg) that is felt along the vertical to the inertia of a body, at the middle of an element's rows.
+
+    Frame of the body, upper triangle, as of `facets_added_mass`.
+    """
+    x, y, z = middle(E)
+    add_inertia(mass, pose[2, 0], pose[2, 1], pose[2, 2], x, y, z, inertia)

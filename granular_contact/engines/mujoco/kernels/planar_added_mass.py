@@ -1,0 +1,266 @@
+"""`added_mass` of bodies that move in a plane: contact lines, whose elements are their stations.
+
+The plane is spanned by the x and z axes of the frame of the bed. facings (bodies, 3): of each body, what of its frame
+lies along x where its angle is 0. ends, geometry, lines, profile, medium and anchors are those of `batches`; of_bed
+(lines,) are the places of their bodies in poses, wrench, added and seen, reaches (lines,) how far lines reach from the
+reference points of these (m). Inertia of a line in the plane is a (3, 3) matrix for x, y and the angle.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from granular_contact.engines.mujoco.kernels.added_mass import BEGINS, PASSED, STEP, advance
+from granular_contact.jit.compiled import kernel, part
+from granular_contact.jit.memory import clear, room1, room2, rows
+from granular_contact.sand.kernels import lines as one
+from granular_contact.sand.kernels.friction import SMOOTH
+from granular_contact.sand.kernels.friction import drive as drive_along
+from granular_contact.sand.kernels.kinematics import stations
+from granular_contact.sand.kernels.law import TERMS, forces
+from granular_contact.sand.kernels.planar_friction import drive, shortening
+from granular_contact.sand.kernels.surface import height
+
+DEPTH, SPEED, LOWEST = 0, 1, 2  # of seen (bodies, 3), as of `space_law`
+
+
+@part
+def flatten(pose, facing, q, v):
+    """Fill q and v (3,) with x, y (m), the angle (rad) and their rates from a pose (6, 3)."""
+    x = pose[0, 0] * facing[0] + pose[0, 1] * facing[1] + pose[0, 2] * facing[2]
+    y = pose[2, 0] * facing[0] + pose[2, 1] * facing[1] + pose[2, 2] * facing[2]
+    q[0], q[1], q[2] = pose[3, 0], pose[3, 2], math.atan2(y, x)
+    v[0], v[1], v[2] = pose[4, 0], pose[4, 2], -pose[5, 1]
+
+
+@part
+def longest(ends):
+    """Most stations of a line."""
+    n = 0
+    for r in range(ends.shape[0] - 1):
+        n = max(n, ends[r + 1, 0] - ends[r, 0])
+    return n
+
+
+@kernel(nogil=True)
+def act(
+    ends, of_bed, reaches, facings, geometry, lines, profile, medium, anchors, active, bristle, clock, poses, then,
+    seen, turn, arms, wrench, added,
+):  # fmt: skip
+    """As `space_added_mass.act`."""
+    step, begins = clock[STEP], clock[BEGINS] > 0.0
+    if begins:
+        anchors[:] = 0.0
+    if begins or clock[PASSED] > 0.0:
+        follow(
+            ends, of_bed, reaches, facings, geometry, lines, profile, medium, anchors, active, poses, step, begins, seen
+        )
+    resist(
+        ends, of_bed, reaches, facings, geometry, lines, profile, medium, anchors, active, bristle, poses, then, step,
+        turn, arms, wrench, added,
+    )  # fmt: skip
+
+
+@part
+def follow(
+    ends, of_bed, reaches, facings, geometry, lines, profile, medium, anchors, active, poses, step, again, seen,
+):  # fmt: skip
+    """End of a step at these poses: anchors follow; what the next may touch is active.
+
+    again: whether a motion begins here instead, without any stretched bristle. seen is brought up to date; of what is
+    out of reach the depth is a bound.
+    """
+    n = longest(ends)
+    P, V, q, v = np.empty((n, 2)), np.empty((n, 2)), room1(3), room1(3)
+    highest = np.max(profile[:, 1])
+    for r in range(lines.shape[0]):
+        s, e = ends[r, 0], ends[r + 1, 0]
+        pose, saw = poses[of_bed[r]], seen[of_bed[r]]
+        if profile.shape[0] == 1:
+            speed = abs(pose[4, 2]) + abs(pose[5, 1]) * reaches[r]
+            deepest = highest - pose[3, 2] + reaches[r]
+            if not again and not may_touch(deepest, speed, step):
+                saw[DEPTH] = max(saw[DEPTH], deepest)
+                active[r] = False
+                continue
+        p, velocity = P[: e - s], V[: e - s]
+        flatten(pose, facings[of_bed[r]], q, v)
+        stations(q, v, rows(geometry, s, e - s), p, velocity)
+        deepest, speed = -np.inf, 0.0
+        for i in range(e - s):
+            surface, slope = height(profile, p[i, 0])
+            z = surface - p[i, 1] + lines[r].drop
+            deepest = max(deepest, z)
+            speed = max(speed, abs(velocity[i, 1]) + abs(slope * velocity[i, 0]))
+            if z > 0.0:
+                saw[SPEED] = max(saw[SPEED], math.hypot(velocity[i, 0], velocity[i, 1]))
+                saw[LOWEST] = min(saw[LOWEST], p[i, 1] - lines[r].drop)
+        saw[DEPTH] = max(saw[DEPTH], deepest)
+        if deepest <= 0.0 or again or not active[r]:
+            one.release(p, rows(anchors, s, e - s), medium[0])
+        else:
+            one.drag_anchors(p, rows(anchors, s, e - s), lines[r], profile, medium[0])
+        active[r] = may_touch(deepest, speed, step)
+
+
+@part
+def may_touch(depth, speed, step):
+    """Whether what is so deep (m) and so fast (m/s) may touch the surface within a step (s), as in `batches`."""
+    return depth + 4.0 * step * (speed + 10.0 * step) > -1e-3
+
+
+@part
+def resist(
+    ends, of_bed, reaches, facings, geometry, lines, profile, medium, anchors, active, bristle, poses, then, step, turn,
+    arms, wrench, added,
+):  # fmt: skip
+    """As `space_added_mass.resist`."""
+    n = longest(ends)
+    P, V, F, q, v = np.empty((n, 2)), np.empty((n, 2)), np.empty((n, 2)), room1(3), room1(3)
+    Q, ahead, totals, flat = np.empty((n, 4)), room2(6, 3), room2(TERMS, 3), room2(3, 3)
+    clear(totals)
+    for r in range(lines.shape[0]):
+        if not active[r]:
+            continue
+        s, e, at = ends[r, 0], ends[r + 1, 0], of_bed[r]
+        k = e - s
+        advance(poses[at], then[at], step, ahead)
+        flatten(ahead, facings[at], q, v)
+        stations(q, v, rows(geometry, s, e - s), P[:k], V[:k])
+        if not one.immersed(P[:k], lines[r], profile):
+            continue
+        forces(P[:k], V[:k], rows(anchors, s, e - s), lines[r], profile, medium[0], F[:k], totals)
+        stretch(P[:k], V[:k], rows(anchors, s, e - s), bristle[0], step, F[:k], Q[:k])
+        clear(flat)
+        for i in range(k):
+            fx, fy = F[i, 0], F[i, 1]
+            if fx == 0.0 and fy == 0.0:
+                continue
+            x, y = P[i, 0] - q[0], P[i, 1] - q[1]
+            wrench[at, 0] += fx
+            wrench[at, 2] += fy
+            wrench[at, 4] -= x * fy - y * fx
+            weigh(fx, fy, Q, max(0, i - 1), min(k, i + 2), bristle[0], x, y, flat)
+            if lines[r].side != 0.0:
+                for j in range(max(0, i - 1), min(k - 1, i + 1)):
+                    lean(fx, fy, P, Q, i, j, lines[r].side, x, y, flat)
+        spread_out(flat, turn, arms[at], added[at])
+
+
+@part
+def spread_out(flat, turn, arm, added):
+    """Add an inertia in the plane (3, 3) to that of a body (6, 6) about a point from which the old one is at arm."""
+    J = room2(3, 6)
+    clear(J)
+    for k in range(3):
+        J[0, 3 + k], J[1, 3 + k], J[2, k] = turn[0, k], turn[2, k], -turn[1, k]
+    for row in range(2):  # velocity of the reference point where the body turns about the other
+        a, b, c = J[row, 3], J[row, 4], J[row, 5]
+        J[row, 0], J[row, 1], J[row, 2] = arm[1] * c - arm[2] * b, arm[2] * a - arm[0] * c, arm[0] * b - arm[1] * a
+    for i in range(3):
+        for j in range(3):
+            if flat[i, j] == 0.0:
+                continue
+            for a in range(6):
+                k = flat[i, j] * J[i, a]
+                for b in range(6):
+                    added[a, b] += k * J[j, b]
+
+
+@part
+def add_along(mass, nx, ny, x, y, flat):
+    """Add a mass (kg) at x, y (m) from the reference point that is felt along n alone."""
+    turn = x * ny - y * nx
+    flat[0, 0] += mass * nx * nx
+    flat[0, 1] += mass * nx * ny
+    flat[0, 2] += mass * nx * turn
+    flat[1, 0] += mass * nx * ny
+    flat[1, 1] += mass * ny * ny
+    flat[1, 2] += mass * ny * turn
+    flat[2, 0] += mass * nx * turn
+    flat[2, 1] += mass * ny * turn
+    flat[2, 2] += mass * turn * turn
+
+
+@part
+def stretch(P, V, anchors, m, step, F, Q):
+    """Fill Q (n, 4) with q, x and y, and how its components grow with those of the velocity there (s^2).
+
+    Where a station and its neighbours have no force F (n, 2) they are not needed.
+    """
+    n = P.shape[0]
+    for i in range(n):
+        needed = False
+        for j in range(max(0, i - 1), min(n, i + 2)):
+            needed = needed or F[j, 0] != 0.0 or F[j, 1] != 0.0
+        if not needed:
+            continue
+        ex, ey, vx, vy = P[i, 0] - anchors[i, 0], P[i, 1] - anchors[i, 1], V[i, 0], V[i, 1]
+        if m.parted and m.friction != SMOOTH:
+            qx, qy = m.u_y * drive_along(ex, vx, m), m.u_y * drive_along(ey, vy, m)
+            Q[i, 0], Q[i, 1] = qx, qy
+            Q[i, 2], Q[i, 3] = growth(ex, vx, qx, m, step), growth(ey, vy, qy, m, step)
+            continue
+        qx, qy = drive(ex, ey, vx, vy, m)
+        if m.friction == SMOOTH:
+            share, tau = 0.0, 1.0
+        else:
+            share, tau, speed = shortening(ex, ey, m), m.tau, math.sqrt(vx * vx + vy * vy)
+            if speed > 0.0:
+                x, y = qx - share * ex, qy - share * ey
+                tau = max(tau, math.sqrt(x * x + y * y) / speed)
+        Q[i, 0], Q[i, 1] = qx, qy
+        Q[i, 2] = Q[i, 3] = step * (share * step + tau)
+
+
+@part
+def growth(e, v, q, m, step):
+    """How one component of q grows with its velocity (s^2), of a bristle with this stretch (m)."""
+    share = min(1.0, m.u_y / abs(e)) if e != 0.0 else 1.0
+    tau = max(m.tau, abs(q - share * e) / abs(v)) if v != 0.0 else m.tau
+    return step * (share * step + tau)
+
+
+@part
+def weigh(fx, fy, Q, first, last, m, x, y, flat):
+    """Add the inertia of a station with a force (N); q is the greatest of its own and of its neighbours'."""
+    qx, qy, gx, gy = 0.0, 0.0, 0.0, 0.0
+    for i in range(first, last):
+        qx, qy = max(qx, abs(Q[i, 0])), max(qy, abs(Q[i, 1]))
+        gx, gy = max(gx, Q[i, 2]), max(gy, Q[i, 3])
+    fx, fy = abs(fx), abs(fy)
+    if not m.parted or m.friction == SMOOTH:
+        square = qx * qx + qy * qy
+        if square > 0.0:
+            mass = max(gx, gy) * math.sqrt((fx * fx + fy * fy) / square)
+            flat[0, 0] += mass
+            flat[1, 1] += mass
+            flat[0, 2] -= mass * y
+            flat[2, 0] -= mass * y
+            flat[1, 2] += mass * x
+            flat[2, 1] += mass * x
+            flat[2, 2] += mass * (x * x + y * y)
+        return
+    if qx > 0.0:
+        add_along(gx * fx / qx, 1.0, 0.0, x, y, flat)
+    if qy > 0.0:
+        add_along(gy * fy / qy, 0.0, 1.0, x, y, flat)
+
+
+@part
+def lean(fx, fy, P, Q, i, j, side, x, y, flat):
+    """Add what station i feels along the normal of strip j of an outline, beyond what it feels anyway."""
+    cx, cy = side * (P[j + 1, 0] - P[j, 0]), side * (P[j + 1, 1] - P[j, 1])
+    length = math.sqrt(cx * cx + cy * cy)
+    if length == 0.0:
+        return
+    nx, ny = -cy / length, cx / length
+    along = max(nx * Q[j, 0] + ny * Q[j, 1], nx * Q[j + 1, 0] + ny * Q[j + 1, 1])
+    square = max(Q[j, 0] ** 2 + Q[j, 1] ** 2, Q[j + 1, 0] ** 2 + Q[j + 1, 1] ** 2)
+    if not 0.0 < along * along < square:
+        return
+    mass = 0.5 * max(Q[i, 2], Q[i, 3]) * math.sqrt(fx * fx + fy * fy) * (1.0 / abs(along) - 1.0 / math.sqrt(square))
+    if along > 0.0:
+        add_along(mass, nx, ny, x, y, flat)

@@ -1,0 +1,208 @@
+"""`added_mass` of bodies in space: facets, strips of bars and balls.
+
+`rows`: how many rows of `elements` an element takes, 2 for the strips of a bar; inner: clusters for all elements of a
+cluster but its last, without the free end face. See `space_bodies` for other arguments; `of_bed` (bodies,) are the
+places of the bodies in poses, wrench, added and seen.
+"""
+
+from __future__ import annotations
+
+import math
+
+from granular_contact.engines.mujoco.kernels.added_mass import BEGINS, PASSED, STEP, add_inertia, add_point, advance
+from granular_contact.engines.mujoco.kernels.facets_added_mass import add_turned, held_facets
+from granular_contact.jit.compiled import kernel, part
+from granular_contact.jit.memory import clear, room1, room2
+from granular_contact.jit.memory import rows as rows_of
+from granular_contact.sand.kernels import space_law as law
+from granular_contact.sand.kernels.facets import COLUMNS
+from granular_contact.sand.kernels.friction import SMOOTH
+from granular_contact.sand.kernels.friction import drive as drive_along
+from granular_contact.sand.kernels.law import TERMS
+from granular_contact.sand.kernels.planar_friction import drive as drive_across
+from granular_contact.sand.kernels.space_bodies import DEEPEST, below, bound, may_touch, release
+from granular_contact.sand.kernels.space_friction import drive
+
+
+@kernel(nogil=True)
+def act(
+    bodies, of_bed, clusters, inner, elements, anchors, active, ground, medium, bristle, rows, clock, poses, then, seen,
+    turn, arms, wrench, added,
+):  # fmt: skip
+    """One step of elements of a medium: `begin` or `follow`, and `resist`."""
+    begin_or_follow(bodies, of_bed, clusters, elements, anchors, active, ground, medium, clock, poses, seen)
+    resist(
+        bodies, of_bed, clusters, inner, elements, anchors, active, ground, medium, bristle, rows, poses, then,
+        clock[STEP], turn, arms, wrench, added,
+    )  # fmt: skip
+
+
+@part
+def begin_or_follow(bodies, of_bed, clusters, elements, anchors, active, ground, medium, clock, poses, seen):
+    """`begin` or `follow`, as the clock (3,) says."""
+    if clock[BEGINS] > 0.0:
+        begin(bodies, of_bed, clusters, elements, anchors, active, ground, medium, poses, clock[STEP], seen)
+    elif clock[PASSED] > 0.0:
+        follow(bodies, of_bed, clusters, elements, anchors, active, ground, medium, poses, clock[STEP], seen)
+
+
+@part
+def follow(bodies, of_bed, clusters, elements, anchors, active, ground, medium, poses, step, seen):
+    """End of a step at these poses: anchors follow, and what the next may touch is chosen.
+
+    seen (bodies, 3), of `space_law.DEPTH` and its neighbours, is brought up to date; of what is out of reach the depth
+    is a bound.
+    """
+    near, plane = room1(2), room1(4)
+    for b in range(bodies.shape[0]):
+        body, pose, saw = bodies[b], poses[of_bed[b]], seen[of_bed[b]]
+        bound(body.x, body.y, body.z, body.radius, pose, ground, medium[0], near)
+        within, deepest = may_touch(near, step), near[DEEPEST]
+        if not within:
+            saw[law.DEPTH] = max(saw[law.DEPTH], deepest)
+        for c in range(body.first, body.last):
+            one, now = clusters[c], within
+            if within:
+                bound(one.x, one.y, one.z, one.radius, pose, ground, medium[0], near)
+                now = may_touch(near, step)
+            s, e = one.first, one.last
+            if now and active[c]:
+                below(one.x, one.y, one.z, pose, ground, medium[0], plane)
+                E, A = rows_of(elements, s, e - s), rows_of(anchors, s, e - s)
+                law.follow(medium[0], (E, A, one, pose, plane, saw))
+            elif now:
+                release(elements, anchors, one, pose, medium[0], False)
+            if within and not (now and active[c]):
+                saw[law.DEPTH] = max(saw[law.DEPTH], near[DEEPEST])
+            active[c] = now
+
+
+@part
+def begin(bodies, of_bed, clusters, elements, anchors, active, ground, medium, poses, step, seen):
+    """Begin at these poses: no bristle is stretched; seen as of `follow`, all depths are bounds."""
+    near = room1(2)
+    for b in range(bodies.shape[0]):
+        body, pose, saw = bodies[b], poses[of_bed[b]], seen[of_bed[b]]
+        for c in range(body.first, body.last):
+            one = clusters[c]
+            release(elements, anchors, one, pose, medium[0], True)
+            bound(one.x, one.y, one.z, one.radius, pose, ground, medium[0], near)
+            saw[law.DEPTH] = max(saw[law.DEPTH], near[DEEPEST])
+            active[c] = may_touch(near, step)
+
+
+@part
+def resist(
+    bodies, of_bed, clusters, inner, elements, anchors, active, ground, medium, bristle, rows, poses, then, step, turn,
+    arms, wrench, added,
+):  # fmt: skip
+    """Add forces where the step ends to wrench, and inertia to added.
+
+    Both are about the reference point of a body where it starts. then (bodies, 6, 3): poses with the velocities at the
+    end of the step; turn (3, 3) as of `space_bodies`.
+    """
+    W, ahead, near, plane, inertia = room2(TERMS, 6), room2(6, 3), room1(2), room1(4), room2(6, 6)
+    for b in range(bodies.shape[0]):
+        body, at, some = bodies[b], of_bed[b], False
+        for c in range(body.first, body.last):
+            if not active[c]:
+                continue
+            one = clusters[c]
+            if not some:
+                advance(poses[at], then[at], step, ahead)
+                clear(inertia)
+                some = True
+            bound(one.x, one.y, one.z, one.radius, ahead, ground, medium[0], near)
+            if near[DEEPEST] <= 0.0:
+                continue
+            s, e = one.first, one.last
+            below(one.x, one.y, one.z, ahead, ground, medium[0], plane)
+            if elements.shape[1] == COLUMNS:
+                E, A = rows_of(elements, s, e - s), rows_of(anchors, s, e - s)
+                held_facets(E, A, one, ahead, plane, medium[0], step, bristle[0], wrench[at], inertia)
+                continue
+            for i in range(s, e - rows + 1):
+                clear(W)
+                E, A = rows_of(elements, i, rows), rows_of(anchors, i, rows)
+                law.forces(medium[0], (E, A, one if i == e - rows else inner[c], ahead, plane, W))
+                fx, fy, fz = total(W, 0), total(W, 1), total(W, 2)
+                if fx != 0.0 or fy != 0.0 or fz != 0.0:
+                    for k in range(6):
+                        wrench[at, k] += total(W, k)
+                    weigh(fx, fy, fz, E, A, poses[at], ahead, step, bristle[0], inertia)
+        if some and inertia[3, 3] != 0.0:
+            add_turned(inertia, poses[at], turn, arms[at], added[at])
+
+
+@part
+def total(W, k):
+    """Component k of all terms together."""
+    found = 0.0
+    for term in range(TERMS):
+        found += W[term, k]
+    return found
+
+
+@part
+def weigh(fx, fy, fz, E, A, pose, ahead, step, bristle, inertia):
+    """Add the inertia of a strip or a ball with this force (N), rows E with anchors A, to that of its body.
+
+    Frame of the body, upper triangle, as of `facets_added_mass`; pose: where the step begins.
+    """
+    (bx, by, bz), (ax, ay, az) = middle(E), middle(A)
+    w, v = ahead[5], ahead[4]
+    rx, ry, rz = turned(ahead, bx, by, bz)
+    vx, vy, vz = v[0] + w[1] * rz - w[2] * ry, v[1] + w[2] * rx - w[0] * rz, v[2] + w[0] * ry - w[1] * rx
+    ex, ey, ez = ahead[3, 0] + rx - ax, ahead[3, 1] + ry - ay, ahead[3, 2] + rz - az
+    if bristle.parted and bristle.friction != SMOOTH:
+        qx, qy = drive_across(ex, ey, vx, vy, bristle)
+        mass = secant(length(fx, fy, 0.0), length(qx, qy, 0.0), length(ex, ey, 0.0), length(vx, vy, 0.0), bristle, step)
+        qz = bristle.u_y * drive_along(ez, vz, bristle)
+        upward = secant(abs(fz), abs(qz), abs(ez), abs(vz), bristle, step)
+        add_point(mass, bx, by, bz, inertia)
+        add_inertia(upward - mass, pose[2, 0], pose[2, 1], pose[2, 2], bx, by, bz, inertia)
+        return
+    qx, qy, qz, tau = drive(ex, ey, ez, vx, vy, vz, bristle)
+    q, h = length(qx, qy, qz), length(ex, ey, ez)
+    if q == 0.0:
+        return
+    share = 0.0 if bristle.friction == SMOOTH else min(1.0, bristle.u_y / h) if h > 0.0 else 1.0
+    growth = step * (share * step + tau) * length(fx, fy, fz)
+    add_point(growth / q, bx, by, bz, inertia)
+
+
+@part
+def middle(rows):
+    """Mean of the places (m) in the first three columns of rows."""
+    n, x, y, z = 1.0 / rows.shape[0], 0.0, 0.0, 0.0
+    for i in range(rows.shape[0]):
+        x, y, z = x + n * rows[i, 0], y + n * rows[i, 1], z + n * rows[i, 2]
+    return x, y, z
+
+
+@part
+def length(x, y, z):
+    """Length of a vector."""
+    return math.sqrt(x * x + y * y + z * z)
+
+
+@part
+def turned(R, x, y, z):
+    """A vector (3,) of the frame of a body in that of the bed."""
+    return (
+        R[0, 0] * x + R[0, 1] * y + R[0, 2] * z,
+        R[1, 0] * x + R[1, 1] * y + R[1, 2] * z,
+        R[2, 0] * x + R[2, 1] * y + R[2, 2] * z,
+    )
+
+
+@part
+def secant(force, q, stretch, speed, bristle, step):
+    """Mass (kg) of a bristle with its components apart, from the lengths of its force, q, stretch and velocity."""
+    if q == 0.0:
+        return 0.0
+    share = min(1.0, bristle.u_y / stretch) if stretch > 0.0 else 1.0
+    tau = bristle.tau
+    if speed > 0.0:
+        tau = max(tau, (q - share * stretch) / speed)
+    return step * (share * step + tau) * force / q

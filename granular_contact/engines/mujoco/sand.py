@@ -1,0 +1,125 @@
+"""What of a bed is the same for all data of a model: elements in space or lines in the plane, and media.
+
+Both kinds are called alike. Arrays and signs are those of `kernels.added_mass`; a state is a list of arrays that a
+step changes.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granular_contact.engines.mujoco.kernels import added_mass as kernels
+from granular_contact.engines.mujoco.kernels import planar_added_mass, space_added_mass
+from granular_contact.jit.compiled import bound
+from granular_contact.laws.static_friction import Elastoplastic, Smooth
+from granular_contact.sand.load import GranularLoad
+
+Vector = NDArray[np.float64]
+State = list[tuple[Vector, NDArray[np.bool_]]]  # of each batch: anchors, and what may be touched in this step
+
+
+@dataclass(frozen=True)
+class _Part:
+    """Elements of one kind in one medium, as kernels take them; of_bed (k,): places of the bodies that lines or bodies
+    of the batch are on; reaches (k,) m: how far each reaches from the origin of its frame; inner: their records.
+    """
+
+    of_bed: NDArray[np.int64]
+    bristle: NDArray[np.void]
+    batch: Any
+    inner: NDArray[np.void]
+    rows: int
+    reaches: Vector
+
+
+class Sand(ABC):
+    """What both kinds share; sizes (bodies,): how far bodies reach from the origins of their frames (m)."""
+
+    def __init__(self, parts: list[_Part], bodies: int) -> None:
+        self.parts, self.sizes = parts, np.zeros(bodies)
+        for part in parts:
+            np.maximum.at(self.sizes, part.of_bed, part.reaches)
+
+    def state(self) -> State:
+        """A new state."""
+        return [(np.zeros_like(part.batch.anchors), np.ones(len(part.inner), bool)) for part in self.parts]
+
+    @abstractmethod
+    def calls(self, state: State, *step: Any) -> list[Callable[[], None]]:
+        """A call for each batch; step: what `space_added_mass.act` takes from its clock on."""
+
+
+class SpatialSand(Sand):
+    """Elements of a `SpatialLoad` whose bodies have seven coordinates each, one after another."""
+
+    def __init__(self, load: Any, static: Elastoplastic | Smooth) -> None:
+        self.met = load.met
+        parts = [_part(batch, bristle_of(static, m)) for m, batch in zip(load.met, load.batches, strict=True)]
+        super().__init__(parts, 1 + max(int(part.of_bed.max()) for part in parts))
+
+    def calls(self, state: State, *step: Any) -> list[Callable[[], None]]:
+        """As of `Sand`."""
+        found = []
+        for medium, part, (anchors, active) in zip(self.met, self.parts, state, strict=True):
+            b = part.batch
+            on = (b.bodies, part.of_bed, b.clusters, part.inner, b.elements, anchors, active, b.ground, b.medium)
+            if medium is not None:
+                found.append(bound(space_added_mass.act, *on, part.bristle, part.rows, *step))
+                continue
+            from granular_contact.engines.mujoco.kernels import floor_added_mass
+
+            clock, poses, then, seen, *other = step
+            apart = np.zeros_like(seen)  # what is reported of depths is that below the surface
+            found.append(bound(floor_added_mass.act, *on, part.rows, clock, poses, then, apart, *other))
+        return found
+
+
+def _part(batch: Any, bristle: NDArray[np.void]) -> _Part:
+    bar = bool((batch.clusters["width"] > 0.0).any() and not batch.clusters["mass"].any())
+    inner = batch.clusters
+    if bar:
+        inner = batch.clusters.copy()
+        inner["cap"] = False
+    b = batch.bodies
+    far = b["radius"] + np.sqrt(b["x"] ** 2 + b["y"] ** 2 + b["z"] ** 2)
+    return _Part(batch.places[b["start"], 1] // 7, bristle, batch, inner, 2 if bar else 1, far)
+
+
+class PlanarSand(Sand):
+    """Lines of a `GranularLoad` whose bodies have three coordinates each, one after another; facings as of kernels."""
+
+    def __init__(self, load: GranularLoad, static: Elastoplastic | Smooth, facings: Vector) -> None:
+        self._facings = facings
+        parts = [_line_part(batch, bristle_of(static, m)) for m, batch in zip(load.met, load.batches, strict=True)]
+        super().__init__(parts, len(facings))
+
+    def calls(self, state: State, *step: Any) -> list[Callable[[], None]]:
+        """As of `Sand`."""
+        found = []
+        for part, (anchors, active) in zip(self.parts, state, strict=True):
+            b = part.batch
+            of = (b.ends, part.of_bed, part.reaches, self._facings, b.geometry, b.records, b.profile, b.medium)
+            found.append(bound(planar_added_mass.act, *of, anchors, active, part.bristle, *step))
+        return found
+
+
+def _line_part(batch: Any, bristle: NDArray[np.void]) -> _Part:
+    firsts = batch.ends[:-1, 1]
+    radii = np.hypot(batch.geometry["x"], batch.geometry["y"])
+    reaches = np.maximum.reduceat(radii, batch.ends[:-1, 0]) + batch.records["drop"]
+    return _Part(batch.places[firsts, 1] // 3, bristle, batch, batch.records, 1, reaches)
+
+
+def bristle_of(static: Elastoplastic | Smooth, medium: Any) -> NDArray[np.void]:
+    """Record (1,) of `kernels.added_mass.BRISTLE` for a medium; None: contact with the floor, which has no bristle."""
+    record = np.zeros(1, kernels.BRISTLE)
+    record["u_y"] = record["v_eps"] = 1.0
+    static.fill(record)
+    record["parted"] = bool(getattr(medium, "by_component", False))
+    return record

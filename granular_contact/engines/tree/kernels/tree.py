@@ -1,0 +1,217 @@
+"""Planar tree of rigid bodies on hinges and sliders, one coordinate a joint; every call costs a constant a joint.
+
+Node i is a body, or a massless frame between two joints of a body that flies free. Its joint carries it on a node
+before it in order, or on the ground. Coordinates s_i are those of results: of a hinge the angle (rad, clockwise) from
+parent to child, of a slider the way (m) along its axis. With r_i the centre of mass, c_i the joint's point on the node,
+e_i = c_i - r_p, d_i = r_i - c_i, u_i a slider's axis, and x' = (-x_y, x_x) a vector turned by a right angle, the
+acceleration A = (r'', alpha) of a node is that of its parent p, carried over, and that of its joint:
+
+    A_i = X_i A_p + b_i + S_i s_i''
+
+    X_i A_p = (r_p'' + alpha_p (e_i + d_i)', alpha_p)
+    b_i = (-omega_p^2 e_i - omega_i^2 d_i, 0),    S_i = (-d_i', -1)                       hinge
+    b_i = (-omega_p^2 (e_i + d_i) + 2 omega_p s_i' u_i', 0),    S_i = (u_i, 0)            slider
+
+With f_i the force and moment on a node and I_i = diag(m, m, J), its joint passes on
+
+    P_i = I_i A_i - f_i + sum of X_c^T P_c over its children c,    and lacks    R_i = S_i . P_i - tau_i,
+
+tau_i what acts along its coordinate. A motion has R = 0. An implicit step asks for s'' at its end, where forces depend
+on it: with a change of s'' by 1, rates change by fv and coordinates by fq. Newton's method then solves for a change of
+s'' that takes R away. What it does to forces is, of each node, a matrix on the change of its A, and of each joint a
+number on that of s'':
+
+    B_i = I_i - fq df_i/dq - fv df_i/dv,    c_i = -fq dtau_i/ds - fv dtau_i/ds'
+
+so that the change has the equations of a tree whose bodies have the inertia B, and these are solved as those of
+articulated bodies are (Featherstone 2008), from the leaves inward and back, with no matrix of the whole:
+
+    U = B S,    W = S B,    D = S . U + c,    B_p gets X^T (B - U W / D) X,
+    g = (-R - S . p) / D,    p_p gets X^T (p + U g),    change of s'' = g - W . (X dA_p) / D.
+
+B has no symmetry, as sand has no potential. What turns with the change (arms, axes, b) is left out of it, a share of
+the order of a step times a rate. A coordinate that is prescribed has 1 / D = 0, and its R is what its drive does.
+"""
+
+from __future__ import annotations
+
+import math
+
+from granular_contact.engines.tree.kernels.tree_arrays import (
+    ACCELERATION,
+    ALONG,
+    ARM,
+    BIAS,
+    BODY,
+    CHANGE,
+    EFFORT,
+    FORCE,
+    JOINTS,
+    MOVED,
+    NODES,
+    PASSED,
+    POSE,
+    RATES,
+    REST,
+    S2,
+    STIFFNESS,
+    TURNED,
+    TWIST,
+    S,
+    nodes_of,
+    row,
+    rows,
+)
+from granular_contact.jit.compiled import part
+from granular_contact.jit.memory import clear, piece
+
+HINGE, SLIDER = 0, 1
+
+# Columns of `joint`: U, W, 1 / D, S, and the arm e + d from the parent's centre of mass, turned.
+UX, UY, UT, WX, WY, WT, INVERSE, SX, SY, ST, TX, TY = range(12)
+
+
+@part
+def place(w):
+    """Fill pose, twist, arm, along and bias from coordinates and rates."""
+    nodes, s, rates, turned, arm = nodes_of(w, NODES), row(w, S), row(w, RATES), rows(w, TURNED), rows(w, ARM)
+    pose, twist, along, bias = rows(w, POSE), rows(w, TWIST), rows(w, ALONG), rows(w, BIAS)
+    for i in range(nodes.shape[0]):
+        node = nodes[i]
+        p, slides = node.parent, node.kind == SLIDER
+        x, y, phi, vx, vy, omega, c, n = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0
+        if p >= 0:
+            x, y, phi = pose[p, 0], pose[p, 1], pose[p, 2]
+            vx, vy, omega = twist[p, 0], twist[p, 1], twist[p, 2]
+            c, n = turned[p, 0], turned[p, 1]
+        px, py = node.on_parent[0], node.on_parent[1]
+        ex, ey, ux, uy = c * px - n * py, n * px + c * py, 0.0, 0.0
+        angle, rate, speed = phi + node.turn, omega, 0.0
+        if slides:
+            ux, uy = c * node.axis[0] - n * node.axis[1], n * node.axis[0] + c * node.axis[1]
+            ex, ey, speed = ex + s[i] * ux, ey + s[i] * uy, rates[i]
+        else:
+            angle, rate = angle - s[i], rate - rates[i]
+        c, n = math.cos(angle), math.sin(angle)
+        turned[i, 0], turned[i, 1] = c, n
+        dx, dy = n * node.point[1] - c * node.point[0], -(n * node.point[0] + c * node.point[1])
+        pose[i, 0], pose[i, 1], pose[i, 2] = x + ex + dx, y + ey + dy, angle
+        twist[i, 0] = vx - omega * ey - rate * dy + speed * ux
+        twist[i, 1] = vy + omega * ex + rate * dx + speed * uy
+        twist[i, 2] = rate
+        arm[i, 0], arm[i, 1] = -(ey + dy), ex + dx
+        along[i, 0], along[i, 1], along[i, 2] = dy, -dx, -1.0
+        if slides:
+            along[i, 0], along[i, 1], along[i, 2] = ux, uy, 0.0
+        bias[i, 0] = -omega * omega * ex - rate * rate * dx - 2.0 * omega * speed * uy
+        bias[i, 1] = -omega * omega * ey - rate * rate * dy + 2.0 * omega * speed * ux
+
+
+@part
+def carry(w):
+    """Fill the accelerations of the nodes from those of the coordinates."""
+    nodes, s2, A = nodes_of(w, NODES), row(w, S2), rows(w, ACCELERATION)
+    arm, along, bias = rows(w, ARM), rows(w, ALONG), rows(w, BIAS)
+    for i in range(nodes.shape[0]):
+        p, ax, ay, alpha = nodes[i].parent, bias[i, 0], bias[i, 1], 0.0
+        if p >= 0:
+            alpha = A[p, 2]
+            ax += A[p, 0] + arm[i, 0] * alpha
+            ay += A[p, 1] + arm[i, 1] * alpha
+        A[i, 0] = ax + along[i, 0] * s2[i]
+        A[i, 1] = ay + along[i, 1] * s2[i]
+        A[i, 2] = alpha + along[i, 2] * s2[i]
+
+
+@part
+def lack(w):
+    """Fill R for the accelerations of the nodes."""
+    nodes, A, P, force = nodes_of(w, NODES), rows(w, ACCELERATION), rows(w, PASSED), rows(w, FORCE)
+    arm, along, effort, rest = rows(w, ARM), rows(w, ALONG), row(w, EFFORT), row(w, REST)
+    for i in range(nodes.shape[0]):
+        P[i, 0] = nodes[i].mass * A[i, 0] - force[i, 0]
+        P[i, 1] = nodes[i].mass * A[i, 1] - force[i, 1]
+        P[i, 2] = nodes[i].inertia * A[i, 2] - force[i, 2]
+    for i in range(nodes.shape[0] - 1, -1, -1):
+        asked = along[i, 0] * P[i, 0] + along[i, 1] * P[i, 1] + along[i, 2] * P[i, 2]
+        rest[i] = asked - effort[i]
+        p = nodes[i].parent
+        if p >= 0:
+            P[p, 0] += P[i, 0]
+            P[p, 1] += P[i, 1]
+            P[p, 2] += P[i, 2] + arm[i, 0] * P[i, 0] + arm[i, 1] * P[i, 1]
+
+
+@part
+def inertias(w):
+    """Fill B and c with what they are without any forces."""
+    nodes, body = nodes_of(w, NODES), rows(w, BODY)
+    clear(body)
+    clear(row(w, STIFFNESS))
+    for i in range(nodes.shape[0]):
+        body[i, 0] = body[i, 4] = nodes[i].mass
+        body[i, 8] = nodes[i].inertia
+
+
+@part
+def hang(b, f, parent):
+    """Add X^T (B - U W / D) X of a node with B in b (9,) and its joint in f (12,) to the B of its parent (9,)."""
+    ux, uy, ut = f[UX] * f[INVERSE], f[UY] * f[INVERSE], f[UT] * f[INVERSE]
+    tx, ty = f[TX], f[TY]
+    xx, xy, xt = b[0] - ux * f[WX], b[1] - ux * f[WY], b[2] - ux * f[WT]
+    yx, yy, yt = b[3] - uy * f[WX], b[4] - uy * f[WY], b[5] - uy * f[WT]
+    zx, zy, zt = b[6] - ut * f[WX], b[7] - ut * f[WY], b[8] - ut * f[WT]
+    mx, my, mt = xx * tx + xy * ty + xt, yx * tx + yy * ty + yt, zx * tx + zy * ty + zt
+    parent[0] += xx
+    parent[1] += xy
+    parent[2] += mx
+    parent[3] += yx
+    parent[4] += yy
+    parent[5] += my
+    parent[6] += tx * xx + ty * yx + zx
+    parent[7] += tx * xy + ty * yy + zy
+    parent[8] += tx * mx + ty * my + mt
+
+
+@part
+def fold(w):
+    """Fill `joint` from B and c; B of each node then has all that hangs on it."""
+    nodes, body, joint, stiffness = nodes_of(w, NODES), rows(w, BODY), rows(w, JOINTS), row(w, STIFFNESS)
+    along, arm = rows(w, ALONG), rows(w, ARM)
+    for i in range(nodes.shape[0] - 1, -1, -1):
+        b, f, x, y, t = piece(body, i, 9), piece(joint, i, 12), along[i, 0], along[i, 1], along[i, 2]
+        for k in range(3):
+            f[UX + k] = b[3 * k] * x + b[3 * k + 1] * y + b[3 * k + 2] * t
+            f[WX + k] = b[k] * x + b[3 + k] * y + b[6 + k] * t
+        d = x * f[UX] + y * f[UY] + t * f[UT] + stiffness[i]
+        f[INVERSE] = 0.0 if nodes[i].prescribed else 1.0 / d
+        f[SX], f[SY], f[ST], f[TX], f[TY] = x, y, t, arm[i, 0], arm[i, 1]
+        if nodes[i].parent >= 0:
+            hang(b, f, piece(body, nodes[i].parent, 9))
+
+
+@part
+def solve(w):
+    """Fill the change of s'' that takes R away, and that of the nodes' accelerations.
+
+    By what `fold` found, which may have been at another place.
+    """
+    nodes, joint, rest, change = nodes_of(w, NODES), rows(w, JOINTS), row(w, REST), row(w, CHANGE)
+    p, A = rows(w, PASSED), rows(w, MOVED)
+    clear(p)
+    for i in range(nodes.shape[0] - 1, -1, -1):
+        f, q = piece(joint, i, 12), nodes[i].parent
+        g = (-rest[i] - f[SX] * p[i, 0] - f[SY] * p[i, 1] - f[ST] * p[i, 2]) * f[INVERSE]
+        change[i] = g
+        if q >= 0:
+            x, y = p[i, 0] + f[UX] * g, p[i, 1] + f[UY] * g
+            p[q, 0] += x
+            p[q, 1] += y
+            p[q, 2] += p[i, 2] + f[UT] * g + f[TX] * x + f[TY] * y
+    for i in range(nodes.shape[0]):
+        f, q, x, y, t = piece(joint, i, 12), nodes[i].parent, 0.0, 0.0, 0.0
+        if q >= 0:
+            t = A[q, 2]
+            x, y = A[q, 0] + f[TX] * t, A[q, 1] + f[TY] * t
+        change[i] -= (f[WX] * x + f[WY] * y + f[WT] * t) * f[INVERSE]
+        A[i, 0], A[i, 1], A[i, 2] = x + f[SX] * change[i], y + f[SY] * change[i], t + f[ST] * change[i]

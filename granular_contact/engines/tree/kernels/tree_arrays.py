@@ -1,0 +1,125 @@
+"""Arrays of a tree of rigid bodies and of its march, which kernels find by their places (`lending`).
+
+Of n nodes, in the order of ARRAYS:
+
+    nodes           (n,) records of NODE, see `tree`
+    laws, state     (n,) records of JOINT and (n, 5), of what acts along each coordinate, see `joint_loads`
+    gravity         (1,) m/s2
+    sand, triplets  as in `planar_sand`, with the coordinates of `pose` as those of the system; room for its tangent
+    signals         (n,) which signal a joint's drive follows, -1 of none
+    knots, pieces   see `signal_tables`; wanted (signals, 3): values, rates and accelerations at present
+    wanted
+    s, rates        (n,) coordinates and their rates, accelerations, and those that the scheme moves by (`tree_newton`);
+    s2, lagged      then the same at the start of the step
+    pose, twist     (n, 3) centre of mass x, y (m) and angle; their rates; accelerations likewise
+    acceleration
+    turned          (n, 2) cosine and sine of the angle
+    arm             (n, 2) (e + d)' of `tree` (m); along (n, 3): S; bias (n, 2): b
+    along, bias
+    force           (n, 3) on the nodes, x, y (N) and moment about the centre of mass (N m)
+    effort          (n,) tau (N m, N), without what drives of prescribed motions do
+    passed          (n, 3) P, or p
+    body            (n, 9) B, row by row; stiffness (n,): c
+    stiffness
+    joint           (n, 12) see `tree`
+    rest, change    (n,) R, and the change of s''; moved (n, 3): that of accelerations of nodes
+    moved
+    matrix          (1,) see `tree_newton`; iterated (2,): counts; iterations: words of `iterations`
+    iterated
+    iterations
+    changes         words of `step_error`
+    scheme          (1,) records of SCHEME (`tree_newton`), CHOICE (`step_choice`) and CONTROL (`tree_march`)
+    choice
+    control
+    bends, followed, arms   see `step_choice`
+    clock, counts   see `tree_march`, as are the next
+    blank           (columns,) a row of the medium's doings before anything is added to it
+    states, table   (rows, WIDTH n) and (rows, columns), of which the first counts[STEPS] + 1 are filled
+    calls           (1,) record of CALL
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numba import from_dtype, types
+from numpy.typing import NDArray
+
+from granular_contact.jit.lending import lender, places
+from granular_contact.jit.records import fields
+from granular_contact.mechanics.kernels.joint_loads import JOINT
+from granular_contact.mechanics.kernels.step_choice import CHOICE
+
+# parent: index of the node it hangs on, -1 for the ground; kind: of its joint; on_parent (2,) m: the joint's point in
+# the parent's frame, seen from its centre of mass (in the world, on the ground), of a slider at s = 0; point (2,) m:
+# the same in the node's own frame; axis (2,): of a slider, in the parent's frame; turn (rad): angle of the node in its
+# parent's frame at s = 0; prescribed: whether a signal says s; acts: whether something acts along it; mass kg; inertia
+# kg m2 about the centre of mass; radius m: of the farthest point from the centre of mass.
+NODE = np.dtype(
+    [
+        *fields("i8", "parent", "kind", "prescribed", "acts"),
+        *((name, "f8", (2,)) for name in ("on_parent", "point", "axis")),
+        *fields("f8", "turn", "mass", "inertia", "radius"),
+    ]
+)
+# alpha_m ... gamma, of the scheme; gain: how much of the last change an iteration may leave, or the matrix is renewed;
+# most: iterations; fixed: whether steps are; alone: whether nothing is known from the iterations of other steps.
+SCHEME = np.dtype(
+    [*fields("f8", "alpha_m", "alpha_f", "beta", "gamma", "gain"), *fields("i8", "most", "fixed", "alone")]
+)
+# Times and speeds in SI units. closeness, left (m/s2): what the last iteration may still change speeds by, over the
+# accuracy and the speed where steps are chosen, and over the step. away (m/s): speed from which on a motion has run
+# away; crowd: steps.
+CONTROL = np.dtype([*fields("f8", "end", "rest_speed", "rest_time", "closeness", "left", "away"), ("crowd", "i8")])
+
+# Addresses, see `tree_calls`.
+CALL = np.dtype(
+    fields("i8", "force", "tangent", "accept", "update_active", "soonest", "begin", "go_on", "look", "attempt")
+)
+
+ARRAYS = (
+    *("nodes", "laws", "state", "gravity", "sand", "triplets", "signals", "knots", "pieces", "wanted"),
+    *("s", "rates", "s2", "lagged", "s_before", "rates_before", "s2_before", "lagged_before"),
+    *("pose", "twist", "acceleration", "turned", "arm", "along", "bias", "force", "effort", "passed"),
+    *("body", "stiffness", "joint", "rest", "change", "moved", "matrix", "iterated", "iterations", "changes"),
+    *("scheme", "choice", "control", "bends", "followed", "arms", "clock", "counts", "blank", "states", "table"),
+    "calls",
+)
+NODES, LAWS, STATE, GRAVITY, SAND, TRIPLETS, SIGNALS, KNOTS, PIECES, WANTED = range(10)
+S, RATES, S2, LAGGED, S_BEFORE, RATES_BEFORE, S2_BEFORE, LAGGED_BEFORE = range(10, 18)
+POSE, TWIST, ACCELERATION, TURNED, ARM, ALONG, BIAS, FORCE, EFFORT, PASSED = range(18, 28)
+BODY, STIFFNESS, JOINTS, REST, CHANGE, MOVED, MATRIX, ITERATED, ITERATIONS, CHANGES = range(28, 38)
+SCHEMES, CHOICES, CONTROLS, BENDS, FOLLOWED, ARMS, CLOCK, COUNTS, BLANK, STATES, TABLE, CALLS = range(38, 50)
+DONE, MATRICES = 0, 1  # of `iterated`
+# Of clock (8,): times (s), of the step to come and of the last one tried, speeds (m/s) as of `step_choice`, and from
+# when on how many whole steps were taken.
+NOW, STEP, RESTING_SINCE, TRIED, SPEED, FASTEST, ORIGIN, WHOLE = range(8)
+
+row, rows, blocks = (lender(types.Array(types.float64, axes, "C")) for axes in (1, 2, 3))
+numbers, tables = (lender(types.Array(types.int64, axes, "C")) for axes in (1, 2))
+nodes_of, laws_of, schemes, choices, controls, calls = (
+    lender(types.Array(from_dtype(kind), 1, "C")) for kind in (NODE, JOINT, SCHEME, CHOICE, CONTROL, CALL)
+)
+
+WIDTHS = {
+    **dict.fromkeys(("s", "rates", "s2", "lagged", "s_before", "rates_before", "s2_before", "lagged_before"), 0),
+    **dict.fromkeys(("pose", "twist", "acceleration", "along", "force", "passed", "moved"), 3),
+    **dict.fromkeys(("turned", "arm", "bias"), 2),
+    **dict.fromkeys(("effort", "stiffness", "rest", "change"), 0),
+    **{"body": 9, "joint": 12},
+}
+
+
+def room(nodes: int) -> dict[str, NDArray[Any]]:
+    """Arrays that say nothing yet: the motion of so many nodes, and what is worked out from it."""
+    return {name: np.zeros((nodes, width) if width else nodes) for name, width in WIDTHS.items()}
+
+
+def words(arrays: Mapping[str, NDArray[Any]]) -> NDArray[np.int64]:
+    """Where the arrays are, those that are not needed left out; good for as long as somebody keeps them."""
+    return places(*(arrays.get(name, _NOTHING) for name in ARRAYS))
+
+
+_NOTHING = np.zeros(0)

@@ -1,0 +1,131 @@
+"""What the march of a tree calls by addresses in a record of CALLS, as laws are called in `law`.
+
+Numba optimises a function together with all that it calls, again for each caller. These are called from several places,
+or are a large part of what would be optimised with each of their callers in turn.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numba import types
+from numpy.typing import NDArray
+
+from granular_contact.engines.tree.kernels.tree_arrays import (
+    CALL,
+    CALLS,
+    FORCE,
+    ITERATED,
+    ITERATIONS,
+    MATRICES,
+    POSE,
+    SAND,
+    SCHEMES,
+    TRIPLETS,
+    TWIST,
+    calls,
+    numbers,
+    rows,
+    schemes,
+    tables,
+)
+from granular_contact.jit.calls import address_of, caller
+from granular_contact.jit.compiled import part
+from granular_contact.jit.memory import flat
+from granular_contact.mechanics.kernels import anderson
+from granular_contact.sand.kernels import planar_sand
+
+_ROW, _ROWS = (types.Array(types.float64, axes, "C") for axes in (1, 2))
+_WORDS, _SAND, _NUMBER, _WHOLE, _TRUTH = (
+    types.Array(types.int64, 1, "C"), types.Array(types.int64, 2, "C"), types.float64, types.int64, types.boolean,
+)  # fmt: skip
+_SIGNATURES: dict[str, tuple[tuple[Any, ...], Any]] = {  # arguments, result
+    "force": ((_SAND, _ROW, _ROW, _ROW), types.none),
+    "tangent": ((_SAND, _ROW, _ROW, _NUMBER, _NUMBER, _ROWS), _WHOLE),
+    "accept": ((_SAND, _ROW, _ROW, _ROW, _TRUTH), types.none),
+    "update_active": ((_SAND, _NUMBER), _TRUTH),
+    "soonest": ((_SAND,), _NUMBER),
+    "begin": ((_WORDS, _NUMBER, _NUMBER, _TRUTH, _WHOLE, _TRUTH, _NUMBER), _TRUTH),
+    "go_on": ((_WORDS, _WHOLE, _NUMBER, _TRUTH), _TRUTH),
+    "look": ((_NUMBER, _NUMBER, _WORDS), _NUMBER),
+    "attempt": ((_NUMBER, _NUMBER, _WORDS), _TRUTH),
+}
+_force, _tangent, _accept, _update_active, _soonest, _begin, _go_on, _look, _attempt = (
+    caller(name, *_SIGNATURES[name], CALL) for name in _SIGNATURES
+)
+_OF_SAND = "force", "tangent", "accept", "update_active", "soonest"
+
+
+@cache
+def record(look: Any, attempt: Any) -> NDArray[np.void]:
+    """Record (1,) of CALL with the addresses of functions, which are compiled where they are not yet."""
+    functions = {name: getattr(planar_sand, name) for name in _OF_SAND}
+    functions |= {"begin": anderson.begin, "go_on": anderson.go_on, "look": look, "attempt": attempt}
+    found = np.zeros(1, CALL)
+    for name, function in functions.items():
+        found[name] = address_of(function, *_SIGNATURES[name])
+    return found
+
+
+@part
+def sand_force(w):
+    """Add the forces of the medium to those on the nodes."""
+    if tables(w, SAND).shape[0] > 0:
+        _force(calls(w, CALLS)[0], (tables(w, SAND), flat(rows(w, POSE)), flat(rows(w, TWIST)), flat(rows(w, FORCE))))
+
+
+@part
+def sand_tangent(fq, fv, w):
+    """Fill triplets with the tangent of these forces, see `planar_sand.tangent`; their number."""
+    if tables(w, SAND).shape[0] == 0:
+        return 0
+    given = tables(w, SAND), flat(rows(w, POSE)), flat(rows(w, TWIST)), fq, fv, rows(w, TRIPLETS)
+    return _tangent(calls(w, CALLS)[0], given)
+
+
+@part
+def sand_accept(w, history, begins):
+    """End of a step in the medium, see `planar_sand.accept`."""
+    if tables(w, SAND).shape[0] > 0:
+        given = tables(w, SAND), flat(rows(w, POSE)), flat(rows(w, TWIST)), history, begins
+        _accept(calls(w, CALLS)[0], given)
+
+
+@part
+def update_active(step, w):
+    """Mark the lines that may touch the surface within a step (s)."""
+    _update_active(calls(w, CALLS)[0], (tables(w, SAND), step))
+
+
+@part
+def soonest(w):
+    """Time (s) until something above the surface may touch it."""
+    return _soonest(calls(w, CALLS)[0], (tables(w, SAND),))
+
+
+@part
+def begin_iterations(of_q, of_v, w):
+    """`anderson.begin`: whether the matrix is to be new."""
+    c, count = schemes(w, SCHEMES)[0], numbers(w, ITERATED)[MATRICES]
+    return _begin(calls(w, CALLS)[0], (numbers(w, ITERATIONS), of_q, of_v, c.alone != 0, count, c.fixed != 0, 0.0))
+
+
+@part
+def go_on(w):
+    """`anderson.go_on`: whether the matrix is to be new."""
+    c, count = schemes(w, SCHEMES)[0], numbers(w, ITERATED)[MATRICES]
+    return _go_on(calls(w, CALLS)[0], (numbers(w, ITERATIONS), count, c.gain, True))
+
+
+@part
+def look(of_q, of_v, w):
+    """`tree_newton.look`."""
+    return _look(calls(w, CALLS)[0], (of_q, of_v, w))
+
+
+@part
+def attempt(h, allowed, w):
+    """`tree_newton.attempt`."""
+    return _attempt(calls(w, CALLS)[0], (h, allowed, w))

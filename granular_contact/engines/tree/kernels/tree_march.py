@@ -1,0 +1,216 @@
+"""March of a tree through time: steps that are fixed, or as long as their error allows, one row for each."""
+
+from __future__ import annotations
+
+import math
+
+from granular_contact.engines.tree.kernels.tree_arrays import (
+    ACCELERATION,
+    ARMS,
+    BENDS,
+    BLANK,
+    CHANGES,
+    CHOICES,
+    CLOCK,
+    CONTROLS,
+    COUNTS,
+    FASTEST,
+    FOLLOWED,
+    KNOTS,
+    LAGGED,
+    LAGGED_BEFORE,
+    MATRIX,
+    NODES,
+    NOW,
+    ORIGIN,
+    PIECES,
+    POSE,
+    RATES,
+    RATES_BEFORE,
+    RESTING_SINCE,
+    S2,
+    S2_BEFORE,
+    S_BEFORE,
+    SCHEMES,
+    SPEED,
+    STATE,
+    STATES,
+    STEP,
+    TABLE,
+    TWIST,
+    WANTED,
+    WHOLE,
+    S,
+    blocks,
+    choices,
+    controls,
+    nodes_of,
+    numbers,
+    row,
+    rows,
+    schemes,
+)
+from granular_contact.engines.tree.kernels.tree_arrays import REST as LACK
+from granular_contact.engines.tree.kernels.tree_calls import attempt, soonest
+from granular_contact.engines.tree.kernels.tree_load import accept, fastest, follow_signals, prescribe
+from granular_contact.engines.tree.kernels.tree_newton import finish, settle_in
+from granular_contact.jit.compiled import kernel, part
+from granular_contact.jit.memory import copy, piece
+from granular_contact.mechanics.kernels import step_error
+from granular_contact.mechanics.kernels.joint_loads import VALUE
+from granular_contact.mechanics.kernels.step_choice import LONGER, SLOWED, ahead, factor, needed
+from granular_contact.sand.kernels.lines import TIME
+
+# Why `march` came back: its share of steps is done, everything rests, the end, no step is small enough, the motion
+# diverged, there are too many steps.
+PAUSE, REST, END, FAILED, AWAY, CROWD = 0, 1, 2, 3, 4, 5
+STEPS, REFUSED, SHORTENED = 0, 1, 2  # of counts (3,)
+MOVES, WIDTH = 9, 11  # numbers of a node in a row of states: of its motion, and in all
+
+
+@kernel
+def start(begins, w):
+    """Find the accelerations and write the first row; begins: with a friction state that is reset, else as it is."""
+    table, clock = rows(w, TABLE), row(w, CLOCK)
+    follow_signals(0.0, w)
+    prescribe(0.0, w)
+    if begins:
+        accept(w, piece(table, 0, table.shape[1]), True)
+    settle_in(w)
+    write(0.0, w)
+    clock[SPEED] = step_error.begin(numbers(w, CHANGES), clock[STEP])
+
+
+@part
+def write(t, w):
+    """Accept a step that ends at t (s) and keep it in the next row.
+
+    Of states: pose, twist and acceleration of all nodes, what joints lack, and what their drives want.
+    """
+    table, states, at = rows(w, TABLE), rows(w, STATES), numbers(w, COUNTS)[STEPS]
+    history, kept = piece(table, at, table.shape[1]), piece(states, at, states.shape[1])
+    copy(history, row(w, BLANK))
+    accept(w, history, False)
+    history[TIME] = t
+    pose, twist, acceleration = rows(w, POSE), rows(w, TWIST), rows(w, ACCELERATION)
+    rest, state, n = row(w, LACK), rows(w, STATE), pose.shape[0]
+    for i in range(n):
+        for k in range(3):
+            kept[3 * i + k] = pose[i, k]
+            kept[3 * (n + i) + k] = twist[i, k]
+            kept[3 * (2 * n + i) + k] = acceleration[i, k]
+        kept[MOVES * n + i] = rest[i]
+        kept[(MOVES + 1) * n + i] = state[i, VALUE]
+
+
+@part
+def keep(w):
+    """Keep the state as that at the start of a step."""
+    copy(row(w, S_BEFORE), row(w, S))
+    copy(row(w, RATES_BEFORE), row(w, RATES))
+    copy(row(w, S2_BEFORE), row(w, S2))
+    copy(row(w, LAGGED_BEFORE), row(w, LAGGED))
+
+
+@part
+def chosen(h, w):
+    """Step by h (s), or by less, as the error allows; its length (s), 0 if no step can be solved."""
+    clock, choice, control, counts = row(w, CLOCK), choices(w, CHOICES)[0], controls(w, CONTROLS)[0], numbers(w, COUNTS)
+    refused, matrix = False, row(w, MATRIX)
+    allowed = control.closeness * choice.accuracy * max(clock[SPEED], clock[FASTEST] / SLOWED)
+    while True:
+        if not attempt(h, min(allowed, control.left * h), w):
+            matrix[0] = 0.0
+            h *= 0.5
+            if h < choice.least:
+                return 0.0
+            continue
+        need = needed(numbers(w, CHANGES), h, choice, clock[FASTEST], clock[SPEED])
+        if need > 1.0 and h > choice.least:
+            counts[REFUSED] += 1
+            matrix[0], refused = 0.0, True
+            h = max(factor(need) * h, choice.least)
+            continue
+        wanted = h if refused and need > 1.0 else min(factor(need) * h, choice.longest)
+        clock[STEP] = h if h < wanted < LONGER * h and wanted < choice.longest else wanted
+        return h
+
+
+@part
+def fixed(h, w):
+    """Step by h (s), or by half of it and so on where that can't be solved; its length (s), 0 if none can be."""
+    left, whole, least = controls(w, CONTROLS)[0].left, h, choices(w, CHOICES)[0].least
+    while not attempt(h, left * h, w):
+        row(w, MATRIX)[0] = 0.0
+        h *= 0.5
+        if h < least:
+            return 0.0
+    numbers(w, COUNTS)[SHORTENED] += h < whole
+    return h
+
+
+@part
+def next_step(w):
+    """Length (s) of the step to try next; one that shares the time left evenly with the one after it."""
+    clock, choice, is_fixed = row(w, CLOCK), choices(w, CHOICES)[0], schemes(w, SCHEMES)[0].fixed
+    t, h, left = clock[NOW], clock[STEP], controls(w, CONTROLS)[0].end - clock[NOW]
+    if is_fixed:
+        return left if h > left * (1.0 - 1e-9) else h
+    h = ahead(
+        t, h, soonest(w), choice, clock[FASTEST], clock[SPEED], row(w, BENDS),
+        numbers(w, FOLLOWED), row(w, ARMS), row(w, KNOTS), blocks(w, PIECES), rows(w, WANTED),
+    )  # fmt: skip
+    return left if h > 0.99 * left else min(h, 0.5 * left) if h > 0.5 * left else h
+
+
+@part
+def is_over(w):
+    """Why there is no next step; PAUSE where there is one."""
+    clock, control, counts = row(w, CLOCK), controls(w, CONTROLS)[0], numbers(w, COUNTS)
+    moves = fastest(rows(w, TWIST), nodes_of(w, NODES)) > control.rest_speed
+    clock[RESTING_SINCE] = math.inf if moves else min(clock[RESTING_SINCE], clock[NOW])
+    if clock[NOW] - clock[RESTING_SINCE] >= control.rest_time:
+        return REST
+    if clock[NOW] >= control.end:
+        return END
+    return CROWD if counts[STEPS] > control.crowd else PAUSE
+
+
+@part
+def tick(h, left, w):
+    """Set the clock after a step of h (s), with so much left (s) before it.
+
+    Fixed steps are counted: the sum of a hundred thousand would be late by more than round-off.
+    """
+    clock, whole = row(w, CLOCK), schemes(w, SCHEMES)[0].fixed and h == row(w, CLOCK)[STEP]
+    if whole and h < left:
+        clock[WHOLE] += 1.0
+        clock[NOW] = clock[ORIGIN] + clock[WHOLE] * h
+    else:
+        clock[NOW] = controls(w, CONTROLS)[0].end if h == left else clock[NOW] + h
+        clock[ORIGIN], clock[WHOLE] = clock[NOW], 0.0
+
+
+@kernel
+def march(share, w):
+    """Step on until one of the reasons above; at most `share` steps, for which the tables have room."""
+    clock, control, counts = row(w, CLOCK), controls(w, CONTROLS)[0], numbers(w, COUNTS)
+    is_fixed = schemes(w, SCHEMES)[0].fixed
+    for _ in range(share):
+        keep(w)
+        asked, left = next_step(w), control.end - clock[NOW]
+        h = fixed(asked, w) if is_fixed else chosen(asked, w)
+        if h == 0.0:
+            return FAILED
+        if not fastest(rows(w, TWIST), nodes_of(w, NODES)) < control.away:
+            return AWAY
+        finish(w)
+        tick(h, left, w)
+        counts[STEPS] += 1
+        write(clock[NOW], w)
+        clock[SPEED] = step_error.begin(numbers(w, CHANGES), h)
+        clock[FASTEST] = max(clock[FASTEST], clock[SPEED])
+        why = is_over(w)
+        if why != PAUSE:
+            return why
+    return PAUSE

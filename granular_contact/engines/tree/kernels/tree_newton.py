@@ -1,0 +1,154 @@
+"""One step of a tree of rigid bodies by the generalised-alpha method, solved by Newton's method.
+
+The method of Chung and Hulbert (1993) in the form of Arnold and Bruels (2007), which is the engine's: accelerations a
+that belong to the motion at the ends of a step h, and lagged ones l that move it,
+
+    (1 - alpha_m) l_1 + alpha_m l_0 = (1 - alpha_f) a_1 + alpha_f a_0
+    s_1 = s_0 + h s'_0 + h^2 ((1/2 - beta) l_0 + beta l_1),    s'_1 = s'_0 + h ((1 - gamma) l_0 + gamma l_1).
+
+a_1 is found so that every joint passes on what is asked of it at the end of the step, where bristles and all other
+forces are those of s_1 and s'_1. With each unit of a_1 coordinates change by of_q and rates by of_v. Iterations begin,
+go on and have their matrix renewed as those of the engine do (`anderson`).
+
+Of the arrays of `tree_arrays`: matrix (1,) has of_v of the matrix in use, 0 where a new one is asked for.
+"""
+
+from __future__ import annotations
+
+import math
+
+from granular_contact.engines.tree.kernels.tree import carry, fold, lack, solve
+from granular_contact.engines.tree.kernels.tree_arrays import (
+    CHANGE,
+    CLOCK,
+    DONE,
+    ITERATED,
+    LAGGED,
+    LAGGED_BEFORE,
+    MATRICES,
+    MATRIX,
+    MOVED,
+    NODES,
+    NOW,
+    RATES,
+    RATES_BEFORE,
+    S2,
+    S2_BEFORE,
+    S_BEFORE,
+    SCHEMES,
+    TRIED,
+    S,
+    nodes_of,
+    numbers,
+    row,
+    rows,
+    schemes,
+)
+from granular_contact.engines.tree.kernels.tree_calls import begin_iterations, go_on, look, update_active
+from granular_contact.engines.tree.kernels.tree_load import act, fastest, follow_signals, prescribe, tangent
+from granular_contact.jit.compiled import part
+from granular_contact.jit.memory import copy
+from granular_contact.mechanics.kernels.step_choice import LONGER, SHORTER
+
+
+@part
+def predict(h, w):
+    """Fill the state with what a step of h (s) leads to without any acceleration at its end; of_q and of_v."""
+    c, s, rates, s2, lagged = schemes(w, SCHEMES)[0], row(w, S), row(w, RATES), row(w, S2), row(w, LAGGED)
+    s_0, rates_0, s2_0, lagged_0 = row(w, S_BEFORE), row(w, RATES_BEFORE), row(w, S2_BEFORE), row(w, LAGGED_BEFORE)
+    for i in range(s.shape[0]):
+        s2[i], lagged[i] = 0.0, (c.alpha_f * s2_0[i] - c.alpha_m * lagged_0[i]) / (1.0 - c.alpha_m)
+        moved = (0.5 - c.beta) * lagged_0[i] + c.beta * lagged[i]
+        s[i] = s_0[i] + h * (rates_0[i] + h * moved)
+        rates[i] = rates_0[i] + h * ((1.0 - c.gamma) * lagged_0[i] + c.gamma * lagged[i])
+    share = (1.0 - c.alpha_f) / (1.0 - c.alpha_m)
+    return c.beta * h * h * share, c.gamma * h * share
+
+
+@part
+def begin(of_q, of_v, w):
+    """Begin a step with the accelerations of the last one, as `anderson` does."""
+    matrix = row(w, MATRIX)
+    if not SHORTER * matrix[0] < of_v < LONGER * matrix[0]:
+        matrix[0] = 0.0
+    if begin_iterations(of_q, of_v, w):
+        matrix[0] = 0.0
+    prescribe(of_v, w)
+
+
+@part
+def look_here(of_q, of_v, w):
+    """Find what joints lack at the present accelerations, and the change that takes it away; its size (m/s2)."""
+    matrix, count = row(w, MATRIX), numbers(w, ITERATED)
+    act(w)
+    carry(w)
+    lack(w)
+    count[DONE] += 1
+    if matrix[0] == 0.0:
+        tangent(of_q, of_v, w)
+        fold(w)
+        count[MATRICES] += 1
+        matrix[0] = of_v
+    solve(w)
+    return fastest(rows(w, MOVED), nodes_of(w, NODES))
+
+
+@part
+def solved(of_q, of_v, allowed, w):
+    """Whether iterations come to where the next one would change speeds by no more than is allowed (m/s).
+
+    Then forces and accelerations are those of the state.
+    """
+    matrix, change, s, rates, s2 = row(w, MATRIX), row(w, CHANGE), row(w, S), row(w, RATES), row(w, S2)
+    for iteration in range(schemes(w, SCHEMES)[0].most):
+        if iteration > 0:
+            if go_on(w):
+                matrix[0] = 0.0
+            prescribe(of_v, w)
+        size = of_v * look(of_q, of_v, w)
+        if size <= allowed:
+            return True
+        if not size < math.inf:
+            return False
+        for i in range(s.shape[0]):
+            s[i] += of_q * change[i]
+            rates[i] += of_v * change[i]
+            s2[i] += change[i]
+    return False
+
+
+@part
+def attempt(h, allowed, w):
+    """Whether a step of h (s) can be solved; allowed: see `solved`."""
+    clock = row(w, CLOCK)
+    clock[TRIED] = h
+    update_active(h, w)
+    of_q, of_v = predict(h, w)
+    follow_signals(clock[NOW] + h, w)
+    begin(of_q, of_v, w)
+    return solved(of_q, of_v, allowed, w)
+
+
+@part
+def finish(w):
+    """Bring the lagged accelerations to the end of a step that is solved."""
+    c, s2, lagged = schemes(w, SCHEMES)[0], row(w, S2), row(w, LAGGED)
+    for i in range(s2.shape[0]):
+        lagged[i] += (1.0 - c.alpha_f) / (1.0 - c.alpha_m) * s2[i]
+
+
+@part
+def settle_in(w):
+    """Find the accelerations that belong to coordinates and rates at a start, where none are known."""
+    s2, matrix, change = row(w, S2), row(w, MATRIX), row(w, CHANGE)
+    for i in range(s2.shape[0]):
+        s2[i] = 0.0
+    prescribe(0.0, w)
+    matrix[0] = 0.0
+    look(0.0, 0.0, w)
+    for i in range(s2.shape[0]):
+        s2[i] += change[i]
+    carry(w)
+    lack(w)
+    copy(row(w, LAGGED), s2)
+    matrix[0] = 0.0

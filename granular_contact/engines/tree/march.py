@@ -1,0 +1,239 @@
+"""State of a march of a tree, as `kernels.tree_march` keeps it up to date; the arrays are explained there."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granular_contact.engines.tree.kernels import tree_march as kernels
+from granular_contact.engines.tree.kernels.tree import SLIDER
+from granular_contact.engines.tree.kernels.tree_arrays import (
+    CONTROL,
+    DONE,
+    MATRICES,
+    NOW,
+    ORIGIN,
+    SCHEME,
+    STEP,
+    TRIED,
+    WHOLE,
+    words,
+)
+from granular_contact.engines.tree.kernels.tree_arrays import FASTEST as SO_FAR
+from granular_contact.engines.tree.kernels.tree_calls import record as calls
+from granular_contact.engines.tree.kernels.tree_newton import attempt, look_here
+from granular_contact.engines.tree.tree import Tree
+from granular_contact.jit.compiled import ready
+from granular_contact.jit.lending import places
+from granular_contact.mechanics.kernels import iterations as of
+from granular_contact.mechanics.kernels import step_error
+from granular_contact.mechanics.scheme import OF_CHANGING_STEPS, moving_joints, spectral_radius
+from granular_contact.mechanics.stepping import SHORT, SHORTEST, choice, learn, most_steps, usual_step
+from granular_contact.sand.history import HistoryTable
+from granular_contact.sand.kernels.lines import DEPTH
+from granular_contact.sand.load import AHEAD, TOUCHES
+from granular_contact.sand.rolling import roll_in
+from granular_contact.scene.types import FASTEST, Scene, Vector
+
+SHARE = 1024  # steps between two updates of the progress bar
+GAIN, MOST_ITERATIONS = 0.6, 20  # of Newton's method: when its matrix is renewed, when a step is given up
+# What an iteration may change speeds by: of chosen steps over `tolerance`, the accuracy and the speed. By default it is
+# a five-hundredth of what a step's error may be: with ten times as much one body in sixty that is thrown into the sand
+# rolled on where it should have stopped, for a tenth fewer iterations.
+CLOSENESS = 2e2
+# The same over the step, of what fixed steps leave: it matters for the shortest, whose speeds hardly change. A drive
+# that is controlled answers what is left of a rate with its torque.
+OF_CHOSEN, OF_CONTROLLED = 30.0, 3.0
+# What the future of a march depends on, besides what iterations and the choice of steps keep.
+LASTING = ("s", "rates", "s2", "lagged", "joint", "matrix", "state", "clock", "counts", "iterated")
+ANY = 1e-3  # accuracy, where steps are fixed and nothing asks for it
+
+
+class March:
+    """A tree on its way. arrays: by the names of `kernels.tree_arrays`; those of its tree are used up."""
+
+    def __init__(self, tree: Tree) -> None:
+        self.tree = tree  # whose bed has the arrays of the medium
+        nodes, table = len(tree.arrays["nodes"]), HistoryTable() if tree.load is None else tree.load.table
+        self.arrays = arrays = {
+            **tree.arrays,
+            **_of_steps(tree.scene),
+            "blank": table.blank,
+            "calls": calls(look_here, attempt),
+        }
+        arrays["states"] = np.zeros((1 + SHARE, kernels.WIDTH * nodes))
+        arrays["table"] = np.zeros((1 + SHARE, len(table.blank)))
+        self._newton, self._changes = _iterations(arrays), _changes(arrays)
+        arrays["iterations"], arrays["changes"] = places(*self._newton), places(*self._changes)
+        self._words = words(arrays)
+        self._start, self._march = ready(kernels.start, True, self._words), ready(kernels.march, 0, self._words)
+        self.begin()
+
+    def begin(self) -> None:
+        """Find the accelerations of the start, and write the first row; of what just touches as it will be at once."""
+        self._start(True, self._words)
+        if abs(self.rows[0, DEPTH]) <= TOUCHES:
+            s, poses = self.arrays["s"].copy(), self.states[0, : self.arrays["pose"].size].copy()
+            self.arrays["s"] += AHEAD * self.arrays["rates"]
+            self._start(True, self._words)
+            self.arrays["s"][:], self.states[0, : len(poses)] = s, poses
+        if self.tree.load is not None and (test := self.tree.scene.wheel_test) is not None and test.begins:
+            roll_in(self.tree.scene, self.tree.load)
+            self._start(False, self._words)
+
+    def plan(self, until: float) -> None:
+        """March to a time (s) next; fixed steps divide the way there evenly, none longer than the scene's."""
+        solver = self.tree.scene.solver
+        self.arrays["control"]["end"] = until
+        if solver.accuracy is None:
+            left, clock = until - self.time, self.arrays["clock"]
+            clock[[STEP, ORIGIN, WHOLE]] = left / max(1, math.ceil(left / solver.step_s - 1e-9)), self.time, 0.0
+
+    def go_on(self) -> int:
+        """March on; why it came back is one of the kernels' codes."""
+        if len(self.rows) - 1 - self.last < SHARE:
+            self._enlarge(max(SHARE, self.last // 2))
+        return int(self._march(SHARE, self._words))
+
+    def _enlarge(self, more: int) -> None:
+        for name in ("states", "table"):
+            old = self.arrays[name]
+            self.arrays[name] = np.concatenate([old, np.zeros((more, old.shape[1]))])
+        self._words[:] = words(self.arrays)
+
+    @property
+    def states(self) -> Vector:
+        """Motion, efforts and wishes of all nodes, of which the first `last` + 1 rows are filled."""
+        return self.arrays["states"]
+
+    @property
+    def rows(self) -> Vector:
+        """What the medium did, likewise."""
+        return self.arrays["table"]
+
+    @property
+    def time(self) -> float:
+        """Time reached (s)."""
+        return float(self.arrays["clock"][NOW])
+
+    @property
+    def tried(self) -> float:
+        """Length (s) of the step that was tried last."""
+        return float(self.arrays["clock"][TRIED])
+
+    @property
+    def last(self) -> int:
+        """The row of the present state."""
+        return int(self.arrays["counts"][kernels.STEPS])
+
+    @property
+    def cost(self) -> dict[str, int]:
+        """Counts of steps, iterations and matrices, by the names of `results.Cost`."""
+        counts, iterated = self.arrays["counts"], self.arrays["iterated"]
+        return {
+            "steps": self.last,
+            "newton_iterations": int(iterated[DONE]),
+            "jacobians": int(iterated[MATRICES]),
+            "shortened_steps": int(counts[kernels.SHORTENED]),
+            "refused_steps": int(counts[kernels.REFUSED]),
+        }
+
+    @property
+    def _lasting(self) -> list[NDArray[Any]]:
+        """All that its future depends on, but for rows and what the bed keeps."""
+        return [*(self.arrays[name] for name in LASTING), *self._newton, *self._changes]
+
+    def kept(self) -> tuple[list[NDArray[Any]], Vector, Vector]:
+        """Copies of all that its future and its rows depend on."""
+        used = self.last + 1
+        return [array.copy() for array in self._lasting], self.states[:used].copy(), self.rows[:used].copy()
+
+    def restore(self, kept: tuple[list[NDArray[Any]], Vector, Vector]) -> None:
+        """Go back to what was kept."""
+        lasting, states, rows = kept
+        for array, old in zip(self._lasting, lasting, strict=True):
+            array[:] = old
+        if len(rows) > len(self.rows):
+            self._enlarge(len(rows) - len(self.rows))
+        self.states[: len(rows)], self.rows[: len(rows)] = states, rows
+
+
+def _of_steps(scene: Scene) -> dict[str, NDArray[Any]]:
+    """Records of a scheme, of a choice of steps and of limits, clock and counts."""
+    solver, scheme = scene.solver, _scheme(scene)
+    record, speed, *follows = choice(scene, ANY if solver.accuracy is None else solver.accuracy)
+    learn(record, scene, float(scheme["beta"][0]), SHORTEST * usual_step(scene))
+    first = solver.step_s if solver.accuracy is None else min(solver.step_s, float(record["longest"][0]))
+    arrays = dict(zip(("bends", "followed", "arms"), follows, strict=True))
+    clock = np.zeros(8)
+    clock[[STEP, SO_FAR]] = first, speed
+    counts = {"counts": np.zeros(3, np.int64), "iterated": np.zeros(2, np.int64), "matrix": np.zeros(1)}
+    return arrays | counts | {"scheme": scheme, "choice": record, "control": _limits(scene), "clock": clock}
+
+
+def _limits(scene: Scene) -> NDArray[np.void]:
+    """Record of CONTROL."""
+    solver, control = scene.solver, np.zeros(1, CONTROL)
+    control["end"], control["rest_speed"] = solver.end_time_s, solver.rest_speed_m_s
+    control["rest_time"] = math.inf if scene.rest_time is None else scene.rest_time
+    control["away"], control["crowd"] = FASTEST, most_steps(scene)
+    control["left"] = solver.tolerance * scene.force_scale / scene.mass
+    if solver.accuracy is None:
+        control["left"] *= max(1.0, solver.step_s / SHORT)  # as by the engine: a step leaves as much more
+    else:
+        controlled = any(drive.kind == "control" for drive in scene.drives)
+        control["left"] *= OF_CONTROLLED if controlled else OF_CHOSEN
+        control["closeness"] = CLOSENESS * solver.tolerance
+    return control
+
+
+def _scheme(scene: Scene) -> NDArray[np.void]:
+    """Record of SCHEME: the generalised-alpha method with a spectral radius at high frequency."""
+    solver, scheme = scene.solver, np.zeros(1, SCHEME)
+    radius = solver.spectral_radius
+    if radius is None:  # of random scenes those of one body, too, keep the accuracy best so where steps are chosen
+        radius = spectral_radius(scene) if solver.accuracy is None else OF_CHANGING_STEPS
+    alpha_m, alpha_f = (2.0 * radius - 1.0) / (radius + 1.0), radius / (radius + 1.0)
+    gamma = 0.5 + alpha_f - alpha_m
+    scheme["alpha_m"], scheme["alpha_f"] = alpha_m, alpha_f
+    scheme["beta"], scheme["gamma"] = 0.25 * (gamma + 0.5) ** 2, gamma
+    scheme["gain"], scheme["most"] = GAIN, MOST_ITERATIONS
+    scheme["fixed"], scheme["alone"] = solver.accuracy is None, moving_joints(scene) == 1
+    return scheme
+
+
+def _iterations(arrays: dict[str, NDArray[Any]]) -> list[NDArray[Any]]:
+    """Arrays of `mechanics.kernels.iterations`: there are no multipliers."""
+    nodes, none = len(arrays["nodes"]), np.zeros(0)
+    now, before = (arrays[name] for name in ("s", "rates", "s2")), (arrays["rates_before"], arrays["s2_before"])
+    given = [*now, none, *before, none, _levers(arrays["nodes"])]
+    kept = [np.zeros((4, nodes)), np.zeros((2, 0)), np.zeros(2)]
+    pairs = [np.zeros((rows, of.DEPTH)) for rows in (nodes, 0, nodes, of.DEPTH)]
+    numbers = [np.zeros(of.NUMBERS, np.int64), np.zeros(of.LINE)]
+    return [*given, *kept, *pairs, *numbers, np.zeros((2, nodes)), np.zeros((2, 0))]
+
+
+def _levers(nodes: NDArray[np.void]) -> Vector:
+    """Factors (n,) from rates of coordinates to speeds of points (m/s); none of what is prescribed."""
+    reach = nodes["radius"] + np.linalg.norm(nodes["point"], axis=1)  # of a joint, over all that it carries
+    for i in range(len(nodes) - 1, -1, -1):
+        parent = nodes[i]["parent"]
+        if parent >= 0:
+            to_parent = np.linalg.norm(nodes[i]["on_parent"]) + np.linalg.norm(nodes[parent]["point"])
+            reach[parent] = max(reach[parent], reach[i] + to_parent)
+    found: Vector = np.where(nodes["kind"] == SLIDER, 1.0, reach)
+    found[nodes["prescribed"] != 0] = 0.0
+    return found
+
+
+def _changes(arrays: dict[str, NDArray[Any]]) -> list[NDArray[Any]]:
+    """Arrays of `mechanics.kernels.step_error`, on the accelerations of nodes that have a mass."""
+    nodes = arrays["nodes"]
+    lever, counts = np.ones((len(nodes), 3)), np.repeat(nodes["mass"] > 0.0, 3)
+    lever[:, 2] = nodes["radius"]
+    group = np.where(counts, step_error.EACH, step_error.NONE).astype(np.int64)
+    flat = arrays["acceleration"].reshape(-1), arrays["twist"].reshape(-1)
+    return [*flat, lever.ravel() * counts, group, *np.zeros((3, 3 * len(nodes))), np.zeros((0, 3))]

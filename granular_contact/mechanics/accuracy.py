@@ -1,0 +1,212 @@
+"""Accuracy checks of a finished solve, made from its own steps, and what to change.
+
+Each sentence says what was measured on the trajectory. No warning is no proof: a run whose steps miss an event entirely
+has no trace of it in its states. What a run left (depth, speed, floor) is found in `results.limits`, the energy balance
+in `results.accuracy`, which says which of all that is reported.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from granular_contact.mechanics.kinematics import Kinematics
+from granular_contact.mechanics.strip_error import strip_warnings
+from granular_contact.results.accuracy import AccuracyWarning, remedy
+from granular_contact.results.limits import LEAST_START_DEPTH
+from granular_contact.results.summary import least_energy
+from granular_contact.scene.drives import PLENTY
+from granular_contact.scene.signals import Piecewise, bends, shortest_period
+from granular_contact.scene.types import Vector
+
+STEP_ERROR = 5e-3  # of the path length
+UNKNOWN = 0.1  # of the energy: beyond it the motion itself is another
+FEWEST_STEPS = 8  # steps from the touch to the stop
+ROUGH_BEAM = 0.05  # of the path length: jumps of curvature times the square of an element; errors are smaller
+ROUGH = 0.5  # mean square of second over first differences: at 6 steps a period both are as large
+TREMBLE = 1e-3  # of a link's length
+EXCESS = 1.0 / 9.0  # |beta - 1/6| at a spectral radius of 0.9, see `stepping`
+
+
+def accuracy_warnings(motion: Kinematics) -> Iterator[AccuracyWarning]:
+    """Sentences on steps, beams and vibration."""
+    if len(motion.trajectory.time) < 4:
+        return
+    yield from _steps(motion)
+    yield from _entry(motion)
+    yield from _signals(motion)
+    yield from strip_warnings(motion)
+    for name in motion.system.links:
+        yield from _beam(motion, name)
+        yield from _vibration(motion, name)
+
+
+def step_error(time: Vector, speeds: Vector) -> float:
+    """Estimated error (m) of positions as in `stepping`; time (n,) s, speeds (n, k) m/s of points."""
+    steps = np.diff(time)
+    change = np.diff(np.diff(speeds, axis=0) / steps[:, None], axis=0)
+    return EXCESS * float(np.sum(steps[1:] ** 2 * np.abs(change).max(axis=1)))
+
+
+def jump_error(time: Vector, v: Vector, mass: Any, fastest: Vector) -> float:
+    """Estimated error (m) of positions by jumps of the force, as in `stepping`.
+
+    v (n, m): rates of all coordinates, with their mass matrix; fastest (n,) m/s: greatest speed of any point. A jump J
+    within a step of length h changes the mean acceleration from this step to the next by J / 2, so that what is
+    unexpected of these changes, times h, is the most that the velocity is off by: what it has of the motion itself (in
+    the sense of the mass, in which vibration has nothing of it). With its sign, for what comes and goes leaves no
+    error. It fades with v / a, the time that the motion lasts. Where in its step the jump comes: root mean square.
+    """
+    steps = np.diff(time)[:, None]
+    mean = np.diff(v, axis=0) / steps
+    change = np.diff(mean, axis=0)
+    before = np.concatenate([np.zeros((1, v.shape[1])), change[:-1]]) * steps[1:] / steps[:-1]
+    jump = steps[1:] * np.where(np.abs(change) < np.abs(change - before), change, change - before)
+    momentum = (v @ mass)[2:]
+    energy = np.sum(momentum * v[2:], axis=1)
+    kick = np.divide(np.sum(momentum * jump, axis=1), energy, out=np.zeros_like(energy), where=energy > 0.0)
+    rate = np.sqrt(np.sum((mean @ mass) * mean, axis=1)[1:] / np.maximum(energy, 1e-300))
+    kicks, fade = kick * fastest[2:], np.exp(-steps[1:, 0] * rate)
+    return travelled(steps[1:, 0], kicks, fade) / math.sqrt(3.0)
+
+
+def travelled(steps: Vector, kicks: Vector, fade: Vector) -> float:
+    """Greatest displacement (m) by changes of a velocity (n,) m/s, each of which fades from step to step."""
+    velocity, path, most = 0.0, 0.0, 0.0
+    for step, kick, factor in zip(steps.tolist(), kicks.tolist(), fade.tolist(), strict=True):
+        velocity = velocity * factor + kick
+        path += step * velocity
+        most = max(most, abs(path))
+    return most
+
+
+def _steps(motion: Kinematics) -> Iterator[AccuracyWarning]:
+    lever = motion.lever
+    time, v, fastest = motion.trajectory.time, motion.trajectory.v, motion.speeds
+    if motion.trajectory.load is not None:
+        # Only what meets the medium, or a short impact would drown in a long flight.
+        met = motion.trajectory.load.depth > 0.0
+        since = max(0, int(np.argmax(met)) - 1)
+        time, v, fastest = time[since:], v[since:], fastest[since:]
+    if len(time) < 4:
+        return
+    unknown = _unknown_energy(motion)
+    if unknown > UNKNOWN:
+        said = f"the steps are too long: the work of the medium is known to {unknown:.0%} of the energy only"
+        yield AccuracyWarning(f"{said}, and the result is not usable; {remedy(motion.scene)}", math.inf)
+        return
+    path = max(float(np.sum(np.diff(time) * fastest[1:])), motion.scene.least_path)
+    error = step_error(time, (v * lever)[:, lever > 0.0]) / path
+    if motion.scene.solver.accuracy is None:  # or every jump was judged as it came
+        error = max(error + jump_error(time, v, motion.trajectory.mass, fastest) / path, 0.5 * unknown)
+    if error > STEP_ERROR:
+        said = f"the steps are too long: the error of the motion is about {error:.1%} of its path, {error * path:.2g} m"
+        yield AccuracyWarning(f"{said}; {remedy(motion.scene)}", error)
+
+
+def _unknown_energy(motion: Kinematics) -> float:
+    """Uncertainty of the medium's work by the steps, relative to the greatest energy; velocities go with its root.
+
+    It is by how much the work on bodies differs at most between two rules of second order: small where forces and
+    velocities change little in a step. It includes forces that change within a step in any direction, also across the
+    motion, where they change its direction.
+    """
+    if not motion.scene.media:
+        return 0.0
+    scale = greatest_energy(motion)
+    return float(np.abs(motion.work_beyond).max(initial=0.0)) / scale if scale > 0.0 else 0.0
+
+
+def greatest_energy(motion: Kinematics) -> float:
+    """Greatest kinetic energy (J) of a run, or the work of its medium where that is more; `least_energy` at least."""
+    trajectory = motion.trajectory
+    kinetic = 0.5 * np.sum((trajectory.v @ trajectory.mass) * trajectory.v, axis=1)
+    work = 0.0 if trajectory.load is None else float(np.abs(trajectory.load.work).max())
+    return max(float(kinetic.max()), work, least_energy(motion.scene))
+
+
+def _entry(motion: Kinematics) -> Iterator[AccuracyWarning]:
+    """Whether the first contact was resolved by too few steps."""
+    load = motion.trajectory.load
+    if load is None:
+        return
+    below = np.flatnonzero(load.depth > 0.0)
+    if len(below) == 0 or below[-1] == below[0] or load.depth.max() <= LEAST_START_DEPTH:  # which only grazes it
+        return
+    first = int(below[0])
+    deepest = int(first + np.argmax(load.depth[first:]))
+    if deepest - first + 1 < FEWEST_STEPS and (first > 0 or load.depth[0] < LEAST_START_DEPTH):
+        said = f"from the touch to the deepest point there are {deepest - first + 1} steps"
+        yield AccuracyWarning(f"{said}; {remedy(motion.scene)}")
+
+
+def _signals(motion: Kinematics) -> Iterator[AccuracyWarning]:
+    """Whether fixed steps are too long for the signals that drives follow; chosen ones end at the bends of tables, and
+    are a share of a period.
+    """
+    solver, end = motion.scene.solver, motion.trajectory.time[-1]
+    if solver.accuracy is not None:
+        return
+    for drive in motion.scene.drives:
+        if isinstance(drive.signal, Piecewise) and drive.kind != "motion":
+            continue  # see below
+        steps = shortest_period(drive.signal, float(end)) / solver.step_s
+        if steps < PLENTY:
+            said = f"the drive of {drive.joint} goes to and fro within {steps * solver.step_s:.3g} s, {steps:.1f} steps"
+            yield AccuracyWarning(f"{said}, which take away much of it; {remedy(motion.scene)}")
+    times = bends(drive.signal for drive in motion.scene.drives if drive.kind != "motion")
+    least = min((after - before for before, after in pairwise(times) if before < end), default=math.inf)
+    if least < FEWEST_STEPS * solver.step_s:
+        said = f"a drive follows a table that bends twice within {least:.3g} s, {least / solver.step_s:.1f} steps"
+        yield AccuracyWarning(f"{said}, which can miss its greatest force; {remedy(motion.scene)}")
+
+
+def _beam(motion: Kinematics, name: str) -> Iterator[AccuracyWarning]:
+    """Whether a link bends within single elements: the error of cubic elements shows as jumps of curvature between
+    elements.
+
+    At a free end the curvature jumps to zero. A jump over elements of length l puts positions off by some part of its
+    l^2; in 35 beams of 1 to 16 elements, EI from 1e-6 to 1 times the source's, it was a sixteenth to one.
+    """
+    t, link = motion.trajectory, motion.system.links[name].link
+    nodes = np.array(motion.nodes(name))
+    elements, length = len(nodes) - 1, link.length / (len(nodes) - 1)
+    first, last = curvatures(t.q[:, nodes], length)
+    jump = np.abs(first[:, 1:] - last[:, :-1]).sum(axis=1)
+    if link.free:
+        jump = np.maximum(jump, np.abs(last[:, -1]))
+    path = max(motion.path_length, motion.scene.least_path)
+    size = float(jump.max()) * length**2
+    if size > ROUGH_BEAM * path:
+        more = min(elements * int(np.ceil(np.sqrt(size / path / ROUGH_BEAM) + 1.0)), 1024)
+        yield AccuracyWarning(
+            f"{name} bends too much within its elements: take model.bodies.{name}.flexible.elements: {more} "
+            f"(now {elements})"
+        )
+
+
+def curvatures(q: Vector, length: float) -> tuple[Vector, Vector]:
+    """Curvature (1/m) at both ends of every element (instants, elements); q (instants, nodes, 4); length of one (m)."""
+    place, slope = q[..., :2], q[..., 2:]
+    chord = 6.0 * np.diff(place, axis=1)
+    a, b = slope[:, :-1], slope[:, 1:]
+    found = []
+    for at, second in ((a, chord - length * (4.0 * a + 2.0 * b)), (b, length * (2.0 * a + 4.0 * b) - chord)):
+        turn = at[..., 0] * second[..., 1] - at[..., 1] * second[..., 0]
+        found.append(turn / length**2 / np.sum(at**2, axis=2) ** 1.5)
+    return found[0], found[1]
+
+
+def _vibration(motion: Kinematics, name: str) -> Iterator[AccuracyWarning]:
+    bend = motion.bend(name).values
+    first, second = np.diff(bend), np.diff(bend, 2)
+    size = float(np.sqrt(np.mean(first**2)))
+    if size < TREMBLE * motion.system.links[name].link.length:
+        return
+    rough = float(np.sqrt(np.mean(second**2))) / (2.0 * size)
+    if rough > ROUGH:
+        yield AccuracyWarning(f"{name} vibrates faster than the steps can show; {remedy(motion.scene)}")

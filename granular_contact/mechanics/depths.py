@@ -1,0 +1,67 @@
+"""Depths of bodies below the surface along a trajectory."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+
+from granular_contact.mechanics.kinematics import Kinematics
+from granular_contact.results.interpolation import Track, rates
+from granular_contact.scene.bed import Bed
+from granular_contact.scene.types import Vector
+
+STATIONS = 16  # to which a side is divided where the surface is not level
+
+
+def depths_by_body(motion: Kinematics) -> dict[str, list[Track]]:
+    """Depth (m) of every corner and node that the medium may meet, by body; negative above the surface.
+
+    A surface that is not level can touch a body between its corners: then every side has more points.
+    """
+    found: dict[str, list[Track]] = {}
+    bed = motion.scene.bed
+    if bed is None:
+        return found
+    for name, handle in motion.system.rigid.items():
+        for shape in (shape for shape in handle.body.shapes if shape.in_sand):
+            points = shape.points if bed.level else _between(shape.points)
+            made = [_depth(bed, *motion.position(name, point), shape.drop) for point in points]
+            found[name] = found.get(name, []) + made
+    q, v = motion.trajectory.q, motion.trajectory.v
+    for name in motion.system.links:
+        found[name] = [_depth(bed, q[:, node[:2]], v[:, node[:2]]) for node in motion.nodes(name)]
+    return found
+
+
+def _between(corners: Vector) -> Vector:
+    """Points of a line with corners (k, 2), the corners among them; of a single point itself."""
+    if len(corners) < 2:
+        return corners
+    share = np.arange(STATIONS)[:, None] / STATIONS
+    sides = [a + share * (b - a) for a, b in pairwise(corners)]
+    return np.concatenate([*sides, corners[-1:]])
+
+
+def _depth(bed: Bed, place: Vector, velocity: Vector, drop: float = 0.0) -> Track:
+    """Depth of a point from its positions and velocities (n, 2), of which something reaches `drop` (m) lower."""
+    x, y = place.T
+    slope = 0.0 if bed.level else bed.slope_at(x)
+    return Track(bed.height(x) - y + drop, slope * velocity[:, 0] - velocity[:, 1])
+
+
+def all_depths(motion: Kinematics, by_body: dict[str, list[Track]]) -> list[Track]:
+    """Depths of all points, and of the bed's own stations where these are deeper, as on a link that is bent."""
+    points = [track for tracks in by_body.values() for track in tracks]
+    load, time = motion.trajectory.load, motion.trajectory.time
+    if load is None or not len(load.depth):
+        return points
+    known = np.max([track.values for track in points], axis=0) if points else np.full(len(time), -np.inf)
+    deeper = load.depth > known + 1e-9
+    if not deeper.any():
+        return points
+    # Cubics of theirs only where they are the deepest at both ends of a step: elsewhere others are.
+    flat = ~(deeper & np.roll(deeper, 1) & np.roll(deeper, -1))
+    slopes = rates(time, load.depth)
+    slopes[flat] = 0.0
+    return [*points, Track(np.where(deeper, load.depth, known), slopes)]

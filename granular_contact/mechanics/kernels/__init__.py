@@ -1,0 +1,7 @@
+"""Compiled code of mechanics.
+
+joint_coordinates, joint_laws, joint_loads, space_joints    coordinates of joints and what acts along them
+signal_tables                                               signals of drives
+iterations, anderson, line_search                           Newton's method
+step_error, step_choice                                     choice of steps
+"""

@@ -1,0 +1,105 @@
+"""What acts in all joints of a system, in one call: springs, dampers, stops, dry friction, drives.
+
+Arguments that the functions share:
+
+    system_q, system_v  coordinates (without reference values) and rates of the whole system
+    joints              (k,) records of JOINT
+    state               (k, 5): what of a joint changes: the anchor of its bristle, what its drive wants (a value and
+                        its rate), and the angles of its ends found last, see `joint_coordinates`
+    places              (k, 8, 2) place of each coordinate of a joint's nodes, those of the parent first, in the system
+                        and in the overlay
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from granular_contact.jit.compiled import kernel, part
+from granular_contact.jit.memory import room1, rows
+from granular_contact.jit.records import fields
+from granular_contact.mechanics.kernels.joint_coordinates import COORDINATE, coordinate
+from granular_contact.mechanics.kernels.joint_laws import follow, total
+from granular_contact.sand.kernels.lines import difference
+
+ANCHOR, VALUE, RATE, TURNS = 0, 1, 2, 3
+_STOPS, _FRICTION = ("lower", "upper", "stop_stiffness", "dissipation"), ("friction", "slip", "damping_time")
+LAW = ("stiffness", "rest", "damping", *_STOPS, *_FRICTION)
+DRIVE = ("gain", "rate_gain", "limit")
+JOINT = np.dtype([*COORDINATE, ("drive", "i8"), *fields("f8", *LAW, *DRIVE)])
+MOST = 8  # coordinates of two nodes
+
+
+@part
+def gather(system_q, system_v, places, count, q, v):
+    """Fill q and v with the coordinates and rates of a joint's nodes."""
+    for i in range(count):
+        q[i], v[i] = system_q[places[i, 0]], system_v[places[i, 0]]
+
+
+@part
+def act(joint, now, q, v, out):
+    """Fill out (8,) with the generalised forces of a joint."""
+    s, rate = coordinate(joint, now[TURNS:], q, v, out)
+    along = total(joint, s, rate, now[ANCHOR], now[VALUE], now[RATE])
+    for i in range(MOST):
+        out[i] *= along
+
+
+@kernel
+def force(joints, state, places, system_q, system_v, out):
+    """Add the generalised forces to out, the coordinates of the overlay."""
+    q, v, f = room1(MOST), room1(MOST), room1(MOST)
+    for k in range(joints.shape[0]):
+        joint = joints[k]
+        count = joint.parent + joint.child
+        gather(system_q, system_v, places[k], count, q, v)
+        act(joint, state[k], q, v, f)
+        for i in range(count):
+            out[places[k, i, 1]] += f[i]
+
+
+@kernel
+def tangent(system_q, system_v, joints, state, places, fq, fv, triplets):
+    """Fill triplets with the entries of fq df/dq + fv df/dv as rows (row, column, value), and return their number.
+
+    By differences, see `lines.differences`. Rows and columns are coordinates of the overlay; entries of zero are left
+    out.
+    """
+    q, v, here, moved = room1(MOST), room1(MOST), room1(MOST), room1(MOST)
+    number = 0
+    for k in range(joints.shape[0]):
+        joint = joints[k]
+        count = joint.parent + joint.child
+        gather(system_q, system_v, places[k], count, q, v)
+        act(joint, state[k], q, v, here)
+        d = difference(rows(q, 0, count), fq, fv)
+        for j in range(count):
+            at_q, at_v = q[j], v[j]
+            q[j] += d * fq
+            v[j] += d * fv
+            act(joint, state[k], q, v, moved)
+            q[j], v[j] = at_q, at_v
+            for i in range(count):
+                if moved[i] != here[i]:
+                    triplets[number, 0], triplets[number, 1] = places[k, i, 1], places[k, j, 1]
+                    triplets[number, 2] = (moved[i] - here[i]) / d
+                    number += 1
+    return number
+
+
+@kernel
+def accept(system_q, system_v, joints, state, places):
+    """End of a step: the anchors follow."""
+    q, v, slope = room1(MOST), room1(MOST), room1(MOST)
+    for k in range(joints.shape[0]):
+        joint, now = joints[k], state[k]
+        if joint.friction > 0.0:
+            gather(system_q, system_v, places[k], joint.parent + joint.child, q, v)
+            s, _ = coordinate(joint, now[TURNS:], q, v, slope)
+            now[ANCHOR] = follow(joint, s, now[ANCHOR])
+
+
+@kernel
+def single(joint, turns, q, v, slope):
+    """`coordinate` of one joint, record (1,)."""
+    return coordinate(joint[0], turns, q, v, slope)

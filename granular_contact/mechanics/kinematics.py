@@ -1,0 +1,222 @@
+"""Positions, angles and rates of bodies and joints, from the coordinates of all accepted steps at once."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+
+from granular_contact.mechanics.constraints import Constraints
+from granular_contact.mechanics.mass_and_gravity import center_shares
+from granular_contact.mechanics.system import System, Trajectory
+from granular_contact.results import Outline
+from granular_contact.results.energy import accumulate
+from granular_contact.results.interpolation import Track
+from granular_contact.sand.work import beyond
+from granular_contact.scene.types import Joint, Vector
+
+
+class Kinematics:
+    """The motion of a system along a trajectory; (n,) and (n, 2) arrays over its instants, world frame.
+
+    engine: the trajectory in the engine's coordinates, which in the plane is the same.
+    """
+
+    def __init__(self, system: System, trajectory: Trajectory) -> None:
+        self.system = system
+        self.scene = system.scene
+        self.trajectory = self.engine = trajectory
+        coordinates = system.coordinates
+        self._rigid = {name: coordinates.places(h.node) for name, h in system.rigid.items()}
+        self._links = {name: [coordinates.places(n) for n in h.nodes] for name, h in system.links.items()}
+
+    @property
+    def accelerations(self) -> Vector:
+        """The engine's accelerations (n, m) in the coordinates of the rates; there are some with prescribed motions."""
+        assert self.trajectory.a is not None
+        return self.trajectory.a
+
+    @cached_property
+    def constraints(self) -> Constraints:
+        """What joints ask of accelerations."""
+        return Constraints(self)
+
+    def position(self, name: str, point: Vector) -> tuple[Vector, Vector]:
+        """Position and velocity (n, 2) of a body-frame point; on a flexible link its root or tip."""
+        q, v = self.trajectory.q, self.trajectory.v
+        if name in self._links:
+            node = self.system.places(name, point)
+            return q[:, node[:2]], v[:, node[:2]]
+        x, y, phi = self._rigid[name]
+        c, s = np.cos(q[:, phi]), np.sin(q[:, phi])
+        arm = np.column_stack([c * point[0] - s * point[1], s * point[0] + c * point[1]])
+        swing = v[:, [phi]] * np.column_stack([-arm[:, 1], arm[:, 0]])
+        return q[:, [x, y]] + arm, v[:, [x, y]] + swing
+
+    def angle(self, name: str | None, point: Vector) -> tuple[Vector, Vector]:
+        """Angle (rad) and rate (rad/s) of a body at a joint's point, counter-clockwise; zeros for the ground."""
+        if name is None:
+            return np.zeros_like(self.trajectory.time), np.zeros_like(self.trajectory.time)
+        q, v = self.trajectory.q, self.trajectory.v
+        if name in self._rigid:
+            phi = self._rigid[name][2]
+            return q[:, phi], v[:, phi]
+        node = self.system.places(name, point)
+        tx, ty = q[:, node[2]], q[:, node[3]]
+        start = self.scene.body(name).motion.angle
+        turned = np.unwrap(np.arctan2(ty, tx))
+        turned += 2.0 * np.pi * np.round((start - turned[0]) / (2.0 * np.pi))  # turns that a slope does not show
+        return turned, (tx * v[:, node[3]] - ty * v[:, node[2]]) / (tx**2 + ty**2)
+
+    def spin(self, name: str) -> Vector:
+        """Rate (n,) rad/s of a rigid body, counter-clockwise."""
+        return self.angle(name, np.zeros(2))[1]
+
+    def mean_spin(self, name: str) -> Vector:
+        """Rate (n,) rad/s of a body; of a link that bends its angular momentum over its inertia, about its centre."""
+        if name in self.system.rigid:
+            return self.spin(name)
+        center, places = self.center(name)[0], np.array(self.nodes(name)).ravel()
+        q, v = self.trajectory.q[:, places], self.trajectory.v[:, places]
+        turn = np.empty_like(q)
+        turn[:, 0::4], turn[:, 1::4] = center[:, [1]] - q[:, 1::4], q[:, 0::4] - center[:, [0]]
+        turn[:, 2::4], turn[:, 3::4] = -q[:, 3::4], q[:, 2::4]
+        momenta = turn @ self.trajectory.mass[places][:, places]
+        spin: Vector = np.sum(momenta * v, axis=1) / np.sum(momenta * turn, axis=1)
+        return spin
+
+    def damped_balls(self) -> list[Vector]:
+        """Work (n,) J of the dampers of ball joints, which act along no coordinate; in the plane there are none."""
+        return []
+
+    def coordinate(self, joint: Joint) -> tuple[Vector, Vector]:
+        """Coordinate (n,) rad clockwise, or m, of a hinge or slider, and its rate."""
+        parent, parent_rate = self.angle(joint.parent, joint.parent_point)
+        if joint.kind == "hinge":
+            child, child_rate = self.angle(joint.child, joint.child_point)
+            return parent - child + joint.offset, parent_rate - child_rate
+        assert joint.axis is not None
+        c, s = np.cos(parent), np.sin(parent)
+        axis = np.column_stack([c * joint.axis[0] - s * joint.axis[1], s * joint.axis[0] + c * joint.axis[1]])
+        on_child, child_speed = self.position(joint.child, joint.child_point)
+        on_parent, parent_speed = on_child * 0.0 + joint.parent_point, 0.0 * on_child
+        if joint.parent is not None:
+            on_parent, parent_speed = self.position(joint.parent, joint.parent_point)
+        offset, speed = on_child - on_parent, child_speed - parent_speed
+        # The offset is parallel to the axis, so that turning with the parent does not change the speed along it.
+        return np.sum(axis * offset, axis=1), np.sum(axis * speed, axis=1)
+
+    def center(self, name: str) -> tuple[Vector, Vector]:
+        """Centre of mass (n, 2) m of a body, and its velocity."""
+        t = self.trajectory
+        if name in self._rigid:
+            return self.position(name, np.zeros(2))
+        shares = center_shares(t.mass, np.array(self._links[name]))
+        return t.q @ shares.T, t.v @ shares.T
+
+    @cached_property
+    def common_center(self) -> tuple[Vector, Vector]:
+        """Centre of mass (n, 2) m of all bodies together, and its velocity."""
+        bodies = self.scene.bodies
+        shares = [body.mass / self.scene.mass for body in bodies]
+        centers = [self.center(body.name) for body in bodies]
+        place: Vector = np.sum([share * one for share, (one, _) in zip(shares, centers, strict=True)], axis=0)
+        velocity: Vector = np.sum([share * one for share, (_, one) in zip(shares, centers, strict=True)], axis=0)
+        return place, velocity
+
+    @cached_property
+    def lever(self) -> Vector:
+        """Factors (m,) from the rates of the trajectory to speeds of points (m/s)."""
+        return self.system.levers
+
+    @cached_property
+    def speeds(self) -> Vector:
+        """Greatest speed (n,) m/s of any point."""
+        return np.asarray(np.abs(self.trajectory.v * self.lever).max(axis=1))
+
+    @cached_property
+    def work_beyond(self) -> Vector:
+        """What the media and the floor did (n,) J beyond what the history has, see `sand.work.beyond`."""
+        load = self.trajectory.load
+        if load is None:
+            return np.zeros(1)
+        return beyond(load, {name: (*self.center(name), self.mean_spin(name)) for name in load.body_names})
+
+    def lifted(self) -> Vector:
+        """First moment of the masses (n,) kg m about the height of the origin."""
+        moment: Vector = self.trajectory.q @ (self.trajectory.mass @ self.upward)
+        return moment
+
+    @cached_property
+    def path_length(self) -> float:
+        """Length (m) of the path of the fastest point."""
+        return float(accumulate(self.trajectory.time, self.speeds)[-1])
+
+    @cached_property
+    def mean_rate(self) -> tuple[Vector, Vector]:
+        """Angular momentum over moment of inertia about the pivot (rad/s, clockwise), and that inertia (kg m2).
+
+        Free vibration of a hinged mechanism has no angular momentum about its hinge, so this is the rate of the motion
+        as a whole, without the vibration of its parts.
+        """
+        turn = self._turning
+        momenta = turn @ self.trajectory.mass
+        momentum, inertia = np.sum(momenta * self.trajectory.v, axis=1), np.sum(momenta * turn, axis=1)
+        return -momentum / inertia, inertia
+
+    def weight_moment(self) -> Vector:
+        """Moment (n,) N m of gravity about the pivot, counter-clockwise."""
+        moment: Vector = -self.scene.gravity * (self._turning @ (self.trajectory.mass @ self.upward))
+        return moment
+
+    @cached_property
+    def upward(self) -> Vector:
+        """Rates (m,) of all coordinates while everything moves upward at 1 m/s."""
+        up = np.zeros(self.trajectory.q.shape[1])
+        up[[node[1] for node in self._rigid.values()]] = 1.0
+        up[[node[1] for nodes in self._links.values() for node in nodes]] = 1.0
+        return up
+
+    @cached_property
+    def _turning(self) -> Vector:
+        """Rates (n, m) of all coordinates while everything turns about the pivot at 1 rad/s, counter-clockwise."""
+        pivot = np.zeros(2) if self.scene.pivot is None else self.scene.pivot.parent_point
+        q = self.trajectory.q
+        turn = np.zeros_like(q)
+        for x, y, phi in self._rigid.values():
+            turn[:, x], turn[:, y], turn[:, phi] = pivot[1] - q[:, y], q[:, x] - pivot[0], 1.0
+        for nodes in self._links.values():
+            for x, y, dx, dy in nodes:
+                turn[:, x], turn[:, y] = pivot[1] - q[:, y], q[:, x] - pivot[0]
+                turn[:, dx], turn[:, dy] = -q[:, dy], q[:, dx]
+        return turn
+
+    def nodes(self, name: str) -> list[list[int]]:
+        """Places (4,) of the coordinates of a flexible link's nodes: r_x, r_y, r'_x, r'_y."""
+        return self._links[name]
+
+    def bend(self, name: str) -> Track:
+        """Deflection (m) of a flexible link's tip from the tangent at its root, clockwise positive."""
+        nodes = self._links[name]
+        q, v = self.trajectory.q, self.trajectory.v
+        (ax, ay), (bx, by) = q[:, nodes[0][2:]].T, v[:, nodes[0][2:]].T
+        (cx, cy), (dx, dy) = (of[:, nodes[-1][:2]].T - of[:, nodes[0][:2]].T for of in (q, v))
+        size = np.hypot(ax, ay)
+        across = (cx * ay - cy * ax) / size
+        rate = (dx * ay + cx * by - dy * ax - cy * bx) / size - across * (ax * bx + ay * by) / size**2
+        return Track(across, rate)
+
+    def outlines(self, instant: int) -> tuple[Outline, ...]:
+        """The mechanism as drawn at an instant (index)."""
+        outlines: list[Outline] = []
+        q = self.trajectory.q[instant]
+        for name, handle in self.system.rigid.items():
+            x, y, angle = q[self._rigid[name]]
+            c, s = np.cos(angle), np.sin(angle)
+            turn = np.array([[c, s], [-s, c]])
+            shapes = handle.body.shapes
+            outlines += [Outline(one.part, np.asarray(one.points) @ turn + (x, y), one.thickness) for one in shapes]
+        for name, nodes in self._links.items():
+            line = q[np.array(nodes)[:, :2]]
+            outlines.append(Outline(name, line, self.system.links[name].link.thickness))
+        return tuple(outlines)

@@ -1,0 +1,185 @@
+"""What mechanisms have in their results beyond a pendulum: joints, drives and bodies, contacts, and how far it got."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from granular_contact.mechanics import joint_history
+from granular_contact.mechanics.joint_history import JointForces
+from granular_contact.mechanics.kinematics import Kinematics
+from granular_contact.mechanics.reactions import reactions
+from granular_contact.results import series
+from granular_contact.results.energy import work
+from granular_contact.results.interpolation import Track, above_zero, at_times, positive_part
+from granular_contact.results.strides import Driving, drive_numbers, stride_numbers
+from granular_contact.scene.signals import period
+from granular_contact.scene.types import Joint, Scene, Vector
+
+LEAST_ALONG = 1e-9  # x component of the axis of a slider that is not upright
+Driven = dict[str, Driving]  # by joint
+
+
+def label(body: str) -> str:
+    """Name of a body in columns: that of its first part; one that is called as the tip's columns are gets a tail."""
+    first = body.split("+")[0]
+    return f"{first}_body" if first == "tip" else first
+
+
+# ---- columns ----
+
+
+def joint_columns(motion: Kinematics) -> series.Series:
+    """Coordinate and rate of every hinge and slider, and of every ball joint in which something acts."""
+    columns: series.Series = {}
+    for joint in motion.scene.joints:
+        if joint.has_coordinate:
+            of_joint = joint.name, joint.child, joint.parent, *motion.coordinate(joint)
+            hinge = joint.kind == "hinge"
+            columns |= series.joint(*of_joint, in_space=motion.scene.in_space) if hinge else series.slider(*of_joint)
+        elif not joint.law.is_idle:
+            columns |= series.ball(joint.name, joint.child, joint.parent, *motion.coordinate(joint))
+    return columns
+
+
+def drive_columns(scene: Scene, driven: Driven) -> series.Series:
+    """Torque or force, and power of every drive."""
+    columns: series.Series = {}
+    for name, drive in driven.items():
+        hinge = scene.joint(name).kind == "hinge"
+        columns |= series.drive(name, hinge, drive.force, drive.power, in_space=scene.in_space)
+    return columns
+
+
+def body_columns(motion: Kinematics, forces: Mapping[str, Vector], depths: Mapping[str, list[Track]]) -> series.Series:
+    """Motion of every body's centre of mass and frame (of a link that bends, its root), and the sand's force on it.
+
+    forces: of the medium by body, (n, 3): x, y (N) and moment about the origin (N m); depths (m) of its points.
+    """
+    columns: series.Series = {}
+    for body in motion.scene.bodies if motion.scene.body_columns else ():
+        center, velocity = motion.center(body.name)
+        angle, rate = motion.angle(body.name, np.zeros(2))
+        columns |= series.body(label(body.name), center, -angle, velocity, -rate)
+        if body.name in forces:
+            columns |= series.body_force(label(body.name), forces[body.name], center)
+            if tracks := depths.get(body.name):
+                columns |= series.body_depth(label(body.name), np.max([track.values for track in tracks], axis=0))
+    return columns
+
+
+# ---- what acts in joints ----
+
+
+def drive_forces(motion: Kinematics) -> Driven:
+    """What every drive did."""
+    found, reacting, time = {}, reactions(motion), motion.trajectory.time
+    for drive in motion.scene.drives:
+        if drive.kind == "motion":
+            found[drive.joint] = reacting[drive.joint]
+            continue
+        s, rate = motion.coordinate(motion.scene.joint(drive.joint))
+        force = joint_history.drive_history(drive, time, s, rate, motion.trajectory.set_to.get(drive.joint))
+        found[drive.joint] = Driving(force, force * rate, work(time, force, rate))
+    return found
+
+
+def joint_forces(motion: Kinematics) -> dict[str, JointForces]:
+    """What acts in every joint, by its name, but for drives; only of joints in which something does.
+
+    Without the dampers of ball joints: the rate of the angle jumps at 0, the angular velocity that they damp does not.
+    """
+    held = {name: load.first_anchor for name, load in motion.system.loads.items()}
+    return {
+        joint.name: joint_history.joint_forces(
+            joint.law if joint.has_coordinate else replace(joint.law, damping=0.0),
+            held.get(joint.name, 0.0),
+            *motion.coordinate(joint),
+        )
+        for joint in motion.scene.joints
+        if not joint.law.is_idle
+    }
+
+
+def joint_energies(motion: Kinematics, driven: Driven) -> dict[str, Vector]:
+    """What joints store, and the work done in them; only of what the mechanism has."""
+    joints, forces = [joint for joint in motion.scene.joints if not joint.law.is_idle], joint_forces(motion)
+    time = motion.trajectory.time
+    done = [forces[j.name].done(time, motion.coordinate(j)[1]) for j in joints]
+    laws = [joint.law for joint in joints]
+    energies = {}
+    if any(law.stiffness > 0.0 or law.has_stops for law in laws):
+        energies["spring_J"] = np.sum([stored for stored, _, _ in done], axis=0)
+    if any(law.damping > 0.0 or law.dissipation > 0.0 for law in laws):
+        energies["joint_damping_work_J"] = np.sum([damping for _, damping, _ in done] + motion.damped_balls(), axis=0)
+    if any(law.friction > 0.0 for law in laws):
+        energies["friction_work_J"] = np.sum([friction for _, _, friction in done], axis=0)
+    if driven:
+        energies["drive_work_J"] = np.sum([drive.work for drive in driven.values()], axis=0)
+    return energies
+
+
+# ---- key numbers ----
+
+
+def contacts(time: Vector, bodies: Sequence[str], depths: Mapping[str, list[Track]]) -> dict[str, list[list[float]]]:
+    """Intervals [on, off] (s) over which bodies are in the medium; the last may last until the end of the run."""
+    return {label(body): [[float(a), float(b)] for a, b in above_zero(time, depths.get(body, []))] for body in bodies}
+
+
+def travels(joint: Joint) -> bool:
+    """Whether a joint lets all that hangs on it move along the surface."""
+    along = joint.axis is not None and abs(joint.axis[0]) > LEAST_ALONG
+    return joint.parent is None and (joint.kind == "free" or along)
+
+
+def travel(motion: Kinematics, driven: Driven) -> dict[str, float | None]:
+    """Distance travelled by the common centre of mass, its mean speed, and the cost of transport.
+
+    The mean of the second half of the time is given too, as a gait sets in. cost_of_transport: work that
+    the drives put in (what they take back is not counted) over weight times distance.
+    """
+    time, scene = motion.trajectory.time, motion.scene
+    x, speed = (along[:, 0] for along in motion.common_center)
+    put_in = sum(positive_part(time, drive.power) for drive in driven.values())
+    lasted, middle = float(time[-1] - time[0]), 0.5 * (time[0] + time[-1])
+    distance, later = float(x[-1] - x[0]), float(x[-1] - at_times(time, x, speed, np.array([middle]))[0])
+    weight = scene.mass * abs(scene.gravity)
+    return {
+        "drive_work_put_in_J": put_in,
+        "distance_m": distance,
+        "forward_speed_m_s": distance / lasted if lasted > 0.0 else None,
+        "forward_speed_second_half_m_s": later / (0.5 * lasted) if lasted > 0.0 else None,
+        "cost_of_transport": put_in / (weight * abs(distance)) if weight * abs(distance) > 0.0 else None,
+    }
+
+
+def drives(motion: Kinematics, driven: Driven) -> dict[str, dict[str, float]]:
+    """Torque or force, rate, power and work of every drive, by its joint."""
+    found = {}
+    for name, drive in driven.items():
+        joint = motion.scene.joint(name)
+        rate = motion.coordinate(joint)[1]
+        found[name] = drive_numbers(motion.trajectory.time, drive, rate, rotary=joint.kind == "hinge")
+    return found
+
+
+def strides(motion: Kinematics, driven: Driven) -> dict[str, Any] | None:
+    """Means over whole strides of what travels, where all drives that repeat have one period; else None."""
+    scene, time = motion.scene, motion.trajectory.time
+    periods = [one for drive in scene.drives if (one := period(drive.signal)) is not None]
+    if not periods or max(periods) > (1.0 + 1e-9) * min(periods):
+        return None
+    torques = [drive.force for name, drive in driven.items() if scene.joint(name).kind == "hinge"]
+    powers = [drive.power for drive in driven.values()]
+    weight = scene.mass * abs(scene.gravity)
+    return stride_numbers(time, motion.common_center[0][:, 0], powers, torques, weight, periods[0])
+
+
+def largest_torque(scene: Scene, driven: Driven) -> dict[str, float]:
+    """Greatest torque (N m) that any drive of a hinge gives at any step; nothing where none is driven."""
+    torques = [drive.largest for name, drive in driven.items() if scene.joint(name).kind == "hinge"]
+    return {"largest_drive_torque_Nm": max(torques)} if torques else {}

@@ -1,0 +1,216 @@
+"""Trajectory -> Observation, for the coordinates of the engine."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from granular_contact.laws.law import term_names
+from granular_contact.mechanics import mechanism
+from granular_contact.mechanics.accuracy import accuracy_warnings, greatest_energy
+from granular_contact.mechanics.beam_energy import elastic_energy_and_loss
+from granular_contact.mechanics.depths import all_depths, depths_by_body
+from granular_contact.mechanics.drive_error import drive_warnings
+from granular_contact.mechanics.kinematics import Kinematics
+from granular_contact.mechanics.system import System, Trajectory
+from granular_contact.mechanics.wheels import pitches, wheel_columns, wheel_histories, wheel_numbers, wheel_warnings
+from granular_contact.results import energy
+from granular_contact.results.accuracy import AccuracyWarning
+from granular_contact.results.interpolation import Track
+from granular_contact.results.limits import Reach
+from granular_contact.results.observation import Observation, pictures
+from granular_contact.results.series import Series
+from granular_contact.results.stopping import Stop, Touch, find_rest, find_stop, find_touch, find_turn
+from granular_contact.scene.types import Joint, Vector
+
+if TYPE_CHECKING:
+    from granular_contact.sand.history import LoadHistory
+
+
+def observe(system: System, trajectory: Trajectory) -> Observation:
+    """What results hold of a run."""
+    motion = Kinematics(system, trajectory)
+    with np.errstate(over="ignore", invalid="ignore"):  # of a run that failed by running away
+        depths, forces = depths_by_body(motion), forces_of(trajectory)
+        wheels = wheel_histories(motion, forces)
+        found = observed(motion, forces, depths, all_depths(motion, depths))
+        found["motion"] |= mechanism.body_columns(motion, forces, depths) | wheel_columns(wheels)
+        found["more"] |= (numbers := wheel_numbers(trajectory.time, wheels, pitches(motion)))
+        found["accuracy"] += wheel_warnings(motion.scene, numbers)
+        return Observation(**found)
+
+
+def forces_of(trajectory: Trajectory) -> dict[str, Vector]:
+    """Force of the medium on each body: resultant (N) and moment (N m) about the origin, (n, 3), in space (n, 6)."""
+    load = trajectory.load
+    return {} if load is None else {name: load.bodies[:, i] for i, name in enumerate(load.body_names)}
+
+
+def observed(
+    motion: Kinematics, forces: dict[str, Vector], by_body: dict[str, list[Track]], depths: list[Track]
+) -> dict[str, Any]:
+    """Fields of an observation that are found alike in the plane and in space, by their names."""
+    trajectory, scene, load = motion.engine, motion.scene, motion.trajectory.load
+    driven, links, system = mechanism.drive_forces(motion), motion.system.links, motion.system
+    terms = term_names(scene.media) if load is None or not scene.media else load.term_names
+    nothing = np.zeros((len(trajectory.time), len(terms), 6 if scene.in_space else 3))
+    return {
+        "scene": scene,
+        "status": trajectory.status,
+        "cost": trajectory.cost,
+        "time": trajectory.time,
+        "motion": mechanism.joint_columns(motion) | mechanism.drive_columns(scene, driven),
+        "mean_rate": None if scene.pivot is None else motion.mean_rate[0],
+        "tip": motion.position(*scene.tip)[0],
+        "deflection": motion.bend(list(links)[-1]) if links else None,
+        "depths": depths,
+        "terms": terms,
+        "term_forces": nothing if load is None else load.terms,
+        "moments_about": motion.common_center[0] if scene.pivot is None else scene.pivot.parent_point,
+        "body_forces": forces,
+        "energies": energies(motion, driven),
+        "stop": lambda touch: stop(motion, touch),
+        "outlines": motion.outlines,
+        "pictures": lambda at: pictures(lambda sampled: type(motion)(system, sampled).outlines, trajectory, at),
+        "reach": _reach(motion),
+        "more": key_numbers(motion, driven, by_body, depths),
+        "accuracy": accuracy(motion, driven),
+        "notices": trajectory.notices,
+    }
+
+
+def _reach(motion: Kinematics) -> Reach | None:
+    """Extremes of what was immersed; None where nothing could meet the medium."""
+    load = motion.trajectory.load
+    if load is None:
+        return None
+    axes = load.reached.shape[1] // 2
+    return Reach(
+        speed=float(load.speed.max()),
+        depth=float(load.depth.max()),
+        lowest=float(load.lowest.min()),
+        least=tuple(load.reached[:, :axes].min(axis=0).tolist()),
+        greatest=tuple(load.reached[:, axes:].max(axis=0).tolist()),
+        sizes=tuple(sorted({(kind, width) for _, kind, width in load.immersed})),
+    )
+
+
+def energies(motion: Kinematics, driven: mechanism.Driven) -> Series:
+    """Columns of what was stored, and of the work done so far."""
+    t, scene, links = motion.trajectory, motion.scene, motion.system.links
+    kinetic = 0.5 * np.sum((t.v @ t.mass) * t.v, axis=1)
+    gravity = scene.gravity * motion.lifted()
+    elastic, damping, work = (np.zeros_like(kinetic) for _ in range(3))
+    for name, handle in links.items():
+        nodes = np.array(motion.nodes(name))
+        stored, lost = elastic_energy_and_loss(t.q[:, nodes], t.v[:, nodes], handle.link)
+        elastic += stored
+        damping -= energy.accumulate(t.time, lost)
+    joints = mechanism.joint_energies(motion, driven)
+    if t.load is not None:
+        work, at_floor = medium_works(motion, t.load)
+        if scene.bed is not None and scene.bed.floor is not None:
+            joints["floor_work_J"] = at_floor
+    return energy.columns(kinetic, gravity - gravity[0], elastic if links else None, work, damping, joints)
+
+
+def medium_works(motion: Kinematics, load: LoadHistory) -> tuple[Vector, Vector]:
+    """Work (n,) J of all media, and of the floor, since the start, as the motion has it (see `sand.work`).
+
+    A step in which the floor was touched has its difference with the floor, which is far stiffer.
+    """
+    if not motion.scene.media:
+        return load.work, load.floor_work
+    more = motion.work_beyond
+    steps = np.diff(more, prepend=0.0)
+    touched = np.diff(load.floor_work, prepend=0.0) != 0.0
+    at_floor = np.cumsum(np.where(touched, steps, 0.0))
+    return load.work + more - at_floor, load.floor_work + at_floor
+
+
+# ---- stopping ----
+
+
+def stop(motion: Kinematics, touch: Touch) -> Stop | None:
+    """When the mechanism stopped after the touch; None where it did not, or is driven."""
+    scene, time = motion.scene, motion.trajectory.time
+    if _never_stops(motion):
+        return None
+    if scene.pendulum is not None:
+        return _stop_about(motion, scene.pendulum, slice(touch.index, None))
+    instant = find_rest(time, motion.speeds, touch.index, scene.solver.rest_speed_m_s, scene.solver.rest_time_s)
+    if instant is None:
+        return None
+    angle = None
+    if len(scene.bodies) == 1 and not scene.in_space:
+        angle = float(np.interp(instant, time, -motion.angle(*scene.tip)[0]))
+    return Stop(instant, angle, None)
+
+
+def _never_stops(motion: Kinematics) -> bool:
+    """Whether a stop means nothing: of what is driven, and of what did not move."""
+    return bool(motion.scene.drives) or motion.path_length <= motion.scene.least_path
+
+
+def _stop_about(motion: Kinematics, pivot: Joint, after: slice) -> Stop | None:
+    """First zero of the mean rate in some instants, with the pivot's angle there."""
+    rate, inertia = motion.mean_rate
+    moment, load = motion.weight_moment(), motion.trajectory.load
+    if load is not None:
+        fx, fy, about_origin = load.terms.sum(axis=1).T
+        x, y = pivot.parent_point
+        moment = moment + about_origin - (x * fy - y * fx)
+    angle, angle_rate = motion.angle(pivot.child, pivot.child_point)
+    histories = motion.trajectory.time, rate, -moment / inertia, -angle, -angle_rate
+    return find_stop(*(values[after] for values in histories))
+
+
+def _penetration_time(motion: Kinematics, depths: list[Track]) -> float | None:
+    """Time (s) from touch to the first zero of the vertical velocity of the lower end of what falls freely."""
+    scene, time = motion.scene, motion.trajectory.time
+    if _never_stops(motion) or scene.floating is None:
+        return None
+    touch = find_touch(time, depths)
+    if touch is None:
+        return None
+    falling = motion.position(*scene.tip)[1][:, -1]
+    angle, rate = (0.0 * falling, 0.0 * falling) if scene.in_space else motion.angle(*scene.tip)
+    histories = time, falling, -angle, -rate
+    turn = find_turn(*(values[touch.index :] for values in histories))
+    return None if turn is None else turn - touch.time
+
+
+# ---- key numbers and warnings ----
+
+
+def key_numbers(
+    motion: Kinematics, driven: mechanism.Driven, by_body: dict[str, list[Track]], depths: list[Track]
+) -> dict[str, Any]:
+    """Contacts of bodies whose motion is reported; of what is driven and can travel, how far and at what cost."""
+    numbers: dict[str, Any] = {}
+    scene, load = motion.scene, motion.trajectory.load
+    if (sinking := _penetration_time(motion, depths)) is not None:
+        numbers["penetration_time_s"] = sinking
+    if scene.body_columns and load is not None:
+        numbers["contacts"] = mechanism.contacts(motion.trajectory.time, load.body_names, by_body)
+    if scene.drives and any(mechanism.travels(joint) for joint in scene.joints):
+        numbers |= mechanism.travel(motion, driven)
+        if (strides := mechanism.strides(motion, driven)) is not None:
+            numbers["strides"] = strides
+    if driven:
+        numbers["drives"] = mechanism.drives(motion, driven)
+    numbers |= mechanism.largest_torque(scene, driven)
+    # What chooses its steps by their error does so with its strips.
+    if scene.solver.accuracy is not None and load is not None and not scene.in_space:
+        chosen = {"per_rigid_part": scene.load.strips_per_rigid_part, "per_element": scene.load.strips_per_element}
+        numbers["strips"] = chosen
+    return numbers
+
+
+def accuracy(motion: Kinematics, driven: mechanism.Driven) -> list[AccuracyWarning]:
+    """What the steps say of their accuracy."""
+    with np.errstate(all="ignore"):  # of a run that failed by running away
+        time = motion.trajectory.time
+        drives = drive_warnings(motion.scene, driven, greatest_energy(motion), float(time[-1] - time[0]))
+        return [*accuracy_warnings(motion), *drives]

@@ -1,0 +1,43 @@
+"""Coordinates of hinges, sliders and ball joints in space, by the compiled functions of `kernels.space_joints`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from granular_contact.mechanics.coordinates import Coordinate, reference
+from granular_contact.mechanics.kernels import space_joints
+from granular_contact.mechanics.kernels.joint_coordinates import HINGE, SLIDER
+from granular_contact.scene.space.types import SpatialJoint
+
+if TYPE_CHECKING:
+    from granular_contact.mechanics.space.system import SpatialSystem
+
+KINDS = {"hinge": HINGE, "slider": SLIDER, "ball": space_joints.BALL}
+
+
+def coordinate(system: SpatialSystem, joint: SpatialJoint, *, whole: bool) -> SpatialCoordinate:
+    """As of `mechanics.coordinates`."""
+    nodes = system.nodes_of(joint)
+    return SpatialCoordinate(joint, [0.0] * 7 * len(nodes) if whole else reference(system, nodes))
+
+
+class SpatialCoordinate(Coordinate):
+    """As `Coordinate`; last_angles (2,): the coordinate found last, by which turns are counted, and nothing."""
+
+    kernels: Any = space_joints
+
+    def __init__(self, joint: SpatialJoint, references: Sequence[float]) -> None:
+        """references: values of the coordinates of parent and child, none of the ground."""
+        self.joint, self.size = joint, len(references)  # type: ignore[assignment]
+        self.record, self.last_angles = np.zeros(1, space_joints.JOINT), np.array([joint.start, 0.0])
+        record = self.record[0]
+        kind = KINDS[joint.kind]
+        record["kind"], record["find"] = kind, space_joints.found_by(kind)
+        record["parent"], record["child"] = len(references) - 7, 7
+        for name in ("parent_point", "parent_turn", "child_point", "child_turn"):
+            record[name] = getattr(joint, name)
+        record["reference"][: self.size] = references
+        self._slope = np.zeros(space_joints.MOST)

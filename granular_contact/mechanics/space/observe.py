@@ -1,0 +1,79 @@
+"""Trajectory -> Observation, for the coordinates of the engine in space."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from granular_contact.geometry import rotations
+from granular_contact.mechanics import mechanism
+from granular_contact.mechanics.observe import forces_of, observed
+from granular_contact.mechanics.space.kinematics import SpatialKinematics
+from granular_contact.mechanics.space.system import SpatialSystem
+from granular_contact.mechanics.system import Trajectory
+from granular_contact.results import in_space, series
+from granular_contact.results.frames import resample
+from granular_contact.results.in_space import SpatialObservation
+from granular_contact.results.interpolation import Track, at_times
+from granular_contact.results.motion import Motion, Part
+from granular_contact.scene.space.types import Vector
+
+
+def observe(system: SpatialSystem, trajectory: Trajectory) -> SpatialObservation:
+    """What results hold of a run."""
+    motion = SpatialKinematics(system, trajectory)
+    with np.errstate(over="ignore", invalid="ignore"):  # of a run that failed by running away
+        depths, forces = motion.depths(), forces_of(trajectory)
+        found = observed(motion, forces, depths, [track for tracks in depths.values() for track in tracks])
+        found["motion"] |= body_columns(motion, forces, depths)
+        play = partial(moved, system, trajectory, forces)
+        return SpatialObservation(**found, moved=play)
+
+
+def body_columns(
+    motion: SpatialKinematics, forces: Mapping[str, Vector], depths: Mapping[str, list[Track]]
+) -> series.Series:
+    """Motion of every body, the medium's force on it and its depth; forces (n, 6) by body, moments about the origin."""
+    columns: series.Series = {}
+    for body in motion.scene.bodies if motion.scene.body_columns else ():
+        name, (center, velocity) = mechanism.label(body.name), motion.center(body.name)
+        rpy = np.unwrap(rotations.rpy_of(motion.rotation(body.name)), axis=0)
+        columns |= in_space.body(name, center, rpy, velocity, motion.spin(body.name))
+        if body.name in forces:
+            columns |= in_space.body_force(name, forces[body.name], center)
+            if tracks := depths.get(body.name):
+                columns |= series.body_depth(name, np.max([track.values for track in tracks], axis=0))
+    return columns
+
+
+def moved(system: SpatialSystem, trajectory: Trajectory, forces: Mapping[str, Vector], at: Vector) -> Motion:
+    """The motion at times (k,) s, as it is drawn: every shape once, then poses; forces (n, 6) of the medium by body."""
+    t = trajectory
+    sampled = replace(t, time=at, q=at_times(t.time, t.q, t.v, at), v=resample(t.time, t.v, at))
+    motion = SpatialKinematics(system, sampled)
+    parts, poses = [], []
+    for name, handle in system.rigid.items():
+        pose = np.concatenate([motion.center(name)[0], motion.quaternion(name)], axis=1)
+        for part in handle.body.parts:
+            points, faces = np.unique(part.triangles.reshape(-1, 3), axis=0, return_inverse=True)
+            parts.append(Part(part.name, points, faces.reshape(-1, 3)))
+            poses.append(pose)
+    arrows = {}
+    for name, wrench in forces.items():
+        center, radius = motion.center(name)[0], system.scene.radius(system.rigid[name].body)
+        arrows[mechanism.label(name)] = _arrow(resample(t.time, wrench, at), center, radius)
+    shown = np.stack(poses, axis=1) if poses else np.zeros((len(at), 0, 7))
+    return Motion(at, tuple(parts), shown, {}, arrows)
+
+
+def _arrow(wrench: Vector, center: Vector, radius: float) -> tuple[Vector, Vector]:
+    """Where a force (k, 3) N is drawn, (k, 3) m: on its line of action, as near to the centre of mass as it comes."""
+    force = wrench[:, :3]
+    moment = wrench[:, 3:] - np.cross(center, force)
+    square = np.sum(force * force, axis=1, keepdims=True)
+    off = np.divide(np.cross(force, moment), square, out=np.zeros_like(force), where=square > 0.0)
+    far = np.linalg.norm(off, axis=1, keepdims=True)
+    return center + off * np.minimum(1.0, radius / np.maximum(far, 1e-300)), force

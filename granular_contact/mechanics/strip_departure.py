@@ -1,0 +1,104 @@
+"""What a motion departs by with strips of another length (`sand.strip_error`), and the error that this stands for."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granular_contact.mechanics.freedoms import freedoms
+from granular_contact.mechanics.kinematics import Kinematics
+from granular_contact.sand.contact_lines import ELEMENTS_PER_LINE, Body, ContactLine, beam, coarser
+from granular_contact.sand.kernels.departure import Motion
+from granular_contact.sand.load import GranularLoad
+from granular_contact.sand.of_scene import lines_of, load_of, section
+from granular_contact.sand.strip_error import OF_HALVED, OF_JOINED, departure
+from granular_contact.scene.workspace import immersible
+
+GLANCE, LOOK = 24, 160  # instants of the motion at which its departure is followed
+
+
+def estimate(observer: Kinematics, doubtful: float) -> float:
+    """Estimated error of positions, as a part of the distance that the fastest point travels.
+
+    A glance at few instants, and where that finds more than what is doubtful a look at more of them.
+    """
+    own, halved = _load(observer), _load(observer, 2)
+    error = OF_HALVED * _departure(observer, own, halved, GLANCE)
+    if error > doubtful:
+        error = OF_HALVED * _departure(observer, own, halved, LOOK)
+        joined = _of_lines(observer, [coarser(line) for line in own.lines])
+        error = max(error, OF_JOINED * _departure(observer, own, joined, LOOK))
+    return error
+
+
+def _departure(observer: Kinematics, own: GranularLoad, other: GranularLoad, instants: int) -> float:
+    """Greatest departure of any point with another load, as a part of the distance that the fastest one travels."""
+    t, at = observer.trajectory, _instants(observer, instants)
+    part = replace(t, time=t.time[at], q=t.q[at], v=t.v[at], load=None, a=None, multipliers={}, set_to={})
+    motion = _motion(type(observer)(observer.system, part))
+    if motion.W.shape[2] == 0:
+        return 0.0
+    speed = observer.path_length / (t.time[-1] - t.time[0])
+    off = np.abs(departure(own, other, motion, speed)) * observer.lever
+    return float(off.max()) / max(observer.path_length, observer.scene.least_path)
+
+
+def _instants(observer: Kinematics, count: int) -> NDArray[np.int64]:
+    """Indices from the touch to the end, so that little passes in between: of the time, the way, changes of speed."""
+    t = observer.trajectory
+    assert t.load is not None
+    first = max(0, int(np.argmax(t.load.depth > 0.0)) - 1)
+    steps = np.diff(t.time[first:])
+    way, change = (
+        steps * observer.speeds[first + 1 :],
+        np.abs(np.diff(t.v[first:], axis=0) * observer.lever).max(axis=1),
+    )
+    passed = sum(part / max(float(part.sum()), 1e-300) for part in (steps, way, change))
+    sums = np.concatenate([[0.0], np.cumsum(passed)])
+    at = np.searchsorted(sums, np.linspace(0.0, sums[-1], count + 1)).clip(0, len(steps))
+    return first + np.unique([0, *at, len(steps)])
+
+
+def _motion(motion: Kinematics) -> Motion:
+    """The motion, with what its freedoms are, at all of its instants."""
+    t, free = motion.trajectory, freedoms(motion)
+    n, m, d = free.W.shape
+    momenta = (t.mass @ free.W.transpose(1, 0, 2).reshape(m, n * d)).reshape(m, n, d).transpose(1, 2, 0)
+    M = momenta @ free.W
+    A = np.linalg.solve(M, momenta)
+    return Motion(*map(np.ascontiguousarray, (t.time, t.q, t.v, free.W, A, M, free.K, free.D)))
+
+
+def _load(observer: Kinematics, split: int = 1) -> GranularLoad:
+    """A load on the coordinates of a trajectory, each strip divided into so many."""
+    scene, system = observer.scene, observer.system
+    assert scene.bed is not None
+    strips, whole = scene.load, scene.load.form == "resultant"
+    lines: list[ContactLine] = []
+    for body, shape in immersible(scene.bed, scene.rigid):
+        on = Body(body.name, system.places(body.name, np.zeros(2)))
+        lines += lines_of(on, shape, strips.strips_per_rigid_part, split)
+    for name, handle in system.links.items():
+        link, nodes = handle.link, np.array(observer.nodes(name), np.int64)
+        lines += beam(
+            name,
+            nodes,
+            [link.length / link.elements] * link.elements,
+            strips_per_element=split * strips.strips_per_element,
+            free_end=link.free,
+            elements_per_line=link.elements if whole else ELEMENTS_PER_LINE,
+            **section(link),
+        )
+    return _of_lines(observer, lines)
+
+
+def _of_lines(observer: Kinematics, lines: list[ContactLine]) -> GranularLoad:
+    """A load on lines, without what scatters: each strip has a draw of its own."""
+    load = load_of(observer.scene)
+    load.add(lines)
+    load.close()
+    for batch in load.batches:
+        batch.records["scatter"] = 0.0
+    return load

@@ -1,0 +1,162 @@
+"""What wheels have in their results: slip, sinkage, drawbar pull, load, torque and efficiency.
+
+Slip and pull are along the surface below the axle, load and sinkage at right angles to it, as if the surface went on
+straight from there.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from granular_contact.mechanics.kinematics import Kinematics
+from granular_contact.mechanics.mechanism import label
+from granular_contact.results import series
+from granular_contact.results.accuracy import AccuracyWarning, share
+from granular_contact.results.energy import accumulate
+from granular_contact.scene.types import Scene, Vector, Wheel
+
+STANDS = 1e-5  # m/s: below it, in rim and axle, there is no slip
+STEADY = 0.5  # the last part of the path, over which means are taken
+UNSTEADY = 5e-3  # changes within it that are told: what decays more slowly has 1 % to go at the most
+
+
+def _wheels(motion: Kinematics) -> Iterator[tuple[str, Wheel]]:
+    """Bodies with a wheel, each with its first one."""
+    for body in motion.scene.rigid:
+        wheel = next((shape.wheel for shape in body.shapes if shape.wheel is not None), None)
+        if wheel is not None:
+            yield body.name, wheel
+
+
+def wheel_histories(motion: Kinematics, forces: Mapping[str, Vector]) -> dict[str, dict[str, Vector]]:
+    """Histories (n,) of each wheel that the medium acts on, by its label.
+
+    forces: of the medium by body, (n, 3): x, y (N) and moment about the origin (N m, counter-clockwise). v: speed (m/s)
+    of the axle along the surface, to the right; omega: rate (rad/s) of the wheel, as it rolls to the right.
+    """
+    found, bed = {}, motion.scene.bed
+    for name, wheel in _wheels(motion):
+        if name not in forces or bed is None:
+            continue
+        (p, v), spin = motion.position(name, wheel.axle), motion.angle(name, wheel.axle)[1]
+        tangent = tangents(bed.slope_at(p[:, 0]))
+        speed, rim = np.sum(v * tangent, axis=1), -wheel.radius * spin
+        faster = np.maximum(np.abs(speed), np.abs(rim))
+        moves = faster > STANDS
+        slip = np.divide(rim - speed, faster, out=np.zeros_like(rim), where=moves)
+        backward = moves & (np.where(np.abs(rim) > np.abs(speed), rim, speed) < 0.0)
+        (ahead, upward), cosine = components(forces[name], tangent), tangent[:, 0]
+        found[label(name)] = {
+            "v": speed,
+            "omega": -spin,
+            "slip": np.where(backward, -slip, slip),
+            "sinkage_m": wheel.rim - (p[:, 1] - bed.height(p[:, 0])) * cosine,
+            "drawbar_pull_N": np.where(backward, -ahead, ahead),
+            "load_N": upward,
+            "torque_Nm": -series.clockwise_moment(forces[name], p),
+        }
+    return found
+
+
+def tangents(slope: Vector) -> Vector:
+    """Unit vectors (n, 2) along a surface with slopes (n,), to the right."""
+    along = np.column_stack([np.ones_like(slope), slope])
+    found: Vector = along / np.hypot(1.0, slope)[:, None]
+    return found
+
+
+def components(force: Vector, tangent: Vector) -> tuple[Vector, Vector]:
+    """Parts (n,) of forces (n, 2 or more), x and y first, along unit tangents (n, 2) and along the normals upward."""
+    (x, y), (tx, ty) = force[:, :2].T, tangent.T
+    return x * tx + y * ty, y * tx - x * ty
+
+
+def pitches(motion: Kinematics) -> dict[str, float]:
+    """Angles (rad) between the grousers of each wheel, by its label; 0 of smooth wheels."""
+    return {label(name): wheel.pitch for name, wheel in _wheels(motion)}
+
+
+def wheel_columns(histories: Mapping[str, Mapping[str, Vector]]) -> series.Series:
+    """Columns of all wheels."""
+    columns: series.Series = {}
+    for name, one in histories.items():
+        words = {
+            "slip": f"slip of {name}: 1 - v / (r omega) where its rim is faster than its axle, else r omega / v - 1",
+            "sinkage_m": f"depth of the rim of {name} below the surface, at right angles to it",
+            "drawbar_pull_N": f"force of the medium on {name} along the surface, ahead in the direction of travel",
+            "load_N": f"force of the medium on {name} at right angles to the surface, upward",
+            "torque_Nm": f"torque about its axle that the medium takes from {name}, clockwise positive",
+        }
+        columns |= {f"{name}_{key}": (text, one[key]) for key, text in words.items()}
+        pulled, driven = one["drawbar_pull_N"] * np.abs(one["v"]), one["torque_Nm"] * one["omega"]
+        share = np.divide(pulled, driven, out=np.zeros_like(pulled), where=(driven > 0.0) & (pulled > 0.0))
+        words_of_share = f"pull times speed over torque times rate of {name}; 0 where it is braked or does not pull"
+        columns[f"{name}_efficiency"] = (words_of_share, share)
+    return columns
+
+
+def wheel_numbers(
+    time: Vector, histories: Mapping[str, Mapping[str, Vector]], pitches: Mapping[str, float]
+) -> dict[str, Any]:
+    """Means over the last half of the path of each wheel: of the first under `wheel`, of others under their labels.
+
+    pitches (rad, by label): between grousers, 0 of smooth wheels; means are over whole ones. efficiency: work of the
+    pull over work of the torque there; None where the wheel is braked or does not pull. Changes are from the mean of
+    the first half of that time to that of the second, of the sinkage over the sinkage, of the pull over the load.
+    """
+    numbers = {}
+    for i, (name, one) in enumerate(histories.items()):
+        start, middle, later = _window(time, one, pitches[name])
+        mean = partial(_mean, time, start, float(time[-1]))
+        keys = ("slip", "sinkage_m", "drawbar_pull_N", "load_N", "torque_Nm")
+        found: dict[str, float | None] = {key: mean(one[key]) for key in keys}
+        pulled, driven = mean(one["drawbar_pull_N"] * np.abs(one["v"])), mean(one["torque_Nm"] * one["omega"])
+        found["efficiency"] = pulled / driven if pulled > 0.0 and driven > 0.0 else None
+        scales = {"sinkage_m": "sinkage_change", "drawbar_pull_N": "pull_change_over_load"}
+        for key, change in scales.items():
+            scale = abs(mean(one["sinkage_m" if key == "sinkage_m" else "load_N"]))
+            moved = _mean(time, later, float(time[-1]), one[key]) - _mean(time, start, middle, one[key])
+            found[change] = moved / scale if scale > 0.0 else None
+        numbers["wheel" if i == 0 else f"wheel_{name}"] = found
+    return numbers
+
+
+def _window(time: Vector, one: Mapping[str, Vector], pitch: float) -> tuple[float, float, float]:
+    """When (s) the last half of a path begins, its first half ends and its second begins; in whole pitches (rad)."""
+    path = accumulate(time, np.maximum(np.abs(one["v"]), np.abs(one["omega"])))
+    if not path[-1] > 0.0:
+        return float(time[0]), float(time[0]), float(time[0])
+    start, middle = (float(np.interp(share * path[-1], path, time)) for share in (1.0 - STEADY, 1.0 - 0.5 * STEADY))
+    turned = accumulate(time, np.abs(one["omega"]))
+    whole = math.floor((turned[-1] - np.interp(start, time, turned)) / pitch + 1e-9) if pitch > 0.0 else 0
+    if whole < 1:
+        return start, middle, middle
+    half = pitch * max(1, whole // 2)
+    ends = (turned[-1] - pitch * whole, turned[-1] - pitch * whole + half, turned[-1] - half)
+    start, middle, later = (float(np.interp(angle, turned, time)) for angle in ends)
+    return start, middle, later
+
+
+def _mean(time: Vector, start: float, end: float, values: Vector) -> float:
+    """Mean of values (n,) between two times (s)."""
+    total = accumulate(time, values)
+    whole = float(np.interp(end, time, total) - np.interp(start, time, total))
+    return whole / (end - start) if end > start else float(np.interp(end, time, values))
+
+
+def wheel_warnings(scene: Scene, numbers: Mapping[str, Any]) -> Iterator[AccuracyWarning]:
+    """A sentence where the wheel of a run of one is not steady; numbers: as of `wheel_numbers`."""
+    found, test = numbers.get("wheel"), scene.wheel_test
+    if found is None or test is None or any(medium.scatters for medium in scene.media):
+        return
+    sinks, pulls = (abs(found[key] or 0.0) for key in ("sinkage_change", "pull_change_over_load"))
+    if max(sinks, pulls) > UNSTEADY:
+        words = "the wheel is not steady: within the last half of its path its sinkage changed by "
+        words += f"{share(sinks)}, and its pull by {share(pulls)} of the load; take a longer solver.end_time_s "
+        words += f"(now {scene.solver.end_time_s:g})"
+        yield AccuracyWarning(words + ("" if test.rate is not None else ", if this torque has a steady motion at all"))

@@ -1,0 +1,185 @@
+"""Thin round bars in space: strips between stations on a polyline, and the terms that laws of bars are made of.
+
+With depth z, unit tangent t, velocity v, and the regularised signs of `space_friction` (sigma_h along the horizontal
+direction r of the motion, sigma_v along the vertical), per unit of arc length:
+
+    dF_d/ds = -k |t x v| v
+    dF_h/ds = -2 k z |t x r| sigma_h r          |t x r| ds: length of the bar as its horizontal motion sees it [ours]
+    dF_v/ds = -(lam + 1) k (z/l)^lam sigma_v
+
+In the plane of a bar and its motion these are the terms of `bar_statics`, and integrals are the same there: exact in
+pieces between the surface, the points where a bristle comes to its yield, and the one where the motion turns round.
+
+A row of `elements` is a station (m); the strips of a cluster lie between neighbours.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from granular_contact.jit.compiled import part
+from granular_contact.jit.memory import clear, room2, room3, rows
+from granular_contact.sand.kernels import space_law as law
+from granular_contact.sand.kernels.bar_statics import vertical_force as planar_vertical_force
+from granular_contact.sand.kernels.friction import SMOOTH
+from granular_contact.sand.kernels.immersion import GAUSS_HIGH, GAUSS_LOW, THREE_POINTS, inside
+from granular_contact.sand.kernels.law import TERMS
+from granular_contact.sand.kernels.planar_friction import drive, mobilised
+
+
+@part
+def station(E, x, v, w, R, p, velocity):
+    """Fill p (3,) m and velocity (3,) m/s of a station of a body, E (3,) m in its frame."""
+    rx = R[0, 0] * E[0] + R[0, 1] * E[1] + R[0, 2] * E[2]
+    ry = R[1, 0] * E[0] + R[1, 1] * E[1] + R[1, 2] * E[2]
+    rz = R[2, 0] * E[0] + R[2, 1] * E[1] + R[2, 2] * E[2]
+    p[0], p[1], p[2] = x[0] + rx, x[1] + ry, x[2] + rz
+    velocity[0] = v[0] + w[1] * rz - w[2] * ry
+    velocity[1] = v[1] + w[2] * rx - w[0] * rz
+    velocity[2] = v[2] + w[0] * ry - w[1] * rx
+
+
+@part
+def add(f, x, y, z, W, term):
+    """Add a force (3,) N that acts at x, y, z (m, from the reference point) to the wrench of a term."""
+    W[term, 0] += f[0]
+    W[term, 1] += f[1]
+    W[term, 2] += f[2]
+    W[term, 3] += y * f[2] - z * f[1]
+    W[term, 4] += z * f[0] - x * f[2]
+    W[term, 5] += x * f[1] - y * f[0]
+
+
+@part
+def placed(elements, pose, ground):
+    """Positions (n, 3) m and velocities (n, 3) m/s of the stations, and their depths (n,) m."""
+    n = elements.shape[0]
+    P, V, Z = np.empty((n, 3)), np.empty((n, 3)), np.empty(n)
+    for i in range(n):
+        station(elements[i], pose[3], pose[4], pose[5], rows(pose, 0, 3), P[i], V[i])
+        Z[i] = ground[0] + ground[1] * P[i, 0] + ground[2] * P[i, 1] - P[i, 2]
+    return P, V, Z
+
+
+@part
+def bar_forces(elements, anchors, cluster, pose, ground, medium, W):
+    """`space_law.forces` of a bar."""
+    x, n = pose[3], elements.shape[0]
+    P, V, Z = placed(elements, pose, ground)
+    f = room3(TERMS, 2, 3)
+    for i in range(n - 1):
+        a, b = inside(Z[i], Z[i + 1], medium)
+        if a == b:
+            continue
+        clear(f)
+        p, q, A, B = P[i], P[i + 1], anchors[i], anchors[i + 1]
+        law.bar_force(medium, (
+            a, b, Z[i], Z[i + 1], q[0] - p[0], q[1] - p[1], q[2] - p[2], V[i, 0], V[i, 1], V[i, 2],
+            V[i + 1, 0], V[i + 1, 1], V[i + 1, 2], p[0] - A[0], p[1] - A[1], p[2] - A[2],
+            q[0] - B[0], q[1] - B[1], q[2] - B[2], cluster, f,
+        ))  # fmt: skip
+        for term in range(TERMS):
+            add(f[term, 0], p[0] - x[0], p[1] - x[1], p[2] - x[2], W, term)
+            add(f[term, 1], q[0] - x[0], q[1] - x[1], q[2] - x[2], W, term)
+    within = Z[n - 1] > 0.0 and (not medium.layered or medium.top < Z[n - 1] <= medium.bottom)
+    if within and cluster.cap and medium.cap != 0:
+        clear(f)
+        p, q = P[n - 2], P[n - 1]
+        last = V[n - 1]
+        law.cap_force(medium, (q[0] - p[0], q[1] - p[1], q[2] - p[2], last[0], last[1], last[2], cluster, f))
+        for term in range(TERMS):
+            add(f[term, 1], q[0] - x[0], q[1] - x[1], q[2] - x[2], W, term)
+
+
+@part
+def follow_stations(elements, anchors, cluster, pose, ground, medium, row):
+    """`space_law.follow` of the stations of bars, whose anchors are free unless a strip at them is immersed."""
+    n = elements.shape[0]
+    P, V, Z = placed(elements, pose, ground)
+    for i in range(n):
+        row[law.DEPTH] = max(row[law.DEPTH], Z[i])
+        if Z[i] > 0.0:
+            row[law.SPEED] = max(row[law.SPEED], math.sqrt(V[i, 0] ** 2 + V[i, 1] ** 2 + V[i, 2] ** 2))
+            row[law.LOWEST] = min(row[law.LOWEST], P[i, 2])
+    for i in range(n):
+        px, py, pz = P[i, 0], P[i, 1], P[i, 2]
+        if Z[max(0, i - 1)] > 0.0 or Z[i] > 0.0 or Z[min(n - 1, i + 1)] > 0.0:
+            px, py, pz = law.drag_anchor(medium, (px, py, pz, anchors[i, 0], anchors[i, 1], anchors[i, 2]))
+        anchors[i, 0], anchors[i, 1], anchors[i, 2] = px, py, pz
+
+
+# ---- terms of laws ----
+
+
+@part
+def nearest(a, b, x0, y0, z0, x1, y1, z1):
+    """Where in [a, b] a vector that varies linearly along a strip is shortest."""
+    dx, dy, dz = x1 - x0, y1 - y0, z1 - z0
+    square = dx * dx + dy * dy + dz * dz
+    if square == 0.0:
+        return b
+    return min(b, max(a, -(x0 * dx + y0 * dy + z0 * dz) / square))
+
+
+@part
+def drag_force(a, b, cx, cy, cz, v0x, v0y, v0z, v1x, v1y, v1z, k, f):
+    """Add the drag to f[end, xyz] (N); k in kg/m^2."""
+    x0, y0, z0 = cy * v0z - cz * v0y, cz * v0x - cx * v0z, cx * v0y - cy * v0x
+    x1, y1, z1 = cy * v1z - cz * v1y, cz * v1x - cx * v1z, cx * v1y - cy * v1x
+    turn = nearest(a, b, x0, y0, z0, x1, y1, z1)
+    for start, end in ((a, turn), (turn, b)):
+        if start == end:
+            continue
+        for gauss in (GAUSS_LOW, GAUSS_HIGH):
+            xi = start + (end - start) * gauss
+            one = 1.0 - xi
+            x, y, z = one * x0 + xi * x1, one * y0 + xi * y1, one * z0 + xi * z1
+            kw = k * 0.5 * (end - start) * math.sqrt(x * x + y * y + z * z)
+            vx, vy, vz = one * v0x + xi * v1x, one * v0y + xi * v1y, one * v0z + xi * v1z
+            for e, share in ((0, one * kw), (1, xi * kw)):
+                f[e, 0] -= share * vx
+                f[e, 1] -= share * vy
+                f[e, 2] -= share * vz
+
+
+@part
+def horizontal_force(a, b, z0, z1, cx, cy, cz, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, k, m, f):
+    """Add the horizontal term to f[end, xyz] (N); k in N/m^2, other arguments as in `space_law.bar_force`."""
+    q0x, q0y = drive(e0x, e0y, v0x, v0y, m)
+    q1x, q1y = drive(e1x, e1y, v1x, v1y, m)
+    turn = nearest(a, b, q0x, q0y, 0.0, q1x, q1y, 0.0)
+    first, last = turn, turn  # between them bristles are below their yield
+    if m.friction != SMOOTH:
+        dx, dy = q1x - q0x, q1y - q0y
+        square = dx * dx + dy * dy
+        if square > 0.0:
+            middle = -(q0x * dx + q0y * dy) / square
+            x, y = q0x + middle * dx, q0y + middle * dy
+            half = math.sqrt(max(0.0, m.u_y * m.u_y - x * x - y * y) / square)
+            first, last = min(b, max(a, middle - half)), min(b, max(a, middle + half))
+    for start, end in ((a, first), (first, turn), (turn, last), (last, b)):
+        if start >= end:
+            continue
+        for gauss, weight in THREE_POINTS:
+            xi = start + (end - start) * gauss
+            rx, ry, share = mobilised((1.0 - xi) * q0x + xi * q1x, (1.0 - xi) * q0y + xi * q1y, m)
+            across = cx * ry - cy * rx
+            seen = math.sqrt(cz * cz + across * across)
+            load = 2.0 * k * (end - start) * weight * seen * max(0.0, z0 + xi * (z1 - z0)) * share
+            f[0, 0] -= (1.0 - xi) * load * rx
+            f[0, 1] -= (1.0 - xi) * load * ry
+            f[1, 0] -= xi * load * rx
+            f[1, 1] -= xi * load * ry
+
+
+@part
+def vertical_force(a, b, z0, z1, cx, cy, cz, v0z, v1z, e0z, e1z, k, eta, lam, scale, m, f):
+    """Add the vertical term to f[end, xyz] (N); other arguments as in `bar_statics.vertical_force`."""
+    length = math.sqrt(cx * cx + cy * cy + cz * cz)
+    planar = room2(2, 2)
+    clear(planar)
+    planar_vertical_force(a, b, z0, z1, length, 0.0, v0z, v1z, e0z, e1z, k, eta, lam, scale, m, planar)
+    f[0, 2] += planar[0, 1]
+    f[1, 2] += planar[1, 1]

@@ -1,0 +1,146 @@
+"""What of facets depends on their paths: shear displacement (see `path_length`) and scatter (see `scatter`).
+
+Compiled for media that ask for either alone, see `space_joining`.
+
+Of scatter a facet takes the value of a cube of the size of a grain, fixed to its body: facets whose middles lie in one
+cube share it, and as they stay there nothing jumps. One larger than a grain takes s L / sqrt(area).
+
+Where a medium scatters the anchors of facets have more columns: PATH, the path length (m) of the middle since the
+start; LAST and the two after it, where it was at the end of the last step (m); KEPT and the two after it: the number of
+the grain that its path was in when forces were last asked for, and s r of `scatter` at both ends of that grain. These
+change once a grain only, and to find them costs more than all the rest; none is taken for another grain, so that they
+are no part of any state.
+
+Where a medium shears their last three columns are the displacement S (m) of the anchor along the surface, in the
+direction in which it moved last and as long as its path since the middle got into the medium, or since the shear turned
+back: with the displacement d (m) of the middle from its anchor along the surface, whose direction is e,
+
+    j = max(0, S . e) + |d|,    S <- (max(0, S . e) + |d|) e    with the d of the anchor, where it is dragged.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from granular_contact.jit.compiled import part
+from granular_contact.sand.kernels.facets import FIRST, NOTED, ROW, SHEAR, E, N
+from granular_contact.sand.kernels.scatter import value
+
+PATH, LAST, KEPT = 3, 4, 7
+COLUMNS, SHEARED = 10, 3  # of anchors, without those of the shear displacement; of it
+ALONG, ACROSS, UPWARD, BODY = 73856093, 19349663, 83492791, 49979687  # primes: cubes nearby have numbers of their own
+
+
+@part
+def scatters(anchors):
+    """Whether anchors have these columns."""
+    return anchors.shape[1] >= COLUMNS
+
+
+@part
+def shears(anchors):
+    """Whether the last three columns of anchors are the shear displacement (m)."""
+    return anchors.shape[1] == 3 + SHEARED or anchors.shape[1] > COLUMNS
+
+
+@part
+def begin(anchors, first, last, anew):
+    """Begin the shear displacements of facets where their anchors are; anew: their paths, too."""
+    for i in range(first, last):
+        if shears(anchors):
+            for k in range(1, 1 + SHEARED):
+                anchors[i, anchors.shape[1] - k] = 0.0
+        if anew and scatters(anchors):
+            anchors[i, PATH], anchors[i, KEPT] = 0.0, np.nan
+            for k in range(3):
+                anchors[i, LAST + k] = anchors[i, k]
+
+
+@part
+def slid(anchors, i, x, y, z, nx, ny, nz):
+    """Shear displacement j (m) of a facet with the normal n after (x, y, z) m from its anchor, and its direction."""
+    across, first = nx * x + ny * y + nz * z, anchors.shape[1] - SHEARED
+    x, y, z = x - across * nx, y - across * ny, z - across * nz
+    d = math.sqrt(x * x + y * y + z * z)
+    if d == 0.0:
+        return 0.0, 0.0, 0.0, 0.0
+    x, y, z = x / d, y / d, z / d
+    before = anchors[i, first] * x + anchors[i, first + 1] * y + anchors[i, first + 2] * z
+    return max(0.0, before) + d, x, y, z
+
+
+@part
+def count(anchors, i, x, y, z, ax, ay, az, nx, ny, nz, immersed):
+    """Add a step that ends with the middle of a facet at (x, y, z) m, before its anchor goes to a (3,) m."""
+    if scatters(anchors):
+        dx, dy, dz = x - anchors[i, LAST], y - anchors[i, LAST + 1], z - anchors[i, LAST + 2]
+        anchors[i, PATH] += math.sqrt(dx * dx + dy * dy + dz * dz)
+        anchors[i, LAST], anchors[i, LAST + 1], anchors[i, LAST + 2] = x, y, z
+    if shears(anchors):
+        dx, dy, dz, first = ax - anchors[i, 0], ay - anchors[i, 1], az - anchors[i, 2], anchors.shape[1] - SHEARED
+        j, ex, ey, ez = slid(anchors, i, dx, dy, dz, nx, ny, nz)
+        if not immersed:
+            j, ex = 0.0, 1.0
+        if j > 0.0 or not immersed:  # else the anchor has not moved
+            anchors[i, first], anchors[i, first + 1], anchors[i, first + 2] = j * ex, j * ey, j * ez
+
+
+@part
+def keep(anchors, i, grain, x, y, z, area, cluster):
+    """Keep what a facet has within a grain (its number) of its path; its middle in the frame of its body (m), m^2."""
+    size = cluster.grain
+    s = cluster.scatter if area <= size * size else cluster.scatter * size / math.sqrt(area)
+    cube = math.floor(x / size) * ALONG + math.floor(y / size) * ACROSS + math.floor(z / size) * UPWARD
+    cube += cluster.body * BODY
+    at, seed = int(grain), int(cluster.seed)
+    anchors[i, KEPT] = grain
+    anchors[i, KEPT + 1], anchors[i, KEPT + 2] = s * value(seed, at, cube), s * value(seed, at + 1, cube)
+
+
+@part
+def note(B, n, elements, anchors, cluster):
+    """Set in a block of n facets what depends on their paths: shear displacements, and by how much terms scatter."""
+    if shears(anchors):
+        for k in range(n):
+            B[SHEAR, k] = slid(
+                anchors, int(B[ROW, k]), B[E, k], B[E + 1, k], B[E + 2, k], B[N, k], B[N + 1, k], B[N + 2, k]
+            )[0]
+    if scatters(anchors):
+        for k in range(n):
+            i = int(B[ROW, k])
+            square = 0.0
+            for axis in range(3):
+                square += (anchors[i, axis] + B[E + axis, k] - anchors[i, LAST + axis]) ** 2
+            B[NOTED, k], B[NOTED + 1, k] = anchors[i, PATH], square
+            for column in range(3):
+                B[NOTED + 2 + column, k] = anchors[i, KEPT + column]
+        factors(B, n, NOTED, ROW, FIRST, elements, anchors, cluster)
+
+
+@part
+def factors(B, n, row, numbers, out, elements, anchors, cluster):
+    """Set rows `out` and out + 1 of a block to what the two static terms of its n facets are multiplied by.
+
+    row: as of `note`; numbers: the row of the block with the rows of the facets in elements and anchors.
+    """
+    others, one = 0.0, 1.0 / cluster.grain
+    for k in range(n):
+        path = (B[row, k] + math.sqrt(B[row + 1, k])) * one
+        B[row, k] = path
+        others += 0.0 if path - B[row + 2, k] >= 0.0 and path - B[row + 2, k] < 1.0 else 1.0
+    if others > 0.0:
+        for k in range(n):
+            grain = math.floor(B[row, k])
+            if grain != B[row + 2, k]:
+                i = int(B[numbers, k])
+                x, y, z, area = elements[i, 0], elements[i, 1], elements[i, 2], elements[i, 7]
+                keep(anchors, i, grain, x, y, z, area, cluster)
+                B[row + 2, k], B[row + 3, k], B[row + 4, k] = grain, anchors[i, KEPT + 1], anchors[i, KEPT + 2]
+    first, second = 1.0 if cluster.static & 1 else 0.0, 1.0 if cluster.static & 2 else 0.0
+    for k in range(n):
+        t = B[row, k] - B[row + 2, k]
+        q = t * t * (3.0 - 2.0 * t)
+        xi = ((1.0 - q) * B[row + 3, k] + q * B[row + 4, k]) / math.sqrt((1.0 - q) * (1.0 - q) + q * q)
+        B[out, k], B[out + 1, k] = 1.0 + first * xi, 1.0 + second * xi

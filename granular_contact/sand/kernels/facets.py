@@ -1,0 +1,390 @@
+"""Facets of a surface: triangles, each with one state of motion, one bristle and the part of it that is immersed.
+
+A row of `elements`: centroid (m), greatest distance from it to a corner (m), normal, area (m^2), two of the corners
+from the centroid (m), side (see `space_law.facet`). A traction of a law is a stress per depth times the depth, and a
+stress that has no depth in it; over the immersed part of a facet both are integrated exactly, with the state of motion
+at its centroid. With the corners d_i and their depths z_i, over a triangle of area A
+
+    int z dA = A mean(z_i),      int z d dA = A (sum z_i sum d_i + sum z_i d_i) / 12.
+
+Only what leads is loaded. With the direction of motion u at the centroid and s, by how much n . u differs from there to
+a corner, a facet counts with g = clip((n . u + s) / (edge + 2 s), 0, 1): the share of it that leads where a body turns,
+and the fading in of `plates` where it does not. Of a body that rests, with bristles below their yield, the faces beside
+it would be loaded or not within a hundredth of a micrometre; so there edge is no angle, but n . q reaches `pressed`, a
+part of the yield displacement, before the face is loaded as a whole [ours]. A ball that slides along slowly has up to
+1 % less resistance by it, and 4 % less lift, as the flat parts of its underside are loaded in part; at 10 mm/s it has
+all.
+
+Facets are treated in blocks: `gather` fills one with those of a cluster that are immersed and may lead, the law fills
+its tractions in one call, and the forces are added up. What a law needs of a facet stands in columns of the block, one
+number after another for the facets, and its equations are written for one facet in a loop over them, all inlined and
+without branches where that is easy: so compilers make vector instructions of it, which hide how long roots and
+quotients take.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from granular_contact.jit.compiled import part
+from granular_contact.jit.memory import room2
+from granular_contact.sand.kernels import space_law as law
+from granular_contact.sand.kernels.friction import SMOOTH
+from granular_contact.sand.kernels.plates import EDGE
+from granular_contact.sand.kernels.space_friction import stretched
+
+COLUMNS = 15
+SIDE = 14
+
+# A block (ROWS, LANES): facets that are loaded, in columns, so that a law treats several of them in one instruction.
+LANES = 32
+# What a law is told, see `space_law.facets`: mean depth of what is immersed, normal, velocity, stretch of the bristle,
+# spread, side, shear displacement. Three rows each where vectors are.
+Z, N, V, E, SPREAD, ONE_SIDE, SHEAR = 0, 1, 4, 7, 10, 11, 12
+# The immersed area (m^2), by how much the terms of the law scatter, where they act from the reference point (m), the
+# depth of the centroid (m), the row in elements; and what the law fills, its tractions.
+AREA, FIRST, SECOND, AT_FIRST, AT_SECOND, CENTRE, ROW = 13, 14, 15, 16, 19, 22, 23
+GROWING, CONSTANT = 24, 27
+# What `lead` fills: the direction in which the law sees the facet move, and the share of its static force.
+U, SHARE = 30, 33
+ROWS = 34
+NOTED = GROWING  # rows that `facet_paths` works in before the law fills them
+
+
+def stress(nx, ny, nz, ux, uy, uz, m):
+    """Stress per depth (3,) N/m^3 on an element with the normal n that moves in the direction u, z up; even in n."""
+    raise NotImplementedError
+
+
+def traction(z, nx, ny, nz, ux, uy, uz, side, j, m):
+    """Stress (6,) Pa of the first and of the second term of a law at a depth z > 0 (m), else as of `stress`.
+
+    side as of `space_law.facets`; j (m): shear displacement.
+    """
+    raise NotImplementedError
+
+
+def inertia(nx, ny, nz, vx, vy, vz, side, m):
+    """Stress (3,) Pa of the second term of a law with a `stress`, which the velocity v (m/s) makes; side as there."""
+    raise NotImplementedError
+
+
+def force(z, nx, ny, nz, vx, vy, vz, ex, ey, ez, spread, side, j, m):
+    """Tractions (6,) of a law that says all of them by itself, on one facet; see `space_law.facets`."""
+    raise NotImplementedError
+
+
+@part
+def lead(B, n, m):
+    """Fill rows U and SHARE of a block: the directions u in which a law sees facets move, and the shares g s."""
+    rest = m.v_eps if m.friction == SMOOTH else m.u_y
+    Q = room2(5, LANES)  # q and its factor of v, see `space_friction.drive`; 1 / |q|
+    D = room2(4, LANES)  # what is filled
+    if m.friction == SMOOTH:
+        for k in range(n):
+            Q[0, k], Q[1, k], Q[2, k], Q[3, k] = B[V, k], B[V + 1, k], B[V + 2, k], 1.0
+    else:
+        for k in range(n):
+            Q[0, k], Q[1, k], Q[2, k], Q[3, k] = stretched(
+                B[E, k], B[E + 1, k], B[E + 2, k], B[V, k], B[V + 1, k], B[V + 2, k], m
+            )
+    for k in range(n):
+        x, y, z = Q[0, k], Q[1, k], Q[2, k]
+        h = math.sqrt(x * x + y * y + z * z)
+        still = h == 0.0  # then any direction will do
+        one = 0.0 if still else 1.0 / h
+        D[0, k] = B[N, k] if still else one * x
+        D[1, k] = B[N + 1, k] if still else one * y
+        D[2, k] = B[N + 2, k] if still else one * z
+        D[3, k] = min(1.0, h / rest)
+        Q[4, k] = one
+    if m.friction == SMOOTH:
+        for k in range(n):
+            D[3, k] = math.tanh(math.sqrt(Q[0, k] ** 2 + Q[1, k] ** 2 + Q[2, k] ** 2) / rest)
+    for k in range(n):
+        s, one = Q[3, k] * Q[4, k] * B[SPREAD, k], Q[4, k]
+        along = B[N, k] * D[0, k] + B[N + 1, k] * D[1, k] + B[N + 2, k] * D[2, k]
+        g = min(1.0, max(0.0, (along + s) / (max(EDGE, m.pressed * one) + 2.0 * s)))
+        D[3, k] *= 1.0 if B[ONE_SIDE, k] == 0.0 else g
+    for row in range(4):
+        for k in range(n):
+            B[U + row, k] = D[row, k]
+
+
+@part
+def traction_facets(B, n, m):
+    """Static tractions of a law with a `traction`; arguments and result as of `space_law.facets`.
+
+    Over a facet the first term counts as growing in proportion to the depth, which errs by the square of its size.
+    """
+    for k in range(n):
+        share, z, ux, uy, uz = B[SHARE, k], B[Z, k], B[U, k], B[U + 1, k], B[U + 2, k]
+        px, py, pz, sx, sy, sz = traction(
+            z, B[N, k], B[N + 1, k], B[N + 2, k], ux, uy, uz, B[ONE_SIDE, k], B[SHEAR, k], m
+        )
+        one = share / z
+        B[GROWING, k], B[GROWING + 1, k], B[GROWING + 2, k] = one * px, one * py, one * pz
+        B[CONSTANT, k], B[CONSTANT + 1, k], B[CONSTANT + 2, k] = share * sx, share * sy, share * sz
+
+
+@part
+def static_facets(B, n, m):
+    """Static tractions of a law with a `stress`; arguments and result as of `space_law.facets`."""
+    S = room2(3, LANES)
+    for k in range(n):
+        share = B[SHARE, k]
+        x, y, z = stress(B[N, k], B[N + 1, k], B[N + 2, k], B[U, k], B[U + 1, k], B[U + 2, k], m)
+        S[0, k], S[1, k], S[2, k] = share * x, share * y, share * z
+    for row in range(3):
+        for k in range(n):
+            B[GROWING + row, k], B[CONSTANT + row, k] = S[row, k], 0.0
+
+
+@part
+def own_facets(B, n, m):
+    """Tractions of a law with a `force`; arguments and result as of `space_law.facets`."""
+    for k in range(n):
+        nx, ny, nz = B[N, k], B[N + 1, k], B[N + 2, k]
+        vx, vy, vz, ex, ey, ez = B[V, k], B[V + 1, k], B[V + 2, k], B[E, k], B[E + 1, k], B[E + 2, k]
+        px, py, pz, sx, sy, sz = force(
+            B[Z, k], nx, ny, nz, vx, vy, vz, ex, ey, ez, B[SPREAD, k], B[ONE_SIDE, k], B[SHEAR, k], m
+        )
+        B[GROWING, k], B[GROWING + 1, k], B[GROWING + 2, k] = px, py, pz
+        B[CONSTANT, k], B[CONSTANT + 1, k], B[CONSTANT + 2, k] = sx, sy, sz
+
+
+@part
+def inertial_facets(B, n, m):
+    """Tractions of a law with a `stress` and an `inertia`; arguments and result as of `space_law.facets`."""
+    static_facets(B, n, m)
+    for k in range(n):
+        B[CONSTANT, k], B[CONSTANT + 1, k], B[CONSTANT + 2, k] = inertia(
+            B[N, k], B[N + 1, k], B[N + 2, k], B[V, k], B[V + 1, k], B[V + 2, k], B[ONE_SIDE, k], m
+        )
+
+
+@part
+def corner_part(zk, zi, zj, k, i, j):
+    """Part of a triangle on the one side of the surface where its corner k alone lies.
+
+    zk of another sign than the depths zi and zj (m) of the others; corners from the centroid (3,) m. Returns its share
+    of the area, its mean depth, its centroid (3,) and the centre of its pressure (3,).
+    """
+    s, t = zk / (zk - zi), zk / (zk - zj)
+    x = k[0] + (s * (i[0] - k[0]) + t * (j[0] - k[0])) / 3.0
+    y = k[1] + (s * (i[1] - k[1]) + t * (j[1] - k[1])) / 3.0
+    z = k[2] + (s * (i[2] - k[2]) + t * (j[2] - k[2])) / 3.0
+    centre = 0.25 * (3.0 * x + k[0]), 0.25 * (3.0 * y + k[1]), 0.25 * (3.0 * z + k[2])
+    return s * t, zk / 3.0, (x, y, z), centre
+
+
+@part
+def immersed_part(z, za, zb, zc, a, b, c):
+    """Share of a facet below the surface, its mean depth (m), its centroid (3,) and its centre of pressure (3,).
+
+    z: depth of the centroid; za, zb, zc those of the corners (m), not all of one sign; a, b, c: corners from the
+    centroid (3,) m, as are the results.
+    """
+    if (zb > 0.0) == (zc > 0.0):
+        share, mean, o, p = corner_part(za, zb, zc, a, b, c)
+        lone = za
+    elif (za > 0.0) == (zc > 0.0):
+        share, mean, o, p = corner_part(zb, zc, za, b, c, a)
+        lone = zb
+    else:
+        share, mean, o, p = corner_part(zc, za, zb, c, a, b)
+        lone = zc
+    if lone > 0.0:
+        return share, mean, o, p
+    # The whole without the corner above the surface.
+    left, total, off = 1.0 - share, z - share * mean, share * mean
+    wx = (za * a[0] + zb * b[0] + zc * c[0]) / 12.0 - off * p[0]
+    wy = (za * a[1] + zb * b[1] + zc * c[1]) / 12.0 - off * p[1]
+    wz = (za * a[2] + zb * b[2] + zc * c[2]) / 12.0 - off * p[2]
+    k = -share / left
+    return left, total / left, (k * o[0], k * o[1], k * o[2]), (wx / total, wy / total, wz / total)
+
+
+@part
+def immersion(z, za, zb, ax, ay, az, bx, by, bz):
+    """Share of a facet below the surface, its mean depth (m), its centroid (3,) and its centre of pressure (3,).
+
+    z: depth (m) of the centroid; za, zb (m): by how much the corners a and b, at (3,) m from it as are the results, are
+    deeper. A share of 0: nothing is below.
+    """
+    cx, cy, cz, zc = -ax - bx, -ay - by, -az - bz, -za - zb
+    if z + min(za, min(zb, zc)) >= 0.0 and z > 0.0:
+        k = 1.0 / (12.0 * z)
+        hx, hy = k * (za * ax + zb * bx + zc * cx), k * (za * ay + zb * by + zc * cy)
+        return 1.0, z, 0.0, 0.0, 0.0, hx, hy, k * (za * az + zb * bz + zc * cz)
+    if z + max(za, max(zb, zc)) <= 0.0:
+        return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    share, mean, (ox, oy, oz), (hx, hy, hz) = immersed_part(
+        z, z + za, z + zb, z + zc, (ax, ay, az), (bx, by, bz), (cx, cy, cz)
+    )
+    return share if mean > 0.0 else 0.0, mean, ox, oy, oz, hx, hy, hz
+
+
+@part(inline=True)
+def axes(pose):
+    """Axes of a body as seen from the bed, row by row (9,), as numbers that stay in registers."""
+    x, y, z = pose[0], pose[1], pose[2]
+    return x[0], x[1], x[2], y[0], y[1], y[2], z[0], z[1], z[2]
+
+
+@part(inline=True)
+def turned(R, x, y, z):
+    """A vector (3,) of the frame of a body in that of the bed; R: its `axes`."""
+    return R[0] * x + R[1] * y + R[2] * z, R[3] * x + R[4] * y + R[5] * z, R[6] * x + R[7] * y + R[8] * z
+
+
+@part(inline=True)
+def seen(R, x, y, z):
+    """A vector (3,) of the frame of the bed in that of a body; R: its `axes`."""
+    return R[0] * x + R[3] * y + R[6] * z, R[1] * x + R[4] * y + R[7] * z, R[2] * x + R[5] * y + R[8] * z
+
+
+@part(inline=True)
+def spread_along(elements, i, q):
+    """By how much n . v differs along a facet, row i: t (3,) with t . d, t = n x w, and the most at a corner.
+
+    q (3,): angular velocity, as seen from the body.
+    """
+    cx, cy, cz = elements[i, 4], elements[i, 5], elements[i, 6]
+    tx, ty, tz = cy * q[2] - cz * q[1], cz * q[0] - cx * q[2], cx * q[1] - cy * q[0]
+    za = tx * elements[i, 8] + ty * elements[i, 9] + tz * elements[i, 10]
+    zb = tx * elements[i, 11] + ty * elements[i, 12] + tz * elements[i, 13]
+    return tx, ty, tz, max(abs(za), max(abs(zb), abs(za + zb)))
+
+
+@part(inline=True)
+def below_surface(elements, i, z, d, medium):
+    """As `immersion`, of a facet, row i, whose depth grows by d (3,) as seen from the body; that in the layer."""
+    ax, ay, az = elements[i, 8], elements[i, 9], elements[i, 10]
+    bx, by, bz = elements[i, 11], elements[i, 12], elements[i, 13]
+    za, zb = d[0] * ax + d[1] * ay + d[2] * az, d[0] * bx + d[1] * by + d[2] * bz
+    if medium.layered:
+        return law.in_layer(medium, (z, za, zb, ax, ay, az, bx, by, bz, medium.top, medium.bottom))
+    return immersion(z, za, zb, ax, ay, az, bx, by, bz)
+
+
+@part
+def gather(elements, anchors, cluster, pose, ground, first, medium, B):
+    """Fill a block with facets that are immersed and may lead; the row after those looked at, and their number.
+
+    Looks at the rows of a cluster's elements from `first` on, until the block is full; other arguments as of
+    `space_law.forces`.
+    """
+    R, x0, y0, z0, steep = axes(pose), pose[3, 0], pose[3, 1], pose[3, 2], ground[3]
+    v, w = (pose[4, 0], pose[4, 1], pose[4, 2]), (pose[5, 0], pose[5, 1], pose[5, 2])
+    # Seen from the body: how the depth grows, velocity and angular velocity.
+    d, p, q = seen(R, ground[1], ground[2], -1.0), seen(R, v[0], v[1], v[2]), seen(R, w[0], w[1], w[2])
+    depth = ground[0] + ground[1] * x0 + ground[2] * y0 - z0  # of the reference point
+    n, last = 0, elements.shape[0]
+    for i in range(first, elements.shape[0]):
+        if n == LANES:
+            last = i
+            break
+        bx, by, bz = elements[i, 0], elements[i, 1], elements[i, 2]
+        z = depth + d[0] * bx + d[1] * by + d[2] * bz
+        if z + elements[i, 3] * steep <= 0.0:
+            continue
+        cx, cy, cz = elements[i, 4], elements[i, 5], elements[i, 6]
+        tx, ty, tz, spread = spread_along(elements, i, q)
+        r, normal = turned(R, bx, by, bz), turned(R, cx, cy, cz)
+        e = x0 + r[0] - anchors[i, 0], y0 + r[1] - anchors[i, 1], z0 + r[2] - anchors[i, 2]
+        trails = cx * p[0] + cy * p[1] + cz * p[2] + tx * bx + ty * by + tz * bz <= -spread
+        if elements[i, SIDE] != 0.0 and trails and normal[0] * e[0] + normal[1] * e[1] + normal[2] * e[2] <= 0.0:
+            continue  # nothing that it is led by, neither motion nor bristle
+        below = below_surface(elements, i, z, d, medium)
+        if below[0] <= 0.0:
+            continue
+        B[SPREAD, n], B[ONE_SIDE, n], B[CENTRE, n], B[ROW, n] = spread, elements[i, SIDE], z, i
+        B[AREA, n], B[FIRST, n], B[SECOND, n], B[SHEAR, n] = elements[i, 7] * below[0], 1.0, 1.0, np.inf
+        note_motion(B, n, r, normal, v, w, e)
+        note_immersion(B, n, R, r, below)
+        n += 1
+    if medium.note != 0:
+        law.note(medium, (B, n, elements, anchors, cluster))
+    if medium.lead != 0 and n > 0:
+        law.lead(medium, (B, n))
+    return last, n
+
+
+@part(inline=True)
+def note_motion(B, n, r, normal, v, w, e):
+    """Fill normal, velocity and stretch of the bristle of a facet at r (3,) m from the reference point of its body."""
+    B[N, n], B[N + 1, n], B[N + 2, n] = normal
+    B[V, n] = v[0] + w[1] * r[2] - w[2] * r[1]
+    B[V + 1, n] = v[1] + w[2] * r[0] - w[0] * r[2]
+    B[V + 2, n] = v[2] + w[0] * r[1] - w[1] * r[0]
+    B[E, n], B[E + 1, n], B[E + 2, n] = e
+
+
+@part(inline=True)
+def note_immersion(B, n, R, r, below):
+    """Fill the mean depth and where the terms act, of a facet at r (3,) m; below: as of `immersion`."""
+    _, mean, ox, oy, oz, hx, hy, hz = below
+    x, y, z = turned(R, hx, hy, hz)
+    B[Z, n], B[AT_FIRST, n], B[AT_FIRST + 1, n], B[AT_FIRST + 2, n] = mean, r[0] + x, r[1] + y, r[2] + z
+    x, y, z = turned(R, ox, oy, oz)
+    B[AT_SECOND, n], B[AT_SECOND + 1, n], B[AT_SECOND + 2, n] = r[0] + x, r[1] + y, r[2] + z
+
+
+@part
+def facet_forces(elements, anchors, cluster, pose, ground, medium, W):
+    """`space_law.forces` of facets."""
+    B, first = room2(ROWS, LANES), 0
+    while first < elements.shape[0]:
+        first, n = law.gather(medium, (elements, anchors, cluster, pose, ground, first, B))
+        if n > 0:
+            law.facets(medium, (B, n))
+            add_up(B, n, W)
+
+
+@part
+def add_up(B, n, W):
+    """Add the forces on the facets of a block, and their moments about the reference point, to W (TERMS, 6)."""
+    for term in range(2):
+        traction, at = (GROWING, AT_FIRST) if term == 0 else (CONSTANT, AT_SECOND)
+        s0, s1, s2, s3, s4, s5 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        for k in range(n):
+            one = B[AREA, k] * (B[Z, k] * B[FIRST, k] if term == 0 else B[SECOND, k])
+            fx, fy, fz = one * B[traction, k], one * B[traction + 1, k], one * B[traction + 2, k]
+            x, y, z = B[at, k], B[at + 1, k], B[at + 2, k]
+            s0, s1, s2 = s0 + fx, s1 + fy, s2 + fz
+            s3, s4, s5 = s3 + y * fz - z * fy, s4 + z * fx - x * fz, s5 + x * fy - y * fx
+        W[term, 0] += s0
+        W[term, 1] += s1
+        W[term, 2] += s2
+        W[term, 3] += s3
+        W[term, 4] += s4
+        W[term, 5] += s5
+
+
+@part
+def follow_facets(elements, anchors, cluster, pose, ground, medium, row):
+    """`space_law.follow` of facets."""
+    R, x, v, w = axes(pose), pose[3], pose[4], pose[5]
+    dx, dy, dz = seen(R, ground[1], ground[2], -1.0)
+    for i in range(elements.shape[0]):
+        E = elements[i]
+        rx, ry, rz = turned(R, E[0], E[1], E[2])
+        px, py, pz = x[0] + rx, x[1] + ry, x[2] + rz
+        ax, ay, az = px, py, pz
+        za, zb = dx * E[8] + dy * E[9] + dz * E[10], dx * E[11] + dy * E[12] + dz * E[13]
+        z = ground[0] + ground[1] * px + ground[2] * py - pz
+        highest = max(za, max(zb, -za - zb))
+        deepest = z + highest
+        row[law.DEPTH] = max(row[law.DEPTH], deepest)
+        if deepest > 0.0:
+            vx, vy, vz = v[0] + w[1] * rz - w[2] * ry, v[1] + w[2] * rx - w[0] * rz, v[2] + w[0] * ry - w[1] * rx
+            row[law.SPEED] = max(row[law.SPEED], math.sqrt(vx * vx + vy * vy + vz * vz))
+            row[law.LOWEST] = min(row[law.LOWEST], pz - highest)
+            ax, ay, az = law.drag_anchor(medium, (px, py, pz, anchors[i, 0], anchors[i, 1], anchors[i, 2]))
+        if medium.count != 0:
+            nx, ny, nz = turned(R, E[4], E[5], E[6])
+            law.count(medium, (anchors, i, px, py, pz, ax, ay, az, nx, ny, nz, deepest > 0.0))
+        anchors[i, 0], anchors[i, 1], anchors[i, 2] = ax, ay, az

@@ -1,0 +1,91 @@
+"""A law in plain Python -> what kernels call: a record type, and compiled forces.
+
+What numba keeps of them on disk it finds again by the types of the arguments alone. So the record type of a law begins
+with a field named after the file of the law and its content: a law that was changed has another type, wherever its file
+is.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import sys
+import uuid
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from types import FunctionType
+from typing import Any
+
+import numpy as np
+from numba.extending import register_jitable
+from numpy.typing import NDArray
+
+from granular_contact.jit.compiled import part
+from granular_contact.sand.kernels import law, plates
+from granular_contact.sand.kernels.bar_statics import component_return
+from granular_contact.sand.kernels.planar_friction import radial_return
+from granular_contact.sand.kernels.signatures import IN_PLANE, IN_SPACE
+
+PARTS = {"constants", "by_component", *IN_PLANE, *IN_SPACE}  # of a law, that make it another one for the kernels
+_called: set[FunctionType] = set()
+
+
+def blank(owner: Any) -> NDArray[np.void]:
+    """Record (1,) of a law with all numbers 0; owner as in `record_type`."""
+    return np.zeros(1, record_type(owner))
+
+
+@cache
+def record_type(owner: Any) -> np.dtype:
+    """Record type of a law, which the kernels know from then on.
+
+    owner: class with `constants`, the names of its numbers, and static methods named as in
+    `signatures.IN_PLANE`; what it leaves out of anchors and static forces follows from `by_component` and its stress.
+    """
+    own = [(f"{owner.__name__}_{_content(owner)}", "f8"), *((name, "f8") for name in owner.constants)]
+    dtype = np.dtype(own + law.FRICTION)
+    if not owner.__module__.startswith(f"{__package__.partition('.')[0]}."):
+        law.OWN_LAWS[dtype] = owner
+    forces = {name: getattr(owner, name) for name in IN_PLANE if hasattr(owner, name)}
+    if "drag_anchor" not in forces:
+        forces["drag_anchor"] = component_return if owner.by_component else radial_return
+    for name in sorted(forces, key=lambda name: name != "stress"):
+        let_call_others(forces[name], inline=name == "stress")
+    if "stress" in forces:
+        law.provide(plates.stress, "m", dtype)(forces.pop("stress"))
+        forces.setdefault("strip_force", plates.static_force)
+    if "traction" in forces:
+        law.provide(plates.traction, "m", dtype)(forces.pop("traction"))
+        forces.setdefault("strip_force", plates.traction_force)
+    law.LAWS[dtype] = {name: compiled(function) for name, function in forces.items()}
+    return dtype
+
+
+def compiled(function: Any) -> Any:
+    """As numba compiles it when its address is asked for; kept on disk where the function has a file."""
+    if not isinstance(function, FunctionType):
+        return function
+    try:
+        return part(function)
+    except RuntimeError:  # of a notebook
+        return part(function, cache=False)
+
+
+def _content(owner: Any) -> str:
+    """Digest of the file of a class; another one every time where there is none, as in a notebook or of `python -`."""
+    file = getattr(sys.modules.get(owner.__module__), "__file__", None)
+    if file is None or not Path(file).is_file():
+        return uuid.uuid4().hex
+    return hashlib.sha256(Path(file).read_bytes()).hexdigest()[:12]
+
+
+def let_call_others(function: Callable[..., Any], inline: bool = False) -> None:
+    """Let compiled code call the plain functions that a plain function calls; inline: always within it."""
+    if not isinstance(function, FunctionType):  # compiled already
+        return
+    for name in function.__code__.co_names:
+        other = function.__globals__.get(name)
+        if isinstance(other, FunctionType) and other not in _called:
+            _called.add(other)
+            register_jitable(forceinline=inline)(other)
+            let_call_others(other, inline)

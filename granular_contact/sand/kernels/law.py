@@ -1,0 +1,275 @@
+"""What a law of resistance provides, and how kernels call it: by the addresses in the record of a medium.
+
+A law is a record type with its coefficients and compiled functions; `joining` makes both of the class of a law. Laws
+for strips have strip_force and drag_anchor, and cap_force if they know end faces; laws for balls ball_force and
+drag_anchor. A law has up to TERMS terms, told apart in results. Tangents are differences of these forces, see
+`lines.differences`.
+
+Kernels know no law: `medium` is a record LAW with the addresses of the law's functions and a copy of its own record,
+and the functions here call what stands there. So kernels are compiled once for all laws, and a law is compiled without
+them. What a medium or its lines may ask for and most do not is there too, and is compiled where it is asked for, as is
+what several kernels call, which would be compiled within each of them. A call by address takes some 10 ns.
+"""
+
+from __future__ import annotations
+
+import inspect
+from typing import Any
+
+import numpy as np
+from numba import from_dtype, types
+from numba.extending import overload
+
+from granular_contact.jit.calls import OWN, address_of, caller
+from granular_contact.jit.compiled import part
+from granular_contact.jit.records import fields
+from granular_contact.sand.kernels.kinematics import STATION
+
+TERMS = 3
+
+# A contact line: width (m) is the diameter of a round section or a ball, or the width of a plate normal to the plane.
+# side: 0 where both faces can lead, else the outward normal of an outline lies to the left (+1) or right (-1) of its
+# direction. turn (rad): angle by which the line turns along each of its strips, counter-clockwise: 0 where they are
+# straight, else they are chords of one circle. drop (m): how far below its stations it reaches, the radius of a ball;
+# beside (m): how far to their sides in the plane, half the width of a round section or a ball; mass (kg): of a ball.
+# layered: the medium lies between the depths top and bottom (m) only. ahead and back (m): shear displacements of the
+# medium at the ends 0 and 1 of the strip that is in work, of what moves along it and against it, infinite where nothing
+# keeps count of them, see `path_length`. Of a wheel radius
+# (m) is that of its rim, hub_along and hub_left (m) are where its axle lies, from the first station along the first
+# strip and to its left, and behind (s^2/m) is by how much (r omega)^2 lowers the surface behind it, see `wheels`. Of a
+# medium that scatters (see `scatter`) scatter (-) is the standard deviation, 0 of one that does not, grain (m) the
+# length, place (m) where the line begins, seed a whole number, and static has the bits of the terms that scatter.
+LINE = np.dtype(
+    [
+        *fields("f8", "width", "side", "turn", "drop", "beside", "mass", "top", "bottom"),
+        *fields("f8", "ahead0", "ahead1", "back0", "back1"),
+        *fields("f8", "radius", "hub_along", "hub_left", "behind", "scatter", "grain", "place", "seed"),
+        ("static", "i8"),
+        *fields("?", "layered", "cap", "resultant"),
+    ]
+)
+
+# Constants of `friction`, and what n . q reaches before an element of a surface is loaded as a whole, see `plates`.
+FRICTION = [("friction", "i8"), *fields("f8", "u_y", "tau", "v_eps", "pressed")]
+
+SIZE = 64  # numbers of a law's record, at most
+
+# Addresses of compiled functions, 0 where there is none, and a copy of the law's own record.
+FUNCTIONS = (
+    *("forces", "strip_force", "cap_force", "ball_force", "drag_anchor"),
+    *("line_force", "line_accept", "count_shear", "count_path", "scattered", "lowering"),
+    *("spatial_stations", "spatial_scatter"),
+)
+LAW = np.dtype([*fields("i8", *FUNCTIONS), ("own", "f8", (SIZE,))])
+
+_LINE, _NUMBER = from_dtype(LINE), types.float64
+_ROW, _VECTORS, _PAIR, _ENDS = (types.Array(_NUMBER, n, "C") for n in (1, 2, 2, 3))
+_STATIONS = types.Array(from_dtype(STATION), 1, "C")
+SIGNATURES: dict[str, tuple[tuple[Any, ...], Any]] = {  # arguments, result
+    "forces": ((*[_VECTORS] * 3, _LINE, _VECTORS, from_dtype(LAW), _VECTORS, _VECTORS), types.none),
+    "strip_force": ((*[_NUMBER] * 14, _LINE, OWN, _ENDS), types.none),
+    "cap_force": ((*[_NUMBER] * 4, _LINE, OWN, _ENDS), types.none),
+    "ball_force": ((*[_NUMBER] * 5, _LINE, OWN, _PAIR), types.none),
+    "drag_anchor": ((*[_NUMBER] * 4, OWN), types.UniTuple(_NUMBER, 2)),
+    "line_force": ((_ROW, _ROW, _STATIONS, _LINE, _VECTORS, from_dtype(LAW), *[_VECTORS] * 5, _ROW), types.none),
+    "line_accept": (
+        (
+            *(_ROW, _ROW, _STATIONS, _LINE, _VECTORS, from_dtype(LAW), *[_VECTORS] * 5, _ROW, _ROW),
+            *(types.Array(types.int64, 1, "C"), types.boolean, types.boolean),
+        ),
+        types.UniTuple(_NUMBER, 2),
+    ),
+    "count_shear": ((_VECTORS, _VECTORS, types.intp, _LINE), types.none),
+    "count_path": ((_VECTORS, _VECTORS, types.intp, _NUMBER, _NUMBER, types.boolean), types.none),
+    "scattered": ((_ENDS, _VECTORS, _VECTORS, types.intp, _NUMBER, _NUMBER, _LINE), types.none),
+    "lowering": ((_VECTORS, _VECTORS, types.intp, _LINE), _NUMBER),
+    "spatial_stations": ((_ROW, _ROW, _STATIONS, _VECTORS, _VECTORS), types.none),
+    "spatial_scatter": ((_ROW, _STATIONS, _VECTORS, _ROW), types.none),
+}
+
+
+_forces, _strip, _cap, _ball, _anchor, _line, _accept, _shear, _path, _scattered, _lowering, *_of_spatial = (
+    caller(name, *SIGNATURES[name], LAW) for name in FUNCTIONS
+)
+spatial_stations, spatial_scatter = _of_spatial  # (medium, arguments), those of `spatial` where bodies are such
+
+
+@part
+def forces(P, V, anchors, line, profile, medium, F, totals):
+    """Fill F (n, 2) N with the forces at the stations of a contact line and add to totals (TERMS, 3).
+
+    P (n, 2) m, V (n, 2) m/s: positions and velocities of the stations, world frame, y up; anchors (n, 2) m; line and
+    medium records; profile as in `surface`. totals: of each term the resultant F_x, F_y and the moment about the world
+    origin (N m, counter-clockwise).
+    """
+    _forces(medium, (P, V, anchors, line, profile, F, totals))
+
+
+@part
+def strip_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, line, medium, f):
+    """Add the forces on the part of a strip between xi = a and xi = b, as end forces of the strip, to f[term, end, xy].
+
+    Forces in N. a < b in [0, 1]: the part that lies in the medium, so that no depth there is negative; z0, z1 end
+    depths (m, positive below); (cx, cy) = p_1 - p_0 (m); end velocities (m/s); stretch of the bristles at both ends
+    (m), see `friction`; line record; medium record. Depth, velocity and stretch vary linearly along the strip.
+    """
+    _strip(medium, (a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, line, f))
+
+
+@part
+def cap_force(cx, cy, vx, vy, line, medium, f):
+    """Add the force on a free end face at end 1 of a strip, which moves with (vx, vy), to f[term, 1, xy] (N)."""
+    if medium.cap_force != 0:
+        _cap(medium, (cx, cy, vx, vy, line, f))
+
+
+@part
+def ball_force(z, vx, vy, ex, ey, line, medium, f):
+    """Add the force at the centre of a ball to f[term, xy] (N).
+
+    z depth of its lowest point (m, positive); velocity (m/s) and stretch of the bristle (m) at its centre; line.width
+    is its diameter.
+    """
+    _ball(medium, (z, vx, vy, ex, ey, line, f))
+
+
+@part
+def drag_anchor(px, py, ax, ay, medium):
+    """Where an anchor at (ax, ay) m is after an accepted step that ended with its station at (px, py) m."""
+    return _anchor(medium, (px, py, ax, ay))
+
+
+@part
+def line_force(q, v, geometry, line, profile, medium, anchors, P, V, F, totals, out):
+    """`lines.force`."""
+    _line(medium, (q, v, geometry, line, profile, anchors, P, V, F, totals, out))
+
+
+@part
+def line_accept(
+    q, v, geometry, line, profile, medium, anchors, P, V, F, totals, out, row, columns, begins, known
+):  # fmt: skip
+    """`lines.accept`."""
+    given = (q, v, geometry, line, profile, anchors, P, V, F, totals, out, row, columns, begins, known)
+    return _accept(medium, given)
+
+
+@part
+def count_shear(P, anchors, i, line, medium):
+    """`path_length.count_shear`, where the medium keeps count of it."""
+    _shear(medium, (P, anchors, i, line))
+
+
+@part
+def count_path(P, anchors, i, x, y, immersed, medium):
+    """`path_length.count_path`, where the medium keeps count of it."""
+    _path(medium, (P, anchors, i, x, y, immersed))
+
+
+@part
+def scattered(f, P, anchors, i, place, length, line, medium):
+    """`scatter.scattered`, where the medium scatters."""
+    _scattered(medium, (f, P, anchors, i, place, length, line))
+
+
+@part
+def lowering(P, V, i, line, medium):
+    """`wheels.lowering`, where the line is of a wheel behind which the surface is lowered."""
+    return _lowering(medium, (P, V, i, line))
+
+
+LAWS: dict[np.dtype, dict[str, Any]] = {}  # by record type: compiled functions of a law, by their names in LAW
+
+
+def record_of(own: np.ndarray, forms: dict[str, Any]) -> np.ndarray:
+    """Record (1,) of LAW for a law's own record (1,) and compiled forms of it; compiles what is not yet.
+
+    Raises
+    ------
+    TypeError
+        The law has too many numbers, or, of one from outside the package, can't be compiled.
+    """
+    return filled(own, LAWS[own.dtype] | forms, LAW, SIGNATURES)
+
+
+def filled(own: np.ndarray, functions: dict[str, Any], layout: np.dtype, signatures: dict[str, Any]) -> np.ndarray:
+    """Record (1,) of a layout with a law's own record (1,) and the addresses of functions; errors as of `record_of`."""
+    if own.nbytes > 8 * SIZE:
+        raise TypeError(f"got a law with the numbers {own.dtype.names}, allowed are {SIZE} of 8 bytes")
+    medium = np.zeros(1, layout)
+    medium["own"].view(np.uint8).ravel()[: own.nbytes] = own.view(np.uint8)
+    for name, function in functions.items():
+        known = function, name, layout, own.dtype
+        if known not in _ADDRESSES:
+            kinds, result = signatures[name]
+            kinds = tuple(from_dtype(own.dtype) if kind is OWN else kind for kind in kinds)
+            _ADDRESSES[known] = _address_of_law(function, kinds, result, own.dtype)
+        medium[name] = _ADDRESSES[known]
+    return medium
+
+
+_ADDRESSES: dict[tuple[Any, str, np.dtype, np.dtype], int] = {}  # numba's types are slow to make and to look up
+
+
+OWN_LAWS: dict[np.dtype, Any] = {}  # by record type: classes of laws from outside the package
+
+
+def _address_of_law(function: Any, kinds: tuple[Any, ...], result: Any, own: np.dtype) -> int:
+    """`address_of`; what can't be compiled of a law from outside is told in one sentence."""
+    try:
+        return address_of(function, kinds, result)
+    except Exception as error:
+        if own not in OWN_LAWS:
+            raise
+        from granular_contact.sand.kernels.own_law import why_not
+
+        raise TypeError(why_not(OWN_LAWS[own], own, error)) from None
+
+
+_KNOWN: dict[np.dtype, str] = {}  # record types of laws, with the function that came first
+
+
+def _fields(dtype):
+    """Names of the fields of a record type, with their types and places."""
+    return [(name, dtype.fields[name]) for name in dtype.names]
+
+
+def _keep_apart(dtype: np.dtype, name: str) -> None:
+    """Refuse a record type that numba would take for another: one that begins with all the fields of the other."""
+    for other, known in _KNOWN.items():
+        one, two = _fields(dtype), _fields(other)
+        if dtype != other and all(a == b for a, b in zip(one, two, strict=False)):
+            names, others = ([field for field, _ in each] for each in (one, two))
+            raise TypeError(
+                f"the records of {name}, {names}, and of {known}, {others}, begin alike to the "
+                "end of the shorter one, so kernels would take one for the other: let them begin with different fields"
+            )
+    _KNOWN.setdefault(dtype, name)
+
+
+def provide(stub, argument: str, dtype: np.dtype, inline: bool = False):
+    """Decorate a function, plain or compiled, to be what `stub` means where its `argument` has the record type `dtype`.
+
+    inline: always within its callers.
+
+    Raises
+    ------
+    TypeError
+        One record type begins with all the fields of another.
+    """
+    expected = from_dtype(dtype)
+
+    def decorate(implementation):
+        function = getattr(implementation, "py_func", implementation)
+        _keep_apart(dtype, f"{function.__module__}.{function.__name__}")
+        names = tuple(inspect.signature(stub).parameters)
+
+        def choose(*arguments):
+            given = arguments[names.index(argument)]
+            return function if getattr(given, "dtype", given) == expected else None
+
+        choose.__signature__ = inspect.signature(stub)  # type: ignore[attr-defined]
+        overload(stub, jit_options={"forceinline": inline})(choose)
+        return implementation
+
+    return decorate

@@ -1,0 +1,73 @@
+"""Why a law from outside the package can't be compiled, in one sentence: Numba says it in a page of its own."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from numba import from_dtype, types
+
+from granular_contact.jit.calls import OWN
+from granular_contact.jit.compiled import part
+from granular_contact.sand.kernels import law, space_law
+from granular_contact.sand.kernels.signatures import IN_PLANE, IN_SPACE, arguments, wanted
+
+_SPACE_NAMES = {"bar_force": "bar", "bar_cap": "cap", "space_ball_force": "ball"}
+_LOCATION = re.compile(r'File "([^"]+)", line (\d+)')
+
+
+def why_not(owner: Any, dtype: np.dtype, error: Exception) -> str:
+    """Why the functions of a law can't be compiled, in words: owner as of `joining.record_type`, dtype of its record.
+
+    error: what compiling raised, told where each function can be compiled by itself.
+    """
+    reasons = "; ".join(_reasons(owner, from_dtype(dtype))) or _first_line(error)
+    return f"the law {owner.__name__} can't be compiled: {reasons}"
+
+
+def _reasons(owner: Any, record: Any) -> Iterator[str]:
+    for name, (_, count) in (IN_PLANE | IN_SPACE).items():
+        if (function := getattr(owner, name, None)) is None:
+            continue
+        kinds = _kinds(name, record)
+        try:
+            compiled = part(getattr(function, "py_func", function), cache=False)
+            compiled.compile(kinds)
+        except Exception as error:
+            yield f"{name}{_place(error)}: {_of_constant(owner, error) or _first_line(error)}"
+            continue
+        given = compiled.nopython_signatures[0].return_type
+        if count and getattr(given, "count", None) != count:
+            yield f"{name} gives {given}, wanted is {wanted(name)}"
+
+
+def _kinds(name: str, record: Any) -> tuple[Any, ...]:
+    """Types of the arguments of a law's function."""
+    if name in _SPACE_NAMES:
+        found = space_law.SIGNATURES[_SPACE_NAMES[name]][0]
+    elif name in law.SIGNATURES:
+        found = law.SIGNATURES[name][0]
+    else:
+        return (*[types.float64] * (len(arguments(name)) - 1), record)
+    return tuple(record if kind is OWN else kind for kind in found)
+
+
+def _of_constant(owner: Any, error: Exception) -> str | None:
+    """Of a constant that the law does not have: Numba raises the KeyError of its own table."""
+    if isinstance(error, KeyError) and isinstance(error.args[0], str):
+        return f"m has no {error.args[0]!r}; the law's constants are {', '.join(owner.constants)}"
+    return None
+
+
+def _first_line(error: Exception) -> str:
+    lines = [line.strip() for line in str(error).splitlines() if line.strip()]
+    told = [line for line in lines if not line.startswith("Failed in nopython mode")]
+    return told[0] if told else type(error).__name__
+
+
+def _place(error: Exception) -> str:
+    """File and line that Numba names last, in brackets; empty where it names none."""
+    found = _LOCATION.findall(str(error))
+    return f" ({found[-1][0]}:{found[-1][1]})" if found else ""

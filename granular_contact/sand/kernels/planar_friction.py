@@ -1,0 +1,63 @@
+"""Direction of a resistance that opposes the motion as a whole, not component by component.
+
+The bristle of `friction`, in the plane: with the stretch p - anchor and the velocity v at the end of a step,
+
+    e = (p - anchor) min(1, u_y / |p - anchor|)
+    q = e + tau v,    u = q / |q|,    s = min(1, |q| / u_y)          elastoplastic
+    q = v,            u = q / |q|,    s = tanh(|q| / v_eps)          smooth
+
+u is the direction that the law sees as that of the motion, s the share of its static force that is mobilised. Along a
+strip q varies linearly between the bristles at its two stations, as e and v do, and u and s follow from it. The
+anchor is dragged along the line of the bristle so that |p - anchor| <= u_y (radial return of perfect plasticity), and
+within the step h the bristle is no longer than that either: p - anchor is the path of the whole step, which points
+where the body went in the middle of it, so that beside tau v the direction would come late by h^2 / 2 (h + tau). At
+rest nothing moves, and the force is continuous in p and v. A law whose force is not along -u has no potential inside
+the yield surface, so that one closed path there may return up to u_y times its force; sliding always takes energy.
+
+Lengths are plain square roots: what `hypot` does for numbers near the ends of their range takes longer than the law.
+"""
+
+from __future__ import annotations
+
+import math
+
+from granular_contact.jit.compiled import part
+from granular_contact.sand.kernels.friction import SMOOTH, sliding
+
+
+@part
+def shortening(ex, ey, m):
+    """Factor in (0, 1] that shortens p - anchor (m) to e."""
+    h = math.sqrt(ex * ex + ey * ey)
+    return m.u_y / h if h > m.u_y else 1.0
+
+
+@part
+def drive(ex, ey, vx, vy, m):
+    """Vector q (2,) along which the law sees the motion: m, or m/s where smooth; p - anchor (m), velocity v (m/s)."""
+    if m.friction == SMOOTH:
+        return vx, vy
+    h, k, tau = math.sqrt(ex * ex + ey * ey), shortening(ex, ey, m), m.tau
+    along, most = ex * vx + ey * vy, h * math.sqrt(vx * vx + vy * vy)
+    if along > 0.0 and most > 0.0:
+        tau += along / most * (sliding(k * h, m) - m.tau)
+    return k * ex + tau * vx, k * ey + tau * vy
+
+
+@part
+def mobilised(qx, qy, m):
+    """Direction u (2,) and mobilised share s in [0, 1] of a vector q as in `drive`, medium record m."""
+    h = math.sqrt(qx * qx + qy * qy)
+    if h == 0.0:
+        return 0.0, 0.0, 0.0
+    return qx / h, qy / h, (math.tanh(h / m.v_eps) if m.friction == SMOOTH else min(1.0, h / m.u_y))
+
+
+@part
+def radial_return(px, py, ax, ay, m):
+    """Anchor after an accepted step that ended at p: on the line to p, within u_y of it (m)."""
+    ex, ey = px - ax, py - ay
+    h = math.sqrt(ex * ex + ey * ey)
+    if h <= m.u_y:
+        return ax, ay
+    return px - ex * (m.u_y / h), py - ey * (m.u_y / h)

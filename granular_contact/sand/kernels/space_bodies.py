@@ -1,0 +1,358 @@
+"""Rigid bodies in space and all elements on them, in one call: force, tangent, end of a step, what may be touched.
+
+Arguments that they share:
+
+    sand                where the arrays of the elements of one kind in one medium are, in the order of `SAND`, see
+                        `lending`
+    system_q, system_v  coordinates (without reference values) and rates of the whole system, views of the engine's
+                        memory
+
+These arrays are:
+
+    reference           reference values of the system's coordinates
+    places              (coordinates, 2) place of each coordinate of a body in the system and among those of the bed
+    bodies              (bodies,) records BODY
+    turn                (3, 3) from the world to the frame of the bed, whose z is up
+    clusters            (clusters,) records of `space_law`, those of a body one after another
+    elements, anchors   rows of all clusters, one after another, see `facets`, `bars`, `space_balls`
+    active              (clusters,) whether one may touch the surface in this step; the others are passed over
+    ground              see `ground`; a cluster sees the plane that touches it at its middle
+    medium              see `space_law`; (1,)
+    poses, proximity    (bodies, 6, 3) and (bodies, 3), of the last accepted step
+    columns             (bodies, 3) where the power of the medium, its terms and the wrench of a body stand in a row of
+                        the history, six numbers each: force (N) and moment about the world origin (N m), world frame
+
+A body has seven coordinates, its position and Euler parameters, or six, its position and Tait-Bryan angles with
+R = R_x R_y R_z. Its angular velocity is w = G(q) q', so a moment M gives the generalised forces G^T M.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import from_dtype, types
+
+from granular_contact.jit.compiled import kernel, part
+from granular_contact.jit.lending import lender
+from granular_contact.jit.memory import clear, room1, room2, rows
+from granular_contact.sand.kernels import space_law as law
+from granular_contact.sand.kernels.batches import gather
+from granular_contact.sand.kernels.facets import axes, seen, turned
+from granular_contact.sand.kernels.ground import PLANE
+from granular_contact.sand.kernels.law import TERMS
+from granular_contact.sand.kernels.lines import difference
+
+# Of proximity (bodies, 3): bounds of the depth of the deepest point (m) and of the speed at which one approaches the
+# surface (m/s), greatest depth so far (m).
+DEEPEST, APPROACH, EVER = 0, 1, 2
+
+SAND = (
+    *("reference", "places", "bodies", "turn", "clusters", "elements", "anchors", "active", "ground", "medium"),
+    *("poses", "proximity", "columns"),
+)
+REFERENCE, PLACES, BODIES, TURN, CLUSTERS, ELEMENTS, ANCHORS, ACTIVE, GROUND, MEDIUM, *_OF_STEPS = range(len(SAND))
+POSES, PROXIMITY, COLUMNS = _OF_STEPS
+_row, _rows, _poses = (lender(types.Array(types.float64, axes, "C")) for axes in (1, 2, 3))
+_numbers, _marks = lender(types.Array(types.int64, 2, "C")), lender(types.Array(types.boolean, 1, "C"))
+_bodies, _clusters, _media = (
+    lender(types.Array(from_dtype(kind), 1, "C")) for kind in (law.BODY, law.CLUSTER, law.SPACE_LAW)
+)
+
+
+@part
+def by_parameters(q, R, G):
+    """Fill R (3, 3) and G (3, 4) from coordinates (7,) with Euler parameters."""
+    a, b, c, d = q[3], q[4], q[5], q[6]
+    R[0, 0], R[1, 1], R[2, 2] = (
+        a * a + b * b - c * c - d * d,
+        a * a - b * b + c * c - d * d,
+        a * a - b * b - c * c + d * d,
+    )
+    _by_axis(0, 1, 2, a, b, c, d, R, G)
+    _by_axis(1, 2, 0, a, c, d, b, R, G)
+    _by_axis(2, 0, 1, a, d, b, c, R, G)
+
+
+@part
+def _by_axis(i, j, k, a, x, y, z, R, G):
+    """Rows i of R, but for its diagonal, and of G; x, y, z: Euler parameters of the axes i, j, k."""
+    R[i, j], R[i, k] = 2.0 * (x * y - a * z), 2.0 * (x * z + a * y)
+    G[i, 0], G[i, 1 + i], G[i, 1 + j], G[i, 1 + k] = -2.0 * x, 2.0 * a, -2.0 * z, 2.0 * y
+
+
+@part
+def by_angles(q, R, G):
+    """As `by_parameters`, from coordinates (6,) with Tait-Bryan angles; compiled for bodies that have such alone."""
+    sa, ca, sb, cb = math.sin(q[3]), math.cos(q[3]), math.sin(q[4]), math.cos(q[4])
+    sc, cc = math.sin(q[5]), math.cos(q[5])
+    R[0, 0], R[0, 1], R[0, 2] = cb * cc, -cb * sc, sb
+    R[1, 0], R[1, 1], R[1, 2] = ca * sc + sa * sb * cc, ca * cc - sa * sb * sc, -sa * cb
+    R[2, 0], R[2, 1], R[2, 2] = sa * sc - ca * sb * cc, sa * cc + ca * sb * sc, ca * cb
+    clear(G)
+    G[0, 0], G[0, 2] = 1.0, sb
+    G[1, 1], G[1, 2] = ca, -sa * cb
+    G[2, 1], G[2, 2] = sa, ca * cb
+
+
+@part
+def place(q, v, size, turn, medium, pose, G):
+    """Fill the pose of a body in the frame of the bed, and its G (3, 4) in the world's."""
+    R = room2(3, 3)
+    if size == 7:
+        by_parameters(q, R, G)
+    else:
+        law.by_angles(medium, (q, R, G))
+    for i in range(3):
+        for j in range(3):
+            pose[i, j] = turn[i, 0] * R[0, j] + turn[i, 1] * R[1, j] + turn[i, 2] * R[2, j]
+    for i in range(3):
+        pose[3, i], pose[4, i], pose[5, i] = 0.0, 0.0, 0.0
+        for j in range(3):
+            pose[3, i] += turn[i, j] * q[j]
+            pose[4, i] += turn[i, j] * v[j]
+            w = 0.0
+            for k in range(size - 3):
+                w += G[j, k] * v[3 + k]
+            pose[5, i] += turn[i, j] * w
+
+
+@part
+def below(x, y, z, pose, ground, medium, plane):
+    """Fill plane (4,) with the surface as what lies around a point (3,) m of a body sees it.
+
+    Returns the point from the body's reference point, frame of the bed.
+    """
+    r = turned(axes(pose), x, y, z)
+    if medium.heights != 0:
+        law.tangent_plane(medium, (ground, pose[3, 0] + r[0], pose[3, 1] + r[1], plane))
+    else:
+        for i in range(PLANE):
+            plane[i] = ground[i]
+    return r
+
+
+@part
+def body_forces(q, v, body, sand, medium, pose, W, out):
+    """Set out (7,) to the generalised forces on a body; whether there are any.
+
+    W (TERMS, 6) is filled with its wrench in the bed's frame.
+    """
+    turn, clusters, elements, anchors = (
+        _rows(sand, TURN),
+        _clusters(sand, CLUSTERS),
+        _rows(sand, ELEMENTS),
+        _rows(sand, ANCHORS),
+    )
+    active, ground, G, plane, some = _marks(sand, ACTIVE), _row(sand, GROUND), room2(3, 4), room1(PLANE), 0.0
+    place(q, v, body.size, turn, medium, pose, G)
+    clear(W)
+    for c in range(body.first, body.last):
+        if active[c]:
+            one = clusters[c]
+            s, n = one.first, one.last - one.first
+            below(one.x, one.y, one.z, pose, ground, medium, plane)
+            law.forces(medium, (rows(elements, s, n), rows(anchors, s, n), one, pose, plane, W))
+    clear(out)
+    for i in range(3):
+        force, moment = 0.0, 0.0
+        for j in range(3):
+            for term in range(TERMS):
+                force += turn[j, i] * W[term, j]
+                moment += turn[j, i] * W[term, 3 + j]
+                some += abs(W[term, j]) + abs(W[term, 3 + j])
+        out[i] = force
+        for k in range(body.size - 3):
+            out[3 + k] += G[i, k] * moment
+    return some > 0.0
+
+
+@kernel
+def force(sand, system_q, system_v, out):
+    """Add the generalised forces of the active clusters to out, the coordinates of the bed."""
+    q, v, f, pose, W = room1(7), room1(7), room1(7), room2(6, 3), room2(TERMS, 6)
+    bodies, active, medium = _bodies(sand, BODIES), _marks(sand, ACTIVE), _media(sand, MEDIUM)[0]
+    for b in range(bodies.shape[0]):
+        body = bodies[b]
+        if not acts(body, active):
+            continue
+        at = rows(_numbers(sand, PLACES), body.start, body.size)
+        gather(system_q, system_v, _row(sand, REFERENCE), at, q, v)
+        law.body_forces(medium, (q, v, body, sand, pose, W, f))
+        for i in range(body.size):
+            out[at[i, 1]] += f[i]
+
+
+@part
+def acts(body, active):
+    """Whether any cluster of a body is active."""
+    for c in range(body.first, body.last):  # noqa: SIM110  # for the compiler
+        if active[c]:
+            return True
+    return False
+
+
+@kernel
+def tangent(sand, system_q, system_v, fq, fv, triplets, count):
+    """Append the entries of fq df/dq + fv df/dv as rows (row, column, value) to the first `count` triplets.
+
+    By differences, see `lines.differences`.
+    """
+    q, v, there, moved = room1(7), room1(7), room1(7), room1(7)
+    pose, W = room2(6, 3), room2(TERMS, 6)
+    bodies, active, medium = _bodies(sand, BODIES), _marks(sand, ACTIVE), _media(sand, MEDIUM)[0]
+    for b in range(bodies.shape[0]):
+        body = bodies[b]
+        if not acts(body, active):
+            continue
+        at = rows(_numbers(sand, PLACES), body.start, body.size)
+        gather(system_q, system_v, _row(sand, REFERENCE), at, q, v)
+        if not law.body_forces(medium, (q, v, body, sand, pose, W, there)):
+            continue
+        d = difference(rows(q, 0, body.size), fq, fv)
+        for j in range(body.size):
+            at_q, at_v = q[j], v[j]
+            q[j] += d * fq
+            v[j] += d * fv
+            law.body_forces(medium, (q, v, body, sand, pose, W, moved))
+            q[j], v[j] = at_q, at_v
+            for i in range(body.size):
+                if moved[i] != there[i]:
+                    triplets[count, 0], triplets[count, 1] = at[i, 1], at[j, 1]
+                    triplets[count, 2] = (moved[i] - there[i]) / d
+                    count += 1
+    return count
+
+
+@kernel
+def accept(sand, system_q, system_v, row, begins):
+    """End of a step: power and wrenches go into a history row, then the anchors of the active clusters follow.
+
+    poses and proximity are filled. The row begins with `space_law.DEPTH` and its neighbours, after the time. begins: a
+    solve begins here instead, with no bristle stretched; of poses, proximity and row only the poses are filled.
+    """
+    q, v, f, W = room1(7), room1(7), room1(7), room2(TERMS, 6)
+    bodies, medium, columns = _bodies(sand, BODIES), _media(sand, MEDIUM)[0], _numbers(sand, COLUMNS)
+    for b in range(bodies.shape[0]):
+        body, pose, near = bodies[b], _poses(sand, POSES)[b], _rows(sand, PROXIMITY)[b]
+        at = rows(_numbers(sand, PLACES), body.start, body.size)
+        gather(system_q, system_v, _row(sand, REFERENCE), at, q, v)
+        law.body_forces(medium, (q, v, body, sand, pose, W, f))
+        if begins:
+            for c in range(body.first, body.last):
+                release(_rows(sand, ELEMENTS), _rows(sand, ANCHORS), _clusters(sand, CLUSTERS)[c], pose, medium, True)
+            continue
+        bound(body.x, body.y, body.z, body.radius, pose, _row(sand, GROUND), medium, near)
+        follow(body, sand, medium, pose, near, row)
+        power = columns[b, 0]
+        for term in range(TERMS):
+            for i in range(3):
+                row[power] += W[term, i] * pose[4, i] + W[term, 3 + i] * pose[5, i]
+            write(W, term, _rows(sand, TURN), q, row, columns[b, 1] + 6 * term)
+            write(W, term, _rows(sand, TURN), q, row, columns[b, 2])
+
+
+@part
+def follow(body, sand, medium, pose, near, row):
+    """Let the anchors of a body's active clusters follow; what was seen of it goes into a history row.
+
+    near (3,): its proximity, of which `DEEPEST` is the depth where nothing is active.
+    """
+    clusters, elements, anchors, active = (
+        _clusters(sand, CLUSTERS),
+        _rows(sand, ELEMENTS),
+        _rows(sand, ANCHORS),
+        _marks(sand, ACTIVE),
+    )
+    seen, plane, some = room1(3), room1(PLANE), False
+    seen[law.DEPTH], seen[law.SPEED], seen[law.LOWEST] = -np.inf, 0.0, np.inf
+    for c in range(body.first, body.last):
+        if active[c]:
+            one = clusters[c]
+            s, n = one.first, one.last - one.first
+            below(one.x, one.y, one.z, pose, _row(sand, GROUND), medium, plane)
+            law.follow(medium, (rows(elements, s, n), rows(anchors, s, n), one, pose, plane, seen))
+            some = True
+    depth = seen[law.DEPTH] if some else near[DEEPEST]
+    near[EVER] = max(near[EVER], depth)
+    row[1] = max(row[1], depth)
+    row[2] = max(row[2], seen[law.SPEED])
+    row[3] = min(row[3], seen[law.LOWEST])
+
+
+@part
+def write(W, term, turn, q, row, first):
+    """Add the wrench of a term, about a body's reference point in the bed's frame, to that about the world's origin.
+
+    The latter stands in the row from `first` on.
+    """
+    R, x, y, z = axes(turn), q[0], q[1], q[2]
+    fx, fy, fz = seen(R, W[term, 0], W[term, 1], W[term, 2])
+    mx, my, mz = seen(R, W[term, 3], W[term, 4], W[term, 5])
+    row[first] += fx
+    row[first + 1] += fy
+    row[first + 2] += fz
+    row[first + 3] += mx + y * fz - z * fy
+    row[first + 4] += my + z * fx - x * fz
+    row[first + 5] += mz + x * fy - y * fx
+
+
+@part
+def bound(x, y, z, radius, pose, ground, medium, near):
+    """Fill near[DEEPEST] and near[APPROACH] with bounds for all that lies in a sphere (m) of a body."""
+    plane = room1(PLANE)
+    x, y, z = below(x, y, z, pose, ground, medium, plane)
+    depth = plane[0] + plane[1] * (pose[3, 0] + x) + plane[2] * (pose[3, 1] + y) - pose[3, 2] - z
+    vx = pose[4, 0] + pose[5, 1] * z - pose[5, 2] * y
+    vy = pose[4, 1] + pose[5, 2] * x - pose[5, 0] * z
+    vz = pose[4, 2] + pose[5, 0] * y - pose[5, 1] * x
+    spin = math.sqrt(pose[5, 0] ** 2 + pose[5, 1] ** 2 + pose[5, 2] ** 2)
+    near[DEEPEST] = depth + radius * ground[3]
+    near[APPROACH] = (math.sqrt(vx * vx + vy * vy + vz * vz) + spin * radius) * ground[3]
+
+
+@part
+def may_touch(near, step):
+    """Whether what is bounded so may touch the surface within a step (s), at four times its speed."""
+    return near[DEEPEST] + 4.0 * step * (near[APPROACH] + 10.0 * step) > -1e-3
+
+
+@kernel
+def update_active(sand, step):
+    """Mark the clusters that may touch the surface within a step (s) from the accepted poses; whether there are any.
+
+    What comes into reach has its anchors put where it is.
+    """
+    bodies, clusters, active, medium = (
+        _bodies(sand, BODIES),
+        _clusters(sand, CLUSTERS),
+        _marks(sand, ACTIVE),
+        _media(sand, MEDIUM)[0],
+    )
+    some, near = False, room1(2)
+    for b in range(bodies.shape[0]):
+        body, pose, within = bodies[b], _poses(sand, POSES)[b], may_touch(_rows(sand, PROXIMITY)[b], step)
+        for c in range(body.first, body.last):
+            one, now = clusters[c], within
+            if now:
+                bound(one.x, one.y, one.z, one.radius, pose, _row(sand, GROUND), medium, near)
+                now = may_touch(near, step)
+            if now and not active[c]:
+                release(_rows(sand, ELEMENTS), _rows(sand, ANCHORS), one, pose, medium, False)
+            active[c] = now
+            some = some or now
+    return some
+
+
+@part
+def release(elements, anchors, cluster, pose, medium, anew):
+    """Put the anchors of a cluster where its elements are; anew: their paths begin here, too.
+
+    The path through the air counts in a straight line, so that it does not matter when what flies became active.
+    """
+    for i in range(cluster.first, cluster.last):
+        E = elements[i]
+        for k in range(3):
+            anchors[i, k] = pose[3, k] + pose[k, 0] * E[0] + pose[k, 1] * E[1] + pose[k, 2] * E[2]
+    if medium.begin != 0:
+        law.begin(medium, (anchors, cluster.first, cluster.last, anew))

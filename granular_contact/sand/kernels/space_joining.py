@@ -1,0 +1,117 @@
+"""A law in plain Python -> what kernels call in space; beside `joining`, and loaded by what lies in space alone.
+
+Of a law for surfaces its planar `stress` is enough, see `slices`; `facet_stress` and `facet_traction` give its own for
+any direction, `facet_inertia` a second term beside a stress, `facet_force` all by itself. Laws of bars have `bar_force`
+and, if they know one, `bar_cap`; those of balls `space_ball_force`.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granular_contact.sand.kernels import bars, facet_paths, facets, law, slices, space_balls, space_law
+from granular_contact.sand.kernels.facet_layers import between
+from granular_contact.sand.kernels.ground import tangent_plane
+from granular_contact.sand.kernels.joining import PARTS, compiled, let_call_others, record_type
+from granular_contact.sand.kernels.space_bodies import body_forces, by_angles
+from granular_contact.sand.kernels.space_friction import parted_return, whole_return
+
+# What a medium meets, by the kernels of its clusters and the functions of a law that it takes.
+KINDS: dict[str, tuple[Any, Any]] = {
+    "surface": (facets.facet_forces, facets.follow_facets),
+    "bar": (bars.bar_forces, bars.follow_stations),
+    "ball": (space_balls.space_ball_forces, space_balls.follow_ball),
+}
+METHODS = {"bar": {"bar_force": "bar", "bar_cap": "cap"}, "ball": {"space_ball_force": "ball"}, "surface": {}}
+
+NEEDED = {
+    "surface": ("stress", "facet_stress", "facet_traction", "facet_force"),
+    "bar": ("bar_force",),
+    "ball": ("space_ball_force",),
+}
+
+
+def kinds_of(law: type) -> set[str]:
+    """What a law meets in space: surfaces, bars or balls."""
+    return {kind for kind, names in NEEDED.items() if any(hasattr(law, name) for name in names)}
+
+
+def owner_of(law: type) -> type:
+    """Class that makes a law another one for the kernels, see `joining.record_type`: itself, or one that it is of."""
+    return next(one for one in law.__mro__ if PARTS & vars(one).keys())
+
+
+def space_record(
+    owner: Any,
+    own: NDArray[np.void],
+    kind: str,
+    layer: tuple[float, float] | None = None,
+    *,
+    paths: bool = False,
+    heights: bool = False,
+    bodies: bool = False,
+    angles: bool = False,
+) -> NDArray[np.void]:
+    """Record (1,) of `space_law.SPACE_LAW` for what a law does to elements of a kind.
+
+    own: the law's record (1,); layer: depths (m) that the medium lies between, None if it fills the bed; paths: whether
+    paths of facets are counted; heights: whether the bed has a map of heights; bodies: whether elements are on bodies
+    that `space_bodies` moves by their coordinates; angles: whether some of these have six coordinates.
+    """
+    forces, follow = KINDS[kind]
+    found = {"forces": forces, "follow": follow, **_functions(owner, kind)}
+    if paths:
+        found |= {"note": facet_paths.note, "count": facet_paths.count, "begin": facet_paths.begin}
+    if heights:
+        found["heights"] = tangent_plane
+    if bodies:
+        found["body"] = body_forces
+    if angles:
+        found["angles"] = by_angles
+    if layer is not None and kind == "surface":
+        found["layer"] = between
+    medium = space_law.record_of(own, found)
+    if layer is not None:
+        medium["layered"], medium["top"], medium["bottom"] = 1, *layer
+    return medium
+
+
+@cache
+def _functions(owner: Any, kind: str) -> dict[str, Any]:
+    """Compiled functions of a law for elements of a kind, by their names in the record."""
+    dtype = record_type(owner)
+    found: dict[str, Any] = {"anchor": parted_return if owner.by_component else whole_return}
+    if kind == "surface":
+        found["gather"], found["facets"] = facets.gather, _of_facets(owner, dtype)
+        if not hasattr(owner, "facet_force"):
+            found["lead"] = facets.lead
+    for method, name in METHODS[kind].items():
+        if hasattr(owner, method):
+            function = getattr(owner, method)
+            let_call_others(function)
+            found[name] = compiled(function)
+    return found
+
+
+def _of_facets(owner: Any, dtype: np.dtype) -> Any:
+    """What fills the tractions of a block, by what a law gives."""
+    if hasattr(owner, "facet_force"):
+        let_call_others(owner.facet_force)
+        law.provide(facets.force, "m", dtype)(owner.facet_force)
+        return facets.own_facets
+    if hasattr(owner, "facet_traction"):
+        let_call_others(owner.facet_traction)
+        law.provide(facets.traction, "m", dtype)(owner.facet_traction)
+        return facets.traction_facets
+    stress = getattr(owner, "facet_stress", slices.slice_stress)
+    let_call_others(stress, inline=True)
+    law.provide(facets.stress, "m", dtype, inline=True)(stress)
+    if not hasattr(owner, "facet_inertia"):
+        return facets.static_facets
+    let_call_others(owner.facet_inertia)
+    law.provide(facets.inertia, "m", dtype)(owner.facet_inertia)
+    return facets.inertial_facets

@@ -1,0 +1,110 @@
+"""What a law provides in space, and how kernels call it there: as in `law`, by the addresses in a record.
+
+Elements of a rigid body are kept in its frame, in clusters of one kind: facets of a surface, stations of a bar, a ball.
+Kernels work in the frame of the bed, with z up: its origin is that of the world, see `space_bodies`.
+
+pose (6, 3): the rotation R of a body, row by row, then the position of its reference point (m), its velocity (m/s) and
+angular velocity (rad/s). ground (4,): height (m) of the surface above the origin, its rise per length along x and y,
+and by how much a depth may grow with a distance, sqrt(1 + rise^2). W (TERMS, 6): of each term the force (N) and the
+moment about the reference point (N m). anchors (n, 3) m: one for each element, see `space_friction`; more columns
+where `facet_paths` keeps paths: (n, 6) with those of the shear displacement, (n, 10) of scatter, (n, 13) of both.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numba import from_dtype, types
+
+from granular_contact.jit.calls import OWN, caller
+from granular_contact.jit.records import fields
+from granular_contact.sand.kernels.law import FRICTION, SIZE, filled
+
+# A cluster: sphere around it in the frame of its body (m), its first element and the one after its last, its body;
+# width (m): diameter of a bar or a ball; mass (kg) of a ball; cap: whether the end of a bar is a free face. scatter,
+# grain (m), seed, static: of the medium, see `scatter`; static has a bit for each term that scatters.
+CLUSTER = np.dtype(
+    [
+        *fields("f8", "x", "y", "z", "radius"),
+        *fields("i8", "first", "last", "body"),
+        *fields("f8", "width", "mass"),
+        ("cap", "?"),
+        *fields("f8", "scatter", "grain"),
+        *fields("i8", "seed", "static"),
+    ]
+)
+# size: number of coordinates, from `start` on; first, last: clusters; x, y, z, radius (m): sphere around all of them.
+BODY = np.dtype([*fields("i8", "size", "start", "first", "last"), *fields("f8", "x", "y", "z", "radius")])
+# Of a row that `follow` fills: depth of the deepest point (m), greatest speed (m/s) and least height (m) of what is
+# immersed.
+DEPTH, SPEED, LOWEST = 0, 1, 2
+
+FUNCTIONS = (
+    *("forces", "follow", "gather", "facets", "layer", "bar", "cap", "ball", "anchor", "body"),
+    *("note", "count", "begin", "heights", "angles", "lead"),
+)
+# layered: the medium lies between the depths top and bottom (m) only. Of friction there is a copy of what the law's own
+# record has, so that what needs nothing else of a law is compiled once for all of them.
+LAYER = [("layered", "i8"), ("top", "f8"), ("bottom", "f8")]
+SPACE_LAW = np.dtype([*fields("i8", *FUNCTIONS), *LAYER, *FRICTION, ("own", "f8", (SIZE,))])
+
+_NUMBER, _CLUSTER = types.float64, from_dtype(CLUSTER)
+_ROW, _ROWS, _ENDS = (types.Array(_NUMBER, n, "C") for n in (1, 2, 3))
+_WORDS = types.Array(types.int64, 1, "C")
+_OF_CLUSTER = (_ROWS, _ROWS, _CLUSTER, _ROWS, _ROW, from_dtype(SPACE_LAW))
+SIGNATURES: dict[str, tuple[tuple[Any, ...], Any]] = {  # arguments, result
+    "forces": ((*_OF_CLUSTER, _ROWS), types.none),
+    "follow": ((*_OF_CLUSTER, _ROW), types.none),
+    "gather": (
+        (_ROWS, _ROWS, _CLUSTER, _ROWS, _ROW, types.intp, from_dtype(SPACE_LAW), _ROWS),
+        types.UniTuple(types.intp, 2),
+    ),
+    "facets": ((_ROWS, types.intp, OWN), types.none),
+    "lead": ((_ROWS, types.intp, from_dtype(SPACE_LAW)), types.none),
+    "layer": ((_NUMBER,) * 11, types.UniTuple(_NUMBER, 8)),
+    "bar": ((*[_NUMBER] * 19, _CLUSTER, OWN, _ENDS), types.none),
+    "cap": ((*[_NUMBER] * 6, _CLUSTER, OWN, _ENDS), types.none),
+    "ball": ((*[_NUMBER] * 7, _CLUSTER, OWN, _ROWS), types.none),
+    "anchor": ((*[_NUMBER] * 6, from_dtype(SPACE_LAW)), types.UniTuple(_NUMBER, 3)),
+    "note": ((_ROWS, types.intp, _ROWS, _ROWS, _CLUSTER), types.none),
+    "count": ((_ROWS, types.intp, *[_NUMBER] * 9, types.boolean), types.none),
+    "begin": ((_ROWS, types.intp, types.intp, types.boolean), types.none),
+    "angles": ((_ROW, _ROWS, _ROWS), types.none),
+    "heights": ((_ROW, _NUMBER, _NUMBER, _ROW), types.none),
+    "body": ((_ROW, _ROW, from_dtype(BODY), _WORDS, from_dtype(SPACE_LAW), _ROWS, _ROWS, _ROW), types.boolean),
+}
+# What calls a function of the medium: (medium, its other arguments).
+#
+# forces    elements, anchors, cluster, pose, ground, W: add the wrench on a cluster to W
+# follow    elements, anchors, cluster, pose, ground, row (3,): end of a step, anchors follow, or are released above the
+#           surface; row see DEPTH
+# gather    `facets.gather`, which several kernels call
+# facets    B, n: fill tractions on the first n facets of a block, see `kernels.facets`: of what grows with depth the
+#           stress per depth N/m^3, of the rest the stress Pa. What is told of a facet: z > 0 mean depth (m) of what is
+#           immersed of it; n unit normal; velocity v (m/s) and stretch e (m) of the bristle at its centroid; spread
+#           (m/s): by how much n . v differs from there to a corner, at most; side 1: only what n . v > 0 is loaded, n
+#           pointing outward; 0: a thin plate, either face can lead; j (m): shear displacement, see `path_length`
+# lead      `facets.lead`, where the law asks for it
+# layer     `facet_layers.between`, of a medium in a layer
+# bar       forces on a strip, as `law.strip_force` with vectors in space: add to f[term, end, xyz] (N)
+# cap       (cx, cy, cz) of a strip, velocity at its end 1, cluster, f: add the force on a free end face there to
+#           f[term, 1, xyz] (N); of laws that know one
+# ball      force at the centre of a ball, as `law.ball_force` with vectors in space: add to f[term, xyz] (N)
+# anchor    p (3,) m, a (3,) m: where an anchor at a is after an accepted step that ended with its element at p
+# body      `space_bodies.body_forces`, which several kernels call
+# note, count, begin    those of `facet_paths`, of media whose facets have paths
+# heights   `ground.tangent_plane`, of a bed with a map of heights
+# angles    `space_bodies.by_angles`, where bodies have six coordinates
+forces, follow, gather, facets, in_layer, bar_force, cap_force, ball_force, drag_anchor, body_forces, *_others = (
+    caller(name, *SIGNATURES[name], SPACE_LAW) for name in FUNCTIONS
+)
+note, count, begin, tangent_plane, by_angles, lead = _others
+
+
+def record_of(own: np.ndarray, functions: dict[str, Any]) -> np.ndarray:
+    """Record (1,) of SPACE_LAW for a law's own record (1,) and its compiled functions by name."""
+    medium = filled(own, functions, SPACE_LAW, SIGNATURES)
+    for name, _ in FRICTION:
+        medium[name] = own[name]
+    return medium

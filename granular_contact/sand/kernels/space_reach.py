@@ -1,0 +1,55 @@
+"""How far what is immersed reaches in the horizontal plane: compiled for beds with a container alone."""
+
+from __future__ import annotations
+
+from granular_contact.jit.compiled import kernel, part
+from granular_contact.jit.memory import room1, room2
+from granular_contact.sand.kernels.facets import COLUMNS
+from granular_contact.sand.kernels.space_bodies import below
+
+
+@kernel
+def reach(bodies, clusters, elements, active, ground, medium, poses, row):
+    """Bring row (4,), the least x and y and the greatest (m), up to date at these poses.
+
+    Arguments as of `space_bodies`. Of facets the immersed corners count; of bars the stations, half a diameter to all
+    sides; of balls their equator.
+    """
+    plane, points = room1(4), room2(3, 3)
+    for b in range(bodies.shape[0]):
+        pose = poses[b]
+        for c in range(bodies[b].first, bodies[b].last):
+            if not active[c]:
+                continue
+            cluster = clusters[c]
+            below(cluster.x, cluster.y, cluster.z, pose, ground, medium[0], plane)
+            beside = 0.5 * cluster.width
+            drop = beside if cluster.mass > 0.0 else 0.0
+            for i in range(cluster.first, cluster.last):
+                for p in range(corners(elements[i], points)):
+                    x, y, z = placed(pose, points[p])
+                    if plane[0] + plane[1] * x + plane[2] * y - z + drop > 0.0:
+                        row[0], row[1] = min(row[0], x - beside), min(row[1], y - beside)
+                        row[2], row[3] = max(row[2], x + beside), max(row[3], y + beside)
+
+
+@part
+def corners(element, points):
+    """Fill points (3, 3) m, frame of the body, with the corners of an element; how many it has."""
+    if element.shape[0] != COLUMNS:
+        points[0, 0], points[0, 1], points[0, 2] = element[0], element[1], element[2]
+        return 1
+    for k in range(3):
+        a, b = element[8 + k], element[11 + k]
+        points[0, k], points[1, k], points[2, k] = element[k] + a, element[k] + b, element[k] - a - b
+    return 3
+
+
+@part
+def placed(pose, p):
+    """A point (3,) m of a body in the frame of the bed."""
+    return (
+        pose[3, 0] + pose[0, 0] * p[0] + pose[0, 1] * p[1] + pose[0, 2] * p[2],
+        pose[3, 1] + pose[1, 0] * p[0] + pose[1, 1] * p[1] + pose[1, 2] * p[2],
+        pose[3, 2] + pose[2, 0] * p[0] + pose[2, 1] * p[1] + pose[2, 2] * p[2],
+    )

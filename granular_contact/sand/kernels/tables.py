@@ -1,0 +1,31 @@
+"""Numbers of a law that are too many for its record: an array elsewhere, whose address is in the record."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import carray, types
+
+from granular_contact.jit.compiled import part
+from granular_contact.jit.memory import pointer_to
+
+_numbers = pointer_to(types.float64)
+
+
+@part
+def numbers_at(address, count):
+    """Array (count,) of what lies at an address, a whole number that a record has as a float."""
+    return carray(_numbers(np.int64(address)), (count,))
+
+
+@part
+def interval(values, first, count, x):
+    """Place i and share in [0, 1] of x among values[first : first + count], which rise; beyond them those of an end."""
+    low, high = 0, count - 1
+    while high - low > 1:
+        middle = (low + high) // 2
+        if values[first + middle] <= x:
+            low = middle
+        else:
+            high = middle
+    a, b = values[first + low], values[first + high]
+    return low, min(1.0, max(0.0, (x - a) / (b - a)))

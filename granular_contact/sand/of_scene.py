@@ -1,0 +1,51 @@
+"""Scene -> granular load: its media and surface, and contact lines for the shapes of its rigid bodies."""
+
+from __future__ import annotations
+
+from granular_contact.sand.contact_lines import Body, ContactLine, ball, outline, polyline
+from granular_contact.sand.load import GranularLoad
+from granular_contact.scene.types import FlexibleLink, Scene, Shape
+
+
+def load_of(scene: Scene) -> GranularLoad:
+    """The load of a scene with a bed, without any lines yet."""
+    bed, options = scene.bed, scene.load
+    assert bed is not None
+    return GranularLoad(
+        bed.layers,
+        bed.profile,
+        slope=bed.slope,
+        gravity=scene.gravity,
+        static=scene.static,
+        form=options.form,
+        end_cap=options.end_cap,
+        floor=bed.floor,
+    )
+
+
+def lines_of(body: Body, shape: Shape, strips: int, split: int = 1) -> list[ContactLine]:
+    """Lines of a shape, on so many strips; an outline, which goes round and back, on twice as many.
+
+    split: into how many each of these strips is divided.
+    """
+    if shape.kind == "ball":
+        return ball(body, shape.points[0], shape.width, shape.mass)
+    if shape.kind == "outline":
+        wheel = None if shape.wheel is None else (shape.wheel.axle, shape.wheel.radius)
+        return outline(body, shape.points, shape.width, turns=shape.turns, strips=2 * strips, split=split, wheel=wheel)
+    diameter, width = (shape.width, None) if shape.kind == "round" else (None, shape.width)
+    return polyline(
+        body,
+        shape.points,
+        diameter=diameter,
+        width=width,
+        turns=shape.turns,
+        strips=strips,
+        split=split,
+        free_end=shape.free,
+    )
+
+
+def section(part: Shape | FlexibleLink) -> dict[str, float]:
+    """Diameter or width (m), by its name."""
+    return {"diameter" if part.kind == "round" else "width": part.width}

@@ -1,0 +1,27 @@
+"""The granular load on bodies that move in space: surfaces of triangles, bars and balls on rigid bodies.
+
+A cube of 0.1 m of steel, pressed 30 mm deep into sand at 0.1 m/s:
+
+    >>> import numpy as np
+    >>> from granular_contact import Rft3d
+    >>> from granular_contact.sand.contact_lines import Body
+    >>> from granular_contact.sand.space.load import SpatialLoad
+    >>> from granular_contact.sand.space.shapes import Box
+    >>> load = SpatialLoad(Rft3d(1600, 0.5, 0.3), surface=0.0)
+    >>> cube = Body("cube", [0, 1, 2, 3, 4, 5, 6])  # places of its position and four Euler parameters
+    >>> load.add_shape(cube, Box((0.1, 0.1, 0.1)))
+    >>> pose, velocity = np.array([0, 0, 0.05, 1.0, 0, 0, 0]), np.array([0, 0, -0.1, 0, 0, 0, 0])
+    >>> load.start(pose)
+    >>> load.accept(0.0, pose, velocity)
+    >>> for i in range(300):
+    ...     pose += 1e-3 * velocity
+    ...     load.accept((i + 1) * 1e-3, pose, velocity)
+    >>> print(f"force {load.force(pose, velocity, np.zeros(7))[2]:.2f} N, work {load.history.work[-1]:.4f} J")
+    force 246.19 N, work -3.6929 J
+
+shapes      primitives and meshes -> triangles, bars, balls; a new shape is a class here
+triangles   cutting triangles; rows of facets, in clusters (what is wrong with a mesh, and mesh files: `geometry`)
+batch       all elements of a kind in one medium, in one compiled call
+heights     a surface given by a map of heights
+load        as in `bed`, with vectors in space
+"""

@@ -1,0 +1,171 @@
+"""Elements of one kind in one medium, on all bodies that have some, with the arrays that kernels read."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from functools import cached_property, partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granular_contact.jit.compiled import ready
+from granular_contact.jit.lending import places
+from granular_contact.laws.kinds import Kind
+from granular_contact.sand.kernels import space_bodies as kernels
+from granular_contact.sand.kernels.ground import PLANE
+from granular_contact.sand.kernels.space_joining import space_record
+from granular_contact.sand.kernels.space_law import BODY
+from granular_contact.sand.space.elements import Elements
+from granular_contact.sand.space.triangles import around
+
+Vector = NDArray[np.float64]
+
+
+class SpatialBatch:
+    """Elements of one kind in one medium, computed in one call.
+
+    law: class of the medium, with its record (1,) for the planar kernels; ground (4,): see `kernels.space_law`; turn
+    (3, 3): from the world to the frame of the bed; columns: for each element set, as of `history.HistoryTable`. anchors
+    (rows, 3) m: the friction state, with `paths` more columns, see `kernels.space_law`; layer: depths (m) that the
+    medium lies between, None if it fills the bed; active (clusters,): what may touch the surface in this step; poses,
+    proximity: see `kernels.space_bodies`.
+    """
+
+    def __init__(
+        self,
+        sets: Sequence[Elements],
+        law: type,
+        own: NDArray[np.void],
+        ground: Vector,
+        turn: Vector,
+        columns: Sequence[NDArray[np.int64]],
+        paths: int = 0,
+        layer: tuple[float, float] | None = None,
+    ) -> None:
+        self.ground, self.turn = ground, turn
+        mapped = len(ground) > PLANE
+        self._record = partial(space_record, law, own, sets[0].meets, layer, paths=paths > 0, heights=mapped)
+        grouped: dict[str, list[Elements]] = {}
+        of_bodies = []
+        for one, at in zip(sets, columns, strict=True):
+            if one.body.name not in grouped:
+                of_bodies.append(at)
+            grouped.setdefault(one.body.name, []).append(one)
+        self.columns = np.array(of_bodies)
+        self._groups = list(grouped.values())
+        ordered = [one for group in self._groups for one in group]
+        self.elements = np.concatenate([one.rows for one in ordered])
+        self.clusters = _counted(ordered)
+        self.bodies = _bodies(self._groups)
+        coordinates = np.concatenate([np.asarray(group[0].body.coordinates, np.int64) for group in self._groups])
+        self.places = np.column_stack([coordinates, coordinates])
+        self.anchors = np.zeros((len(self.elements), 3 + paths))
+        self.active = np.ones(len(self.clusters), dtype=bool)
+        self.poses = np.zeros((len(self.bodies), 6, 3))
+        self.proximity = np.zeros((len(self.bodies), 3))
+        self.entries = int(np.sum(self.bodies["size"] ** 2))  # most that a tangent has
+        self._compiled = False
+
+    @cached_property
+    def medium(self) -> NDArray[np.void]:
+        """The medium as kernels read it; its law is compiled, the first time on a machine."""
+        return self._record()
+
+    @cached_property
+    def _for_bodies(self) -> NDArray[np.void]:
+        """The medium for the kernels of `space_bodies`."""
+        return self._record(bodies=True, angles=bool((self.bodies["size"] < 7).any()))
+
+    def start(self, q: Vector, where: NDArray[np.int64] | None, reference: Vector) -> None:
+        """Reset the friction state for bodies at q; arguments as of `GranularLoad.start`."""
+        if where is not None:
+            self.places[:, 0] = where[self.places[:, 1]]
+        self.active[:] = True
+        self.anchors[:] = 0.0
+        self.proximity[:] = 0.0
+        self.proximity[:, kernels.EVER] = -np.inf
+        self._reference = reference
+        on = (self.places, self.bodies, self.turn, self.clusters, self.elements, self.anchors, self.active, self.ground)
+        sand = self._sand = places(reference, *on, self._for_bodies, self.poses, self.proximity, self.columns)
+        if not self._compiled:  # the first time on a machine, which belongs to the start and not to the first step
+            self._force = ready(kernels.force, sand, q, q, q)
+            self._tangent = ready(kernels.tangent, sand, q, q, 1.0, 1.0, np.zeros((0, 3)), 0)
+            self._accept = ready(kernels.accept, sand, q, q, q, True)
+            self._update = ready(kernels.update_active, sand, 0.0)
+            self._compiled = True
+        still = np.zeros_like(q)
+        self._accept(sand, q, still, still, True)
+
+    def force(self, q: Vector, v: Vector, out: Vector) -> None:
+        """Add the generalised forces of the active elements to out, the coordinates of the bed."""
+        self._force(self._sand, q, v, out)
+
+    def tangent(self, q: Vector, v: Vector, factor_q: float, factor_v: float, triplets: Vector, number: int) -> int:
+        """Append the entries of factor_q df/dq + factor_v df/dv to the first `number`; how many there are then."""
+        return int(self._tangent(self._sand, q, v, factor_q, factor_v, triplets, number))
+
+    def accept(self, q: Vector, v: Vector, row: Vector) -> None:
+        """End of a step at this state, added to a history row."""
+        self._accept(self._sand, q, v, row, False)
+
+    def reach(self, row: Vector) -> None:
+        """Bring the least x and y of what is immersed and the greatest, (4,) m, up to date; after `accept`."""
+        from granular_contact.sand.kernels.space_reach import reach  # compiled for a bed with a container alone
+
+        on = (self.bodies, self.clusters, self.elements, self.active, self.ground, self._for_bodies)
+        reach(*on, self.poses, row)
+
+    def update_active(self, step: float) -> bool:
+        """Choose what may touch the surface in the next step (s); whether there is anything."""
+        return bool(self._update(self._sand, step))
+
+    def immersed(self) -> set[tuple[str, Kind, float]]:
+        """Body, kind and size (m) of the bodies that were ever immersed."""
+        ever = [
+            group for group, depth in zip(self._groups, self.proximity[:, kernels.EVER], strict=True) if depth > 0.0
+        ]
+        return {(one.body.name, one.kind, one.size) for group in ever for one in group}
+
+    @property
+    def depths(self) -> Vector:
+        """Depth (bodies,) m of the deepest point of each body where it was accepted last."""
+        return self.proximity[:, kernels.DEEPEST]
+
+    def soonest(self) -> float:
+        """Time (s) after `accept` until the first of the bodies above the surface may touch it; infinite of none."""
+        near = self.proximity[:, [kernels.DEEPEST, kernels.APPROACH]].tolist()
+        return min((-depth / speed for depth, speed in near if depth < 0.0 < speed), default=math.inf)
+
+    def forget(self) -> None:
+        """As of `batch.Batch`: in space no forces are kept."""
+
+    def state(self) -> tuple[NDArray[Any], ...]:
+        """What accepted steps change."""
+        return self.anchors, self.poses, self.proximity, self.active
+
+
+def _counted(sets: Sequence[Elements]) -> NDArray[np.void]:
+    """Clusters of all sets, with their places among all rows."""
+    made, row = [], 0
+    for one in sets:
+        clusters = one.clusters.copy()
+        clusters["first"] += row
+        clusters["last"] += row
+        row += len(one.rows)
+        made.append(clusters)
+    return np.concatenate(made)
+
+
+def _bodies(groups: Sequence[Sequence[Elements]]) -> NDArray[np.void]:
+    """Records of bodies, each with the clusters of its sets."""
+    bodies = np.zeros(len(groups), BODY)
+    coordinate = cluster = 0
+    for body, group in zip(bodies, groups, strict=True):
+        clusters = np.concatenate([one.clusters for one in group])
+        body["size"], body["start"] = len(group[0].body.coordinates), coordinate
+        body["first"], body["last"] = cluster, cluster + len(clusters)
+        around(body, np.column_stack([clusters[name] for name in "xyz"]), clusters["radius"])
+        coordinate, cluster = coordinate + body["size"], cluster + len(clusters)
+    return bodies
