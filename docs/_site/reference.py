@@ -43,7 +43,6 @@ PAGES = (
     ("schema.drives", "reference/drives"),
     ("schema.signals", "reference/drives"),
     ("schema.mechanism", "reference/bodies"),
-    ("schema.chain", "reference/bodies"),
     ("schema.model", "reference/bodies"),
     ("schema.sweep", "reference/many_runs"),
     ("schema.optimise", "reference/many_runs"),

@@ -1,16 +1,15 @@
 """First stage: YAML -> `Scenario`, strict and frozen, with every fault at its line. Imports nothing heavy.
 
-reading    yaml_source, compose, tree           text -> tree with positions
-           file_kind                            whether it is a run, a sweep, a search or a fit
-resolving  references, overrides, given         names and `from`; --set and values from Python -> one tree
-           urdf, urdf_corrections, in_space     robot files, what is put right of them; the class of scenarios in space
-           columns, stress_table, csv_table     CSV files that a config names
-           provenance                           what a changed medium rests on
+reading    yaml_source, tree                    text -> tree with positions
+           file_kind                            a run, a sweep, a search or a fit; in space or not
+resolving  references, overrides, given         names, `from`, provenance; --set and values from Python -> one tree
+           urdf, urdf_corrections               robot files, and what is put right of them
+           columns, csv_table                   CSV files that a config names
 checking   schema, load                         one tree -> Scenario
-           allowed, messages, sizes, structure_errors   or faults in sentences
+           allowed, messages, structure_errors  or faults in sentences
 changing   changed, differences, add_law        a scenario from Python; how two differ; a law from outside
 writing    export                               plain data, JSON Schema
-many       sweep, sweep_cases, sweep_sample     a config and what to replace in it -> cases
+many       sweep, sweep_cases                   a config and what to replace in it -> cases
            optimise                             a config, what may change in it and what is best
 """
 

@@ -16,18 +16,15 @@ from granular_contact.config import overrides as setting
 from granular_contact.config import tree
 from granular_contact.config.add_law import add_law
 from granular_contact.config.columns import KEYS as COLUMN_KEYS
-from granular_contact.config.columns import with_columns
+from granular_contact.config.columns import with_columns, with_tables
+from granular_contact.config.file_kind import scenario_class, with_paths
 from granular_contact.config.given import changes as changes_of
 from granular_contact.config.given import plain_data
-from granular_contact.config.in_space import scenario_class, with_paths
 from granular_contact.config.messages import by_place, faults_of, of_file
-from granular_contact.config.provenance import restated_each
-from granular_contact.config.references import MEDIA, MODELS, Resolver, shown
+from granular_contact.config.references import MEDIA, MODELS, Resolver, restated_each, shown
 from granular_contact.config.schema import Medium, Scenario
-from granular_contact.config.schema.fitting import unused_signals
-from granular_contact.config.sizes import too_large
-from granular_contact.config.stress_table import with_tables
-from granular_contact.config.structure_errors import structure_errors
+from granular_contact.config.schema.initial import unused_signals
+from granular_contact.config.structure_errors import structure_errors, too_large
 from granular_contact.config.yaml_source import read_file
 from granular_contact.errors import ConfigError, Fault
 from granular_contact.values.scalars import resolve
@@ -302,7 +299,7 @@ def load_scenario(path: str | PathLike[str], overrides: Sequence[str] = ()) -> S
 
 
 def _restated(before: tree.Node, node: tree.Node) -> tree.Node:
-    """`node` with the provenance of its media corrected where overrides changed numbers, see `config.provenance`."""
+    """`node` with the provenance of its media corrected where overrides changed numbers, see `config.references`."""
 
     def media(one: tree.Node, held: tree.Node | None) -> tree.Node:
         return one if held is None else tree.under(one, "medium", partial(restated_each, tree.child(held, "medium")))

@@ -19,8 +19,7 @@ from granular_contact.config.messages import by_place, of_file, validated
 from granular_contact.config.overrides import Override, split
 from granular_contact.config.schema.optimise import OptimiseFile, Parameter
 from granular_contact.config.sweep import Probe, Sweep, base_of, case_faults, one_a_place
-from granular_contact.config.sweep_cases import Case, read_overrides
-from granular_contact.config.sweep_sample import with_long
+from granular_contact.config.sweep_cases import Case, read_overrides, with_long
 from granular_contact.config.yaml_source import read_file
 from granular_contact.errors import ConfigError, Fault
 from granular_contact.values.strict import did_you_mean

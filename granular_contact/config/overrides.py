@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 from granular_contact.config import allowed
-from granular_contact.config.compose import MAX_DEPTH
-from granular_contact.config.in_space import scenario_class
+from granular_contact.config.file_kind import scenario_class
 from granular_contact.config.messages import got
 from granular_contact.config.tree import (
     Broken,
@@ -22,7 +21,7 @@ from granular_contact.config.tree import (
     set_key,
     under,
 )
-from granular_contact.config.yaml_source import read_text
+from granular_contact.config.yaml_source import MAX_DEPTH, read_text
 from granular_contact.errors import Fault
 
 # What these hold is itself a reference, so they must be set before references are resolved.

@@ -1,13 +1,15 @@
-"""What is wrong with the tree of bodies of a model in which other things are wrong, too."""
+"""What is wrong with a tree before pydantic reads it, or where it does not get that far: loose bodies, huge numbers."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from granular_contact.config import tree
-from granular_contact.config.schema.chain import names
-from granular_contact.config.schema.structure import GROUND, structure_faults
+from granular_contact.config.messages import got
+from granular_contact.config.schema.mechanism import names
+from granular_contact.config.schema.model import GROUND, structure_faults
+from granular_contact.errors import Fault
 from granular_contact.values.strict import FAULTS, refusal
 
 
@@ -49,3 +51,22 @@ def _chain_names(chain: Any) -> tuple[tuple[str, list[str], list[str]] | None, b
     if not links or not hinges or not isinstance(parent, str):
         return None, False
     return (parent, links, hinges), True
+
+
+LARGEST = 1e60  # in any unit: the fifth power, of which a second moment times a density is, is still a number
+
+
+def too_large(node: tree.Node, path: tree.Path = ()) -> Iterator[Fault]:
+    """A fault for every number of a tree that is beyond LARGEST."""
+    if isinstance(node, tree.Mapping):
+        for key, entry in node.nodes.items():
+            yield from too_large(entry, (*path, key))
+    elif isinstance(node, tree.Items):
+        for i, entry in enumerate(node.nodes):
+            yield from too_large(entry, (*path, i))
+    elif (
+        isinstance(node, tree.Scalar)
+        and isinstance(node.value, int | float)
+        and LARGEST < abs(node.value) < float("inf")
+    ):
+        yield node.position.fault(path, f"got {got(node)}; allowed are numbers up to {LARGEST:g} in size")

@@ -29,8 +29,7 @@ from granular_contact.config.overrides import Override, effective
 from granular_contact.config.references import shown
 from granular_contact.config.schema import Scenario
 from granular_contact.config.schema.sweep import Sample, SweepFile
-from granular_contact.config.sweep_cases import Case, Numbered, named, read_overrides, varied
-from granular_contact.config.sweep_sample import sampled, with_long
+from granular_contact.config.sweep_cases import Case, Numbered, named, read_overrides, sampled, varied, with_long
 from granular_contact.config.yaml_source import read_file
 from granular_contact.errors import ConfigError, Fault, SceneError
 

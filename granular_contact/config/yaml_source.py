@@ -1,18 +1,152 @@
 """Text of one YAML file -> positioned tree. Builds numbers, texts, lists and mappings, never a Python object.
 
-All problems become faults: a file that can't be read at all is one fault, and a `Broken` root.
+All problems become faults: a file that can't be read at all is one fault, and a `Broken` root. PyYAML delivers the
+events. Composing them here gives every value its line, finds duplicate keys, of which PyYAML silently takes the last,
+and limits aliases and nesting.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import lru_cache
 from pathlib import Path as FilePath
+from typing import Any
 
 import yaml
 
-from granular_contact.config.compose import MAX_DEPTH, Composer, Stop
-from granular_contact.config.tree import Broken, Node, Path, Position
+from granular_contact.config.tree import Broken, Items, Mapping, Node, Path, Position, Scalar
 from granular_contact.errors import Fault
+from granular_contact.values.scalars import resolve
+
+MAX_DEPTH = 64
+MAX_ALIASED_NODES = 10_000
+
+_LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+
+
+class Stop(Exception):
+    """Raised where the rest of the file can't be read; the fault says why."""
+
+    def __init__(self, position: Position, path: Path, message: str) -> None:
+        super().__init__(message)
+        self.fault = position.fault(path, message)
+
+
+class Composer:
+    """Composes the events of one document.
+
+    `faults` collects faults after which the rest is readable; `Stop` is raised for the others.
+    """
+
+    def __init__(self, text: str, file: str, faults: list[Fault], numbered: bool) -> None:
+        self._text, self._file, self._faults, self._numbered = text, file, faults, numbered
+        self._events: Iterator[Any] = iter(())
+        self._anchors: dict[str, Node | None] = {}
+        self._measures: dict[Node, tuple[int, int]] = {}
+        self._aliased = 0
+
+    def position(self, mark: Any) -> Position:
+        """Place of a mark of PyYAML."""
+        return Position(self._file, mark.line + 1 if mark and self._numbered else None)
+
+    def document(self, path: Path) -> Node:
+        """Root of the only document, which will stand under `path`."""
+        self._events = yaml.parse(self._text, Loader=_LOADER)
+        next(self._events)
+        start = next(self._events)
+        if isinstance(start, yaml.StreamEndEvent):
+            raise Stop(Position(self._file, 1 if self._numbered else None), path, "is empty; a mapping is needed")
+        root = self._node(next(self._events), path, 0)
+        next(self._events)
+        more = next(self._events)
+        if not isinstance(more, yaml.StreamEndEvent):
+            raise Stop(self.position(more.start_mark), (), "a second document starts here; one per file is allowed")
+        return root
+
+    def _node(self, event: Any, path: Path, depth: int, at: Position | None = None) -> Node:
+        """The node that `event` opens; `at` is the position of its key, if it has one."""
+        position = self.position(event.start_mark)
+        if depth > MAX_DEPTH:
+            raise Stop(position, (), f"is nested more than {MAX_DEPTH} levels deep")
+        if isinstance(event, yaml.AliasEvent):
+            return self._alias(event, path, depth, position)
+        if event.anchor:
+            self._anchors[event.anchor] = None
+        node: Node
+        if isinstance(event, yaml.ScalarEvent):
+            node = Scalar(position, resolve(event.value) if event.implicit[0] else event.value, event.value)
+        elif isinstance(event, yaml.SequenceStartEvent):
+            node = self._items(at or position, path, depth)
+        else:
+            node = self._mapping(at or position, path, depth)
+        if event.tag is not None:
+            node = self._broken(position, path, f"got the tag {event.tag!r}; tags are not used here, leave it out")
+        if event.anchor:
+            self._anchors[event.anchor] = node
+        return node
+
+    def _broken(self, position: Position, path: Path, message: str) -> Broken:
+        self._faults.append(position.fault(path, message))
+        return Broken(position)
+
+    def _alias(self, event: Any, path: Path, depth: int, position: Position) -> Node:
+        known = self._anchors.get(event.anchor)
+        if known is None:
+            inside = event.anchor in self._anchors
+            problem = "refers to an anchor that contains it" if inside else f"has no anchor &{event.anchor} above it"
+            return self._broken(position, path, f"the alias *{event.anchor} {problem}")
+        size, height = self._measure(known)
+        self._aliased += size
+        if self._aliased > MAX_ALIASED_NODES:
+            raise Stop(position, path, f"the aliases expand to more than {MAX_ALIASED_NODES} values")
+        if depth + height > MAX_DEPTH:
+            raise Stop(position, (), f"is nested more than {MAX_DEPTH} levels deep")
+        return known
+
+    def _measure(self, node: Node) -> tuple[int, int]:
+        """Number of values in `node` once its aliases are expanded, and its height; each node is counted once."""
+        if node not in self._measures:
+            below: list[Node] = []
+            if isinstance(node, Items | Mapping):
+                below = list(node.nodes if isinstance(node, Items) else node.nodes.values())
+            parts = [self._measure(part) for part in below]
+            self._measures[node] = (1 + sum(s for s, _ in parts), 1 + max((h for _, h in parts), default=0))
+        return self._measures[node]
+
+    def _items(self, position: Position, path: Path, depth: int) -> Items:
+        nodes: list[Node] = []
+        while not isinstance(event := next(self._events), yaml.SequenceEndEvent):
+            nodes.append(self._node(event, (*path, len(nodes)), depth + 1))
+        return Items(position, tuple(nodes))
+
+    def _mapping(self, position: Position, path: Path, depth: int) -> Mapping:
+        nodes: dict[str, Node] = {}
+        keys: dict[str, Position] = {}
+        while not isinstance(event := next(self._events), yaml.MappingEndEvent):
+            at = self.position(event.start_mark)
+            key = self._key(event, path, depth + 1)
+            value = self._node(next(self._events), path if key is None else (*path, key), depth + 1, at)
+            if key in keys:
+                lines = f"in lines {keys[key].line} and {at.line}" if self._numbered else "twice"
+                self._faults.append(at.fault((*path, key), f"the key is given {lines}; once is allowed"))
+            elif key is not None:
+                nodes[key], keys[key] = value, at
+        return Mapping(position, nodes, keys)
+
+    def _key(self, event: Any, path: Path, depth: int) -> str | None:
+        """The key that `event` opens; None, with a fault, for one that can't be used."""
+        is_scalar = isinstance(event, yaml.ScalarEvent)
+        node = self._node(event, path, depth)
+        position = self.position(event.start_mark)
+        if is_scalar and event.implicit[0] and event.value == "<<":
+            self._broken(position, path, "got the merge key <<; it is not supported, `from:` does that for models")
+        elif isinstance(node, Scalar) and isinstance(node.value, str):
+            return node.value
+        elif not isinstance(node, Broken):
+            got = f"the key {node.text or 'null'}" if isinstance(node, Scalar) else "a list or mapping as key"
+            self._broken(position, path, f"got {got}; a key is a text (quote it if it is one)")
+        return None
+
 
 MAX_BYTES = 1_000_000
 _PLAIN_WORDS = (

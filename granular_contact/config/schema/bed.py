@@ -1,4 +1,4 @@
-"""Schema of the bed: its free surface, its floor, its container and its layers."""
+"""Schema of the bed: its free surface, its floor, its container and its layers, each with a medium."""
 
 from __future__ import annotations
 
@@ -8,8 +8,24 @@ from typing import Annotated
 
 from pydantic import AfterValidator, Field
 
-from granular_contact.config.schema.medium import Medium
-from granular_contact.values.strict import Faults, Listed, LocalFault, NotNegative, Point, Positive, Strict, refusal
+from granular_contact.laws.catalogue import LAWS
+from granular_contact.laws.law import Law
+from granular_contact.values.strict import (
+    Faults,
+    Listed,
+    LocalFault,
+    NotNegative,
+    OneOrMore,
+    Point,
+    Positive,
+    Strict,
+    Tagged,
+    refusal,
+)
+
+Medium = Annotated[Law, Tagged("law", LAWS)]
+Media = Annotated[tuple[Medium, ...], OneOrMore()]
+
 
 STEEPEST = 60  # deg: depth is vertical, and says little of how far the surface is on steeper ground
 

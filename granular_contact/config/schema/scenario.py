@@ -8,11 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import yaml
 from pydantic import Field
 
-from granular_contact.config.schema.bed import Bed
+from granular_contact.config.schema.bed import Bed, Media
 from granular_contact.config.schema.drives import Drive
-from granular_contact.config.schema.fitting import drive_faults, initial_faults
-from granular_contact.config.schema.initial import Initial
-from granular_contact.config.schema.medium import Media
+from granular_contact.config.schema.initial import Initial, drive_faults, initial_faults
 from granular_contact.config.schema.method import Method
 from granular_contact.config.schema.model import Model
 from granular_contact.config.schema.signals import Signal

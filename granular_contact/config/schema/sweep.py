@@ -1,4 +1,4 @@
-"""Schema of a sweep file: one config, and how its cases are defined; `config.sweep_sample` draws samples."""
+"""Schema of a sweep file: one config, and how its cases are defined; `config.sweep_cases` draws samples."""
 
 from __future__ import annotations
 

@@ -9,9 +9,8 @@ from typing import Annotated
 from pydantic import Field
 
 from granular_contact.config.schema.mechanism import Rigid
-from granular_contact.config.schema.model import Model
+from granular_contact.config.schema.model import GROUND, Model
 from granular_contact.config.schema.shapes import WheelShape
-from granular_contact.config.schema.structure import GROUND
 from granular_contact.values.strict import Faults, Positive, Strict
 
 NEEDS = "a wheel hangs on the ground by a level slider, an upright slider and a hinge, as in models/wheel.yaml"

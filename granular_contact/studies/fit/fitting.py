@@ -1,7 +1,9 @@
 """Problem -> Fit: parameters, how well they are known, whether the model describes the data at all.
 
-Coefficients are compared with those published, and forces with those that the law gives. A depth in cm under a header in mm, or a force in mN under one in N, can be fitted as well as any other: what tells it
-is a coefficient that no sand has, or a force that the law does not reach. It is also found here whose medium gets the coefficients, and in what else the media differ.
+Coefficients are compared with those published, and forces with those that the law gives. A depth in cm under a header
+in mm, or a force in mN under one in N, can be fitted as well as any other: what tells it is a coefficient that no sand
+has, or a force that the law does not reach. It is also found here whose medium gets the coefficients, and in what else
+the media of the runs differ.
 """
 
 from __future__ import annotations

@@ -1,7 +1,8 @@
 """Cells of a CSV file -> measured columns as numbers, or every fault of them at its line.
 
-The name of a measured column is a quantity with its unit at the end. Of a run these are columns of its time series, of a
-force test what was prescribed and what was measured. Each step refuses its own faults; `gathered` collects those of all.
+The name of a measured column is a quantity with its unit at the end. Of a run these are columns of its time series, of
+a force test what was prescribed and what was measured. Each step refuses its own faults; `gathered` collects those of
+all.
 """
 
 from __future__ import annotations

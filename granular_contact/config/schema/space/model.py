@@ -7,12 +7,12 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from granular_contact.config.schema.chain import MOST_LINKS, names
 from granular_contact.config.schema.joints import HingeFriction, HingeSpring, HingeStops
+from granular_contact.config.schema.mechanism import MOST_LINKS, names
+from granular_contact.config.schema.model import mechanism_faults
 from granular_contact.config.schema.space.bodies import SpatialBody, SpatialLink
 from granular_contact.config.schema.space.joints import SpatialClosure, SpatialHinge, SpatialJoint
 from granular_contact.config.schema.space.turned import ORIGIN, Axis, Point3
-from granular_contact.config.schema.structure import mechanism_faults
 from granular_contact.values.strict import Faults, Listed, NotNegative, Positive, Strict, Text, allow
 
 

@@ -1,14 +1,80 @@
-"""Schema of a run in space: as in the plane, with mechanism, start and bed of three dimensions."""
+"""Schema of a run in space: as in the plane, with mechanism, start and bed of three dimensions.
+
+The start is positions, orientations and rates of joints; whether it fits them is checked here.
+"""
 
 from __future__ import annotations
 
-from granular_contact.config.schema.fitting import drive_faults
+from granular_contact.config.schema.initial import drive_faults, joint_state_faults
 from granular_contact.config.schema.scenario import Scenario
 from granular_contact.config.schema.space.bed import SpatialBed
 from granular_contact.config.schema.space.model import SpatialModel
-from granular_contact.config.schema.space.start import SpatialInitial, initial_faults
+from granular_contact.config.schema.space.turned import Oriented, Point3
 from granular_contact.laws.law import Law
-from granular_contact.values.strict import Faults
+from granular_contact.values.strict import Faults, Strict
+
+
+class SpatialJointStart(Oriented):
+    """State of one joint, in its own coordinate; what is left out is that of rest in the reference configuration.
+
+    Of a free body or a ball joint rpy_deg or quaternion is the orientation of the child in the frame of its parent, in
+    place of that of the joint.
+    """
+
+    angle_deg: float | None = None
+    """Of a hinge, right-handed about its axis."""
+    rate_rad_s: float | None = None
+    position_m: float | None = None
+    """Of a slider, along its axis."""
+    speed_m_s: float | None = None
+    x_m: float | None = None
+    """Of a free body: position of its joint, from the joint's point on the ground."""
+    y_m: float | None = None
+    z_m: float | None = None
+    vx_m_s: float | None = None
+    """Of a free body: velocity of its joint's point."""
+    vy_m_s: float | None = None
+    vz_m_s: float | None = None
+    spin_rad_s: Point3 | None = None
+    """Angular velocity of a free body along the axes of the world, of a ball joint along those of the parent."""
+
+    @property
+    def height(self) -> float | None:
+        """Of a free body (m), if it is given."""
+        return self.z_m
+
+
+TURN = ("rpy_deg", "quaternion")
+KEYS = {
+    "hinge": ("angle_deg", "rate_rad_s"),
+    "slider": ("position_m", "speed_m_s"),
+    "ball": (*TURN, "spin_rad_s"),
+    "free": ("x_m", "y_m", "z_m", *TURN, "vx_m_s", "vy_m_s", "vz_m_s", "spin_rad_s"),
+}
+RATES = ("rate_rad_s", "speed_m_s", "vx_m_s", "vy_m_s", "vz_m_s", "spin_rad_s")
+
+
+class SpatialInitial(Strict):
+    """Initial state of a mechanism in space."""
+
+    joints: dict[str, SpatialJointStart] | None = None
+    """By the name of the joint; others start at rest in the reference configuration, or follow a loop or a drive."""
+    settle: bool = False
+    """Start from static equilibrium under gravity, with the drives as they are at t = 0."""
+
+    def _faults(self) -> Faults:
+        for name, start in (self.joints or {}).items() if self.settle else ():
+            for key in RATES:
+                value = getattr(start, key)
+                if value is not None and value not in (0.0, (0.0, 0.0, 0.0)):
+                    got = f"{value:g}" if isinstance(value, float) else f"{list(value)}"
+                    yield ("joints", name, key), f"got {got}, but settle is true: allowed is 0"
+
+
+def initial_faults(initial: SpatialInitial, model: SpatialModel) -> Faults:
+    """Faults of an initial state, with paths below the scenario."""
+    for name, start in (initial.joints or {}).items():
+        yield from joint_state_faults(name, start, model, KEYS, "all other joints")
 
 
 class SpatialScenario(Scenario):
