@@ -7,12 +7,12 @@ import hashlib
 import os
 import sys
 import tempfile
+from contextlib import suppress
 from importlib.metadata import version
 from pathlib import Path
 
 import pytest
 from hypothesis import settings
-from hypothesis.internal.conjecture import providers
 
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT))
@@ -74,5 +74,8 @@ settings.register_profile("seek", print_blob=True)
 settings.load_profile("fixed")
 # Hypothesis also draws what stands as a number in any source loaded so far, which takes seconds to read: a change of an
 # unrelated file, or of the order of tests, would change the draws.
-if hasattr(providers, "_get_local_constants"):
-    providers._get_local_constants = providers.Constants
+with suppress(ImportError):  # (older ones draw no such numbers)
+    from hypothesis.internal.conjecture import providers
+
+    if hasattr(providers, "_get_local_constants"):
+        providers._get_local_constants = providers.Constants
