@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -64,6 +65,9 @@ def test_the_fit_finds_the_sand_that_made_the_data(tmp_path: Path, monkeypatch: 
 def test_the_sweep_tells_that_speed_counts_and_drag_does_not(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     page = at("tutorials/sweep.md", tmp_path, monkeypatch)
     assert "Sobol indices of stopping_time_s" in page.printed
+    named = re.findall(r"`(results/\S+)`", (DOCS / "tutorials/sweep.md").read_text(encoding="utf-8"))
+    assert [name for name in named if not (tmp_path / name).exists()] == []
+    assert len(named) > 2
     with (tmp_path / "results" / "sensitivity" / "sensitivity.csv").open(encoding="utf-8") as file:
         total = {row["input"]: float(row["total"]) for row in csv.DictReader(file)}
     # validation/sensitivity.py: drag has less than a hundredth of the variance, speed and eta_v nearly all.

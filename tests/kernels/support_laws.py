@@ -41,7 +41,7 @@ SAND = Rft3d(1617.0, 1.07, 0.1806)
 ROUGH = Rft3d(1617.0, 1.07, 1e9)
 
 BEKKER = PressureSinkage(9e5, 1.3, 29.0, k_c=2e3, cohesion=300.0, shear_deformation_modulus=0.02)
-REECE = Reece(1330.0, 20.0, 1.2, 29.0, k_c=3.0, cohesion=300.0)
+REECE = Reece(1330.0, 20.0, 1.2, 29.0, k_c_prime=3.0, cohesion=300.0)
 SURFACE_LAWS = (Rft(GENERIC, 0.3), Rft(LOOSE), Rft(CLOSE), Drft(LOOSE, 1500.0, 1.1), SAND, ROUGH, BEKKER, REECE)
 BAR_LAWS = (
     LeeMarghitu(2500.0, 6.5, 8.0, VerticalResistance(22.0, 1.1), VerticalResistance(3.0, 1.7)),

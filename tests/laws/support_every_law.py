@@ -38,7 +38,7 @@ SHEAR = {"cohesion": 300.0, "shear_deformation_modulus": 0.02, "plate_width": 0.
 MORE: dict[str, dict[str, float]] = {
     "katsuragi_durian": {"drag_length": 0.09},
     "pressure_sinkage": {"k_c": 90.0, "reference_depth": 0.02, **SHEAR},
-    "reece": {"k_c": 3.0, **SHEAR},
+    "reece": {"k_c_prime": 3.0, **SHEAR},
 }
 WITHOUT_UNIT = 1.3
 

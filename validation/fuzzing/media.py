@@ -120,7 +120,7 @@ LAWS: dict[str, Callable[[Random], Tree]] = {
     "rft3d": lambda rng: _density(rng) | {"mu_int": rng.uniform(0.1, 1.5), "mu_surf": _some(rng, 1.5)},
     "pressure_sinkage": lambda rng: _shear(rng)
     | {"k_phi_Pa": _some(rng, 1e6), "k_c_N_m": _some(rng, 1e4), "reference_depth_m": 10.0 ** rng.uniform(-2, 0)},
-    "reece": lambda rng: _shear(rng) | _density(rng) | {"k_phi": _some(rng, 100), "k_c": _some(rng, 100)},
+    "reece": lambda rng: _shear(rng) | _density(rng) | {"k_phi_prime": _some(rng, 100), "k_c_prime": _some(rng, 100)},
     "table": _table,
     "bingham": lambda rng: {"yield_force_N": _some(rng, 50), "viscosity_N_s_m": _some(rng, 50)},
     "poncelet": lambda rng: {"constant_force_N": _some(rng, 50), "drag_kg_m": _some(rng, 50)},

@@ -9,9 +9,9 @@ unit tangent t, the place p at the end of a step and d = t . (p - anchor)
     w = PATH + |p - (X, Y)|.
 
 So the shear displacement is counted anew where the shear turns back, as in Wong and Reece's towed wheel (1967, part
-II), and as soil is when it is sheared again (Wong, Theory of Ground Vehicles: it has to be displaced as far as virgin
-soil for the same stress). They place the point where it turns by the zones of failure in front of the wheel; here it is
-where the surface itself begins to move the other way [ours], which needs no wheel.
+II). They place the point where it turns by the zones of failure in front of the wheel; here it is where the surface
+itself begins to move the other way, which needs no wheel, and sand that is sheared again has to be displaced as far as
+before for the same stress [ours].
 
 A bristle at its yield displacement is dragged along, so that S is the path of the station along the surface since then;
 where a body rests it is not counted, as the bristle may be stretched and slacken again. Within a step all this is
