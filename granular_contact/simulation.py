@@ -23,7 +23,7 @@ from granular_contact.results.observation import results
 from granular_contact.results.observed import Observations
 from granular_contact.run import Begun, Solving, begin, scenario_of
 from granular_contact.scene.build import build
-from granular_contact.scene.controls import Beyond, Control, controls_of, range_warnings
+from granular_contact.scene.drives import Beyond, Control, controls_of, range_warnings
 from granular_contact.scene.types import Scene
 
 SHORTEST = 1e-4  # of solver.step_s: a shorter pause is no step

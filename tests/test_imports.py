@@ -19,7 +19,6 @@ MODULES = sorted(PACKAGE.rglob("*.py"))
 FLOORS = (
     ("errors", "examples", "values", "jit", "studies.processes"),
     ("geometry", "config.tree"),
-    ("config.compose",),
     ("config.csv_table", "config.yaml_source"),
     ("sand.kernels",),
     ("mechanics.kernels", "laws"),

@@ -13,7 +13,7 @@ import granular_contact
 from granular_contact.config import Scenario, is_run, load, load_medium, scenario_to_dict
 from granular_contact.errors import ConfigError, SceneError
 from granular_contact.scene import build
-from granular_contact.scene.controls import controls_of
+from granular_contact.scene.drives import controls_of
 
 SHORT = ("output.figures=false", "solver.end_time_s=0.002", "method={reduced: {modes: 0}}")
 CHANGES: tuple[tuple[str, object, str], ...] = (

@@ -38,7 +38,8 @@ from granular_contact.report.figures.panels import blank
 from granular_contact.report.figures.style import BLUE, DOUBLE, DPI, FAINT, GREEN, INK, ORANGE, PURPLE, VERMILION, style
 from granular_contact.run import run
 from granular_contact.scene import build
-from granular_contact.scene.types import InitialMotion, Joint, Reduced, Scene
+from granular_contact.scene.parts import InitialMotion
+from granular_contact.scene.types import Joint, Reduced, Scene
 from validation.study import Claim, Outcome, script
 from validation.tables import markdown
 

@@ -65,7 +65,7 @@ AREAS: dict[str, dict[str, tuple[str, ...]]] = {
     "decisions": {
         "scene/workspace.py": ("tests/scene/test_workspace.py", "tests/scene/test_build.py"),
         "scene/joints.py": ("tests/scene/test_build.py", "tests/scene/test_mechanisms.py", _JOINTS[0]),
-        "scene/applicability.py": ("tests/test_bed_of_a_run.py", "tests/scene/test_workspace.py"),
+        "scene/checks.py": ("tests/test_bed_of_a_run.py", "tests/scene/test_workspace.py"),
         "engines/exudyn/recorder.py": (
             "tests/multibody/test_free.py",
             "tests/test_edges.py",

@@ -145,7 +145,7 @@ def _simulate(
 
 def _explanation(scene: Scene, solved: list[tuple[System, Trajectory]]) -> Iterator[str]:
     """Lines on how a run was computed, and on what it did without; reduced models have no system."""
-    from granular_contact.scene.minimal_support import reason
+    from granular_contact.scene.methods import reason
 
     if scene.scenario is not None and scene.scenario.method.name == "auto":
         yield f"computed {reason(scene)}"

@@ -20,7 +20,8 @@ from granular_contact.results.accuracy import AccuracyWarning, remedy
 from granular_contact.results.limits import LEAST_START_DEPTH
 from granular_contact.results.summary import least_energy
 from granular_contact.scene.drives import PLENTY
-from granular_contact.scene.signals import Piecewise, bends, shortest_period
+from granular_contact.scene.signal_tables import bends, shortest_period
+from granular_contact.scene.signals import Piecewise
 from granular_contact.scene.types import Vector
 
 STEP_ERROR = 5e-3  # of the path length

@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from granular_contact.scene.types import FlexibleLink, Vector
+from granular_contact.scene.parts import FlexibleLink
+from granular_contact.scene.types import Vector
 
 # Order 9 in the axial strain and 5 in the curvature are the engine's rules; five points serve both to round-off.
 GAUSS_POINTS, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(5)

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.mechanics.system import System
-from granular_contact.scene.types import FlexibleLink, RigidBody
+from granular_contact.scene.parts import FlexibleLink, RigidBody
 
 Vector = NDArray[np.float64]
 

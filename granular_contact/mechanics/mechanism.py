@@ -16,7 +16,7 @@ from granular_contact.results import series
 from granular_contact.results.energy import work
 from granular_contact.results.interpolation import Track, above_zero, at_times, positive_part
 from granular_contact.results.strides import Driving, drive_numbers, stride_numbers
-from granular_contact.scene.signals import period
+from granular_contact.scene.signal_tables import period
 from granular_contact.scene.types import Joint, Scene, Vector
 
 LEAST_ALONG = 1e-9  # x component of the axis of a slider that is not upright

@@ -21,7 +21,7 @@ import numpy as np
 from granular_contact.mechanics.constraints import together
 from granular_contact.mechanics.kinematics import Kinematics
 from granular_contact.results.strides import Driving
-from granular_contact.scene.signals import jerks
+from granular_contact.scene.signal_tables import jerks
 from granular_contact.scene.types import Drive, Vector
 
 AT_ONCE = 2_000_000  # numbers of J

@@ -32,7 +32,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from granular_contact.scene.signals import Signal, corners, shortest_period
+from granular_contact.scene.signal_tables import corners, shortest_period
+from granular_contact.scene.signals import Signal
 from granular_contact.scene.types import Scene, Vector
 
 END = 1e-10  # s, within which the engine takes an end for reached

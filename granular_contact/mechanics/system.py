@@ -9,7 +9,8 @@ import numpy as np
 
 from granular_contact.results import Cost, Status
 from granular_contact.results.ending import paused
-from granular_contact.scene.types import FlexibleLink, RigidBody, Scene, Vector
+from granular_contact.scene.parts import FlexibleLink, RigidBody
+from granular_contact.scene.types import Scene, Vector
 
 if TYPE_CHECKING:
     from granular_contact.mechanics.joint_loads import JointLoad

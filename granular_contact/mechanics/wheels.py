@@ -18,7 +18,8 @@ from granular_contact.mechanics.mechanism import label
 from granular_contact.results import series
 from granular_contact.results.accuracy import AccuracyWarning, share
 from granular_contact.results.energy import accumulate
-from granular_contact.scene.types import Scene, Vector, Wheel
+from granular_contact.scene.parts import Wheel
+from granular_contact.scene.types import Scene, Vector
 
 STANDS = 1e-5  # m/s: below it, in rim and axle, there is no slip
 STEADY = 0.5  # the last part of the path, over which means are taken

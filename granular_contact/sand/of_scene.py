@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from granular_contact.sand.contact_lines import Body, ContactLine, ball, outline, polyline
 from granular_contact.sand.load import GranularLoad
-from granular_contact.scene.types import FlexibleLink, Scene, Shape
+from granular_contact.scene.parts import FlexibleLink, Shape
+from granular_contact.scene.types import Scene
 
 
 def load_of(scene: Scene) -> GranularLoad:

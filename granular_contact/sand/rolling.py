@@ -27,7 +27,8 @@ from granular_contact.errors import scene_fault
 from granular_contact.sand.contact_lines import Body
 from granular_contact.sand.load import GranularLoad
 from granular_contact.sand.of_scene import lines_of, load_of
-from granular_contact.scene.types import Scene, Wheel
+from granular_contact.scene.parts import Wheel
+from granular_contact.scene.types import Scene
 from granular_contact.scene.wheel_test import WheelTest
 from granular_contact.scene.workspace import immersible
 

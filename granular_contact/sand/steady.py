@@ -22,7 +22,8 @@ from granular_contact.laws.scatter import Scatter
 from granular_contact.sand.contact_lines import Body, ContactLine
 from granular_contact.sand.load import APART, GranularLoad
 from granular_contact.sand.of_scene import lines_of
-from granular_contact.scene.types import RigidBody, Scene, Shape, rotation
+from granular_contact.scene.parts import RigidBody, Shape, rotation
+from granular_contact.scene.types import Scene
 
 Vector = NDArray[np.float64]
 

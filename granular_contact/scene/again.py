@@ -18,10 +18,10 @@ from granular_contact.errors import SceneError
 from granular_contact.scene.bed import bed
 from granular_contact.scene.build import End, ends_of, verified
 from granular_contact.scene.build import built as built_anew
-from granular_contact.scene.checks import beyond_numbers
-from granular_contact.scene.media_checks import media_notes, too_steep
-from granular_contact.scene.reduced_support import medium_obstacles
-from granular_contact.scene.types import InitialMotion, Joint, Reduced, Scene, Vector, rotation
+from granular_contact.scene.checks import beyond_numbers, media_notes, too_steep
+from granular_contact.scene.methods import medium_obstacles
+from granular_contact.scene.parts import InitialMotion, rotation
+from granular_contact.scene.types import Joint, Reduced, Scene, Vector
 
 _STRIKE = ("impact_angle_deg", "impact_speed_rad_s")
 

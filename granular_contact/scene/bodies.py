@@ -9,8 +9,8 @@ import numpy as np
 
 from granular_contact.config import schema
 from granular_contact.scene.layout import ZERO, Layout, point
+from granular_contact.scene.parts import FlexibleLink, RigidBody, Shape
 from granular_contact.scene.shapes import Mass, bar, made, merged, section
-from granular_contact.scene.types import FlexibleLink, RigidBody, Shape
 
 
 def _parts(name: str, body: schema.Body, strips: int) -> list[tuple[Shape, Mass]]:

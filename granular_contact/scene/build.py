@@ -10,31 +10,19 @@ import numpy as np
 from granular_contact.config import Loaded, schema
 from granular_contact.config.changed import checked
 from granular_contact.errors import Fault, SceneError, scene_fault
-from granular_contact.scene.applicability import inapplicable
 from granular_contact.scene.bed import Bed, bed
 from granular_contact.scene.bodies import flexible_links, rigid_body
-from granular_contact.scene.checks import beyond_numbers, closure_faults
+from granular_contact.scene.checks import beyond_numbers, closure_faults, inapplicable, media_notes, too_steep
 from granular_contact.scene.drives import drives
-from granular_contact.scene.extremes import farthest, lowest
 from granular_contact.scene.joints import joints_of
 from granular_contact.scene.layout import GROUND, ZERO, JointState, Layout, lay_out, point
 from granular_contact.scene.loops import PlanarLoops, closed, redundant
-from granular_contact.scene.media_checks import media_notes, too_steep
-from granular_contact.scene.minimal_support import check_minimal, serves
-from granular_contact.scene.reduced_support import check_reduced
+from granular_contact.scene.methods import check_minimal, check_reduced, serves
+from granular_contact.scene.parts import FlexibleLink, RigidBody, Shape, turned
+from granular_contact.scene.shapes import farthest, lowest
 from granular_contact.scene.start import start
 from granular_contact.scene.steps import steps
-from granular_contact.scene.types import (
-    Drive,
-    FlexibleLink,
-    Minimal,
-    Reduced,
-    RigidBody,
-    Scene,
-    Shape,
-    Vector,
-    turned,
-)
+from granular_contact.scene.types import Drive, Minimal, Reduced, Scene, Vector
 from granular_contact.scene.wheels import wheel_drives, wheel_notes, wheel_test
 
 MOST_BODIES = 32  # whose motion is reported unless the run asks for it

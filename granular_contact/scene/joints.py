@@ -8,7 +8,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from granular_contact.config import schema
 from granular_contact.scene.joint_law import joint_law
 from granular_contact.scene.layout import STILL, JointState, Layout, Pose, direction, point
-from granular_contact.scene.types import FlexibleLink, Joint, RigidBody, rotation
+from granular_contact.scene.parts import FlexibleLink, RigidBody, rotation
+from granular_contact.scene.types import Joint
 
 
 def joints_of(

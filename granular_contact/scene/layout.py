@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 
 from granular_contact.config import schema
-from granular_contact.scene.types import InitialMotion, Vector, WorkspaceBound, rotation, turned
+from granular_contact.scene.parts import InitialMotion, WorkspaceBound, rotation, turned
+from granular_contact.scene.types import Vector
 
 GROUND = "ground"
 SIZES = {"hinge": 1, "slider": 1, "free": 3, "weld": 0}  # degrees of freedom of joints

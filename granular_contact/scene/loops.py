@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 from granular_contact.config import schema
 from granular_contact.errors import Fault, scene_fault
 from granular_contact.scene.layout import SIZES, JointState, Pose, direction, is_rigid, point, pose
+from granular_contact.scene.parts import rotation, turned
 from granular_contact.scene.start import Start, home
-from granular_contact.scene.types import Drive, Vector, rotation, turned
+from granular_contact.scene.types import Drive, Vector
 
 Mask = NDArray[np.bool_]
 # A loop may gape by this much (m, rad) as the config writes it down; it is then closed to round-off.

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from granular_contact.scene.bed import Bed
-from granular_contact.scene.types import FlexibleLink, RigidBody, Shape, Vector
+from granular_contact.scene.parts import FlexibleLink, RigidBody, Shape
+from granular_contact.scene.types import Vector
 
 # A stretched beam may be a little longer than its reference; what is this close to reaching the surface gets the load.
 MARGIN = 1.02

@@ -8,18 +8,8 @@ from support_runs import simulate, tip_error
 
 from granular_contact.mechanics.kernels.signal_tables import look_up
 from granular_contact.results import Results
-from granular_contact.scene.signal_tables import tabulate
-from granular_contact.scene.signals import (
-    Buehler,
-    Constant,
-    Ramp,
-    Signal,
-    Sine,
-    Smoothed,
-    jerks,
-    jumps,
-    piecewise,
-)
+from granular_contact.scene.signal_tables import jerks, tabulate
+from granular_contact.scene.signals import Buehler, Constant, Ramp, Signal, Sine, Smoothed, jumps, piecewise
 
 LEG = """
 model:

@@ -21,7 +21,7 @@ from granular_contact.engines.exudyn.solve import solve
 from granular_contact.mechanics.kinematics import Kinematics
 from granular_contact.mechanics.system import Trajectory
 from granular_contact.results import Outline
-from granular_contact.scene.types import InitialMotion
+from granular_contact.scene.parts import InitialMotion
 
 CONFIG = str(CONFIGS / "pendulum.yaml")
 

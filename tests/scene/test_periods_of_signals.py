@@ -10,7 +10,8 @@ import pytest
 
 from granular_contact import Results, load, simulate
 from granular_contact.errors import SceneError
-from granular_contact.scene.signals import Buehler, Constant, Ramp, Sine, piecewise, shortest_period
+from granular_contact.scene.signal_tables import shortest_period
+from granular_contact.scene.signals import Buehler, Constant, Ramp, Sine, piecewise
 
 LENGTH, DIAMETER, DENSITY, END = 0.1, 0.006, 2700.0, 0.02
 MASS = DENSITY * np.pi / 4.0 * DIAMETER**2 * LENGTH

@@ -21,7 +21,8 @@ from granular_contact.mechanics.kernels.joint_loads import JOINT
 from granular_contact.mujoco import MujocoBed
 from granular_contact.sand.of_scene import lines_of
 from granular_contact.scene import Scene
-from granular_contact.scene.types import Drive, Joint, RigidBody, rotation
+from granular_contact.scene.parts import RigidBody, rotation
+from granular_contact.scene.types import Drive, Joint
 
 Array = NDArray[np.float64]
 SERVO = 200.0, 0.4  # N m/rad, N m s/rad: what stands for a prescribed motion, which MuJoCo does not have

@@ -17,7 +17,8 @@ from granular_contact.engines.exudyn.overlay import Overlay
 from granular_contact.engines.exudyn.views import EngineCoordinates
 from granular_contact.mechanics.mass_and_gravity import gravity_loads
 from granular_contact.mechanics.system import LinkHandle, RigidHandle, System
-from granular_contact.scene.types import FlexibleLink, RigidBody, Scene, Vector, rotation
+from granular_contact.scene.parts import FlexibleLink, RigidBody, rotation
+from granular_contact.scene.types import Scene, Vector
 from granular_contact.scene.workspace import can_get_below, immersible
 
 if TYPE_CHECKING:

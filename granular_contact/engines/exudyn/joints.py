@@ -14,7 +14,8 @@ from numpy.typing import ArrayLike
 
 from granular_contact.engines.exudyn.joint_actions import Turning
 from granular_contact.mechanics.system import System
-from granular_contact.scene.types import Drive, Joint, Vector, rotation
+from granular_contact.scene.parts import rotation
+from granular_contact.scene.types import Drive, Joint, Vector
 
 if TYPE_CHECKING:
     from granular_contact.mechanics.coordinates import Coordinate, Numbers

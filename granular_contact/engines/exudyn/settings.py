@@ -12,7 +12,8 @@ from granular_contact.engines.exudyn.predictor import Patience
 from granular_contact.engines.exudyn.step_control import StepControl
 from granular_contact.mechanics.scheme import moving_joints, prescribed, spectral_radius, stops
 from granular_contact.mechanics.stepping import SHORT, SHORTEST, usual_step
-from granular_contact.scene.types import FlexibleLink, Scene
+from granular_contact.scene.parts import FlexibleLink
+from granular_contact.scene.types import Scene
 
 EPSILON = float(np.finfo(float).eps)
 OF_UNRESOLVED = 0.0  # spectral radius

@@ -16,7 +16,8 @@ from granular_contact.mechanics.kinematics import Kinematics
 from granular_contact.mechanics.system import System, Trajectory
 from granular_contact.results import Outline
 from granular_contact.results.frames import instants, resample
-from granular_contact.scene.types import InitialMotion, Vector, rotation
+from granular_contact.scene.parts import InitialMotion, rotation
+from granular_contact.scene.types import Vector
 
 MOST_FRAMES, PERIOD = 501, 0.04  # s
 STEEL, SAND = [0.56, 0.70, 0.80, 1.0], [0.85, 0.75, 0.55, 0.6]

@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 from granular_contact.engines.modal.kernels.modal import MODAL_STATION
 from granular_contact.engines.modal.kernels.pendulum import PENDULUM
 from granular_contact.engines.modal.modes import Modes, roots
-from granular_contact.scene.reduced_support import check_reduced
-from granular_contact.scene.types import FlexibleLink, Reduced, RigidBody, Scene, Shape, Vector, rotation
+from granular_contact.scene.methods import check_reduced
+from granular_contact.scene.parts import FlexibleLink, RigidBody, Shape, rotation
+from granular_contact.scene.types import Reduced, Scene, Vector
 
 # Wavelengths need strips: so many for each mode, where the scene has fewer.
 STRIPS_PER_MODE = 4

@@ -20,8 +20,9 @@ from granular_contact.sand.contact_lines import Body
 from granular_contact.sand.load import GranularLoad
 from granular_contact.sand.of_scene import lines_of, load_of
 from granular_contact.sand.rolling import sunk
+from granular_contact.scene.parts import RigidBody
 from granular_contact.scene.signal_tables import tabulate
-from granular_contact.scene.types import Joint, RigidBody, Scene, Vector
+from granular_contact.scene.types import Joint, Scene, Vector
 from granular_contact.scene.workspace import immersible
 
 
@@ -80,7 +81,7 @@ class _Node:
 
 
 def tree(scene: Scene) -> Tree:
-    """Set up a scene that `scene.minimal_support` allows."""
+    """Set up a scene that `scene.methods` allows."""
     scene = sunk(scene)
     nodes = _nodes(scene)
     places = {node.body.name: i for i, node in enumerate(nodes) if node.body is not None}

@@ -12,17 +12,14 @@ from granular_contact.errors import Fault, SceneError, scene_fault
 from granular_contact.laws.law import Law
 from granular_contact.sand.space.load import kinds
 from granular_contact.scene.bed import places
-from granular_contact.scene.checks import beyond_numbers, closure_faults
+from granular_contact.scene.checks import beyond_numbers, closure_faults, media_notes, too_steep
 from granular_contact.scene.drives import drives
 from granular_contact.scene.layout import GROUND, weld_groups
 from granular_contact.scene.loops import closed
-from granular_contact.scene.media_checks import media_notes, too_steep
 from granular_contact.scene.space.bed import bed
-from granular_contact.scene.space.bodies import bodies_of, rigid_body
-from granular_contact.scene.space.joints import joints_of, on_ground
-from granular_contact.scene.space.layout import pose
+from granular_contact.scene.space.bodies import bodies_of, joints_of, on_ground, rigid_body
+from granular_contact.scene.space.layout import pose, start
 from granular_contact.scene.space.loops import SpatialLoops, needed
-from granular_contact.scene.space.start import start
 from granular_contact.scene.space.types import Part, SpatialRigidBody, SpatialScene, Vector
 from granular_contact.scene.steps import steps
 

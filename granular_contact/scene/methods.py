@@ -1,4 +1,4 @@
-"""Which mechanisms the reduced model supports."""
+"""Which mechanisms minimal coordinates and the modal model support."""
 
 from __future__ import annotations
 
@@ -6,12 +6,62 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from granular_contact.config.schema.joints import SINGULAR
+from granular_contact.config.schema.joints import PLURAL, SINGULAR
 from granular_contact.errors import scene_error
-from granular_contact.scene.minimal_support import named
-from granular_contact.scene.types import FlexibleLink, Joint, Reduced, RigidBody, Scene
+from granular_contact.scene.parts import FlexibleLink, RigidBody
+from granular_contact.scene.types import Joint, Minimal, Reduced, Scene
 
-SUPPORTED = (
+IN_MINIMAL = "minimal coordinates are for trees of rigid bodies that hinges and sliders join, on the ground or free"
+
+
+def check_minimal(scene: Scene) -> None:
+    """Refuse a scene that minimal coordinates do not support.
+
+    Raises
+    ------
+    SceneError
+        With the key `method`, all obstacles, and what is supported.
+    """
+    obstacles = list(_obstacles(scene))
+    if obstacles:
+        raise scene_error("method", f"{', and '.join(obstacles)}: {IN_MINIMAL}")
+
+
+def serves(scene: Scene) -> bool:
+    """Whether minimal coordinates support a scene in the plane."""
+    return next(_obstacles(scene), None) is None
+
+
+def reason(scene: Scene) -> str:
+    """Why `method: auto` has a scene solved as it is."""
+    if isinstance(scene.method, Minimal):
+        return "in minimal coordinates, the faster way for a tree of rigid bodies in the plane"
+    if scene.in_space:
+        return "by the engine: it is in space"
+    return f"by the engine: {' and '.join(_obstacles(scene))}; {IN_MINIMAL}"
+
+
+def _obstacles(scene: Scene) -> Iterator[str]:
+    if scene.links:
+        yield f"{scene.links[0].name} is flexible"
+    if scene.settle:
+        yield "initial.settle is true"
+    others: dict[tuple[str, str], list[str]] = {}
+    for joint in scene.joints:
+        if joint.closes or joint.kind == "weld":
+            words = f"is {SINGULAR[joint.kind]}", f"are {PLURAL[joint.kind]}"
+            others.setdefault(("closes a loop", "close loops") if joint.closes else words, []).append(joint.name)
+    for (one, many), names in others.items():
+        yield f"{named(names)} {one if len(names) == 1 else many}"
+
+
+def named(names: list[str]) -> str:
+    """At most three names, and how many more there are."""
+    shown = ", ".join(names[:3])
+    return f"{shown} and {len(names) - 3} more" if len(names) > 3 else shown
+
+
+IN_MODAL = (
     "the reduced model is for one hinge on the ground, a rigid body on it (any welded parts), and at most one flexible "
     "link, welded to that body by its root, in one medium with a level surface"
 )
@@ -29,7 +79,7 @@ def check_reduced(scene: Scene, modes: int) -> None:
     if not obstacles and modes > 0 and not scene.links:
         raise scene_error("method.reduced.modes", f"got {modes}, but the model has no flexible link: allowed is 0")
     if obstacles:
-        raise scene_error("method", f"{', and '.join(obstacles)}: {SUPPORTED}")
+        raise scene_error("method", f"{', and '.join(obstacles)}: {IN_MODAL}")
 
 
 def _acting_on_joints(scene: Scene) -> Iterator[str]:
