@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import json
 import signal
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
-from support_runs import scenario_of
+from support_runs import CONFIGS, scenario_of
 
 from granular_contact import Results, Simulation, simulate
+from granular_contact.cli import main
 from granular_contact.config import Scenario
 
 METHODS = {
@@ -97,3 +100,15 @@ def test_a_run_cut_where_the_sign_is_too_steep_says_what_to_take(method: str) ->
     assert results.status.code == "time_limit"
     told = "take a larger load.friction.reference_speed_m_s (now 1e-06), or type: elastoplastic"
     assert results.status.message.endswith(told)
+
+
+def test_a_result_that_is_not_usable_has_an_exit_code_of_its_own(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    run = ["run", str(CONFIGS / "pendulum.yaml"), "--no-plots", "--quiet", "--out", str(tmp_path / "out")]
+    short = ["--set", "solver.end_time_s=0.04", "--set", "solver.rest_time_s=null"]
+    assert main([*run, *short, "--set", "solver.step_s=1e-2"]) == 5
+    assert "not usable" in capsys.readouterr().err
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))
+    assert summary["usable"] is False
+    assert main([*run, *short]) == 0

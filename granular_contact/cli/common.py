@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from granular_contact.config import Scenario
     from granular_contact.scene import Scene
 
-FINE, FAULTY_INPUT, FAILED, OUT_OF_TIME, INTERRUPTED = 0, 2, 3, 4, 130
+FINE, FAULTY_INPUT, FAILED, OUT_OF_TIME, NOT_USABLE, INTERRUPTED = 0, 2, 3, 4, 5, 130
 MOST_WORKERS = 256
 LABEL = 18  # characters before the values of a summary
 NARROW = 70  # columns of a terminal on which a bar does without words

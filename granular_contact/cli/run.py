@@ -15,6 +15,7 @@ from granular_contact.cli.common import (
     ENDS,
     FINE,
     NARROW,
+    NOT_USABLE,
     Refusal,
     add_output,
     add_set,
@@ -110,13 +111,15 @@ def execute(chosen: argparse.Namespace) -> int:
         say("\n".join(_summary(results, _surface_follows(scenario), took, folder)))
     elif results.status.code in ENDS:
         complain(f"{results.status.message}; saved in {folder}")
+    elif not results.summary["usable"]:
+        complain(f"the result is not usable, see its warnings; saved in {folder}")
     if explained:
         say("\n".join(explained))
     for solved in kept if chosen.view else ():
         from granular_contact.engines.exudyn import view
 
         view.show(*solved)
-    return ENDS.get(results.status.code, FINE)
+    return ENDS.get(results.status.code, FINE if results.summary["usable"] else NOT_USABLE)
 
 
 def _simulate(

@@ -103,8 +103,8 @@ def usual_step(scene: Scene) -> float:
 def _within_periods(scene: Scene, accuracy: float) -> float:
     """Longest step (s) by the shortest period of the signals of drives.
 
-    A step adds up forces by the trapezoidal rule, which with n steps a period leaves the impulse of half a sine wrong by
-    (2 pi / n)^2 / 12 of it; a body at rest keeps that as a speed. Prescribed motions add up nothing.
+    A step adds up forces by the trapezoidal rule, which with n steps a period leaves the impulse of half a sine wrong
+    by (2 pi / n)^2 / 12 of it; a body at rest keeps that as a speed. Prescribed motions add up nothing.
     """
     end, fine = scene.solver.end_time_s, max(OF_A_PERIOD, math.pi / math.sqrt(3.0 * accuracy))
     each = (

@@ -27,6 +27,11 @@ class AccuracyWarning:
     error: float = math.nan
 
 
+def usable(imbalance: float, found: Sequence[AccuracyWarning]) -> bool:
+    """Whether a result is usable; where not, a warning says why. imbalance: relative to the largest energy."""
+    return imbalance <= USELESS and not any(one.error == math.inf for one in found)
+
+
 def warning_sentences(imbalance: float, found: Sequence[AccuracyWarning], scene: Scene) -> list[str]:
     """Sentences on the accuracy of a run; imbalance: relative to its largest energy."""
     fatal = [one.sentence for one in found if one.error == math.inf]

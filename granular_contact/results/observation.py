@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from granular_contact.results import Column, Cost, Outline, Results, Snapshot, Status, energy, series
-from granular_contact.results.accuracy import AccuracyWarning, warning_sentences
+from granular_contact.results.accuracy import AccuracyWarning, usable, warning_sentences
 from granular_contact.results.frames import Later, frames, instants, resample
 from granular_contact.results.interpolation import Track, at_times
 from granular_contact.results.limits import Reach, warnings
@@ -147,6 +147,7 @@ def warned(
         *warning_sentences(summary["energy"]["imbalance_relative"], accuracy, scene),
         *warnings(scene, reach, start, None if greatest.depth is None else greatest.depth[0]),
     ]
+    summary["usable"] = usable(summary["energy"]["imbalance_relative"], accuracy)
     if scene.stiff:
         summary["too_stiff_to_bend"] = list(scene.stiff)
     return summary
