@@ -37,10 +37,11 @@ os.environ.setdefault("NUMBA_CACHE_DIR", str(_folder))
 # that none of them is left over for one worker at the end.
 FIRST = (
     "test_run.py",
+    "test_mujoco_motion.py",
     "test_plots.py",
-    "test_bed.py",
     "test_site.py",
     "test_blocks.py",
+    "test_bed.py",
     "test_html.py",
     "test_readme.py",
     "test_line_tangents.py",
