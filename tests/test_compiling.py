@@ -50,7 +50,6 @@ for name, overrides in SOLVERS.items():
     os.wait()
 """
 SOLVERS = {
-    "engine": ("pendulum_rigid",),
     "engine, chosen steps, settled": (
         "pendulum_rigid",
         "solver.accuracy=1e-3",
@@ -59,7 +58,6 @@ SOLVERS = {
     ),
     "minimal": ("double_pendulum", "method={minimal: {}}"),
     "reduced, bristles": ("pendulum", "method.reduced={modes: 1, static: elastoplastic}"),
-    "reduced, true sign, modes": ("pendulum", "method.reduced={modes: 1, static: true_sign}"),
 }
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
 import os
 import shutil
 import subprocess
@@ -18,34 +20,40 @@ PATTERNS = ("models/*.yaml", "configs/*.yaml")
 SOURCES = sorted(p.relative_to(ROOT).as_posix() for pattern in PATTERNS for p in ROOT.glob(pattern))
 
 
-def test_all_models_and_configs_are_written_and_say_what_next(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert cli.main(["examples", str(tmp_path / "my sand")]) == 0
-    written = {p.relative_to(tmp_path / "my sand").as_posix(): p for p in (tmp_path / "my sand").rglob("*.*")}
+@pytest.fixture(scope="module")
+def told(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
+    """A folder with the examples, and what was said."""
+    folder, out = tmp_path_factory.mktemp("examples") / "my sand", io.StringIO()
+    with contextlib.redirect_stdout(out):
+        assert cli.main(["examples", str(folder)]) == 0
+    return folder, out.getvalue()
+
+
+def test_all_models_and_configs_are_written_and_say_what_next(told: tuple[Path, str]) -> None:
+    folder, out = told
+    written = {p.relative_to(folder).as_posix(): p for p in folder.rglob("*.*")}
     assert set(SOURCES) <= set(written)
     for name in SOURCES:
         assert written[name].read_bytes() == (ROOT / name).read_bytes()
     assert {path.suffix for path in written.values()} <= {".yaml", ".csv", ".json", ".txt", ".urdf", ".stl"}
     assert "models/hexapod/meshes/leg.stl" in written
-    out = capsys.readouterr().out
-    assert f"cd '{tmp_path / 'my sand'}'" in out
+    assert f"cd '{folder}'" in out
     assert "granular-contact run configs/pendulum.yaml" in out
 
 
 def test_a_changed_file_is_never_overwritten_and_an_equal_one_is_fine(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    told: tuple[Path, str], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert cli.main(["examples", str(tmp_path)]) == 0
-    assert cli.main(["examples", str(tmp_path)]) == 0
-    mine = tmp_path / "configs" / "pendulum.yaml"
+    folder, _ = told
+    assert cli.main(["examples", str(folder)]) == 0
+    mine = folder / "configs" / "pendulum.yaml"
     mine.write_text("mine")
-    (tmp_path / "configs" / "impact_22deg.yaml").unlink()
+    (folder / "configs" / "impact_22deg.yaml").unlink()
     capsys.readouterr()
-    assert cli.main(["examples", str(tmp_path)]) == 2
+    assert cli.main(["examples", str(folder)]) == 2
     assert capsys.readouterr().err.startswith("examples: configs/pendulum.yaml in ")
     assert mine.read_text() == "mine"
-    assert not (tmp_path / "configs" / "impact_22deg.yaml").exists()  # nothing half-written
+    assert not (folder / "configs" / "impact_22deg.yaml").exists()  # nothing half-written
 
 
 def test_a_file_in_the_way_is_refused_in_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

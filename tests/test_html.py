@@ -72,7 +72,7 @@ def made(kind: str, folder: Path) -> Path:
     folder.parent.mkdir()
     if kind == "run":
         scenario = scenario_of("pendulum")
-        report.write(run(build(scenario), scenario, most_frames=31), folder, film="gif")
+        report.write(run(build(scenario), scenario, most_frames=11), folder, film="gif")
     elif kind == "compare":
         compare.write(compare.compare(CONFIGS / "pendulum.yaml", (1,), (2, 4), repeats=1), folder)
     elif kind == "sweep":
@@ -90,6 +90,14 @@ def made(kind: str, folder: Path) -> Path:
         (folder / "residuals.csv").write_text(head + rows)
         (folder / "medium.yaml").write_text("from: play_sand\neta_h: 8.1\n")
     return folder
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _coarse() -> Iterator[None]:
+    """Figures of few pixels, which are drawn sooner."""
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr("granular_contact.report.figures.DPI", 50)
+        yield
 
 
 @pytest.fixture(scope="module")

@@ -34,10 +34,12 @@ FIXED = {
     "chain": 1e-4,
     "chain_flexible": 1e-4,
 }
-NAMES = sorted(  # in the plane
+NAMES = sorted(  # in the plane; the impacts at other angles are the pendulum's
     path.stem
     for path in CONFIGS.glob("*.yaml")
-    if is_run(path) and not getattr(load_scenario(path).model, "in_space", False)
+    if is_run(path)
+    and not path.stem.startswith("impact_")
+    and not getattr(load_scenario(path).model, "in_space", False)
 )
 _OF_THE_STEPS = ("cost", "versions", "warnings", "message", "status")
 VIBRATES = ("hub_stopping_time_s", "max_deflection_time_s", "energy.damping_work_J")

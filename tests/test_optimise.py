@@ -169,7 +169,7 @@ REAL = f"""config: {CONFIGS / "pendulum_rigid.yaml"}
 set: {{method: {{reduced: {{modes: 0}}}}, output.figures: false}}
 {PARAMETERS}objective: {{minimise: stopping_time_s}}
 constraints: {{max_depth_m: {{at_most: 0.02}}}}
-evaluations: 60
+evaluations: 30
 seed: 1
 """
 
@@ -187,10 +187,10 @@ def test_a_search_killed_goes_on_to_the_same_best(tmp_path, monkeypatch, capsys)
         return sum(file.read_bytes().count(b"\n") for file in (out.with_suffix(".part") / "journal").glob("*.jsonl"))
 
     with subprocess.Popen(arguments(*words), env=HERE, stdout=subprocess.DEVNULL) as process:
-        until(lambda: process.poll() is not None or lines(tmp_path / "out") >= 15, 100)
+        until(lambda: process.poll() is not None or lines(tmp_path / "out") >= 8, 100)
         process.send_signal(signal.SIGKILL)
     kept = lines(tmp_path / "out")
-    assert 15 <= kept < 60
+    assert 8 <= kept < 30
     assert not (tmp_path / "out").exists()
     monkeypatch.setattr(shared, "pool", lambda *_: WorkerPool(2, Threads))  # other workers go on
     assert main(words) == 0
@@ -204,7 +204,7 @@ def test_a_search_killed_goes_on_to_the_same_best(tmp_path, monkeypatch, capsys)
         yaml.safe_load(PARAMETERS)["parameters"],
         minimise="stopping_time_s",
         constraints={"max_depth_m": {"at_most": 0.02}},
-        evaluations=60,
+        evaluations=30,
         seed=1,
         workers=1,
     )
@@ -235,7 +235,7 @@ def here(monkeypatch):
     monkeypatch.setattr(shared, "pool", lambda *_: WorkerPool(2, Threads))
 
 
-TINY = REAL.replace("evaluations: 60", "evaluations: 20").replace("false", "true")
+TINY = REAL.replace("evaluations: 30", "evaluations: 20").replace("false", "true")
 
 
 @pytest.mark.usefixtures("here")

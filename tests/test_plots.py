@@ -34,8 +34,6 @@ CASES: dict[str, dict[str, Any]] = {
     "shallow": {"angle_deg": 22, "rate": 1.75, "flexible": True, "before": 0.008},
     "vacuum": {"medium": False, "stopped": False},
     "failed_1_row": {"rows": 1, "stopped": False},
-    "seconds": {"speed": 0.01, "before": 0.02},
-    "early_stop": {"after": 0.06},
 }
 MEDIUM = {"motion", "forces", "energy", "mechanism"}
 
@@ -67,24 +65,6 @@ def free_disc() -> Results:
     columns = tuple(one.columns[i] for i in keep)
     summary = {**one.summary, "angle_at_stop_deg": None}
     return dataclasses.replace(one, columns=columns, table=one.table[:, keep], snapshots=shots, summary=summary)
-
-
-def plunger() -> Results:
-    """A thin upright bar pushed straight down under a wide cart."""
-    one = make()
-    sunk = one.summary["max_depth_m"]
-    shots = tuple(
-        Snapshot(
-            label,
-            at,
-            (
-                Outline("cart", np.array([[-0.4, one.surface + 0.1 - low], [0.4, one.surface + 0.1 - low]]), 0.02),
-                Outline("bar", np.array([[0.0, one.surface + 0.1 - low], [0.0, one.surface - low]]), 0.001),
-            ),
-        )
-        for label, at, low in (("touch", 0.0, 0.0), ("deepest", 0.03, sunk), ("end", 0.03, sunk))
-    )
-    return dataclasses.replace(one, snapshots=shots)
 
 
 def walker() -> Results:
@@ -129,13 +109,13 @@ def chain() -> Results:
 
 
 def build(case: str) -> Results:
-    return {"two_hinges": two_hinges, "free_disc": free_disc, "plunger": plunger, "walker": walker, "chain": chain}.get(
+    return {"two_hinges": two_hinges, "free_disc": free_disc, "walker": walker, "chain": chain}.get(
         case, lambda: make(**CASES[case])
     )()
 
 
 # Each with something that no other has; a layout costs a second.
-ALL = ["shallow", "failed_1_row", "seconds", "early_stop", "two_hinges", "free_disc", "plunger", "walker", "chain"]
+ALL = ["shallow", "failed_1_row", "two_hinges", "free_disc", "walker", "chain"]
 
 
 @pytest.fixture(scope="module", params=ALL)

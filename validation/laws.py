@@ -271,7 +271,7 @@ def clark_behringer(z: Vector, speed: float, k: float, h: float) -> Vector:
 def closed_forms(quick: bool) -> tuple[str, list[Claim]]:
     """Engine against v^2(z) of linear static force and quadratic drag, and against Poncelet's depth."""
     rows, claims = [], []
-    step = 4e-6 if quick else 1e-6
+    step = 1e-5 if quick else 1e-6
     h = MASS / (3.4 * DIAMETER)
     worst = 0.0
     for speed in (1.0, 3.0):
@@ -308,7 +308,7 @@ def closed_forms(quick: bool) -> tuple[str, list[Claim]]:
 def sphere_drops(quick: bool) -> tuple[str, list[Claim]]:
     """Penetration and stopping time of katsuragi_durian against drop height."""
     heights = np.array([0.0, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0])
-    step = 4e-5 if quick else 1e-5
+    step = 1e-4 if quick else 1e-5
     drops = [drop(beads(), math.sqrt(2 * G * height), step, 0.15).stop for height in heights]
     times, depths = np.array(drops).T
     total = heights + depths

@@ -42,7 +42,7 @@ SYMBOLS = {
     "initial.impact_speed_rad_s": "speed",
     "initial.impact_angle_deg": "angle",
 }
-COUNT, QUICK_COUNT = 1024, 64
+COUNT, QUICK_COUNT = 1024, 32
 
 
 @dataclass(frozen=True)

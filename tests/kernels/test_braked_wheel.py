@@ -87,11 +87,11 @@ def test_driven_and_braked_wheels_are_those_of_the_quadrature() -> None:
 
 def test_in_space_too() -> None:
     tilt = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])  # its axis across
-    for slip in (-0.2, -0.02, 0.2):
+    for slip in (-0.02, 0.2):
         load = SpatialLoad(SAND, 0.0, static=SHARP)
         shape = Cylinder(2.0 * RADIUS, WIDTH)
         load.add_shape(Body("wheel", range(6)), shape, rotation=tilt, facet_size=0.004)
-        got, want = rolled(load, slip, 6), by_hand(slip)
+        got, want = rolled(load, slip, 6, steps=150), by_hand(slip)
         # A facet is a twelfth of the contact long; the end faces, which slide along, take some shear.
         np.testing.assert_allclose(got[:2], want[:2], atol=0.03 * want[1], err_msg=str(slip))
 

@@ -181,7 +181,7 @@ def test_interval(z0: float, z1: float, expected: tuple[float, float]) -> None:
 depth = st.floats(-1.0, 1.0).filter(lambda z: abs(z) > 1e-3)
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(depth, depth, st.floats(0.001, 0.999))
 def test_interval_holds_what_is_immersed(z0: float, z1: float, xi: float) -> None:
     first, last = immersed_interval(z0, z1)

@@ -24,7 +24,7 @@ from support_slow import (
 from granular_contact.laws.lee_marghitu import LeeMarghitu, VerticalResistance
 from granular_contact.laws.static_friction import Elastoplastic
 
-STATES = 300
+STATES = 100
 SLOPES = (None, 0.0, np.pi, np.pi / 2, -np.pi / 2)
 UPRIGHT = Link(np.array([[0.1, 0.05], [0.1, -0.2]]), np.array([[0.4, -0.3]] * 2), 0.01)
 DRAG, HORIZONTAL, VERTICAL = 0, 1, 2

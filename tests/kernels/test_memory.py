@@ -15,11 +15,8 @@ A = np.arange(60.0).reshape(5, 4, 3)
 STATIONS = np.array([(1.0, 2), (3.0, 4), (5.0, 6)], [("x", "f8"), ("k", "i8")])
 VIEWS: dict[str, tuple[Callable[..., Any], tuple[Any, ...]]] = {
     "rows of one axis": (lambda a: memory.rows(a, 1, 2), (A[0, 0].copy(),)),
-    "rows of two": (lambda a: memory.rows(a, 1, 3), (A[1].copy(),)),
     "rows of three": (lambda a: memory.rows(a, 2, 2), (A,)),
     "rows of records": (lambda a: memory.rows(a, 1, 2), (STATIONS,)),
-    "none": (lambda a: memory.rows(a, 5, 0), (A,)),
-    "piece of two": (lambda a: memory.piece(a, 2, 2), (A[3].copy(),)),
     "piece of three": (lambda a: memory.piece(a, 4, 3), (A,)),
     "flat": (lambda a: memory.flat(a), (A,)),
     "borrowed": (lambda a: memory.borrowed(a), (A,)),

@@ -23,12 +23,12 @@ def shape(**keys: Any) -> Any:
 
 
 def counted(inside: Callable[[np.ndarray], np.ndarray], reach: float) -> tuple[float, np.ndarray, float]:
-    """Area, centre and polar second moment per area about the centre, from 1200 x 1200 squares."""
-    axis = (np.arange(1200) + 0.5) / 600 - 1.0
+    """Area, centre and polar second moment per area about the centre, from 800 x 800 squares."""
+    axis = (np.arange(800) + 0.5) / 400 - 1.0
     points = reach * np.stack(np.meshgrid(axis, axis), axis=-1).reshape(-1, 2)
     held = points[inside(points)]
     center = held.mean(axis=0)
-    return len(held) * (reach / 600) ** 2, center, float(np.sum((held - center) ** 2, axis=1).mean())
+    return len(held) * (reach / 400) ** 2, center, float(np.sum((held - center) ** 2, axis=1).mean())
 
 
 def near_line(line: np.ndarray, half: float) -> Callable[[np.ndarray], np.ndarray]:
@@ -65,7 +65,7 @@ def test_solids_have_the_mass_of_their_outline(keys: dict[str, Any]) -> None:
     assert solid.kind == "outline"
     np.testing.assert_array_equal(solid.points[0], solid.points[-1])
     area, center, gyration = counted(Path(solid.points).contains_points, 0.12)
-    # Squares of 0.2 mm along an outline of 0.3 m, in and out at random: some 1e-3 of the area; a disc's 400 chords
+    # Squares of 0.3 mm along an outline of 0.3 m, in and out at random: some 1.5e-3 of the area; a disc's 400 chords
     # and a foot's 24 at each end lose as much again.
     assert lump.mass / 0.5 == pytest.approx(area, rel=3e-3)
     np.testing.assert_allclose(lump.center, center, atol=1e-4)
@@ -86,7 +86,7 @@ def test_flat_bars_have_the_mass_of_their_band(keys: dict[str, Any]) -> None:
     bar, lump = made("part", shape(**keys), STRIPS)
     assert bar.kind == "flat"
     area, center, gyration = counted(near_line(bar.points, keys["thickness_m"] / 2), 0.1)
-    # As above, with squares of 0.17 mm along bands of 2 to 10 mm, and half a square of thickness at the corners.
+    # As above, with squares of 0.25 mm along bands of 2 to 10 mm, and half a square of thickness at the corners.
     assert lump.mass / 0.5 == pytest.approx(area, rel=2e-2)
     np.testing.assert_allclose(lump.center, center, atol=3e-4)
     assert lump.inertia / lump.mass == pytest.approx(gyration, rel=2e-2)

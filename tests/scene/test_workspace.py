@@ -77,7 +77,7 @@ def shifted(text: str, overrides: tuple[str, ...], by: tuple[float, float]) -> s
 
 
 @pytest.mark.parametrize(("text", "overrides"), SCENES)
-@settings(deadline=None, max_examples=15)
+@settings(deadline=None, max_examples=5)
 @given(by=st.tuples(st.floats(-1e3, 1e3), st.floats(-1e3, 1e3)))
 def test_a_shift_changes_nothing_of_what_is_refused(
     text: str, overrides: tuple[str, ...], by: tuple[float, float]

@@ -273,16 +273,16 @@ def test_sand_never_drives_what_moves_through_it(name: str) -> None:
     # no springs with a potential: less than they hold, and nothing that is as fast as their damping.
     medium, shape = PAIRS[name]
     yields = 1e-5
-    for seed in range(3):
+    for seed in range(2):
         for way, rate, most in ((0.03, 1.0, -1e-3), (1e-6, 1.0, 1.0), (1e-7, 1000.0, 0.0)):
             motion = Motion(seed, depth=0.06, closed=True, way=way)
             load = load_on(medium, shape, 0.03, static=Elastoplastic(yields, 1e-3))
             load.start(motion.state(0.0)[0])
-            for i in range(161):
-                q, v = motion.state(i / 80)
-                load.accept(i / 80 / rate, q, rate * v)
+            for i in range(81):
+                q, v = motion.state(i / 40)
+                load.accept(i / 40 / rate, q, rate * v)
             history = load.history
-            gained = history.work[160] - history.work[80]
+            gained = history.work[80] - history.work[40]
             if most == 1.0:
                 assert gained < 0.5 * yields * np.linalg.norm(history.bodies[:, 0, :3], axis=1).max()
             else:

@@ -31,7 +31,7 @@ HUB = 0.009525 + 0.01524  # m, from the pivot to the link's root
 # Modes of each reduced model, elements and steps per rigid stopping time of each beam; the last is the reference.
 MODES = {"rigid": 0, "one": 1, "two": 2, "five": 5}
 BEAMS = {"coarse": (16, 400), "fine": (32, 800)}
-QUICK_BEAMS = {"coarse": (8, 300), "fine": (16, 600)}
+QUICK_BEAMS = {"coarse": (4, 200), "fine": (8, 400)}
 SPANS = (3.0, 12.0)  # times the rigid stopping time: where a run ends, and where it ends if it had not stopped by then
 # Times the steps that a run should take; modes that diverge in a fast spin, as nothing stiffens them, take ever smaller
 # ones.
@@ -67,10 +67,9 @@ class Case:
 def design(quick: bool) -> list[Case]:
     """The cases: EI and speed at 31 degrees, then lines in density, length and angle at two stiffnesses."""
     if quick:
-        grid = [Case("EI, speed", k) for k in (1e-4, 1e-2, 1.0, 1e2)]
-        grid += [Case("EI, speed", k, 0.5) for k in (1e-2, 1.0)]
-        lines = [Case("density", 1e-2, density=5.0), Case("length", 1e-2, length=2.0), Case("angle", 1e-2, angle=61.5)]
-        return [*grid, Case("angle", angle=61.5), *lines]
+        grid = [Case("EI, speed", k) for k in (1e-2, 1.0, 1e2)]
+        lines = [Case("density", 1e-2, density=5.0), Case("angle", 1e-2, angle=61.5)]
+        return [*grid, Case("EI, speed", 1.0, 0.5), *lines]
     grid = [Case("EI, speed", 10.0**k, w) for k in range(-4, 3) for w in (0.1, 0.5, 2.0, 6.24, 11.0, 20.0)]
     lines = []
     for k in (1e-2, 1.0):
