@@ -20,7 +20,7 @@ class Elastoplastic(Coefficients):
     Parameters
     ----------
     yield_displacement : float
-        Stretch (m) of the bristle at which it yields, above 0.
+        Stretch (m) at which a bristle, the spring of static friction, yields; above 0.
     damping_time : float
         Its damping over its stiffness (s), 0 or more.
     """

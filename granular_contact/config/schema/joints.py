@@ -81,7 +81,7 @@ class HingeStops(Strict):
 
 
 class HingeFriction(Strict):
-    """Dry friction that can hold a load at rest: an elastic bristle that slips."""
+    """Dry friction that can hold a load at rest: a spring (a bristle) that slides at its limit."""
 
     torque_Nm: Positive
     slip_deg: Positive = 0.01
@@ -136,7 +136,7 @@ class SliderStops(Strict):
 
 
 class SliderFriction(Strict):
-    """Dry friction that can hold a load at rest: an elastic bristle that slips."""
+    """Dry friction that can hold a load at rest: a spring (a bristle) that slides at its limit."""
 
     force_N: Positive
     slip_m: Positive = 1e-5
