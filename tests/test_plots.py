@@ -164,7 +164,7 @@ def tick_labels(axis: Axis) -> list[Text]:
 def words_of(figure: Figure) -> list[Text]:
     found: list[Text] = [text for legend in figure.legends for text in legend.get_texts()]
     for axes in figure.axes:
-        found += tick_labels(axes.xaxis) if axes.xaxis.get_tick_params()["labelbottom"] else []
+        found += tick_labels(axes.xaxis) if axes.xaxis.get_tick_params().get("labelbottom", True) else []
         found += tick_labels(axes.yaxis)
         found += [axes.xaxis.label, axes.yaxis.label, axes.title, axes._left_title, *axes.texts]  # type: ignore[attr-defined]
         found += [axes.xaxis.get_offset_text(), axes.yaxis.get_offset_text()]
