@@ -18,9 +18,9 @@ from granular_contact.config.differences import differing_keys
 from granular_contact.controllers import Controller, Controls, checked_rate, finite, steer
 from granular_contact.errors import MOST_NAMES, ControlError, ControllerError, unknown_name
 from granular_contact.results import Compiling, Outline, Progress, Results, Status
-from granular_contact.results.ending import ended, paused
 from granular_contact.results.observation import results
 from granular_contact.results.observed import Observations
+from granular_contact.results.stopping import ended, paused
 from granular_contact.run import Begun, Solving, begin, scenario_of
 from granular_contact.scene.build import build
 from granular_contact.scene.drives import Beyond, Control, controls_of, range_warnings

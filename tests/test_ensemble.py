@@ -14,7 +14,7 @@ from granular_contact.errors import ConfigError
 from granular_contact.run import run
 from granular_contact.scene import build
 from granular_contact.studies import ensemble
-from granular_contact.studies.ensemble import writing
+from granular_contact.studies.ensemble import statistics
 from granular_contact.studies.ensemble.runs import INSTANTS
 from granular_contact.studies.sweep.journal import Row
 
@@ -50,7 +50,7 @@ def test_numbers_of_an_ensemble() -> None:
 
 
 def test_an_ensemble_can_be_run_again_in_its_folder(tmp_path: Path) -> None:
-    writing.write(ensemble.of_rows(rows(np.arange(4.0))), tmp_path, figures=False)
+    statistics.write(ensemble.of_rows(rows(np.arange(4.0))), tmp_path, figures=False)
     assert {path.name for path in tmp_path.iterdir()} == {"statistics.csv", "convergence.csv", "bands.csv"}
     report.check_target(tmp_path, "sweep")
 

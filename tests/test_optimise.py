@@ -26,7 +26,7 @@ from granular_contact.errors import ConfigError, MissingPackageError
 from granular_contact.report import pages
 from granular_contact.results import Results
 from granular_contact.scene import build
-from granular_contact.studies.optimise import methods
+from granular_contact.studies.optimise import search as searching
 from granular_contact.studies.optimise.outcome import Outcome
 from granular_contact.studies.optimise.search import search
 from granular_contact.studies.sweep import FolderRefused, Journal, WorkerPool
@@ -273,15 +273,15 @@ def test_the_command_its_folder_and_its_page(tmp_path, capsys):
 @pytest.mark.usefixtures("here")
 def test_without_the_package_one_line_says_so(tmp_path, capsys, monkeypatch):
     def missing(name: str) -> str:
-        raise methods.metadata.PackageNotFoundError(name)
+        raise searching.metadata.PackageNotFoundError(name)
 
-    monkeypatch.setattr(methods.metadata, "version", missing)
+    monkeypatch.setattr(searching.metadata, "version", missing)
     (tmp_path / "search.yaml").write_text(TINY, encoding="utf-8")
     assert main(["optimise", str(tmp_path / "search.yaml"), "--out", str(tmp_path / "out")]) == 2
     (line,) = capsys.readouterr().err.splitlines()
     assert line.startswith(f"{tmp_path / 'search.yaml'}: method: cma needs the package cma: pip install ")
     with pytest.raises(MissingPackageError):
-        methods.packages(study(tmp_path).file)
+        searching.packages(study(tmp_path).file)
 
 
 # ---- bad input ----

@@ -7,7 +7,7 @@ import pytest
 
 from granular_contact.results.energy import accumulate
 from granular_contact.results.interpolation import squared
-from granular_contact.results.strides import Driving, drive_numbers, stride_numbers
+from granular_contact.results.summary import Driving, drive_numbers, stride_numbers
 from granular_contact.scene.signal_tables import period
 from granular_contact.scene.signals import Buehler, Constant, Sine
 

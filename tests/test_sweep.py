@@ -21,7 +21,7 @@ import pytest
 from support_sweep import ANGLE, CONFIGS, ENVIRONMENT, ROOT, SPEED, TIME, arguments, dying, of_speed, read, until, write
 
 from granular_contact import report, scene
-from granular_contact.cli import main, many, sweep_progress
+from granular_contact.cli import main, many
 from granular_contact.config import Scenario, Sweep, load_sweep
 from granular_contact.errors import ConfigError
 from granular_contact.results import Results
@@ -481,8 +481,8 @@ class Terminal(io.StringIO):
     ],
 )
 def test_progress_is_a_bar_on_a_terminal_and_lines_in_a_log(monkeypatch, stream, quiet, said):
-    monkeypatch.setattr(sweep_progress, "LINE_SECONDS", 0.0)
-    with sweep_progress.progress(stream, 9, 5, quiet) as advance:
+    monkeypatch.setattr(many, "LINE_SECONDS", 0.0)
+    with many.progress(stream, 9, 5, quiet) as advance:
         for _ in range(4):
             advance()
     assert re.fullmatch(said, stream.getvalue())

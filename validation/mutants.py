@@ -60,7 +60,7 @@ AREAS: dict[str, dict[str, tuple[str, ...]]] = {
         ),
         "mechanics/senses.py": ("tests/test_simulation.py",),
         "results/stopping.py": ("tests/test_stops.py", "tests/multibody/test_stopping.py", "tests/test_edges.py"),
-        "results/strides.py": ("tests/test_strides.py",),
+        "results/summary.py": ("tests/test_strides.py",),
     },
     "decisions": {
         "scene/workspace.py": ("tests/scene/test_workspace.py", "tests/scene/test_build.py"),

@@ -17,7 +17,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from granular_contact.config import Sweep, load_sweep
-from granular_contact.report.figures.sensitivity import draw_sensitivity
+from granular_contact.report.figures.studies import draw_sensitivity
 from granular_contact.scene import build
 from granular_contact.studies.sweep import Journal, WorkerPool, run, sensitivity
 from granular_contact.studies.sweep.sensitivity import Indices

@@ -56,13 +56,13 @@ def _plain(checkpoint: Checkpoint) -> list[Row]:
 
 def _run(chosen: argparse.Namespace, sweep: Sweep, pool: WorkerPool, folder: Path, checkpoint: Checkpoint) -> int:
     from granular_contact.studies.ensemble import observed, of_rows
-    from granular_contact.studies.ensemble.writing import write
+    from granular_contact.studies.ensemble.statistics import write
     from granular_contact.studies.sweep import run, table
 
     count, begin = len(sweep.cases), time.perf_counter()
     rows = run(sweep, pool, done=checkpoint.done, journal=checkpoint.journal, function=observed)
     if sweep.base.output.figures:  # loaded while workers start
-        Thread(target=import_module, args=("granular_contact.report.figures.ensembles",), daemon=True).start()
+        Thread(target=import_module, args=("granular_contact.report.figures.studies",), daemon=True).start()
     many.take(chosen, rows, checkpoint, count)
     table.write(sweep, _plain(checkpoint), checkpoint.folder)
     found = of_rows(checkpoint.journal)

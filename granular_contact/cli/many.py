@@ -1,16 +1,19 @@
-"""What the commands that run many scenes share: who works, where unfinished work is kept, and what is said of it."""
+"""What the commands that run many scenes share: who works, where unfinished work is kept, and what is said of it.
+
+How far a sweep or a search is stands in a bar on a terminal, or in a line a minute in a log.
+"""
 
 from __future__ import annotations
 
 import argparse
 import sys
+import time
 from collections.abc import Callable, Generator, Iterable, Iterator
 from contextlib import closing, contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TextIO
 
-from granular_contact.cli.common import FAULTY_INPUT, INTERRUPTED, add_output, complain, reason, worker_count
-from granular_contact.cli.sweep_progress import progress
+from granular_contact.cli.common import FAULTY_INPUT, INTERRUPTED, NARROW, add_output, complain, reason, worker_count
 from granular_contact.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -157,3 +160,56 @@ def _kept(checkpoint: Checkpoint, count: int) -> str:
         return ""
     runs = checkpoint.work.runs
     return f"{saved} of {count} {runs} are kept in {checkpoint.folder}, and the same command goes on from there"
+
+
+LINE_SECONDS = 60.0
+
+
+@contextmanager
+def progress(stream: TextIO, count: int, done: int, quiet: bool, noun: str = "cases") -> Iterator[Callable[[], None]]:
+    """Give a callable that reports on `stream` one case more; `done` of the `count` cases were there before."""
+    if quiet:
+        yield lambda: None
+    elif stream.isatty():
+        with _bar(stream, count, done, noun) as advance:
+            yield advance
+    else:
+        yield _lines(stream, count, done, noun)
+
+
+@contextmanager
+def _bar(stream: TextIO, count: int, done: int, noun: str) -> Iterator[Callable[[], None]]:
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    console = Console(file=stream)
+    narrow = console.width < NARROW
+    rate = TextColumn(noun + ("" if narrow else ", {task.fields[rate]}"))
+    columns = (BarColumn(8 if narrow else 40), MofNCompleteColumn(), rate, TimeRemainingColumn(), TextColumn("left"))
+    with Progress(*columns, console=console, transient=True) as bar:
+        task = bar.add_task("", total=count, completed=done, rate="starting")
+        begin, new = time.perf_counter(), 0
+
+        def advance() -> None:
+            nonlocal new
+            new += 1
+            bar.update(task, advance=1, rate=f"{new / max(time.perf_counter() - begin, 1e-9):.3g} per s")
+
+        yield advance
+
+
+def _lines(stream: TextIO, count: int, done: int, noun: str) -> Callable[[], None]:
+    begin = printed = time.perf_counter()
+    new = 0
+
+    def advance() -> None:
+        nonlocal new, printed
+        new += 1
+        now = time.perf_counter()
+        if now - printed >= LINE_SECONDS:
+            printed = now
+            rate = new / (now - begin)
+            left = (count - done - new) / rate
+            print(f"{done + new} of {count} {noun}, {rate:.3g} per s, about {left:.0f} s left", file=stream, flush=True)
+
+    return advance

@@ -80,9 +80,8 @@ def _translated(
     """The mechanism with the keys beside `urdf` put over it; raises ConfigError if the file can't be read as XML."""
     from granular_contact.config.references import shown
     from granular_contact.config.urdf_corrections import masses, put_right, without_used
-    from granular_contact.robot.massless import completed, has_world, merged
+    from granular_contact.robot.massless import completed, has_world, held, merged
     from granular_contact.robot.mechanism import mechanism_of
-    from granular_contact.robot.support import held
     from granular_contact.robot.urdf import read_all
 
     robot, reader = read_all(shown(folder / asked.urdf))
@@ -110,7 +109,7 @@ def _translated(
 
 def _sand(asked: RobotFile, robot: Robot) -> frozenset[str] | None:
     """Links on whose shapes the medium acts; None: on all."""
-    from granular_contact.robot.support import matching
+    from granular_contact.robot.massless import matching
 
     if asked.in_sand is None:
         return None
@@ -134,7 +133,7 @@ def _wishes(asked: RobotFile, sand: frozenset[str] | None, folder: Path) -> Wish
 
 def _unmatched(node: Mapping, asked: RobotFile, robot: Robot) -> list[Fault]:
     """Faults of patterns that mean no joint or link, or no link with a shape."""
-    from granular_contact.robot.support import matching
+    from granular_contact.robot.massless import matching
 
     found = []
     for key, what, patterns, names in (

@@ -2,7 +2,6 @@
 
 environment   `GranularEnv`
 runner        the runner, as far to the right as it gets
-pictures      what is rendered
 
 Importing this registers `granular_contact/Runner-v0`; `gymnasium.make` imports it by itself where it is asked for
 `granular_contact.gym:granular_contact/Runner-v0`.

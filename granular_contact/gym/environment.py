@@ -1,4 +1,4 @@
-"""A scene as a Gymnasium environment: what is seen, what is rewarded, and what is drawn anew at each reset."""
+"""A scene as a Gymnasium environment: what is seen and rewarded, what is drawn anew at each reset, and pictures."""
 
 from __future__ import annotations
 
@@ -15,7 +15,9 @@ from numpy.typing import NDArray
 from granular_contact.config import Loaded, Scenario, load
 from granular_contact.controllers import checked_rate, finite
 from granular_contact.errors import ControlError
-from granular_contact.results import FINISHED
+from granular_contact.report.figures.animation import still
+from granular_contact.results import FINISHED, Results, Snapshot
+from granular_contact.results.observation import surface
 from granular_contact.results.observed import Observations
 from granular_contact.simulation import Simulation, State
 
@@ -179,7 +181,7 @@ class GranularEnv(gymnasium.Env[Array, Array]):
         """
         if self.render_mode is None:
             return None
-        from granular_contact.gym.pictures import picture
+        from granular_contact.gym.environment import picture
 
         return picture(self.simulation)
 
@@ -220,3 +222,23 @@ class GranularEnv(gymnasium.Env[Array, Array]):
         self._seen = self.simulation.restore(state.simulation)
         self.np_random.bit_generator.state = state.random
         return self._observed()
+
+
+WIDE = 2.5  # times the length of the mechanism is what a picture shows
+
+
+def picture(simulation: Simulation) -> NDArray[np.uint8]:
+    """A picture (height, width, 3) of the present state; the view goes along with the mechanism."""
+    scene, outlines = simulation.scene, simulation.outlines()
+    now = Results(
+        name=scene.name,
+        status=simulation.ended or simulation.standing,
+        columns=(),
+        table=np.zeros((0, 0)),
+        summary={},
+        scenario={},
+        snapshots=(),
+        surface=surface(scene),
+        frames=(Snapshot("frame", simulation.time, outlines),),
+    )
+    return still(now, WIDE * scene.length)

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from granular_contact.results.accuracy import AccuracyWarning, remedy, share
-from granular_contact.results.strides import Driving
+from granular_contact.results.summary import Driving
 from granular_contact.scene.types import Scene
 
 # Of the greatest force, what it falls by in the steps before and after it together; of chosen steps times the accuracy.

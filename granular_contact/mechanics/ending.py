@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
 from granular_contact.results import Status
-from granular_contact.results.ending import ended
+from granular_contact.results.stopping import ended
 from granular_contact.scene.types import Scene
 
 STIFF, SLOW = 1e-7, 0.1  # m, s: bristles a hundred times stiffer or slower than the default ones are what fails

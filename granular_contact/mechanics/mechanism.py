@@ -15,7 +15,7 @@ from granular_contact.mechanics.reactions import reactions
 from granular_contact.results import series
 from granular_contact.results.energy import work
 from granular_contact.results.interpolation import Track, above_zero, at_times, positive_part
-from granular_contact.results.strides import Driving, drive_numbers, stride_numbers
+from granular_contact.results.summary import Driving, drive_numbers, stride_numbers
 from granular_contact.scene.signal_tables import period
 from granular_contact.scene.types import Joint, Scene, Vector
 

@@ -20,7 +20,7 @@ import numpy as np
 
 from granular_contact.mechanics.constraints import together
 from granular_contact.mechanics.kinematics import Kinematics
-from granular_contact.results.strides import Driving
+from granular_contact.results.summary import Driving
 from granular_contact.scene.signal_tables import jerks
 from granular_contact.scene.types import Drive, Vector
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 import numpy as np
 
 from granular_contact.results import Cost, Status
-from granular_contact.results.ending import paused
+from granular_contact.results.stopping import paused
 from granular_contact.scene.parts import FlexibleLink, RigidBody
 from granular_contact.scene.types import Scene, Vector
 

@@ -2,9 +2,8 @@
 
 observation                    what was observed of a solved scene -> Results
 series, in_space               columns, in the plane and in space
-summary, stopping, strides     key numbers: of all, touch and stop, drives and strides
+summary, stopping              key numbers: of all, drives and strides; touch and stop, how a run ended
 energy, limits, accuracy       energy balance; what was left or exceeded; estimates of the error
-ending                         how a run ended
 interpolation                  numbers between steps
 frames, motion                 pictures, and the motion as it is played
 observed                       one instant, by name

@@ -1,13 +1,4 @@
-"""When a run first touched its medium and when it stopped: all that is reported of stopping is found here.
-
-A pendulum stops at the first zero of its mean rate, whether it stays there or swings back. It is found inside a step,
-from the side before the stop, as there the static resistance turns round: values after it say nothing about when it
-came. The last step before it has the rate and its derivative, from the moments that act; with the derivative one step
-earlier the zero of a parabola is the stop, to second order in the step. (The reduced model locates the same zero while
-it integrates, see `engines.modal.kernels.events`.)
-
-Of all else only rest is reported: one part, or one component of a velocity, may be zero while the rest still falls.
-"""
+"""When a run first touched its medium and when it stopped, and how it ended, in the same words for every method."""
 
 from __future__ import annotations
 
@@ -17,7 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from granular_contact.results import Status, StatusCode
 from granular_contact.results.interpolation import Track, at_times, first_above_zero
+from granular_contact.scene.types import Solver
 
 Vector = NDArray[np.float64]
 REST_TIME = 0.02  # s at rest, where the run does not say how long
@@ -129,3 +122,23 @@ def _rate_zero(step: float, angle: Vector, rate: Vector) -> float:
     rise = 3.0 * (angle[1] - angle[0]) / step - 2.0 * rate[0] - rate[1]
     bow = rate[0] + rate[1] - 2.0 * (angle[1] - angle[0]) / step
     return step * _parabola_root(float(rate[0]), 2.0 * float(rise), 3.0 * float(bow), 1.0)
+
+
+def ended(code: StatusCode, reached: float, solver: Solver) -> Status:
+    """Status of a run that came to a time (s): at rest, at its end, over its wall time or interrupted."""
+    kept = "the results up to there were kept"
+    if code == "rest":
+        words = f"at rest: slower than {solver.rest_speed_m_s:g} m/s in every coordinate for {solver.rest_time_s:g} s"
+    elif code == "time_limit":
+        limit = f"solver.max_wall_s ({solver.max_wall_s:g}) is over"
+        words = f"stopped at {reached:.6g} s of {solver.end_time_s:g} s: {limit}; {kept}"
+    elif code == "interrupted":
+        words = f"interrupted at {reached:.6g} s; {kept}"
+    else:
+        words = f"end time {solver.end_time_s:g} s reached"
+    return Status(code, words)
+
+
+def paused(reached: float, solver: Solver) -> Status:
+    """Status of a run that is stepped and stands at a time (s) before its end."""
+    return Status("interrupted", f"stopped at {reached:.6g} s of {solver.end_time_s:g} s, from where it can go on")

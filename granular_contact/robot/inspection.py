@@ -15,8 +15,7 @@ from granular_contact.errors import Fault
 from granular_contact.geometry.mesh_quality import Quality, quality, share_inside
 from granular_contact.robot.elements import Reader
 from granular_contact.robot.files import find
-from granular_contact.robot.massless import merged
-from granular_contact.robot.support import mimicking, unsupported
+from granular_contact.robot.massless import merged, mimicking, unsupported
 from granular_contact.robot.surfaces import Surfaces
 from granular_contact.robot.types import Link, Robot, Shape, Vector
 from granular_contact.robot.urdf import read_all

@@ -13,8 +13,7 @@ import numpy as np
 from granular_contact.errors import Fault
 from granular_contact.robot.elements import Reader, without_shape
 from granular_contact.robot.files import find
-from granular_contact.robot.massless import has_world
-from granular_contact.robot.support import mimicking, unsupported
+from granular_contact.robot.massless import has_world, mimicking, unsupported
 from granular_contact.robot.types import Geometry, Inertial, Joint, Link, Pose, Robot, Shape, Vector
 
 GROUND = "ground"

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.errors import SceneError
-from granular_contact.geometry import mesh_file
+from granular_contact.geometry import mesh
 from granular_contact.robot.types import Geometry, Vector
 
 Faces = NDArray[np.int64]
@@ -30,7 +30,7 @@ class Surfaces:
             return primitive(geometry)
         if path not in self._files:
             try:
-                self._files[path] = mesh_file.read(path)
+                self._files[path] = mesh.read(path)
             except SceneError as error:
                 self._files[path] = "; ".join(f"got {path.name!r}: {one.message}" for one in error.faults)
         found = self._files[path]

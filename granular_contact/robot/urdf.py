@@ -1,18 +1,16 @@
-"""A URDF file -> a robot, or every fault in it at once."""
+"""A URDF file -> a robot, or every fault in it at once; its links and joints form one tree."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from difflib import get_close_matches
 from os import PathLike
 from pathlib import Path
 
 from granular_contact.errors import ConfigError
 from granular_contact.robot.elements import Reader
-from granular_contact.robot.joints import read_joint
-from granular_contact.robot.links import read_link
+from granular_contact.robot.links import read_joint, read_link
 from granular_contact.robot.source import Element, parse
-from granular_contact.robot.structure import root_of
 from granular_contact.robot.types import Joint, Link, Robot
 
 _TAGS = ("link", "joint")
@@ -72,3 +70,61 @@ def _misspelt(reader: Reader, root: Element) -> None:
         if isinstance(element.tag, str) and element.tag not in _TAGS and get_close_matches(element.tag, _TAGS, 1, 0.75):
             near = get_close_matches(element.tag, _TAGS, 1, 0.75)[0]
             reader.fault(element, element.tag[:40], f"unknown element; did you mean <{near}>?")
+
+
+def root_of(reader: Reader, links: Mapping[str, Link], joints: Mapping[str, Joint], complete: bool) -> str:
+    """The link that is the child of no joint; faults where the joints make no tree.
+
+    complete: False if joints are missing for faults of their own; several roots are then no fault.
+    """
+    above: dict[str, Joint] = {}
+    for joint in joints.values():
+        _check_ends(reader, joint, links)
+        if joint.child in above:
+            message = (
+                f"{joint.child} is the child of {above[joint.child].name} already; each link has one joint above it"
+            )
+            reader.fault(joint.lines["child"], f"joint.{joint.name}.child", message)
+        else:
+            above[joint.child] = joint
+        if joint.mimic and joint.mimic not in joints:
+            reader.fault(joint.lines["mimic"], f"joint.{joint.name}.mimic", _no_such("joint", joint.mimic, joints))
+    roots = [name for name in links if name not in above]
+    if not links:
+        reader.fault(None, "link", "is missing; a robot has one link or more")
+    elif len(roots) > 1 and complete:
+        words = (
+            f"no joint has {roots[1]} as its child, nor {roots[0]}; allowed is one root, every other link is a child"
+        )
+        reader.fault(links[roots[1]].line, f"link.{roots[1]}", words)
+    _check_loops(reader, links, above)
+    return roots[0] if roots else ""
+
+
+def _check_ends(reader: Reader, joint: Joint, links: Mapping[str, Link]) -> None:
+    for end, name in (("parent", joint.parent), ("child", joint.child)):
+        if name not in links:
+            reader.fault(joint.lines[end], f"joint.{joint.name}.{end}", _no_such("link", name, links))
+    if joint.parent == joint.child:
+        reader.fault(joint.lines["child"], f"joint.{joint.name}.child", f"joins {joint.child} to itself")
+
+
+def _no_such(what: str, name: str, known: Mapping[str, object]) -> str:
+    near = get_close_matches(name, known, 1)
+    hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(list(known)[:8]) or 'none'}"
+    return f"got {name[:60]!r}, but there is no such {what}; {hint}"
+
+
+def _check_loops(reader: Reader, links: Mapping[str, Link], above: Mapping[str, Joint]) -> None:
+    seen: set[str] = set()
+    for start in links:
+        chain: list[str] = []
+        name = start
+        while name in above and name not in seen:
+            seen.add(name)
+            chain.append(name)
+            name = above[name].parent
+        if name in chain and above[name].parent != name:
+            loop = " -> ".join(reversed([*chain[chain.index(name) :], name]))
+            key = f"joint.{above[name].name}.parent"
+            reader.fault(above[name].lines["parent"], key, f"{loop} is a closed chain; URDF has trees only")

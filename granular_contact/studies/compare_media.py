@@ -108,7 +108,7 @@ def write(rows: Sequence[Row], directory: Path, figures: bool = True) -> None:
     with runs_folder(directory, "compare-media", map(cells, rows), runs, rows[0].results):
         pass
     if figures:
-        from granular_contact.report.figures.media import draw_media
+        from granular_contact.report.figures.histories import draw_media
 
         with saved_before(directory), drawn(directory / FIGURES / HISTORIES) as file:
             draw_media(runs, file)

@@ -10,7 +10,7 @@ import pytest
 
 from granular_contact import load, simulate
 from granular_contact.mechanics.drive_error import drive_warnings
-from granular_contact.results.strides import Driving
+from granular_contact.results.summary import Driving
 from granular_contact.scene import build
 
 BAR = {"type": "link", "length_m": 0.1, "diameter_m": 0.01, "density_kg_m3": 7700}

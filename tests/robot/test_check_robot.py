@@ -9,7 +9,7 @@ import pytest
 from support_robot import block, robot_in, stl
 
 from granular_contact.cli import main
-from granular_contact.geometry import mesh_file
+from granular_contact.geometry import mesh
 from granular_contact.geometry.mesh_quality import quality
 from granular_contact.robot.inspection import inspect
 
@@ -113,7 +113,7 @@ def test_units_of_collada_files_count(tmp_path: Path) -> None:
     (tmp_path / "box.dae").write_text(
         text.replace("<up_axis>", '<unit name="centimeter" meter="0.01"/>\n<up_axis>'), encoding="utf-8"
     )
-    vertices, faces = mesh_file.read(tmp_path / "box.dae")
+    vertices, faces = mesh.read(tmp_path / "box.dae")
     assert quality(vertices, faces).volume == pytest.approx(0.1 * 0.2 * 0.3)
 
 

@@ -15,7 +15,7 @@ from lxml import etree
 from support_runs import ROOT
 
 from granular_contact import config
-from granular_contact.geometry.mesh_file import read
+from granular_contact.geometry.mesh import read
 from granular_contact.results import Results
 from granular_contact.run import run
 from granular_contact.scene import build

@@ -15,7 +15,7 @@ from granular_contact.mechanics.ending import crowded, diverged, late, unsolved
 from granular_contact.mechanics.stepping import END, most_steps
 from granular_contact.mechanics.system import System
 from granular_contact.results import Progress, Status
-from granular_contact.results.ending import ended, paused
+from granular_contact.results.stopping import ended, paused
 from granular_contact.scene.types import FASTEST, Vector
 
 

@@ -15,8 +15,8 @@ from granular_contact.engines.modal.kernels.modal_load import PendulumArrays
 from granular_contact.engines.modal.marching import March
 from granular_contact.engines.modal.model import Model
 from granular_contact.results import Cost, Outline, Progress, Status
-from granular_contact.results.ending import ended, paused
 from granular_contact.results.observed import Observations
+from granular_contact.results.stopping import ended, paused
 from granular_contact.scene.types import Vector
 
 OVERTIME = kernels.CHATTERING + 1

@@ -18,8 +18,8 @@ from granular_contact.mechanics.mass_and_gravity import mass_matrix
 from granular_contact.mechanics.senses import Senses
 from granular_contact.mechanics.system import Trajectory, at_one
 from granular_contact.results import Cost, Outline, Progress, Status
-from granular_contact.results.ending import ended, paused
 from granular_contact.results.observed import Observations
+from granular_contact.results.stopping import ended, paused
 from granular_contact.sand.state import BatchState, batch_states, restore_batches
 from granular_contact.scene.types import Vector
 

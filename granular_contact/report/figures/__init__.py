@@ -1,14 +1,14 @@
 """Results -> figures at the size journals print them: time series one column wide, the mechanism two columns wide.
 
 style    style                      sizes, colours, matplotlib's settings; the units of axes are those of `report.units`
-series   panels, events, hinges     panels over time, what is marked in them, what the hinges are called
+series   panels                     panels over time, and what is marked in them
          motion, series, chosen     their figures
          robots, space_views        figures of what travels: first body, joints, contacts; views in space
-picture  outlines, views            edges and depths; windows on the plane
-         mechanism                  their figure
+picture  outlines                   edges and depths, and what the hinges are called
+         mechanism                  windows on the plane, and their figure
 film     stage, animation, film     a view to scale, pictures on it, GIF and MP4
-studies  histories, media, laws     models and media compared, a law
-         overview, slip, sensitivity, ensembles, search, fits    sweeps, wheels, Sobol indices, seeds, searches, fits
+studies  histories, laws            models and media compared, a law
+         studies, fits              sweeps, wheels, Sobol indices, seeds, searches; fits
 """
 
 from __future__ import annotations

@@ -7,8 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.figure import Figure
 
-from granular_contact.report.figures.events import mark_events
-from granular_contact.report.figures.panels import curve, finish, fitting_columns, stacked
+from granular_contact.report.figures.panels import curve, finish, fitting_columns, mark_events, stacked
 from granular_contact.report.figures.style import PALETTE
 from granular_contact.report.units import label, scaled, split
 from granular_contact.results import Results

@@ -7,9 +7,8 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_hex, to_rgb
 from matplotlib.figure import Figure
 
-from granular_contact.report.figures.events import mark_events
-from granular_contact.report.figures.hinges import Hinge, hinges_of
-from granular_contact.report.figures.panels import cleared, curve, finish, fitting_columns, stacked
+from granular_contact.report.figures.outlines import Hinge, hinges_of
+from granular_contact.report.figures.panels import cleared, curve, finish, fitting_columns, mark_events, stacked
 from granular_contact.report.figures.style import BLUE, FAINT, INK, PALETTE, SKY, VERMILION
 from granular_contact.report.units import Array, greatest, unit_for
 from granular_contact.results import Results

@@ -1,4 +1,4 @@
-"""Outlines of the mechanism: edges, points that stay fixed, what is below the surface and how deep."""
+"""Outlines of the mechanism: edges, points that stay fixed, what is below the surface and how deep; names of hinges."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from granular_contact.report.figures.hinges import hinges_of
 from granular_contact.report.units import Array
 from granular_contact.results import Outline, Results, Snapshot
 from granular_contact.results.frames import surface_height
@@ -121,3 +120,41 @@ def deepest_point(results: Results) -> Deepest | None:
     under = around(submerged(shot, surface), x, float(depth))
     clear = side * float(np.max(side * under[:, 0], initial=side * x))
     return Deepest(x, float(surface_height(surface, x)), float(depth), side, clear)
+
+
+_ANGLE, _RATE = "_angle_deg", "_rate_rad_s"
+
+
+@dataclass(frozen=True)
+class Hinge:
+    """A hinge by name; `reference` is the body that its angle and rate are relative to, None if that is the ground."""
+
+    name: str
+    reference: str | None
+
+    @property
+    def angle(self) -> str:
+        """Column of its angle."""
+        return self.name + _ANGLE
+
+    @property
+    def rate(self) -> str:
+        """Column of its angular rate."""
+        return self.name + _RATE
+
+    @property
+    def label(self) -> str:
+        """Its name and, if it is not the ground, what it is relative to."""
+        return self.name if self.reference is None else f"{self.name}, relative to {self.reference}"
+
+
+def hinges_of(results: Results) -> list[Hinge]:
+    """The hinges, in the order of the columns."""
+    names = {column.name for column in results.columns}
+    found = []
+    for column in results.columns:
+        name = column.name.removesuffix(_ANGLE)
+        if name != column.name and name + _RATE in names:
+            _, _, reference = column.description.partition("relative to ")
+            found.append(Hinge(name, reference.split(",")[0] or None))
+    return found

@@ -9,8 +9,16 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from granular_contact.report.figures.events import mark_events
-from granular_contact.report.figures.panels import ROUND_OFF, cleared, curve, finish, fitting_columns, size_of, stacked
+from granular_contact.report.figures.panels import (
+    ROUND_OFF,
+    cleared,
+    curve,
+    finish,
+    fitting_columns,
+    mark_events,
+    size_of,
+    stacked,
+)
 from granular_contact.report.figures.style import BLUE, FAINT, GREEN, INK, ORANGE, PURPLE, SKY, VERMILION
 from granular_contact.report.histories import energies
 from granular_contact.report.units import Array, Unit, greatest, instant, minus, time_unit, unit_for

@@ -1,11 +1,10 @@
 """Results folder -> one HTML file that holds everything: text, numbers, figures, animation, scenario, warnings.
 
 folder                                  what is on the disk
-run, comparison, sweep, fit, optimise   what is shown of each kind of results
-gallery                                 a page of several runs
+run, comparison, sweep, fit, optimise   what is shown of each kind of results; of several runs
 chart, stage, live                      a chart of many rows; the player of the plane; what scripts get
 templates, rendering                    the words and the look of pages; what templates ask for
-scripts, script                         what runs in the browser, and how it gets into a page
+scripts                                 what runs in the browser
 """
 
 from __future__ import annotations
@@ -21,7 +20,7 @@ from typing import Any
 from jinja2 import TemplateError
 
 from granular_contact.report import ENTRIES, MOTION, OVERLAY, PAGE, SCENARIO, SUMMARY, version
-from granular_contact.report.pages import comparison, fit, gallery, optimise, run, sweep
+from granular_contact.report.pages import comparison, fit, optimise, run, sweep
 from granular_contact.report.pages.folder import Folder, FolderError, open_folder
 from granular_contact.report.pages.live import nothing_live
 from granular_contact.report.pages.rendering import GENERATOR, rendered
@@ -107,7 +106,7 @@ def write(directory: Path | Sequence[Path], file: Path | None = None) -> Path:
         file = directory / PAGE if isinstance(directory, Path) else several[0].resolve().parent / GALLERY
     if file.exists() and not _is_ours(file):
         raise FolderError(f"{file} is there already and is not a report of this program: give another name, or move it")
-    text = html(directory) if isinstance(directory, Path) else gallery.html(several, file)
+    text = html(directory) if isinstance(directory, Path) else comparison.html(several, file)
     making = file.with_name(f".{file.name}.{secrets.token_hex(4)}")
     try:
         making.write_text(text, encoding="utf-8")

@@ -12,7 +12,7 @@ from granular_contact.report import OVERLAY, SERIES
 from granular_contact.report.histories import Curve, Group, groups, others
 from granular_contact.report.overlay import keys, panels
 from granular_contact.report.pages.folder import Bed, Folder
-from granular_contact.report.pages.script import packed
+from granular_contact.report.pages.rendering import packed
 from granular_contact.report.pages.stage import stage
 from granular_contact.report.units import Array
 from granular_contact.results.motion import Motion, plain

@@ -182,7 +182,7 @@ def _overviews(cases: _Cases, place: Path) -> Iterator[tuple[Path, str]]:
     varied = _differing(cases, cases.varied)
     if not varied or not cases.found:
         return
-    from granular_contact.report.figures.overview import MOST, draw
+    from granular_contact.report.figures.studies import MOST, draw
 
     for i, name in enumerate(_drawn(cases)[:MOST]):
         path = place / f"overview_{i}.png"

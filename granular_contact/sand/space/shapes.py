@@ -318,7 +318,7 @@ class Mesh(Shape):
         SceneError
             The file can't be read, or as of `Mesh`.
         """
-        from granular_contact.geometry.mesh_file import read
+        from granular_contact.geometry.mesh import read
 
         return cls(*read(Path(path)), scale=scale, thin=thin, name=str(path))
 

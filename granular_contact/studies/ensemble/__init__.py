@@ -2,8 +2,7 @@
 
 calls        a run -> the sweep over its seeds; an ensemble from Python
 runs         one member in a worker
-statistics   rows -> mean, spread, quantiles, bands
-writing      these as files and figures
+statistics   rows -> mean, spread, quantiles, bands; these as files and figures
 """
 
 from __future__ import annotations

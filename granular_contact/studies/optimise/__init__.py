@@ -1,9 +1,8 @@
 """The best numbers of a config: Study -> runs on all cores or a cluster, generation by generation -> the best of them.
 
-judging   a row of a run -> what it is worth: objective, constraints, or why it counts as worst
-methods   which numbers are tried next: CMA-ES, differential evolution
-search    study and worker pool -> outcome; with a journal it goes on where it was killed
-outcome   the best run, and what it gains over the config as it was
+search    study and worker pool -> outcome: CMA-ES or differential evolution asks
+          for numbers; with a journal it goes on where it was killed
+outcome   what a run is worth; the best run, and what it gains over the config as it was
 writing   outcome -> history.csv, best.yaml, best/, optimise.json, figures
 calls     a search from Python
 

@@ -23,8 +23,8 @@ from granular_contact.report import (
 from granular_contact.report.drawn import drawn
 from granular_contact.results import Results
 from granular_contact.results.summary import versions
-from granular_contact.studies.optimise.methods import packages
 from granular_contact.studies.optimise.outcome import Outcome
+from granular_contact.studies.optimise.search import packages
 from granular_contact.studies.sweep.checkpoint import Contents
 from granular_contact.studies.sweep.table import write_cells
 
@@ -127,7 +127,7 @@ def _parameters(outcome: Outcome) -> dict[str, dict[str, Any]]:
 
 
 def _draw(outcome: Outcome, folder: Path) -> None:
-    from granular_contact.report.figures.search import draw_history, draw_parameters
+    from granular_contact.report.figures.studies import draw_history, draw_parameters
 
     values = [(one.generation, one.value if one.is_allowed else None) for one in outcome.runs]
     file = outcome.study.file

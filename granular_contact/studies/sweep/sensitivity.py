@@ -136,7 +136,7 @@ def write(found: Sequence[Indices], folder: Path, figures: bool = True) -> None:
     write_table(folder / SENSITIVITY, HEAD, (_cells(one, i) for one in found for i in range(len(one.inputs))))
     known = [one for one in found if figures and not one.refused]
     if known:
-        from granular_contact.report.figures.sensitivity import draw_sensitivity
+        from granular_contact.report.figures.studies import draw_sensitivity
 
         for one in known:
             first, total = (one.first, one.first_interval), (one.total, one.total_interval)

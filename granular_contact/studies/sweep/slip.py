@@ -31,7 +31,7 @@ def write(sweep: Sweep, rows: Iterable[Row], folder: Path) -> None:
     shown = {label: np.array(sorted(points)).T for label, points in list(curves.items())[:MOST] if len(points) > 1}
     if not shown:
         return
-    from granular_contact.report.figures.slip import draw_slip
+    from granular_contact.report.figures.studies import draw_slip
 
     with drawn(folder / FIGURES / FIGURE) as file:
         draw_slip(shown, file)
