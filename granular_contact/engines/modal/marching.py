@@ -12,7 +12,7 @@ from granular_contact.engines.modal.arrays import alone, arrays_of, one_of
 from granular_contact.engines.modal.kernels import march as kernels
 from granular_contact.engines.modal.kernels.modal_load import PendulumArrays, rest
 from granular_contact.engines.modal.kernels.modal_motion import decide
-from granular_contact.engines.modal.kernels.runge_kutta import PAIRS, STAGES
+from granular_contact.engines.modal.kernels.runge_kutta import STAGES, TSITOURAS
 from granular_contact.engines.modal.model import Model
 from granular_contact.scene.types import Reduced, Vector
 
@@ -43,7 +43,7 @@ def started(y: Vector, capacity: int) -> kernels.State:
 def room(method: Reduced) -> kernels.Room:
     """To work in."""
     size = 2 * method.modes + 4
-    return kernels.Room(PAIRS["tsitouras"], np.zeros((STAGES, size)), np.zeros((5, size)), np.zeros(size))
+    return kernels.Room(TSITOURAS, np.zeros((STAGES, size)), np.zeros((5, size)), np.zeros(size))
 
 
 def control(several: Sequence[Model], w: PendulumArrays, *, forces: bool) -> NDArray[np.void]:

@@ -67,7 +67,7 @@ class State(NamedTuple):
 class Room(NamedTuple):
     """To work in: slopes (STAGES, size), a step as a polynomial (5, size), the state at its end (size,).
 
-    pair: of `runge_kutta.PAIRS`.
+    pair: `runge_kutta.TSITOURAS`.
     """
 
     pair: Any

@@ -1,10 +1,9 @@
 """One step of an explicit Runge-Kutta pair of order 5(4) for the modal pendulum, with its interpolant of order 4.
 
-    dormand_prince    Dormand & Prince (1980); interpolant: Shampine (1986)
-    tsitouras         Tsitouras (2011), with his interpolant: a link in sand takes a tenth fewer evaluations of it, and
-                      its motion has half the error
+Tsitouras (2011), with his interpolant: a link in sand takes a tenth fewer evaluations than by the pair of Dormand and
+Prince (1980), and its motion has half the error.
 
-Both have seven stages, of which the last is the first of the next step. A pair is one array (STAGES, 11): of each stage
+It has seven stages, of which the last is the first of the next step. It is one array (STAGES, 11): of each stage
 what it takes of those before (6), of the error (1), and of the powers 1 to 4 of theta (4).
 """
 
@@ -20,29 +19,6 @@ ERROR, DENSE = 6, 7  # columns of a pair
 _A = np.array(
     [
         [0, 0, 0, 0, 0, 0],
-        [1 / 5, 0, 0, 0, 0, 0],
-        [3 / 40, 9 / 40, 0, 0, 0, 0],
-        [44 / 45, -56 / 15, 32 / 9, 0, 0, 0],
-        [19372 / 6561, -25360 / 2187, 64448 / 6561, -212 / 729, 0, 0],
-        [9017 / 3168, -355 / 33, 46732 / 5247, 49 / 176, -5103 / 18656, 0],
-        [35 / 384, 0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84],
-    ]
-)
-_ERROR = np.array([-71 / 57600, 0, 71 / 16695, -71 / 1920, 17253 / 339200, -22 / 525, 1 / 40])
-_DENSE = np.array(
-    [
-        [1, -8048581381 / 2820520608, 8663915743 / 2820520608, -12715105075 / 11282082432],
-        [0, 0, 0, 0],
-        [0, 131558114200 / 32700410799, -68118460800 / 10900136933, 87487479700 / 32700410799],
-        [0, -1754552775 / 470086768, 14199869525 / 1410260304, -10690763975 / 1880347072],
-        [0, 127303824393 / 49829197408, -318862633887 / 49829197408, 701980252875 / 199316789632],
-        [0, -282668133 / 205662961, 2019193451 / 616988883, -1453857185 / 822651844],
-        [0, 40617522 / 29380423, -110615467 / 29380423, 69997945 / 29380423],
-    ]
-)
-_TSITOURAS_A = np.array(
-    [
-        [0, 0, 0, 0, 0, 0],
         [0.161, 0, 0, 0, 0, 0],
         [-0.008480655492356989, 0.335480655492357, 0, 0, 0, 0],
         [2.8971530571054935, -6.359448489975075, 4.3622954328695815, 0, 0, 0],
@@ -51,13 +27,13 @@ _TSITOURAS_A = np.array(
         [0.09646076681806523, 0.01, 0.4798896504144996, 1.379008574103742, -3.290069515436081, 2.324710524099774],
     ]
 )
-_TSITOURAS_ERROR = np.array(
+_ERROR = np.array(
     [
         *(-0.00178001105222577714, -0.0008164344596567469, 0.007880878010261995, -0.1447110071732629),
         *(0.5823571654525552, -0.45808210592918697, 1 / 66),
     ]
 )
-_TSITOURAS_DENSE = np.array(
+_DENSE = np.array(
     [
         [1, -2.763706197274826, 2.9132554618219126, -1.0530884977290216],
         [0, 0.1317, -0.2234, 0.1017],
@@ -68,10 +44,7 @@ _TSITOURAS_DENSE = np.array(
         [0, 1.5, -4, 2.5],
     ]
 )
-PAIRS = {
-    "tsitouras": np.column_stack([_TSITOURAS_A, _TSITOURAS_ERROR, _TSITOURAS_DENSE]),
-    "dormand_prince": np.column_stack([_A, _ERROR, _DENSE]),
-}
+TSITOURAS = np.column_stack([_A, _ERROR, _DENSE])
 
 
 @part
