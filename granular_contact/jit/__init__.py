@@ -2,6 +2,7 @@
 
 compiled    `kernel` for functions that Python calls, `part` for those that kernels call
 calls       a law called by its address, and why
+chosen      functions chosen by the record type of an argument
 memory      views and small arrays within a kernel
 lending     arrays of Python at fixed places, by which a kernel finds them
 records     record types whose fields are read and written

@@ -12,6 +12,9 @@ numba are used alone: `cfunc` and `extending.intrinsic`, with LLVM's builder.
 Limits. A C function cannot raise: numba prints what was raised and goes on with zeros. Kernels and laws raise nothing;
 laws from outside are refused if they do (`laws.functions`). Its arguments are those of its types to the letter, so that
 `caller` and `address_of` are given the same ones.
+
+Where nothing is compiled (`jit.compiled.COMPILES`), an address is the number of a function in a list of this module,
+and `caller` makes a function of Python that calls what stands there: so a debugger steps from a kernel into a law.
 """
 
 from __future__ import annotations
@@ -23,14 +26,15 @@ from llvmlite import ir
 from numba import cfunc, from_dtype, types
 from numba.extending import intrinsic
 
-from granular_contact.jit.compiled import PLAIN
+from granular_contact.jit.compiled import COMPILES, PLAIN
 
 OWN = None  # among the types of arguments: where a law's function takes its own record
 _BYTE, _WORD = ir.IntType(8).as_pointer(), ir.IntType(64)
 _compiled: dict[tuple[Any, ...], Any] = {}  # what has an address has to be kept
+_listed: list[tuple[Any, Any]] = [(None, None)]  # where nothing is compiled: functions, their laws' records
 
 
-def address_of(function: Any, kinds: tuple[Any, ...], result: Any) -> int:
+def address_of(function: Any, kinds: tuple[Any, ...], result: Any, own: np.dtype | None = None) -> int:
     """Address of a function as compiled for arguments of these types.
 
     Parameters
@@ -39,11 +43,17 @@ def address_of(function: Any, kinds: tuple[Any, ...], result: Any) -> int:
         Plain or compiled.
     kinds, result
         Numba's types of the arguments and of what it gives back.
+    own
+        Type of the record that a law's function takes where OWN stands.
     """
     plain = getattr(function, "py_func", function)
-    known = plain, kinds
+    if not COMPILES:
+        if (plain, own) not in _listed:
+            _listed.append((plain, own))
+        return _listed.index((plain, own))
+    known = plain, kinds, own
     if known not in _compiled:
-        signature = result(*kinds)
+        signature = result(*(from_dtype(own) if kind is OWN else kind for kind in kinds))
         try:
             _compiled[known] = cfunc(signature, cache=True, **PLAIN)(plain)
         except RuntimeError:  # it has no file, as in a notebook
@@ -66,6 +76,8 @@ def caller(name: str, kinds: tuple[Any, ...], result: Any, layout: np.dtype) -> 
         Type of the record.
     """
     record_type = from_dtype(layout)
+    if not COMPILES:
+        return _caller_in_python(name, kinds, record_type)
 
     @intrinsic
     def call(typing_context, record, arguments):
@@ -98,3 +110,23 @@ def caller(name: str, kinds: tuple[Any, ...], result: Any, layout: np.dtype) -> 
         return result(record, arguments), generate
 
     return call
+
+
+def _caller_in_python(name: str, kinds: tuple[Any, ...], record_type: Any) -> Any:
+    """What `caller` makes where nothing is compiled."""
+
+    def call(record, arguments):
+        function, own = _listed[record[name]]
+        given = iter(arguments)
+        passed = [
+            _own_record(record, own) if kind is OWN else record if kind == record_type else next(given)
+            for kind in kinds
+        ]
+        return function(*passed)
+
+    return call
+
+
+def _own_record(record: Any, own: np.dtype) -> Any:
+    """A law's own record, in the field `own` of another."""
+    return record.own.view(np.uint8)[: own.itemsize].view(own)[0]

@@ -2,6 +2,9 @@
 
 Both are numba's `njit`, and are kept on disk. A division by zero gives an infinite number or none, as in numpy, and no
 exception, whose text and branches would be compiled with every quotient.
+
+With NUMBA_DISABLE_JIT=1 in the environment both leave the function as it is, and Python runs all of it: to follow a
+run in a debugger, a hundred times as slow. What has to differ then is in this room alone, and goes by COMPILES.
 """
 
 from __future__ import annotations
@@ -10,8 +13,9 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
-from numba import njit, typeof
+from numba import config, njit, typeof
 
+COMPILES = not config.DISABLE_JIT
 PLAIN = {"error_model": "numpy"}
 
 
@@ -37,7 +41,8 @@ def part(function: Callable[..., Any] | None = None, *, cache: bool = True, inli
 
 def ready(function: Any, *arguments: Any) -> Any:
     """The kernel itself, compiled for arguments of these types: compiling is no part of the first step of a solve."""
-    function.compile(tuple(map(typeof, arguments)))
+    if COMPILES:
+        function.compile(tuple(map(typeof, arguments)))
     return function
 
 

@@ -10,11 +10,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import carray, types
+from numba import carray, from_dtype
 from numba.extending import overload
-from numpy.typing import NDArray
+from numpy.typing import DTypeLike, NDArray
 
-from granular_contact.jit.memory import pointer_to
+from granular_contact.jit.compiled import COMPILES
+from granular_contact.jit.memory import array_at, pointer_to
 
 WORDS = 4  # for each array: where it begins, and its size along up to three axes
 
@@ -29,18 +30,26 @@ def places(*arrays: NDArray[Any]) -> NDArray[np.int64]:
     return found.ravel()
 
 
-def lender(kind: types.Array) -> Any:
-    """Function for kernels, (words, number) -> the array of this kind that was given to `places` as that number."""
-    at, size = pointer_to(kind.dtype), WORDS
+def lender(dtype: DTypeLike, axes: int) -> Any:
+    """Function for kernels, (words, number) -> the array that was given to `places` as that number.
+
+    dtype: of its numbers or records; axes: how many it has.
+    """
+    kind, size = np.dtype(dtype), WORDS
 
     def lend(words, number):
-        raise NotImplementedError("arrays are found by their places in compiled functions alone")
+        if COMPILES:
+            raise NotImplementedError("arrays are found by their places in compiled functions alone")
+        begin = size * number
+        return array_at(words[begin], tuple(words[begin + 1 : begin + 1 + axes]), kind)
+
+    at = pointer_to(from_dtype(kind))
 
     @overload(lend)
     def _lend(words, number):
-        if kind.ndim == 1:
+        if axes == 1:
             return lambda words, number: carray(at(words[size * number]), (words[size * number + 1],))
-        if kind.ndim == 2:
+        if axes == 2:
             return lambda words, number: carray(
                 at(words[size * number]), (words[size * number + 1], words[size * number + 2])
             )

@@ -11,12 +11,22 @@ The bodies of the functions are what they mean, and what runs where nothing is c
 from __future__ import annotations
 
 import math
+from ctypes import c_byte
 from typing import Any
 
 import numpy as np
 from llvmlite import ir
 from numba import carray, types
 from numba.extending import intrinsic, overload
+from numpy.typing import NDArray
+
+
+def array_at(address: int, shape: tuple[int, ...], dtype: np.dtype) -> NDArray[Any]:
+    """Array of what lies at an address, for Python; good for as long as somebody keeps that."""
+    size = int(math.prod(shape)) * dtype.itemsize
+    if size == 0:
+        return np.zeros(shape, dtype)
+    return np.frombuffer(memoryview((c_byte * size).from_address(int(address))), dtype).reshape(shape)
 
 
 def pointer_to(number: Any) -> Any:
@@ -31,6 +41,17 @@ def pointer_to(number: Any) -> Any:
         return kind(types.intp), generate
 
     return pointer
+
+
+def numbers_at(address, count):
+    """Array (count,) of the float64 that lie at an address, a whole number."""
+    return array_at(int(address), (int(count),), np.dtype(np.float64))
+
+
+@overload(numbers_at)
+def _numbers_at(address, count):
+    at = pointer_to(types.float64)
+    return lambda address, count: carray(at(address), (count,))
 
 
 @intrinsic(prefer_literal=True)
@@ -154,7 +175,7 @@ def _clear(array):
 
 def copy(to, given):
     """Set all entries of an array to those of another of its size."""
-    to[...] = given
+    flat(to)[...] = flat(given)
 
 
 @overload(copy)

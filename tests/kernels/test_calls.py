@@ -35,7 +35,7 @@ def asked(records, x, out):  # type: ignore[no-untyped-def]
 def record() -> np.ndarray:
     made = np.zeros(1, LAYOUT)
     made["own"] = 2.0, 3.0
-    made["scaled"] = address_of(scaled, (NUMBER, from_dtype(PAIR), ROW), types.none)
+    made["scaled"] = address_of(scaled, *SCALED, PAIR)
     made["both"] = address_of(njit(both), *BOTH)
     return made
 

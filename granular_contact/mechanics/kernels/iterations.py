@@ -21,7 +21,7 @@ They are found by their places (`lending`), in this order:
 
 from __future__ import annotations
 
-from numba import types
+import numpy as np
 
 from granular_contact.jit.lending import lender
 
@@ -29,8 +29,8 @@ Q, V, A, MULTIPLIERS, V_BEFORE, A_BEFORE, MULTIPLIERS_BEFORE, LEVER = 0, 1, 2, 3
 KEPT, KEPT_MULTIPLIERS, OF, LED_APART, LED_CONSTRAINTS, BENT, PRODUCTS, NUMBER = 8, 9, 10, 11, 12, 13, 14, 15
 ON_LINE, WAY, WAY_OF_MULTIPLIERS = 16, 17, 18
 GIVEN = LEVER + 1  # arrays that are the engine's, or stay as they are
-row, rows = (lender(types.Array(types.float64, axes, "C")) for axes in (1, 2))
-numbers = lender(types.Array(types.int64, 1, "C"))
+row, rows = (lender(np.float64, axes) for axes in (1, 2))
+numbers = lender(np.int64, 1)
 
 DEPTH = 6  # pairs of iterations that are kept
 # Rows of `kept`, of which `kept_multipliers` has the first two: accelerations from which the iteration under way began,

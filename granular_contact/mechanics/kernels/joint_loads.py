@@ -12,11 +12,9 @@ Arguments that the functions share:
 
 from __future__ import annotations
 
-import numpy as np
-
 from granular_contact.jit.compiled import kernel, part
 from granular_contact.jit.memory import room1, rows
-from granular_contact.jit.records import fields
+from granular_contact.jit.records import fields, record_dtype
 from granular_contact.mechanics.kernels.joint_coordinates import COORDINATE, coordinate
 from granular_contact.mechanics.kernels.joint_laws import follow, total
 from granular_contact.sand.kernels.lines import difference
@@ -25,7 +23,7 @@ ANCHOR, VALUE, RATE, TURNS = 0, 1, 2, 3
 _STOPS, _FRICTION = ("lower", "upper", "stop_stiffness", "dissipation"), ("friction", "slip", "damping_time")
 LAW = ("stiffness", "rest", "damping", *_STOPS, *_FRICTION)
 DRIVE = ("gain", "rate_gain", "limit")
-JOINT = np.dtype([*COORDINATE, ("drive", "i8"), *fields("f8", *LAW, *DRIVE)])
+JOINT = record_dtype([*COORDINATE, ("drive", "i8"), *fields("f8", *LAW, *DRIVE)])
 MOST = 8  # coordinates of two nodes
 
 

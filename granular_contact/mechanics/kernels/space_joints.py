@@ -19,12 +19,12 @@ from __future__ import annotations
 import math
 from functools import cache
 
-import numpy as np
 from numba import from_dtype, types
 
 from granular_contact.jit.calls import address_of, caller
 from granular_contact.jit.compiled import kernel, part
 from granular_contact.jit.memory import clear, room1, room2, room3, rows
+from granular_contact.jit.records import record_dtype
 from granular_contact.mechanics.kernels.joint_coordinates import HINGE, SLIDER
 from granular_contact.mechanics.kernels.joint_laws import follow, total
 from granular_contact.mechanics.kernels.joint_loads import ANCHOR, DRIVE, LAW, RATE, TURNS, VALUE, gather
@@ -36,7 +36,7 @@ BALL = 2  # a kind of joint, beside HINGE and SLIDER
 # find: address of what finds the coordinate of its kind; parent, child: how many coordinates their nodes have, none of
 # the ground; points (m) and axes of the joint's frame in
 # the frames of parent and child; reference: values of the coordinates.
-JOINT = np.dtype(
+JOINT = record_dtype(
     [
         *((name, "i8") for name in ("kind", "find")),
         ("parent", "i8"),

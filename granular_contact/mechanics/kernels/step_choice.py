@@ -13,10 +13,8 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from granular_contact.jit.compiled import kernel, part
-from granular_contact.jit.records import fields
+from granular_contact.jit.records import fields, record_dtype
 from granular_contact.mechanics.kernels.signal_tables import look_up
 from granular_contact.mechanics.kernels.step_error import measure
 
@@ -32,7 +30,7 @@ AT = 1e-10  # s, within which an instant is reached
 # excess: coefficient of the scheme, apart from that of an acceleration that varies linearly over a step; both: speed
 # with which a change of the acceleration puts positions off, over that change and the step; longest, least (s); size
 # (m) of the mechanism; rolls: whether it may roll on in space.
-CHOICE = np.dtype([*fields("f8", "accuracy", "excess", "both", "longest", "least", "size"), ("rolls", "i8")])
+CHOICE = record_dtype([*fields("f8", "accuracy", "excess", "both", "longest", "least", "size"), ("rolls", "i8")])
 
 
 @part

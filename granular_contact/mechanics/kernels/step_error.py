@@ -16,15 +16,15 @@ from __future__ import annotations
 
 import math
 
-from numba import types
+import numpy as np
 
 from granular_contact.jit.compiled import kernel, part
 from granular_contact.jit.lending import lender
 from granular_contact.jit.memory import clear
 
 EACH, NONE = -1, -2
-_row, _rows = (lender(types.Array(types.float64, axes, "C")) for axes in (1, 2))
-_groups = lender(types.Array(types.int64, 1, "C"))
+_row, _rows = (lender(np.float64, axes) for axes in (1, 2))
+_groups = lender(np.int64, 1)
 
 
 @part

@@ -33,6 +33,7 @@ from numpy.typing import NDArray
 from granular_contact.jit.calls import address_of, caller
 from granular_contact.jit.compiled import kernel, part
 from granular_contact.jit.memory import clear, piece
+from granular_contact.jit.records import record_dtype
 from granular_contact.sand.kernels import planar_sand
 
 ITERATIONS, SHORTENED, SHARE = 8, 4, 0.4  # most of them; most shares of a step, each so much of the one before
@@ -44,7 +45,7 @@ _SIGNATURES: dict[str, tuple[tuple[Any, ...], Any]] = {  # of functions of `plan
     "tangent": ((_SAND, _ROW, _ROW, types.float64, types.float64, _ROWS), types.int64),
     "accept": ((_SAND, _ROW, _ROW, _ROW, types.boolean), types.none),
 }
-CALLED = np.dtype([(name, "i8") for name in _SIGNATURES])
+CALLED = record_dtype([(name, "i8") for name in _SIGNATURES])
 _force, _tangent, _accept = (caller(name, *_SIGNATURES[name], CALLED) for name in _SIGNATURES)
 X0, V0, X, V, MISSING, STEP, BEFORE = range(7)  # rows of `Room.freedoms`
 THERE, RATES, FORCES, OWN, LAST = range(5)  # rows of `Room.coordinates`

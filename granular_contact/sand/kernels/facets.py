@@ -28,6 +28,7 @@ import math
 
 import numpy as np
 
+from granular_contact.jit.chosen import chosen_by
 from granular_contact.jit.compiled import part
 from granular_contact.jit.memory import room2
 from granular_contact.sand.kernels import space_law as law
@@ -53,27 +54,27 @@ ROWS = 34
 NOTED = GROWING  # rows that `facet_paths` works in before the law fills them
 
 
+@chosen_by("m")
 def stress(nx, ny, nz, ux, uy, uz, m):
     """Stress per depth (3,) N/m^3 on an element with the normal n that moves in the direction u, z up; even in n."""
-    raise NotImplementedError
 
 
+@chosen_by("m")
 def traction(z, nx, ny, nz, ux, uy, uz, side, j, m):
     """Stress (6,) Pa of the first and of the second term of a law at a depth z > 0 (m), else as of `stress`.
 
     side as of `space_law.facets`; j (m): shear displacement.
     """
-    raise NotImplementedError
 
 
+@chosen_by("m")
 def inertia(nx, ny, nz, vx, vy, vz, side, m):
     """Stress (3,) Pa of the second term of a law with a `stress`, which the velocity v (m/s) makes; side as there."""
-    raise NotImplementedError
 
 
+@chosen_by("m")
 def force(z, nx, ny, nz, vx, vy, vz, ex, ey, ez, spread, side, j, m):
     """Tractions (6,) of a law that says all of them by itself, on one facet; see `space_law.facets`."""
-    raise NotImplementedError
 
 
 @part

@@ -20,7 +20,9 @@ import numpy as np
 from numba.extending import register_jitable
 from numpy.typing import NDArray
 
+from granular_contact.jit.chosen import provide
 from granular_contact.jit.compiled import part
+from granular_contact.jit.records import record_dtype
 from granular_contact.sand.kernels import law, plates
 from granular_contact.sand.kernels.bar_statics import component_return
 from granular_contact.sand.kernels.planar_friction import radial_return
@@ -43,7 +45,7 @@ def record_type(owner: Any) -> np.dtype:
     `signatures.IN_PLANE`; what it leaves out of anchors and static forces follows from `by_component` and its stress.
     """
     own = [(f"{owner.__name__}_{_content(owner)}", "f8"), *((name, "f8") for name in owner.constants)]
-    dtype = np.dtype(own + law.FRICTION)
+    dtype = record_dtype(own + law.FRICTION)
     if not owner.__module__.startswith(f"{__package__.partition('.')[0]}."):
         law.OWN_LAWS[dtype] = owner
     forces = {name: getattr(owner, name) for name in IN_PLANE if hasattr(owner, name)}
@@ -52,10 +54,10 @@ def record_type(owner: Any) -> np.dtype:
     for name in sorted(forces, key=lambda name: name != "stress"):
         let_call_others(forces[name], inline=name == "stress")
     if "stress" in forces:
-        law.provide(plates.stress, "m", dtype)(forces.pop("stress"))
+        provide(plates.stress, dtype, forces.pop("stress"))
         forces.setdefault("strip_force", plates.static_force)
     if "traction" in forces:
-        law.provide(plates.traction, "m", dtype)(forces.pop("traction"))
+        provide(plates.traction, dtype, forces.pop("traction"))
         forces.setdefault("strip_force", plates.traction_force)
     law.LAWS[dtype] = {name: compiled(function) for name, function in forces.items()}
     return dtype

@@ -12,14 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.jit.compiled import part
-from granular_contact.jit.records import fields
+from granular_contact.jit.records import fields, record_dtype
 
 # Kinds of bodies; a line is on one body.
 RIGID, CABLE, SPATIAL = 0, 1, 2
 
 # x, y, z: place on a rigid body (m). first, shape: first coordinate of a cable's element, and N_1 .. N_4 there.
 # kept: whether a station also belongs to the division into strips of twice the length.
-STATION = np.dtype(
+STATION = record_dtype(
     [("kind", "i8"), *fields("f8", "x", "y", "z"), ("first", "i8"), ("shape", "f8", (4,)), ("kept", "?")]
 )
 

@@ -13,16 +13,14 @@ what several kernels call, which would be compiled within each of them. A call b
 
 from __future__ import annotations
 
-import inspect
 from typing import Any
 
 import numpy as np
 from numba import from_dtype, types
-from numba.extending import overload
 
 from granular_contact.jit.calls import OWN, address_of, caller
 from granular_contact.jit.compiled import part
-from granular_contact.jit.records import fields
+from granular_contact.jit.records import fields, record_dtype
 from granular_contact.sand.kernels.kinematics import STATION
 
 TERMS = 3
@@ -39,7 +37,7 @@ TERMS = 3
 # strip and to its left, and behind (s^2/m) is by how much (r omega)^2 lowers the surface behind it, see `wheels`. Of a
 # medium that scatters (see `scatter`) scatter (-) is the standard deviation, 0 of one that does not, grain (m) the
 # length, place (m) where the line begins, seed a whole number, and static has the bits of the terms that scatter.
-LINE = np.dtype(
+LINE = record_dtype(
     [
         *fields("f8", "width", "side", "turn", "drop", "beside", "mass", "top", "bottom"),
         *fields("f8", "ahead0", "ahead1", "back0", "back1"),
@@ -60,7 +58,7 @@ FUNCTIONS = (
     *("line_force", "line_accept", "count_shear", "count_path", "scattered", "lowering"),
     *("spatial_stations", "spatial_scatter"),
 )
-LAW = np.dtype([*fields("i8", *FUNCTIONS), ("own", "f8", (SIZE,))])
+LAW = record_dtype([*fields("i8", *FUNCTIONS), ("own", "f8", (SIZE,))])
 
 _LINE, _NUMBER = from_dtype(LINE), types.float64
 _ROW, _VECTORS, _PAIR, _ENDS = (types.Array(_NUMBER, n, "C") for n in (1, 2, 2, 3))
@@ -202,7 +200,6 @@ def filled(own: np.ndarray, functions: dict[str, Any], layout: np.dtype, signatu
         known = function, name, layout, own.dtype
         if known not in _ADDRESSES:
             kinds, result = signatures[name]
-            kinds = tuple(from_dtype(own.dtype) if kind is OWN else kind for kind in kinds)
             _ADDRESSES[known] = _address_of_law(function, kinds, result, own.dtype)
         medium[name] = _ADDRESSES[known]
     return medium
@@ -217,59 +214,10 @@ OWN_LAWS: dict[np.dtype, Any] = {}  # by record type: classes of laws from outsi
 def _address_of_law(function: Any, kinds: tuple[Any, ...], result: Any, own: np.dtype) -> int:
     """`address_of`; what can't be compiled of a law from outside is told in one sentence."""
     try:
-        return address_of(function, kinds, result)
+        return address_of(function, kinds, result, own)
     except Exception as error:
         if own not in OWN_LAWS:
             raise
         from granular_contact.sand.kernels.own_law import why_not
 
         raise TypeError(why_not(OWN_LAWS[own], own, error)) from None
-
-
-_KNOWN: dict[np.dtype, str] = {}  # record types of laws, with the function that came first
-
-
-def _fields(dtype):
-    """Names of the fields of a record type, with their types and places."""
-    return [(name, dtype.fields[name]) for name in dtype.names]
-
-
-def _keep_apart(dtype: np.dtype, name: str) -> None:
-    """Refuse a record type that numba would take for another: one that begins with all the fields of the other."""
-    for other, known in _KNOWN.items():
-        one, two = _fields(dtype), _fields(other)
-        if dtype != other and all(a == b for a, b in zip(one, two, strict=False)):
-            names, others = ([field for field, _ in each] for each in (one, two))
-            raise TypeError(
-                f"the records of {name}, {names}, and of {known}, {others}, begin alike to the "
-                "end of the shorter one, so kernels would take one for the other: let them begin with different fields"
-            )
-    _KNOWN.setdefault(dtype, name)
-
-
-def provide(stub, argument: str, dtype: np.dtype, inline: bool = False):
-    """Decorate a function, plain or compiled, to be what `stub` means where its `argument` has the record type `dtype`.
-
-    inline: always within its callers.
-
-    Raises
-    ------
-    TypeError
-        One record type begins with all the fields of another.
-    """
-    expected = from_dtype(dtype)
-
-    def decorate(implementation):
-        function = getattr(implementation, "py_func", implementation)
-        _keep_apart(dtype, f"{function.__module__}.{function.__name__}")
-        names = tuple(inspect.signature(stub).parameters)
-
-        def choose(*arguments):
-            given = arguments[names.index(argument)]
-            return function if getattr(given, "dtype", given) == expected else None
-
-        choose.__signature__ = inspect.signature(stub)  # type: ignore[attr-defined]
-        overload(stub, jit_options={"forceinline": inline})(choose)
-        return implementation
-
-    return decorate

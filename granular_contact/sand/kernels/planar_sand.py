@@ -10,7 +10,6 @@ Arguments that they share:
 from __future__ import annotations
 
 import numpy as np
-from numba import from_dtype, types
 
 from granular_contact.jit.compiled import kernel, part
 from granular_contact.jit.lending import lender
@@ -38,9 +37,9 @@ SAND = (
 )
 REFERENCE, ACTIVE, ENDS, PLACES, GEOMETRY, LINES, PROFILE, MEDIUM, ANCHORS, ROOM, BODY, *_OF_STEPS = range(len(SAND))
 COLUMNS, PROXIMITY = _OF_STEPS
-_row, _rows, _room = (lender(types.Array(types.float64, axes, "C")) for axes in (1, 2, 3))
-_flags, _numbers = lender(types.Array(types.boolean, 1, "C")), lender(types.Array(types.int64, 2, "C"))
-_stations, _lines, _media = (lender(types.Array(from_dtype(kind), 1, "C")) for kind in (STATION, LINE, LAW))
+_row, _rows, _room = (lender(np.float64, axes) for axes in (1, 2, 3))
+_flags, _numbers = lender(np.bool_, 1), lender(np.int64, 2)
+_stations, _lines, _media = (lender(kind, 1) for kind in (STATION, LINE, LAW))
 
 
 @part

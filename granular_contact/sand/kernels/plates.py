@@ -25,6 +25,7 @@ from __future__ import annotations
 
 import math
 
+from granular_contact.jit.chosen import chosen_by
 from granular_contact.jit.compiled import part
 from granular_contact.sand.kernels.immersion import GAUSS_HIGH, GAUSS_LOW, THREE_POINTS, sign_change
 from granular_contact.sand.kernels.planar_friction import drive, mobilised
@@ -35,18 +36,18 @@ EDGE = 1e-3  # sine of the angle between an element and its motion up to which t
 PRESSED = 0.1  # of the yield displacement: what n . q reaches at the least before an element is loaded as a whole
 
 
+@chosen_by("m")
 def stress(tx, ty, ux, uy, m):
     """Stress per depth (S_x, S_y), N/m^3, on an element along t that moves in the direction u, unit vectors."""
-    raise NotImplementedError
 
 
+@chosen_by("m")
 def traction(z, tx, ty, ux, uy, width, side, j, m):
     """Stress (p_x, p_y, s_x, s_y) Pa of the first and of the second term of a law, at a depth z > 0 (m).
 
     On an element along t that moves in the direction u, unit vectors; width (m) and side as of a line; j (m): shear
     displacement, see `path_length`.
     """
-    raise NotImplementedError
 
 
 @part

@@ -31,7 +31,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import from_dtype, types
 
 from granular_contact.jit.compiled import kernel, part
 from granular_contact.jit.lending import lender
@@ -53,11 +52,9 @@ SAND = (
 )
 REFERENCE, PLACES, BODIES, TURN, CLUSTERS, ELEMENTS, ANCHORS, ACTIVE, GROUND, MEDIUM, *_OF_STEPS = range(len(SAND))
 POSES, PROXIMITY, COLUMNS = _OF_STEPS
-_row, _rows, _poses = (lender(types.Array(types.float64, axes, "C")) for axes in (1, 2, 3))
-_numbers, _marks = lender(types.Array(types.int64, 2, "C")), lender(types.Array(types.boolean, 1, "C"))
-_bodies, _clusters, _media = (
-    lender(types.Array(from_dtype(kind), 1, "C")) for kind in (law.BODY, law.CLUSTER, law.SPACE_LAW)
-)
+_row, _rows, _poses = (lender(np.float64, axes) for axes in (1, 2, 3))
+_numbers, _marks = lender(np.int64, 2), lender(np.bool_, 1)
+_bodies, _clusters, _media = (lender(kind, 1) for kind in (law.BODY, law.CLUSTER, law.SPACE_LAW))
 
 
 @part

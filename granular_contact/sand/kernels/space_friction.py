@@ -13,6 +13,8 @@ from granular_contact.jit.compiled import part
 from granular_contact.sand.kernels.friction import SMOOTH, drag_component, sliding
 from granular_contact.sand.kernels.planar_friction import radial_return
 
+TINY = 1e-300  # so that nothing is divided by zero where nothing is stretched, or at rest
+
 
 @part
 def drive(ex, ey, ez, vx, vy, vz, m):
@@ -28,7 +30,7 @@ def stretched(ex, ey, ez, vx, vy, vz, m):
     h, square = math.sqrt(ex * ex + ey * ey + ez * ez), vx * vx + vy * vy + vz * vz
     along = ex * vx + ey * vy + ez * vz
     k = m.u_y / h if h > m.u_y else 1.0
-    slides = max(0.0, along) / (h * math.sqrt(square))  # cosine
+    slides = max(0.0, along) / max(TINY, h * math.sqrt(square))  # cosine
     yields = sliding(min(h, m.u_y), m) - m.tau
     tau = m.tau + (slides * yields if along > 0.0 and h > 0.5 * m.u_y and square > 0.0 else 0.0)
     return k * ex + tau * vx, k * ey + tau * vy, k * ez + tau * vz, tau

@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from granular_contact.sand.kernels import bars, facet_paths, facets, law, slices, space_balls, space_law
+from granular_contact.jit.chosen import provide
+from granular_contact.sand.kernels import bars, facet_paths, facets, slices, space_balls, space_law
 from granular_contact.sand.kernels.facet_layers import between
 from granular_contact.sand.kernels.ground import tangent_plane
 from granular_contact.sand.kernels.joining import PARTS, compiled, let_call_others, record_type
@@ -101,17 +102,17 @@ def _of_facets(owner: Any, dtype: np.dtype) -> Any:
     """What fills the tractions of a block, by what a law gives."""
     if hasattr(owner, "facet_force"):
         let_call_others(owner.facet_force)
-        law.provide(facets.force, "m", dtype)(owner.facet_force)
+        provide(facets.force, dtype, owner.facet_force)
         return facets.own_facets
     if hasattr(owner, "facet_traction"):
         let_call_others(owner.facet_traction)
-        law.provide(facets.traction, "m", dtype)(owner.facet_traction)
+        provide(facets.traction, dtype, owner.facet_traction)
         return facets.traction_facets
     stress = getattr(owner, "facet_stress", slices.slice_stress)
     let_call_others(stress, inline=True)
-    law.provide(facets.stress, "m", dtype, inline=True)(stress)
+    provide(facets.stress, dtype, stress, inline=True)
     if not hasattr(owner, "facet_inertia"):
         return facets.static_facets
     let_call_others(owner.facet_inertia)
-    law.provide(facets.inertia, "m", dtype)(owner.facet_inertia)
+    provide(facets.inertia, dtype, owner.facet_inertia)
     return facets.inertial_facets

@@ -18,13 +18,13 @@ import numpy as np
 from numba import from_dtype, types
 
 from granular_contact.jit.calls import OWN, caller
-from granular_contact.jit.records import fields
+from granular_contact.jit.records import fields, record_dtype
 from granular_contact.sand.kernels.law import FRICTION, SIZE, filled
 
 # A cluster: sphere around it in the frame of its body (m), its first element and the one after its last, its body;
 # width (m): diameter of a bar or a ball; mass (kg) of a ball; cap: whether the end of a bar is a free face. scatter,
 # grain (m), seed, static: of the medium, see `scatter`; static has a bit for each term that scatters.
-CLUSTER = np.dtype(
+CLUSTER = record_dtype(
     [
         *fields("f8", "x", "y", "z", "radius"),
         *fields("i8", "first", "last", "body"),
@@ -35,7 +35,7 @@ CLUSTER = np.dtype(
     ]
 )
 # size: number of coordinates, from `start` on; first, last: clusters; x, y, z, radius (m): sphere around all of them.
-BODY = np.dtype([*fields("i8", "size", "start", "first", "last"), *fields("f8", "x", "y", "z", "radius")])
+BODY = record_dtype([*fields("i8", "size", "start", "first", "last"), *fields("f8", "x", "y", "z", "radius")])
 # Of a row that `follow` fills: depth of the deepest point (m), greatest speed (m/s) and least height (m) of what is
 # immersed.
 DEPTH, SPEED, LOWEST = 0, 1, 2
@@ -47,7 +47,7 @@ FUNCTIONS = (
 # layered: the medium lies between the depths top and bottom (m) only. Of friction there is a copy of what the law's own
 # record has, so that what needs nothing else of a law is compiled once for all of them.
 LAYER = [("layered", "i8"), ("top", "f8"), ("bottom", "f8")]
-SPACE_LAW = np.dtype([*fields("i8", *FUNCTIONS), *LAYER, *FRICTION, ("own", "f8", (SIZE,))])
+SPACE_LAW = record_dtype([*fields("i8", *FUNCTIONS), *LAYER, *FRICTION, ("own", "f8", (SIZE,))])
 
 _NUMBER, _CLUSTER = types.float64, from_dtype(CLUSTER)
 _ROW, _ROWS, _ENDS = (types.Array(_NUMBER, n, "C") for n in (1, 2, 3))

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import carray, types
 
+from granular_contact.jit import memory
 from granular_contact.jit.compiled import part
-from granular_contact.jit.memory import pointer_to
-
-_numbers = pointer_to(types.float64)
 
 
 @part
 def numbers_at(address, count):
     """Array (count,) of what lies at an address, a whole number that a record has as a float."""
-    return carray(_numbers(np.int64(address)), (count,))
+    return memory.numbers_at(np.int64(address), count)
 
 
 @part

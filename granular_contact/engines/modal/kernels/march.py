@@ -20,7 +20,7 @@ from granular_contact.engines.modal.kernels.slip import middle, slip_velocity
 from granular_contact.jit.compiled import kernel, part
 from granular_contact.jit.memory import borrowed, clear, copy, piece, room1, room2
 from granular_contact.jit.memory import rows as rows_of
-from granular_contact.jit.records import fields
+from granular_contact.jit.records import fields, record_dtype
 
 # Why `march` came back: its share of steps is done, everything rests, the end, no step is small enough, the static
 # force turns round again and again.
@@ -31,7 +31,7 @@ CROWD = 50  # ends of regimes within `crowd` that are taken for chattering
 # Times and speeds in SI units; reach: greatest distance of a point from the pivot (m); rest_time infinite for never;
 # crowd: see CROWD (s); blurred: the most that may count as no speed (m/s); forces: whether rows get those of the
 # medium, which cost an evaluation each.
-CONTROL = np.dtype(
+CONTROL = record_dtype(
     [
         *fields("f8", "end", "longest", "interval", "reach"),
         *fields("f8", "rest_speed", "rest_time", "crowd", "blurred"),

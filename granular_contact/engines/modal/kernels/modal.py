@@ -14,9 +14,8 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from granular_contact.jit.compiled import part
+from granular_contact.jit.records import record_dtype
 
 MOST_MODES = 20
 MOST = MOST_MODES + 1  # coordinates
@@ -24,7 +23,7 @@ SIZE = 2 * MOST + 2  # numbers of a state, see `modal_motion`
 ROUND_OFF = 1e-6  # of a place along stations
 
 # along, across: place in the undeformed pendulum, seen from the pivot (m); phi: mode shapes there; pivot: (x, y), m.
-MODAL_STATION = np.dtype([("along", "f8"), ("across", "f8"), ("pivot", "f8", (2,)), ("phi", "f8", (MOST_MODES,))])
+MODAL_STATION = record_dtype([("along", "f8"), ("across", "f8"), ("pivot", "f8", (2,)), ("phi", "f8", (MOST_MODES,))])
 
 
 @part

@@ -16,16 +16,14 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from granular_contact.engines.modal.kernels.modal import MOST_MODES
 from granular_contact.jit.compiled import part
-from granular_contact.jit.records import fields
+from granular_contact.jit.records import fields, record_dtype
 
 # Units: J kg m2; S_e, S_n kg m; b m; m kg; c kg m; p kg; k N/m; d N s/m; g m/s2. true_sign: whether the static law
 # is that of `slip`; still: speed (m/s, rad/s without modes) that counts as none there; rates, margins, hold: addresses,
 # see `modal_calls`.
-PENDULUM = np.dtype(
+PENDULUM = record_dtype(
     [
         ("modes", "i8"),
         ("true_sign", "?"),

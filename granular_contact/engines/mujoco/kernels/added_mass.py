@@ -35,12 +35,13 @@ import numpy as np
 
 from granular_contact.jit.compiled import kernel, part
 from granular_contact.jit.memory import clear, room1
+from granular_contact.jit.records import record_dtype
 
 # Of a clock: length of the step (s); how long the one took that ended here (s), 0 if none did; else whether a motion
 # begins here, with the friction state at rest.
 STEP, PASSED, BEGINS = 0, 1, 2
 # The constants of `friction`, and whether a law opposes components of the motion one by one.
-BRISTLE = np.dtype([("u_y", "f8"), ("tau", "f8"), ("v_eps", "f8"), ("friction", "i8"), ("parted", "?")])
+BRISTLE = record_dtype([("u_y", "f8"), ("tau", "f8"), ("v_eps", "f8"), ("friction", "i8"), ("parted", "?")])
 
 
 @part

@@ -44,11 +44,10 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numba import from_dtype, types
 from numpy.typing import NDArray
 
 from granular_contact.jit.lending import lender, places
-from granular_contact.jit.records import fields
+from granular_contact.jit.records import fields, record_dtype
 from granular_contact.mechanics.kernels.joint_loads import JOINT
 from granular_contact.mechanics.kernels.step_choice import CHOICE
 
@@ -57,7 +56,7 @@ from granular_contact.mechanics.kernels.step_choice import CHOICE
 # the same in the node's own frame; axis (2,): of a slider, in the parent's frame; turn (rad): angle of the node in its
 # parent's frame at s = 0; prescribed: whether a signal says s; acts: whether something acts along it; mass kg; inertia
 # kg m2 about the centre of mass; radius m: of the farthest point from the centre of mass.
-NODE = np.dtype(
+NODE = record_dtype(
     [
         *fields("i8", "parent", "kind", "prescribed", "acts"),
         *((name, "f8", (2,)) for name in ("on_parent", "point", "axis")),
@@ -66,16 +65,16 @@ NODE = np.dtype(
 )
 # alpha_m ... gamma, of the scheme; gain: how much of the last change an iteration may leave, or the matrix is renewed;
 # most: iterations; fixed: whether steps are; alone: whether nothing is known from the iterations of other steps.
-SCHEME = np.dtype(
+SCHEME = record_dtype(
     [*fields("f8", "alpha_m", "alpha_f", "beta", "gamma", "gain"), *fields("i8", "most", "fixed", "alone")]
 )
 # Times and speeds in SI units. closeness, left (m/s2): what the last iteration may still change speeds by, over the
 # accuracy and the speed where steps are chosen, and over the step. away (m/s): speed from which on a motion has run
 # away; crowd: steps.
-CONTROL = np.dtype([*fields("f8", "end", "rest_speed", "rest_time", "closeness", "left", "away"), ("crowd", "i8")])
+CONTROL = record_dtype([*fields("f8", "end", "rest_speed", "rest_time", "closeness", "left", "away"), ("crowd", "i8")])
 
 # Addresses, see `tree_calls`.
-CALL = np.dtype(
+CALL = record_dtype(
     fields("i8", "force", "tangent", "accept", "update_active", "soonest", "begin", "go_on", "look", "attempt")
 )
 
@@ -97,10 +96,10 @@ DONE, MATRICES = 0, 1  # of `iterated`
 # when on how many whole steps were taken.
 NOW, STEP, RESTING_SINCE, TRIED, SPEED, FASTEST, ORIGIN, WHOLE = range(8)
 
-row, rows, blocks = (lender(types.Array(types.float64, axes, "C")) for axes in (1, 2, 3))
-numbers, tables = (lender(types.Array(types.int64, axes, "C")) for axes in (1, 2))
+row, rows, blocks = (lender(np.float64, axes) for axes in (1, 2, 3))
+numbers, tables = (lender(np.int64, axes) for axes in (1, 2))
 nodes_of, laws_of, schemes, choices, controls, calls = (
-    lender(types.Array(from_dtype(kind), 1, "C")) for kind in (NODE, JOINT, SCHEME, CHOICE, CONTROL, CALL)
+    lender(kind, 1) for kind in (NODE, JOINT, SCHEME, CHOICE, CONTROL, CALL)
 )
 
 WIDTHS = {
