@@ -187,7 +187,7 @@ class Case:
         self._said()
         code = cli.main([*map(str, words)])
         said = self._said()
-        if code:
+        if code not in (0, 5):  # 5: two steps of 1 ms are too coarse for a result to be usable, which is told
             raise Refused(said.strip() or f"exit code {code}")
 
     def run(self) -> Path:

@@ -111,7 +111,7 @@ def execute(chosen: argparse.Namespace) -> int:
         say("\n".join(_summary(results, _surface_follows(scenario), took, folder)))
     elif results.status.code in ENDS:
         complain(f"{results.status.message}; saved in {folder}")
-    elif not results.summary["usable"]:
+    elif not results.summary.get("usable", True):
         complain(f"the result is not usable, see its warnings; saved in {folder}")
     if explained:
         say("\n".join(explained))
@@ -119,7 +119,7 @@ def execute(chosen: argparse.Namespace) -> int:
         from granular_contact.engines.exudyn import view
 
         view.show(*solved)
-    return ENDS.get(results.status.code, FINE if results.summary["usable"] else NOT_USABLE)
+    return ENDS.get(results.status.code, FINE if results.summary.get("usable", True) else NOT_USABLE)
 
 
 def _simulate(
