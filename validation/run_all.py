@@ -68,6 +68,7 @@ def _script(name: str, full: Sequence[str] = (), quick: Sequence[str] | None = N
 STUDIES = (
     # Against measurements, sources and theory
     Entry("measured"),
+    Entry("braked_wheel"),
     Entry("paper_cases"),
     Entry("laws"),
     Entry("beam_against_theory"),
