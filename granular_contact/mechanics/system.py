@@ -87,16 +87,10 @@ class System:
     container: Any = None
 
     @property
-    def reference(self) -> Vector:
-        """What makes the engine's coordinates (m,) those of the world frame, as trajectories have them."""
-        nodes = [rigid.node for rigid in self.rigid.values()]
-        nodes += [node for link in self.links.values() for node in link.nodes]
-        found = np.zeros(self.coordinates.size)
-        for node in nodes:
-            places = self.coordinates.places(node)
-            found[places] = self.coordinates.reference(node)
-            found[places[:2]] += self.origin
-        return found
+    def nodes(self) -> list[int]:
+        """All nodes of bodies, each with x and y first among its coordinates."""
+        rigid = [rigid.node for rigid in self.rigid.values()]
+        return rigid + [node for link in self.links.values() for node in link.nodes]
 
     @property
     def levers(self) -> Vector:

@@ -20,7 +20,7 @@ from granular_contact.engines.exudyn.recorder import Recorder, status
 from granular_contact.engines.exudyn.settings import control_steps, led_on, patience, settings, tolerances, unresolved
 from granular_contact.engines.exudyn.settle import settle
 from granular_contact.engines.exudyn.step_control import StepControl
-from granular_contact.engines.exudyn.views import Views
+from granular_contact.engines.exudyn.views import Views, reference
 from granular_contact.errors import SolveError
 from granular_contact.mechanics.mass_and_gravity import mass_matrix
 from granular_contact.mechanics.scheme import moving_joints
@@ -85,7 +85,7 @@ class Solve:
         self.seconds, self._problem, self._success = 0.0, "", True
         self._restarts = False  # with other accelerations
         self._end = scene.solver.end_time_s
-        self._reference = system.reference
+        self._reference = reference(mbs, system.nodes, system.origin)
         self._views: Views | None = None
         self._senses: Senses | None = None
         self._keeper: Keeper | None = None

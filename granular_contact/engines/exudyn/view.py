@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from exudyn import graphics
 
+from granular_contact.engines.exudyn.views import reference
 from granular_contact.geometry.polygon import doubled_area
 from granular_contact.mechanics.kinematics import Kinematics
 from granular_contact.mechanics.system import System, Trajectory
@@ -53,7 +54,7 @@ def show(system: System, trajectory: Trajectory) -> None:
 
 def playable(system: System, at: Vector, q: Vector, v: Vector) -> dict[str, Any]:
     """States at times (k,), q and v (k, m), as the engine reads them from a solution file."""
-    moved = q - system.reference
+    moved = q - reference(system.mbs, system.nodes, system.origin)
     data = np.column_stack([at, moved, v])
     return {
         "data": data,
