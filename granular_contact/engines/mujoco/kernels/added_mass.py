@@ -290,15 +290,24 @@ def to_freedoms(last, parents, axes, wrenches, out):
 
 
 @part
+def less_taken_up(b, n, c, inertial, added, change, step, loads, q):
+    """Fill q (6,) with loads[b] less what the added inertia takes up of a change (bodies, 6) of twists.
+
+    About the centre of mass, inertial[n]; loads (bodies, 6), added and twists are about c (3,) m.
+    """
+    p = room1(6)
+    momentum(added[b], change[b], p)
+    for k in range(6):
+        p[k] = loads[b, k] - p[k] / step
+    about(p, inertial[n, 0] - c[0], inertial[n, 1] - c[1], inertial[n, 2] - c[2], q)
+
+
+@part
 def correct_loads(numbers, tops, inertial, centres, added, change, step, error, loads):
     """Add to loads (bodies, 6) their error less what the added inertia takes up of a change (bodies, 6) of twists."""
-    p, q = room1(6), room1(6)
+    q = room1(6)
     for b in range(numbers.shape[0]):
-        n, c = numbers[b], centres[tops[b]]
-        momentum(added[b], change[b], p)
-        for k in range(6):
-            p[k] = error[b, k] - p[k] / step
-        about(p, inertial[n, 0] - c[0], inertial[n, 1] - c[1], inertial[n, 2] - c[2], q)
+        less_taken_up(b, numbers[b], centres[tops[b]], inertial, added, change, step, error, q)
         for k in range(6):
             loads[b, k] += q[k]
 
@@ -309,13 +318,9 @@ def extrapolated(numbers, tops, inertial, centres, added, past, foreseen, step, 
 
     That is the part which was not found where a step was foreseen to end, but along its slope from there.
     """
-    p, q = room1(6), room1(6)
+    q = room1(6)
     for b in range(numbers.shape[0]):
-        n, c = numbers[b], centres[tops[b]]
-        momentum(added[b], past[b], p)
-        for k in range(6):
-            p[k] = foreseen[b, k] - p[k] / step
-        about(p, inertial[n, 0] - c[0], inertial[n, 1] - c[1], inertial[n, 2] - c[2], q)
+        less_taken_up(b, numbers[b], centres[tops[b]], inertial, added, past, step, foreseen, q)
         for k in range(6):
             slopes[b, k] = loads[b, k] - q[k]
 
