@@ -1,4 +1,4 @@
-"""What every test needs before anything of the package is imported: the checkout itself, and fresh compiled kernels."""
+"""What every test needs before any kernel is imported: the checkout itself, and fresh compiled kernels."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ sys.dont_write_bytecode = False
 # numba looks only at the file of the function that it loads from its cache, not at the files of those which were
 # inlined into it: after a change in plates.py it would still run the old one out of lines.py. So the cache is named
 # after the contents of all kernels and laws, and numba's version; subprocesses inherit it.
-_package = ROOT / "granular_contact"
-_rooms = [*_package.rglob("kernels"), _package / "jit", _package / "laws"]
-_kernels = sorted(path for room in _rooms for path in room.glob("*.py"))
-_digest = hashlib.sha256(b"".join(path.read_bytes() for path in _kernels) + version("numba").encode()).hexdigest()[:16]
+from granular_contact.jit import compiled_sources  # noqa: E402  # loads no numba, which reads the name as it begins
+
+_kernels = b"".join(path.read_bytes() for path in compiled_sources())
+_digest = hashlib.sha256(_kernels + version("numba").encode()).hexdigest()[:16]
 _folder = Path(tempfile.gettempdir()) / f"granular-contact-{getpass.getuser()}-{_digest}"
 os.environ.setdefault("NUMBA_CACHE_DIR", str(_folder))
 

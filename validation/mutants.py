@@ -25,6 +25,10 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+from granular_contact.jit import compiled_sources
+
 ROOT = Path(__file__).parents[1]
 PLACE = Path(tempfile.gettempdir()) / "granular-contact-mutants"
 COPIED = ("granular_contact", "tests", "models", "configs", "validation", "pyproject.toml")
@@ -159,9 +163,7 @@ def stale(file: str) -> set[str]:
 
     Laws are joined to the kernels when they are first used, so that what a law uses may be in all of them.
     """
-    package = ROOT / "granular_contact"
-    rooms = [*package.rglob("kernels"), package / "jit", package / "laws"]
-    texts = {(room.name, path.stem): path.read_text(encoding="utf-8") for room in rooms for path in room.glob("*.py")}
+    texts = {(path.parent.name, path.stem): path.read_text(encoding="utf-8") for path in compiled_sources()}
     found = {("kernels", Path(file).stem)}
     while True:
         names = "|".join(sorted(name for _, name in found))
