@@ -7,11 +7,14 @@ import re
 import numpy as np
 from support_runs import ROOT, simulate
 
+from granular_contact.config import load
+from granular_contact.scene import build
+
 TEXT = (ROOT / "models" / "README.md").read_text(encoding="utf-8")
 
 
 def test_the_leg_is_let_down_drawn_up_and_stretched() -> None:
-    leg, _ = re.findall(r"```yaml\n(.*?)```", TEXT, flags=re.S)
+    leg, *_ = re.findall(r"```yaml\n(.*?)```", TEXT, flags=re.S)
     run = simulate(leg)
     assert run.status.code == "end_time"
     # Let down: it starts in the sand, at rest.
@@ -27,8 +30,21 @@ def test_the_leg_is_let_down_drawn_up_and_stretched() -> None:
     assert run.summary["contacts"]["shank"]
 
 
+def test_the_loop_is_closed_and_the_homes_found_are_told(tmp_path) -> None:
+    _, bars, _ = re.findall(r"```yaml\n(.*?)```", TEXT, flags=re.S)
+    file = tmp_path / "bars.yaml"
+    file.write_text(bars, encoding="utf-8")
+    scene = build(load(file))
+    assert [note.key.split(".")[2] for note in scene.notes] == ["axle", "elbow", "pivot"]
+    (knee,) = (joint for joint in scene.joints if joint.closes)
+    coupler, rocker = (scene.body(name).motion for name in ("coupler", "rocker"))
+    # Both are 0.3 m long, and their frames are half way.
+    np.testing.assert_allclose(coupler.world(np.array([0.15, 0.0])), rocker.world(np.array([0.15, 0.0])), atol=1e-12)
+    assert knee.name == "knee"
+
+
 def test_the_flail_swings_in_space_into_the_sand_and_slows_down() -> None:
-    _, flail = re.findall(r"```yaml\n(.*?)```", TEXT, flags=re.S)
+    *_, flail = re.findall(r"```yaml\n(.*?)```", TEXT, flags=re.S)
     run = simulate(flail)
     assert run.status.code == "end_time"
     assert run["depth_m"].max() > 5e-3

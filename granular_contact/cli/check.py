@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Iterable
 from pathlib import Path
 
 from granular_contact.cli import robot_check
 from granular_contact.cli.common import FAULTY_INPUT, FINE, Refusal, complain, read
-from granular_contact.errors import ConfigError, SceneError
+from granular_contact.errors import ConfigError, Fault, SceneError
 
 HELP = "read configs, sweeps, searches, fit files and robots (URDF), with their geometry and data"
 
@@ -15,6 +16,8 @@ HELP = "read configs, sweeps, searches, fit files and robots (URDF), with their 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     parser.add_argument("configs", metavar="FILE", nargs="+")
+    words = "where loops do not close with the homes of the joints, write the nearest at which they do into the file"
+    parser.add_argument("--write-homes", action="store_true", help=words)
     robot = parser.add_argument_group("of a robot file (URDF)")
     robot.add_argument("--shapes", choices=("collision", "visual"), help="shapes to look at (collision, if any)")
     words = "folder of a package that package:// names; repeatable. Else it is looked up above the file"
@@ -43,7 +46,7 @@ def _is_fine(path: str, chosen: argparse.Namespace) -> bool:
     try:
         if robot_check.is_robot_file(path):
             return robot_check.check(path, chosen.shapes, _packages(chosen.package), chosen.mend, chosen.hull)
-        _read(path)
+        _read(path, chosen.write_homes)
     except (ConfigError, SceneError) as error:
         complain(str(error))
         return False
@@ -59,7 +62,7 @@ def _packages(given: list[str]) -> dict[str, Path]:
     return {name: Path(path) for name, _, path in pairs}
 
 
-def _read(path: str) -> None:
+def _read(path: str, write_homes: bool) -> None:
     from granular_contact import config, scene
 
     if config.is_sweep(path):
@@ -71,4 +74,15 @@ def _read(path: str) -> None:
 
         prepare(load_specification(path))
     else:
-        read(path)
+        _, built = read(path)
+        if write_homes:
+            _write_homes(path, built.notes)
+
+
+def _write_homes(path: str, notes: Iterable[Fault]) -> None:
+    from granular_contact import config
+    from granular_contact.scene.homes import FoundHome
+
+    homes = {note.key: note.home for note in notes if isinstance(note, FoundHome) and note.home is not None}
+    for file in config.write_numbers(config.load(path).sources, homes):
+        print(f"{file}: homes written")

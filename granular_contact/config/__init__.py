@@ -9,6 +9,7 @@ checking   schema, load                         one tree -> Scenario
            allowed, messages, structure_errors  or faults in sentences
 changing   changed, differences, add_law        a scenario from Python; how two differ; a law from outside
 writing    export                               plain data, JSON Schema
+           written_numbers                      numbers into the files they were read from
 many       sweep, sweep_cases                   a config and what to replace in it -> cases
            optimise                             a config, what may change in it and what is best
 """
@@ -22,6 +23,7 @@ from granular_contact.config.references import medium_names
 from granular_contact.config.schema import Scenario
 from granular_contact.config.sweep import Sweep, load_sweep
 from granular_contact.config.sweep_cases import Case
+from granular_contact.config.written_numbers import write_numbers
 
 __all__ = [
     "Case",
@@ -43,4 +45,5 @@ __all__ = [
     "medium_names",
     "scenario_to_dict",
     "schema",
+    "write_numbers",
 ]

@@ -3,7 +3,8 @@
 types, parts                what comes out: bodies, joints, medium and numbers, as frozen plain data
 build, again                Scenario -> Scene; the same for one that differs in its medium or its strike alone
 shapes, bodies              shapes -> lines, outlines and masses; masses merged into bodies
-layout, start, loops        frames of bodies, initial states of joints, kinematic loops
+layout, start               frames of bodies, initial states of joints
+loops, homes                kinematic loops; the reference configuration in which they close
 joints, joint_law           joints between bodies, and springs, stops and friction in them
 drives                      what moves joints, or is set from outside
 signals, signal_tables      values over time, and as tables for kernels

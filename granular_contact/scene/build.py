@@ -85,12 +85,12 @@ def _in_space(scenario: schema.Scenario) -> Scene:
 
 
 def _built(scenario: schema.Scenario) -> Scene:
-    faults = list[Fault]()
+    faults, notes = list[Fault](), list[Fault]()
     solver = steps(scenario)
     driven = (*drives(scenario, solver, faults), *wheel_drives(scenario, faults))
-    layout, states = _laid_out(scenario, driven, scenario.initial.impact_speed_rad_s, faults)
+    layout, states = _laid_out(scenario, driven, scenario.initial.impact_speed_rad_s, faults, notes)
     if scenario.initial.impact_tip_speed_m_s is not None:
-        layout, states = _laid_out(scenario, driven, _speed_of_tip(scenario, layout, faults), faults)
+        layout, states = _laid_out(scenario, driven, _speed_of_tip(scenario, layout, faults), faults, [])
     rigid, links = _bodies(layout, scenario.load.strips_per_rigid_part)
     ends = ends_of(rigid, links)
     faults += [
@@ -121,7 +121,7 @@ def _built(scenario: schema.Scenario) -> Scene:
         drives=driven,
         settle=scenario.initial.settle,
         body_columns=_has_body_columns(scenario, rigid, links),
-        notes=(*media_notes(scenario, placed, "bed.profile_m"), *wheel_notes(scenario)),
+        notes=(*notes, *media_notes(scenario, placed, "bed.profile_m"), *wheel_notes(scenario)),
         wheel_test=wheel_test(scenario),
     )
     if stiff := verified(scene, scenario):
@@ -166,7 +166,7 @@ def _with_rigid(scenario: schema.Scenario, names: tuple[str, ...]) -> schema.Sce
 
 
 def _laid_out(
-    scenario: schema.Scenario, driven: tuple[Drive, ...], speed: float, faults: list[Fault]
+    scenario: schema.Scenario, driven: tuple[Drive, ...], speed: float, faults: list[Fault], notes: list[Fault]
 ) -> tuple[Layout, dict[str, JointState]]:
     """The model in its initial state, and the states of its joints. speed: rate of the ground hinges (rad/s).
 
@@ -177,7 +177,7 @@ def _laid_out(
     """
     model, angle = scenario.model, turned(scenario.initial.impact_angle_deg or 0.0)
     begun = start(scenario, driven, speed, faults)
-    states = closed(PlanarLoops(model, angle), begun, faults)
+    states = closed(PlanarLoops(model, angle), begun, faults, notes)
     if not faults:
         faults += redundant(model, states, angle, driven)
     if faults:

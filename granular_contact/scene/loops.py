@@ -12,13 +12,14 @@ from numpy.typing import NDArray
 
 from granular_contact.config import schema
 from granular_contact.errors import Fault, scene_fault
+from granular_contact.scene.homes import other_homes, solved
 from granular_contact.scene.layout import SIZES, JointState, Pose, direction, is_rigid, point, pose
 from granular_contact.scene.parts import rotation, turned
 from granular_contact.scene.start import Start, home
 from granular_contact.scene.types import Drive, Vector
 
 Mask = NDArray[np.bool_]
-# A loop may gape by this much (m, rad) as the config writes it down; it is then closed to round-off.
+# A loop may gape by this much (m, rad) as the config writes it down, without a word; it is then closed to round-off.
 LARGEST_GAP, LARGEST_TILT = 1e-4, math.radians(0.01)
 RANK_TOLERANCE = 1e-9  # of the largest singular value
 _CONTINUATION_STEPS = 8  # in which a loop is led from home to where the run wants it
@@ -135,16 +136,23 @@ def _held(joint: schema.Closure, angle: float, gap: Vector, turn: float) -> Vect
     return np.array([*gap, turn])
 
 
-def closed(loops: Loops, begun: Start, faults: list[Fault]) -> dict[str, Any]:
-    """Joint states that close all loops in position and velocity; joints not given follow. Faults are appended."""
+def closed(loops: Loops, begun: Start, faults: list[Fault], notes: list[Fault]) -> dict[str, Any]:
+    """Joint states that close all loops in position and velocity; joints not given follow. Faults are appended.
+
+    Where loops gape in the reference configuration as it is written, the nearest in which they close is taken, and told
+    in a note.
+    """
     if not loops.model.closures:
         return begun.states
     moving = {name: joint for name, joint in loops.joints.items() if joint.type in ("hinge", "slider")}
-    states = begun.states | {name: begun.states[name].at(home(joint)) for name, joint in moving.items()}
-    faults += _open(loops, states, "at home")
+    written = begun.states | {name: begun.states[name].at(home(joint)) for name, joint in moving.items()}
+    gapes = bool(_open(loops, written, ""))
+    states = solved(loops, written) if gapes else written
+    faults += _open(loops, states, ", whatever its joints; at best")
     if faults:
         return begun.states
     states = loops.close(states, np.ones(loops.size, dtype=bool))
+    notes += other_homes(loops, written, states) if gapes else []
     if begun.placed:
         free = ~loops.mask(begun.placed)
         first = {name: states[name].coordinate for name in begun.placed & moving.keys()}
@@ -153,7 +161,7 @@ def closed(loops: Loops, begun: Start, faults: list[Fault]) -> dict[str, Any]:
             for name, at in first.items():
                 states[name] = states[name].at(at + float(share) * (begun.states[name].coordinate - at))
             states = loops.close(states, free)
-        faults += _open(loops, states, "at the start")
+        faults += _open(loops, states, " at the start:")
     given = loops.mask(begun.moved), loops.rates(begun.states)
     return loops.moving(states, dependent_rates(loops.jacobian(states), *given, faults))
 
@@ -177,7 +185,7 @@ def _open(loops: Loops, states: Mapping[str, Any], when: str) -> list[Fault]:
     for name, joint in loops.model.closures.items():
         distance, turn = loops.apart(name, loops.gaps(name, placed))
         if distance > LARGEST_GAP or turn > LARGEST_TILT:
-            words = f"the loop does not close {when}: {joint.parent} and {joint.child} are {distance:.4g} m"
+            words = f"the loop does not close{when} {joint.parent} and {joint.child} are {distance:.4g} m"
             words += f" and {math.degrees(turn):.4g} deg" if turn > LARGEST_TILT else ""
             words += f" apart there; allowed are {LARGEST_GAP:g} m"
             words += f" and {math.degrees(LARGEST_TILT):g} deg" if turn else ""

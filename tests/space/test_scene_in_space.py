@@ -16,6 +16,7 @@ from granular_contact.config.schema.space import shapes as specs
 from granular_contact.errors import ConfigError, SceneError
 from granular_contact.geometry import rotations
 from granular_contact.scene import build
+from granular_contact.scene.homes import FoundHome
 from granular_contact.scene.space.shapes import _made, of_surface
 from granular_contact.scene.space.types import SpatialScene
 
@@ -176,8 +177,8 @@ def test_welded_bodies_are_one_whatever_frames_they_are_written_in() -> None:
     np.testing.assert_allclose(two.motion.position, one.motion.position, atol=1e-12)
 
 
-def test_a_four_bar_of_hinges_keeps_the_constraints_it_needs() -> None:
-    """Three hinges of a chain and one that closes it: in space three of its five constraints are held already."""
+def four_bar(*homes: float) -> dict[str, Any]:
+    """A run with a square of four bars, hinged about y, whose three hinges of the tree have these homes (deg)."""
     bar = {"type": "link", "length_m": 0.1, "diameter_m": 0.01, "density_kg_m3": 1000}
     along = {"type": "hinge", "axis": [0, 1, 0], "parent_point_m": [0.1, 0, 0]}
     run = copy.deepcopy(RUN)
@@ -186,9 +187,9 @@ def test_a_four_bar_of_hinges_keeps_the_constraints_it_needs() -> None:
         "name": "four_bar",
         "bodies": {"a": bar, "b": bar, "c": bar},
         "joints": {
-            "one": {"type": "hinge", "axis": [0, 1, 0], "parent": "ground", "child": "a", "home_deg": 90},
-            "two": along | {"parent": "a", "child": "b", "home_deg": -90},
-            "three": along | {"parent": "b", "child": "c", "home_deg": -90},
+            "one": {"type": "hinge", "axis": [0, 1, 0], "parent": "ground", "child": "a", "home_deg": homes[0]},
+            "two": along | {"parent": "a", "child": "b", "home_deg": homes[1]},
+            "three": along | {"parent": "b", "child": "c", "home_deg": homes[2]},
         },
         "closures": {
             "four": {"type": "hinge", "axis": [0, 1, 0], "parent": "ground", "parent_point_m": [0.1, 0, 0]}
@@ -196,9 +197,25 @@ def test_a_four_bar_of_hinges_keeps_the_constraints_it_needs() -> None:
         },
     }
     run["initial"] = {"joints": {"one": {"angle_deg": 70, "rate_rad_s": 2}}}
-    scene = scene_of(run)
+    return run
+
+
+def test_a_four_bar_of_hinges_keeps_the_constraints_it_needs() -> None:
+    """Three hinges of a chain and one that closes it: in space three of its five constraints are held already."""
+    scene = scene_of(four_bar(90, -90, -90))
     assert sum(scene.joints[-1].constrained) == 2
     a, _, c = scene.rigid  # a parallelogram: opposite sides turn alike
     np.testing.assert_allclose(a.motion.rate, c.motion.rate, atol=1e-12)
     np.testing.assert_allclose(a.motion.rate, [0, 2, 0], atol=1e-12)
     assert abs(scene.joints[-1].rate) == pytest.approx(2.0)
+
+
+def test_a_loop_in_space_is_closed_from_rough_homes_with_the_least_change() -> None:
+    """A square sheared by s has the angles 90 - s, s - 90, -90 - s: least squares from 80, -85, -85 by hand."""
+    scene = scene_of(four_bar(80, -85, -85))
+    shear = sum((10.0, 5.0, -5.0)) / 3.0  # the mean of what each of the three asks for
+    expected = [90.0 - shear, shear - 90.0, -90.0 - shear]
+    found = {note.key.split(".")[2]: note.home for note in scene.notes if isinstance(note, FoundHome)}
+    np.testing.assert_allclose([found[name] for name in ("one", "two", "three")], expected, atol=1e-4)
+    a, _, c = scene.rigid
+    np.testing.assert_allclose(a.motion.rate, c.motion.rate, atol=1e-9)

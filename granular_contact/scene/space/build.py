@@ -38,7 +38,7 @@ def built(scenario: schema.SpatialScenario) -> SpatialScene:
     model = scenario.model
     solver = steps(scenario)
     driven = drives(scenario, solver, faults)
-    states = closed(SpatialLoops(model), start(scenario, driven, faults), faults)
+    states = closed(SpatialLoops(model), start(scenario, driven, faults), faults, notes)
     held = needed(model, states, driven, faults) if not faults else {}
     met = {kind for medium, *_ in places(scenario) for kind in kinds(medium)}
     made = bodies_of(model, met, scenario.load.strips_per_rigid_part, faults, notes)

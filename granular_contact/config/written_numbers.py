@@ -1,0 +1,85 @@
+"""Numbers written into the YAML files where their keys stand; all else of the files stays as it is."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import yaml
+
+from granular_contact.errors import ConfigError, Fault
+
+if TYPE_CHECKING:
+    from granular_contact.config.load import SourceMap
+
+
+def write_numbers(sources: SourceMap, numbers: Mapping[str, float]) -> list[str]:
+    """Write numbers of a model into the files from which a scenario was read.
+
+    Parameters
+    ----------
+    sources : SourceMap
+        Of the scenario.
+    numbers : mapping of str to float
+        By dotted key, as `model.joints.knee.home_deg`. A key that is missing is added to the mapping it belongs to.
+
+    Returns
+    -------
+    list of str
+        The files that were changed.
+
+    Raises
+    ------
+    ConfigError
+        A mapping stands in no YAML file, as a joint of a chain or of a robot file; nothing is written then.
+    OSError
+        A file cannot be written.
+    """
+    faults, texts = [], dict[str, str]()
+    by_file = defaultdict[str, dict[str, float]](dict)
+    for key, number in numbers.items():
+        by_file[sources.locate(key)[0]][key] = number
+    for file, new in by_file.items():
+        text = Path(file).read_text(encoding="utf-8") if Path(file).suffix in (".yaml", ".yml") else ""
+        for key, number in new.items():
+            changed = _changed(text, key.split("."), f"{number:.10g}")
+            if changed is None:
+                words = f"stands in no YAML mapping of its own, so that {number:.10g} is not written"
+                faults.append(Fault(file, None, key, f"{words}; give the start in initial.joints"))
+            text = changed or text
+        texts[file] = text
+    if faults:
+        raise ConfigError(faults)
+    for file, text in texts.items():
+        making = Path(file).with_suffix(".new")
+        making.write_text(text, encoding="utf-8")
+        making.replace(file)
+    return list(texts)
+
+
+def _changed(text: str, path: list[str], value: str) -> str | None:
+    """The text with a value under a path, from its root or, in the file of a model, from below `model`."""
+    root = yaml.compose(text, Loader=yaml.SafeLoader) if text else None
+    holder = _below(root, path[:-1]) or _below(root, path[1:-1])
+    if not isinstance(holder, yaml.MappingNode) or not holder.value:
+        return None
+    held = next((value for key, value in holder.value if key.value == path[-1]), None)
+    if held is not None:
+        start, end, new = held.start_mark.index, held.end_mark.index, value
+    elif holder.flow_style:
+        start = end = holder.value[-1][1].end_mark.index
+        new = f", {path[-1]}: {value}"
+    else:
+        first = holder.value[0][0].start_mark
+        start, end, new = first.index, first.index, f"{path[-1]}: {value}\n{' ' * first.column}"
+    return text[:start] + new + text[end:]
+
+
+def _below(node: yaml.Node | None, path: list[str]) -> yaml.Node | None:
+    for name in path:
+        if not isinstance(node, yaml.MappingNode):
+            return None
+        node = next((value for key, value in node.value if key.value == name), None)
+    return node
