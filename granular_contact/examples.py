@@ -31,6 +31,14 @@ def config(name: str) -> Path | None:
     return path if path.parent == folder and path.is_file() else None
 
 
+def named(path: Path, folder: Path | None = None) -> Path:
+    """The file of a path, from a folder where one is given; else the shipped config of that name, if there is one."""
+    file = path if folder is None else folder / path
+    if file.exists() or path.name != str(path):
+        return file
+    return config(path.name) or file
+
+
 def config_names() -> list[str]:
     """Names of the shipped configs."""
     return sorted(path.stem for path in (home() / FOLDERS[1]).glob("*.yaml"))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from os import PathLike
 from pathlib import Path
 
+from granular_contact import examples
 from granular_contact.config import tree
 from granular_contact.config.schema.scenario import Scenario
 from granular_contact.config.tree import Node, Scalar, find, rewritten, set_key
@@ -36,7 +37,7 @@ def is_fit(path: str | PathLike[str]) -> bool:
 
 
 def _keys(path: str | PathLike[str]) -> set[str]:
-    root = read_file(Path(path), [])
+    root = read_file(examples.named(Path(path)), [])
     return set(root.nodes) if isinstance(root, tree.Mapping) else set()
 
 

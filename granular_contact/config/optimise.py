@@ -12,6 +12,7 @@ from functools import cached_property
 from os import PathLike
 from pathlib import Path
 
+from granular_contact import examples
 from granular_contact.config import tree
 from granular_contact.config.export import scenario_to_dict, value_at
 from granular_contact.config.load import Loaded
@@ -108,7 +109,8 @@ def load_optimise(path: str | PathLike[str], probe: Probe | None = None) -> Stud
     Parameters
     ----------
     path : str or path
-        YAML file; the config that it names is looked for beside it.
+        YAML file, or the name of a shipped one; the config that it names is looked for beside it, then among those
+        that are shipped.
     probe : callable, optional
         Called with the scenarios; a SceneError that it raises is a fault of the parameter.
 
@@ -121,7 +123,7 @@ def load_optimise(path: str | PathLike[str], probe: Probe | None = None) -> Stud
     ConfigError
         With every fault found, sorted by file and line.
     """
-    path = Path(path)
+    path = examples.named(Path(path))
     faults: list[Fault] = []
     root = of_file(read_file(path, faults), OptimiseFile, "no search", faults)
     return study_of(root, path, faults, probe)

@@ -19,6 +19,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any
 
+from granular_contact import examples
 from granular_contact.config import tree
 from granular_contact.config.columns import KEYS as COLUMN_KEYS
 from granular_contact.config.differences import differences
@@ -32,6 +33,7 @@ from granular_contact.config.schema.sweep import Sample, SweepFile
 from granular_contact.config.sweep_cases import Case, Numbered, named, read_overrides, sampled, varied, with_long
 from granular_contact.config.yaml_source import read_file
 from granular_contact.errors import ConfigError, Fault, SceneError
+from granular_contact.values.strict import did_you_mean
 
 MOST_FAULTS = 200
 Probe = Callable[[Scenario], object]
@@ -111,7 +113,8 @@ def load_sweep(path: str | PathLike[str], probe: Probe | None = None, check: Che
     Parameters
     ----------
     path
-        YAML file; the config that it names is looked for beside it.
+        YAML file, or the name of a shipped one; the config that it names is looked for beside it, then among those
+        that are shipped.
     probe
         Called with the scenario of each case; a SceneError that it raises is a fault of the case.
     check
@@ -122,7 +125,7 @@ def load_sweep(path: str | PathLike[str], probe: Probe | None = None, check: Che
     ConfigError
         With every fault found, sorted by file and line; of a great many the first 200.
     """
-    path = Path(path)
+    path = examples.named(Path(path))
     faults: list[Fault] = []
     root = of_file(read_file(path, faults), SweepFile, "not a sweep", faults, also=("model",))
     if "model" in root.nodes and "config" not in root.nodes:
@@ -166,9 +169,10 @@ def base_of(
     """The config that all cases start from, with `set` in it; None, with faults, if there is none."""
     found = root.nodes.get("config")
     if isinstance(found, tree.Scalar) and isinstance(found.value, str):
-        path = path.parent / found.value
+        path = examples.named(Path(found.value), path.parent)
         if not path.exists():
-            message = f"got {found.value!r}, but there is no file {shown(path)}"
+            near = did_you_mean(path.stem, examples.config_names())
+            message = f"got {found.value!r}, but there is no file {shown(path)}{f'; {near}' if near else ''}"
             faults.append(found.position.fault(("config",), message))
             return None
         path = shown(path)

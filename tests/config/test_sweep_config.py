@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from support_config import GOOD
 
-from granular_contact.config import Sweep, is_sweep, load, load_sweep
+from granular_contact.config import Sweep, is_sweep, load, load_optimise, load_sweep
 from granular_contact.config.sweep import MOST_FAULTS
 from granular_contact.errors import ConfigError, Fault, scene_error
 
@@ -435,3 +435,24 @@ def test_a_thousand_cases_are_read(read):
     sweep = read(vary(f"  {ANGLE}: {{from: 1, to: 60, count: 50}}\n  {SPEED}: {{from: 1, to: 9, count: 20}}\n"))
     assert len(sweep.cases) == 1000
     assert (sweep.cases[0].name, sweep.cases[-1].name) == ("case_0001", "case_1000")
+
+
+def test_shipped_files_are_found_by_name(tmp_path, monkeypatch) -> None:
+    """A config by a sweep, and sweeps and searches themselves; a file of that name beside them comes first."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "mine.yaml").write_text("config: hexapod\nvary: {bed.slope_deg: [0, 5]}\n", encoding="utf-8")
+    assert load_sweep("mine.yaml").base.name == "hexapod"
+    assert load_sweep("wheel_slip").base.name == "wheel"
+    assert load_optimise("optimise_c_leg").sweep.base.name == "runner"
+    own = (ROOT / "configs" / "pendulum.yaml").read_text(encoding="utf-8")
+    (tmp_path / "hexapod").write_text(
+        own.replace("model: compound_pendulum", "name: own\nmodel: compound_pendulum"), encoding="utf-8"
+    )
+    assert load_sweep("mine.yaml").base.name == "own"
+
+
+def test_a_config_that_is_like_a_shipped_one_is_asked_about(tmp_path) -> None:
+    file = tmp_path / "mine.yaml"
+    file.write_text("config: hexapot\nvary: {bed.slope_deg: [0, 5]}\n", encoding="utf-8")
+    with pytest.raises(ConfigError, match="did you mean hexapod"):
+        load_sweep(file)

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, replace
 from os import PathLike
 from pathlib import Path
 
+from granular_contact import examples
 from granular_contact.config import tree
 from granular_contact.config.messages import by_place, kind_of, validated
 from granular_contact.config.overrides import Override, split
@@ -81,7 +82,7 @@ class Specification:
 
 def load_specification(path: str | PathLike[str]) -> Specification:
     """Specification of a fit file; raises ConfigError with every fault of it."""
-    path = Path(path)
+    path = examples.named(Path(path))
     faults: list[Fault] = []
     return specification(read_file(path, faults), path, faults)
 
@@ -130,7 +131,7 @@ def _runs(root: tree.Mapping, file: FitFile, folder: Path, faults: list[Fault]) 
         clock = file.time_offset_s if run.time_offset_s is None else run.time_offset_s
         yield RunRequest(
             run.name or Path(run.data).stem,
-            folder / run.config,
+            examples.named(Path(run.config), folder),
             folder / run.data,
             _at(node, "config"),
             _at(node, "data"),
