@@ -142,6 +142,7 @@ def test_heavy_libraries_stay_where_they_belong() -> None:
         "gymnasium": ("gym",),
         "pandas": (),
         "trimesh": ("geometry", "robot"),
+        "pyvista": ("report.figures",),
         "lxml": ("robot",),
     }
 

@@ -1,6 +1,7 @@
 """Instants of a run side by side in one small picture, for the gallery.
 
-The mechanism in the plane as in an animation (`report.figures.animation`), in space as `stills_in_space` draws it.
+The mechanism as in an animation: in the plane by `report.figures.animation`, in space by `report.figures.rendering`,
+which needs the extra `render`.
 """
 
 from __future__ import annotations
@@ -16,9 +17,9 @@ from PIL import Image
 
 from granular_contact.report.figures.animation import Film, Picture
 from granular_contact.report.figures.film import palette
+from granular_contact.report.figures.rendering import Stage
 from granular_contact.report.figures.stage import bounds, stage_of
 from granular_contact.results import Results, Snapshot
-from validation import stills_in_space
 
 GAP = 8  # px
 
@@ -32,7 +33,7 @@ def write_strip(results: Results, file: Path, count: int = 4, width: int = 1200)
         The disk refuses.
     """
     in_space = results.motion is not None and results.motion.in_space
-    picture = (stills_in_space.strip if in_space else strip)(results, count, width)
+    picture = (strip_in_space if in_space else strip)(results, count, width)
     shown = Image.fromarray(picture).quantize(palette=palette([picture]), dither=Image.Dither.NONE)
     shown.save(file, optimize=True)
 
@@ -49,6 +50,16 @@ def strip(results: Results, count: int, width: int) -> Picture:
     shown = list(Film(results, stage, words=False).pictures(evenly_moved(results.frames, count)))
     rows = [_joined(shown[i : i + in_row], axis=1) for i in range(0, count, in_row)]
     return _joined(rows, axis=0)
+
+
+def strip_in_space(results: Results, count: int, width: int) -> Picture:
+    """Pictures of `count` (even) instants of a run in space, evenly spaced, two in a row."""
+    assert results.motion is not None
+    stage = Stage(results.motion, (width - GAP) // 2, round(0.28 * width))
+    instants = np.linspace(0, len(results.motion.time) - 1, count).round().astype(int)
+    shown = [stage.picture(int(k)) for k in instants]
+    stage.close()
+    return _joined([_joined(shown[i : i + 2], axis=1) for i in range(0, count, 2)], axis=0)
 
 
 def _joined(shown: list[Picture], axis: int) -> Picture:

@@ -71,11 +71,11 @@ def instants(start: float, end: float, most: int) -> Vector:
     return start + np.arange(count) / (RATE * pace)
 
 
-def pace(frames: Sequence[Snapshot]) -> float:
-    """Seconds played for one second simulated: above 1 it is slow motion."""
-    if len(frames) < 2:
+def pace(time: Sequence[float] | Vector) -> float:
+    """Seconds played for one second simulated, of pictures at these times (s): above 1 it is slow motion."""
+    if len(time) < 2:
         return 1.0
-    exact = (len(frames) - 1) / (RATE * (frames[-1].time - frames[0].time))
+    exact = (len(time) - 1) / (RATE * (time[-1] - time[0]))
     return min(_PACES, key=lambda p: abs(np.log(p / exact)))
 
 

@@ -74,11 +74,11 @@ class Motion:
         """Whether this is a motion in three dimensions."""
         return bool(self.poses.shape[2] == 7)
 
-    def points(self, part: int) -> Array:
-        """Points (k, n, d) m of a part in the world frame, at all instants."""
+    def points(self, part: int, instants: slice = slice(None)) -> Array:
+        """Points (k, n, d) m of a part in the world frame, at all instants or some of them."""
         if part in self.bent:
-            return self.bent[part]
-        own, poses = self.parts[part].points, self.poses[:, part]
+            return self.bent[part][instants]
+        own, poses = self.parts[part].points, self.poses[instants, part]
         if self.in_space:
             placed: Array = np.einsum("kij,nj->kni", rotations.of_quaternion(poses[:, 3:]), own) + poses[:, None, :3]
             return placed

@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from matplotlib.figure import Figure
 from PIL import Image
 
 from granular_contact import Results, load, simulate
 from granular_contact.errors import SceneError
-from granular_contact.results.motion import Motion
 from granular_contact.sand.kernels.ground import tangent_plane
 from granular_contact.sand.space.heights import Heights
 from granular_contact.scene import build
-from validation.stills_in_space import ground_of, parted
 
 RISE = (0.12, -0.07)
 
@@ -111,30 +107,3 @@ def test_a_picture_is_a_map_of_its_grey_levels(tmp_path: Path) -> None:
     Image.fromarray(np.zeros((4, 4, 3), np.uint8)).save(tmp_path / "ground.png")
     with pytest.raises(SceneError, match="the picture is of the kind RGB; allowed is one of grey levels alone"):
         build(load(run(picture)))
-
-
-def test_the_still_picture_of_a_run_shows_the_ground_that_it_ran_on() -> None:
-    """A slope and a map of heights hide what is below them; triangles are cut where they go through the surface."""
-    grid = np.linspace(-1.0, 1.0, 9)
-    x, y = np.meshgrid(grid, grid)
-    still = Motion(np.zeros(1), (), np.zeros((1, 0, 7)))
-    slope = ground_of(replace(still, ground=(grid, grid, 0.1 + RISE[0] * x + RISE[1] * y)), None)
-    bumps = ground_of(replace(still, ground=(grid, grid, 0.1 * np.sin(3.0 * x) * y)), None)
-    random = np.random.default_rng(7)
-    corners = random.normal(size=(40, 3, 3)) * 0.3
-    for ground in (slope, bumps):
-        pieces, own = parted(corners, list(range(40)), ground)
-        assert len(own) == len(pieces) > 60
-        np.testing.assert_allclose(np.bincount(own, area(pieces)), area(corners), rtol=1e-12)
-        middle = pieces.mean(axis=1)
-        figure = Figure()
-        ground.draw(figure.add_subplot(), np.array([-1.0, -1.0]), np.array([1.0, 1.0]))
-        assert figure.axes[0].collections or figure.axes[0].patches
-        assert np.isfinite(ground.at(middle[:, :2])).all()
-    places = random.normal(size=(5, 2))
-    np.testing.assert_allclose(slope.at(places), 0.1 + places @ RISE, atol=1e-12)  # beyond the picture too
-    np.testing.assert_allclose(bumps.at(np.array([[grid[2], grid[6]]])), 0.1 * np.sin(3.0 * grid[2]) * grid[6])
-
-
-def area(corners: np.ndarray) -> np.ndarray:
-    return 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)

@@ -6,7 +6,8 @@ series   panels                     panels over time, and what is marked in them
          robots, space_views        figures of what travels: first body, joints, contacts; views in space
 picture  outlines                   edges and depths, and what the hinges are called
          mechanism                  windows on the plane, and their figure
-film     stage, animation, film     a view to scale, pictures on it, GIF and MP4
+film     stage, animation           a view to scale, pictures on it
+         rendering, film            pictures in space, shaded; GIF and MP4
 studies  histories, laws            models and media compared, a law
          studies, fits              sweeps, wheels, Sobol indices, seeds, searches; fits
 """

@@ -101,7 +101,14 @@ class Film:
         name = self.results.name.replace("_", " ")
         words = [
             _pixels(axes, stage, SIDE, stage.height - 18, name, weight="bold"),
-            _pixels(axes, stage, stage.width - SIDE, stage.height - 18, _pace_words(self.results), ha="right"),
+            _pixels(
+                axes,
+                stage,
+                stage.width - SIDE,
+                stage.height - 18,
+                pace_words([frame.time for frame in self.results.frames]),
+                ha="right",
+            ),
         ]
         return [*words, *(self._force_key() if self.largest > 0.0 else ())]
 
@@ -159,8 +166,8 @@ class Film:
         until = int(np.searchsorted(time, frame.time, side="right"))
         self.line.set_data(*tip[self._tail(until) : until].T)
         self.forces.set_verts([one for force in frame.forces if (one := self._arrow(force)) is not None])
-        self.clock.set_text(self._time(frame.time))
         frames = self.results.frames
+        self.clock.set_text(time_words(frame.time, frames[-1].time))
         share = (frame.time - frames[0].time) / max(frames[-1].time - frames[0].time, 1e-300)
         self.elapsed.set_width(share * (self.stage.right - self.stage.left))
 
@@ -170,14 +177,6 @@ class Film:
         if float(np.linalg.norm(vector)) * self.stage.scale < LEAST_ARROW:
             return None
         return arrow(force.point, force.point + vector, self.stage)
-
-    def _time(self, seconds: float) -> str:
-        end = self.results.frames[-1].time
-        unit = unit_for(end, "s")
-        digits = 2 if end * unit.factor < 10 else 1 if end * unit.factor < 100 else 0
-        number = f"{seconds * unit.factor:.{digits}f}"
-        width = len(f"{end * unit.factor:.{digits}f}")
-        return minus(f"{number:>{width}} {unit.name}").replace(" ", "\N{FIGURE SPACE}", width - len(number))
 
 
 def _canvas(figure: Figure) -> Any:
@@ -221,9 +220,18 @@ def _scale_bar(axes: Axes, stage: Stage) -> list[Artist]:
     return [*bar, _pixels(axes, stage, (left + right) / 2, y + 10, sized(length, "m", "g"), ha="center")]
 
 
-def _pace_words(results: Results) -> str:
-    """How fast the film runs, played at its rate."""
-    factor = pace(results.frames)
+def time_words(seconds: float, end: float) -> str:
+    """An instant of a film that ends at `end` (s); all of them are equally wide."""
+    unit = unit_for(end, "s")
+    digits = 2 if end * unit.factor < 10 else 1 if end * unit.factor < 100 else 0
+    number = f"{seconds * unit.factor:.{digits}f}"
+    width = len(f"{end * unit.factor:.{digits}f}")
+    return minus(f"{number:>{width}} {unit.name}").replace(" ", "\N{FIGURE SPACE}", width - len(number))
+
+
+def pace_words(time: Sequence[float] | Array) -> str:
+    """How fast a film of pictures at these times (s) runs, played at its rate."""
+    factor = pace(time)
     if factor == 1.0:
         return "real time"
     return f"{factor:g} times slowed down" if factor > 1.0 else f"{1 / factor:g} times sped up"

@@ -11,7 +11,8 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from granular_contact.report.figures.animation import STEEL, STEEL_EDGE, TRACE, Picture, pictures
+from granular_contact.report.figures import animation, rendering
+from granular_contact.report.figures.animation import STEEL, STEEL_EDGE, TRACE, Picture
 from granular_contact.report.figures.style import INK, VERMILION
 from granular_contact.results import Results
 from granular_contact.results.frames import RATE
@@ -29,7 +30,9 @@ def write(results: Results, file: Path) -> None:
     OSError
         The disk refuses, or ffmpeg is missing or fails.
     """
-    _WRITERS[file.suffix](pictures(results), file)
+    in_space = results.motion is not None and results.motion.in_space and bool(results.motion.parts)
+    make = rendering.pictures if in_space and rendering.works() else animation.pictures
+    _WRITERS[file.suffix](make(results), file)
 
 
 def _gif(film: Iterator[Picture], file: Path) -> None:
