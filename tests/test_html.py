@@ -192,12 +192,13 @@ def test_pages_tell_what_they_are_for(kind: str, pages: dict[str, Path]) -> None
         assert words in text
 
 
-def test_a_run_shows_all_its_figures_its_film_and_its_still(pages: dict[str, Path]) -> None:
+def test_a_run_shows_all_its_figures_and_its_motion_once(pages: dict[str, Path]) -> None:
+    """The player shows it: a film in the folder stays there."""
     outline = Outline(pages["run"].read_text(encoding="utf-8"))
     kinds = Counter(str(attributes["src"])[:14] for attributes in outline.all("img"))
-    assert kinds == {"data:image/png": 5, "data:image/gif": 1}
-    (still,) = outline.all("source")
-    assert still["media"] == "(prefers-reduced-motion: reduce)"
+    assert kinds == {"data:image/png": 5}
+    assert (pages["run"].parent / "animation.gif").exists()
+    assert not outline.all("video")
 
 
 def test_a_failed_run_is_shown_as_failed(tmp_path: Path) -> None:
@@ -308,12 +309,6 @@ def test_several_runs_make_a_gallery(tmp_path: Path, capsys: pytest.CaptureFixtu
     assert [str(one["src"])[:14] for one in outline.all("img")] == ["data:image/png"]
     assert [one["href"] for one in outline.all("a") if not str(one["href"]).startswith("#")] == ["two/report.html"]
     assert "stopping time (ms)" in "".join(outline.text)
-
-
-def test_an_mp4_is_played_by_the_page(tmp_path: Path) -> None:
-    report.write(make(), tmp_path / "r", figures=False)
-    (tmp_path / "r" / "animation.mp4").write_bytes(b"\0" * 10)
-    assert '<video src="data:video/mp4;base64,AAAAAAAAAAAAAA==" controls=""' in html(tmp_path / "r")
 
 
 # ---- how it is built ----
@@ -447,8 +442,6 @@ DAMAGES: tuple[tuple[str, bytes, str], ...] = (
     (PNG, b"", "is empty"),
     (PNG, b"\x89PNG\r\n\x1a\n and then no more", "is cut short"),
     (PNG, b"<svg/>", "is not a picture"),
-    ("animation.gif", b"", "is empty"),
-    ("animation.gif", b"GIF89a and then no more", "is cut short"),
     ("summary.json", b'{"warnings": "none"}', "warnings is not a list"),
     ("summary.json", b'{"energy": 3}', "energy is not an object"),
     ("summary.json", b'{"contacts": []}', "contacts is not an object"),
@@ -781,12 +774,3 @@ def test_a_foreign_script_is_not_run(pages: dict[str, Path], browser: Browser) -
     add = "const s = document.createElement('script'); s.textContent = 'window.evil = 1'; document.body.append(s);"
     assert browser.run(f"{add} return window.evil === undefined") is True
     assert any("Content Security Policy" in one for one in browser.faults())
-
-
-@IN_BROWSER
-def test_who_wants_no_motion_gets_a_still(pages: dict[str, Path], browser: Browser) -> None:
-    seen = "return document.querySelector('picture img').currentSrc.slice(0, 14)"
-    for wish, kind in (("no-preference", "data:image/gif"), ("reduce", "data:image/png")):
-        browser.media(prefers_reduced_motion=wish)
-        browser.open(pages["run"], 800)
-        assert browser.run(seen) == kind

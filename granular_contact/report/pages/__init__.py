@@ -1,4 +1,4 @@
-"""Results folder -> one HTML file that holds everything: text, numbers, figures, animation, scenario, warnings.
+"""Results folder -> one HTML file that holds everything: text, numbers, figures, motion, scenario, warnings.
 
 folder                                  what is on the disk
 run, comparison, sweep, fit, optimise   what is shown of each kind of results; of several runs

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from granular_contact.config.csv_table import ragged, table_of
 from granular_contact.config.yaml_source import read_text
 from granular_contact.errors import Fault, ResultsError
-from granular_contact.report import ANIMATION, ENTRIES, FIGURES, MOTION, kind_of
+from granular_contact.report import ENTRIES, FIGURES, MOTION, kind_of
 from granular_contact.report.units import is_number
 from granular_contact.results.motion import Motion, of_plain
 
@@ -153,11 +153,6 @@ class Folder:
         """Figures, in the order of their names."""
         return sorted((self.path / FIGURES).glob("*.png"))
 
-    def film(self) -> Path | None:
-        """The animation, if there is one."""
-        found = (self.path / f"{ANIMATION}{ending}" for ending in (".mp4", ".gif"))
-        return next((path for path in found if path.is_file()), None)
-
     def _text(self, name: str) -> str:
         try:
             return (self.path / name).read_text(encoding="utf-8")
@@ -177,12 +172,11 @@ def _value(cell: str) -> Any:
     return int(cell) if cell.lstrip("+-").isdecimal() else number
 
 
-# How pictures and films begin, and how they end where that is fixed.
-_ENDS = {".png": (b"\x89PNG\r\n\x1a\n", b"IEND\xaeB`\x82"), ".gif": (b"GIF8", b";"), ".mp4": (b"", b"")}
+_BEGIN, _END = b"\x89PNG\r\n\x1a\n", b"IEND\xaeB`\x82"  # of a PNG
 
 
 def picture(path: Path) -> bytes:
-    """Content of a PNG, GIF or MP4 file.
+    """Content of a PNG file.
 
     Raises
     ------
@@ -193,9 +187,8 @@ def picture(path: Path) -> bytes:
         content = path.read_bytes()
     except OSError as error:
         raise FolderError(f"{path}: can't be read: {error.strerror}") from None
-    begin, end = _ENDS.get(path.suffix, (b"", b""))
-    if not content or not content.startswith(begin) or not content.endswith(end):
-        what = "is empty" if not content else "is cut short" if content.startswith(begin) else "is not a picture"
+    if not content.startswith(_BEGIN) or not content.endswith(_END):
+        what = "is empty" if not content else "is cut short" if content.startswith(_BEGIN) else "is not a picture"
         raise FolderError(f"{path}: {what}; run again what wrote it, or remove it")
     return content
 

@@ -31,7 +31,6 @@ GENERATOR = "granular-contact"
 WIDE = 2.4  # width to height of pictures that get a row of their own
 _HEADING = re.compile(r'<h2 id="([^"]*)">(.*?)</h2>')
 _QUANTITY = re.compile(r"[\N{MINUS SIGN}+]?\d[\d.e\N{MINUS SIGN}+]*( \S+)?")
-_TYPES = {".png": "image/png", ".gif": "image/gif", ".mp4": "video/mp4", ".svg": "image/svg+xml"}
 _DRAWING = ("tables", "data", "player", "histories", "space", "cases", "run")
 _SCRIPTS = dict.fromkeys(("run", "compare", "compare-media", "sweep", "optimise", "fit"), _DRAWING)
 Rows = Iterable[Sequence[Any]]
@@ -132,8 +131,8 @@ def flat(value: Any) -> Any:
 
 
 def uri(path: Path) -> str:
-    """A picture or film as a data URI."""
-    return f"data:{_TYPES[path.suffix]};base64,{b64encode(picture(path)).decode()}"
+    """A PNG as a data URI."""
+    return f"data:image/png;base64,{b64encode(picture(path)).decode()}"
 
 
 def is_wide(path: Path) -> bool:

@@ -37,8 +37,6 @@ def content(folder: Folder) -> dict[str, Any]:
         "imbalance": imbalance,
         "numbers": known | {"energy.imbalance_relative": imbalance},
         "pictures": pictures,
-        "film": folder.film(),
-        "still": next((path for path in pictures if path.stem in ("mechanism", "views")), None),
         "energy": energy,
         "drives": list(_drives(summary.get("drives") or {})),
         "strides": list(_strides(summary.get("strides") or {})),
