@@ -13,13 +13,13 @@ from granular_contact.mechanics.joint_history import JointForces
 from granular_contact.mechanics.kinematics import Kinematics
 from granular_contact.mechanics.reactions import reactions
 from granular_contact.results import series
-from granular_contact.results.energy import work
+from granular_contact.results.energy import accumulate, work
 from granular_contact.results.interpolation import Track, above_zero, at_times, positive_part
 from granular_contact.results.summary import Driving, drive_numbers, stride_numbers
 from granular_contact.scene.signal_tables import period
 from granular_contact.scene.types import Joint, Scene, Vector
 
-LEAST_ALONG = 1e-9  # x component of the axis of a slider that is not upright
+LEAST_ALONG = 1e-9  # component of the axis of a slider along which something travels
 Driven = dict[str, Driving]  # by joint
 
 
@@ -130,20 +130,32 @@ def contacts(time: Vector, bodies: Sequence[str], depths: Mapping[str, list[Trac
     return {label(body): [[float(a), float(b)] for a, b in above_zero(time, depths.get(body, []))] for body in bodies}
 
 
-def travels(joint: Joint) -> bool:
-    """Whether a joint lets all that hangs on it move along the surface."""
-    along = joint.axis is not None and abs(joint.axis[0]) > LEAST_ALONG
-    return joint.parent is None and (joint.kind == "free" or along)
+def travels(scene: Scene, joint: Joint) -> bool:
+    """Whether a joint lets all that hangs on it travel, in the sense of `output.travel`."""
+    if joint.parent is not None or joint.kind == "free" or joint.axis is None:
+        return joint.parent is None and joint.kind == "free"
+    level = np.asarray(joint.axis[:-1])
+    along = np.linalg.norm(level) if scene.travel is None else abs(level @ np.asarray(scene.travel))
+    return float(along) > LEAST_ALONG
+
+
+def advance(motion: Kinematics) -> tuple[Vector, Vector]:
+    """How far (n,) m the common centre of mass has travelled, in the sense of `output.travel`, and how fast (m/s)."""
+    place, velocity = (along[:, :-1] for along in motion.common_center)  # without what is upward
+    if (ahead := motion.scene.travel) is not None:
+        return place @ np.asarray(ahead), velocity @ np.asarray(ahead)
+    speed = np.linalg.norm(velocity, axis=1)
+    return accumulate(motion.trajectory.time, speed), speed
 
 
 def travel(motion: Kinematics, driven: Driven) -> dict[str, float | None]:
-    """Distance travelled by the common centre of mass, its mean speed, and the cost of transport.
+    """Distance travelled by the common centre of mass along `output.travel`, its mean speed, and the cost of transport.
 
     The mean of the second half of the time is given too, as a gait sets in. cost_of_transport: work that
     the drives put in (what they take back is not counted) over weight times distance.
     """
     time, scene = motion.trajectory.time, motion.scene
-    x, speed = (along[:, 0] for along in motion.common_center)
+    x, speed = advance(motion)
     put_in = sum(positive_part(time, drive.power) for drive in driven.values())
     lasted, middle = float(time[-1] - time[0]), 0.5 * (time[0] + time[-1])
     distance, later = float(x[-1] - x[0]), float(x[-1] - at_times(time, x, speed, np.array([middle]))[0])
@@ -176,7 +188,7 @@ def strides(motion: Kinematics, driven: Driven) -> dict[str, Any] | None:
     torques = [drive.force for name, drive in driven.items() if scene.joint(name).kind == "hinge"]
     powers = [drive.power for drive in driven.values()]
     weight = scene.mass * abs(scene.gravity)
-    return stride_numbers(time, motion.common_center[0][:, 0], powers, torques, weight, periods[0])
+    return stride_numbers(time, advance(motion)[0], powers, torques, weight, periods[0])
 
 
 def largest_torque(scene: Scene, driven: Driven) -> dict[str, float]:

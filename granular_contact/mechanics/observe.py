@@ -194,7 +194,7 @@ def key_numbers(
         numbers["penetration_time_s"] = sinking
     if scene.body_columns and load is not None:
         numbers["contacts"] = mechanism.contacts(motion.trajectory.time, load.body_names, by_body)
-    if scene.drives and any(mechanism.travels(joint) for joint in scene.joints):
+    if scene.drives and any(mechanism.travels(scene, joint) for joint in scene.joints):
         numbers |= mechanism.travel(motion, driven)
         if (strides := mechanism.strides(motion, driven)) is not None:
             numbers["strides"] = strides

@@ -99,6 +99,9 @@ def _built(scenario: schema.Scenario) -> Scene:
         *too_steep(scenario),
         *closure_faults(layout.model, layout.groups),
     ]
+    if scenario.output.travel not in ("x", "path"):
+        words = f"got {scenario.output.travel}, but y is up in the plane: allowed are x and path"
+        faults.append(scene_fault("output.travel", words))
     placed = bed(scenario, [end.world - (0.0, end.drop) for end in ends], faults)
     if rigid or links:
         faults += _nothing_to_act_on(scenario, ends)
@@ -123,6 +126,7 @@ def _built(scenario: schema.Scenario) -> Scene:
         body_columns=_has_body_columns(scenario, rigid, links),
         notes=(*notes, *media_notes(scenario, placed, "bed.profile_m"), *wheel_notes(scenario)),
         wheel_test=wheel_test(scenario),
+        travel=None if scenario.output.ahead is None else (1.0,),
     )
     if stiff := verified(scene, scenario):
         return replace(_built(_with_rigid(scenario, stiff)), stiff=stiff)

@@ -90,7 +90,8 @@ class Scene:
     load, solver, method: as the scenario has them, but for `auto`; method: None for the engine. settle: find rest
     first. body_columns: report the motion of every body. stiff: links of the scenario that bend too little to show, and
     are rigid here. notes: what is doubtful about the model, by the key of the config. wheel_test: of a
-    run of one wheel. scenario: what `build` made the
+    run of one wheel. travel: unit vector along which distances are reported, without what is upward; None for the path
+    seen from above. scenario: what `build` made the
     scene of; None of a scene that was put together or changed otherwise, as by `dataclasses.replace`. like: a scene of
     the same parts, which strike another medium or otherwise, see `again`; None where none is known.
     """
@@ -112,6 +113,7 @@ class Scene:
     stiff: tuple[str, ...] = ()
     notes: tuple[Fault, ...] = ()
     wheel_test: WheelTest | None = None
+    travel: tuple[float, ...] | None = (1.0,)
     scenario: Scenario | None = field(default=None, init=False, repr=False, compare=False)
     like: Scene | None = field(default=None, init=False, repr=False, compare=False)
 

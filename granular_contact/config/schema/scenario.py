@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import yaml
-from pydantic import Field
+from pydantic import AfterValidator, Discriminator, Field, Tag
 
 from granular_contact.config.schema.bed import Bed, Media
 from granular_contact.config.schema.drives import Drive
@@ -17,7 +18,7 @@ from granular_contact.config.schema.signals import Signal
 from granular_contact.config.schema.wheel import WheelRun, wheel_faults
 from granular_contact.laws.law import Law
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
-from granular_contact.values.strict import Faults, Positive, Strict, Tagged, Text, by_type
+from granular_contact.values.strict import Faults, Point, Positive, Strict, Tagged, Text, by_type, form, refusal
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -69,6 +70,17 @@ class Solver(Strict):
             yield ("step_s",), f"got {self.step_s:g}, which exceeds end_time_s, {self.end_time_s:g}"
 
 
+def _points_somewhere(ahead: tuple[float, float]) -> tuple[float, float]:
+    if not 0.0 < math.hypot(*ahead) < math.inf:
+        raise refusal([((), f"got {list(ahead)}; allowed is a direction on the ground, as [0, 1] for y")])
+    return ahead
+
+
+Travel = (
+    Annotated[Literal["x", "y", "path"], Tag("text")] | Annotated[Point, AfterValidator(_points_somewhere), Tag("list")]
+)
+
+
 class Output(Strict):
     """What is saved."""
 
@@ -78,6 +90,17 @@ class Output(Strict):
     bodies: Literal["auto", "all", "none"] = "auto"
     """Columns of the motion of every body. auto: where more than one joint moves or the ground joint is no hinge, and
     there are at most 32 bodies."""
+    travel: Annotated[Travel, Discriminator(form)] = "x"
+    """What distance, forward speed and cost of transport are taken along, by the common centre of mass: an axis of the
+    world, a direction [x, y] on the ground, or its path seen from above. In the plane x or path."""
+
+    @property
+    def ahead(self) -> tuple[float, float] | None:
+        """Unit vector of `travel` on the ground; None for the path."""
+        if self.travel == "path":
+            return None
+        x, y = {"x": (1.0, 0.0), "y": (0.0, 1.0)}[self.travel] if isinstance(self.travel, str) else self.travel
+        return x / math.hypot(x, y), y / math.hypot(x, y)
 
 
 class Scenario(Strict):

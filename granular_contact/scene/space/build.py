@@ -69,6 +69,7 @@ def built(scenario: schema.SpatialScenario) -> SpatialScene:
         settle=scenario.initial.settle,
         body_columns=_has_body_columns(scenario, rigid),
         notes=tuple(notes),
+        travel=scenario.output.ahead,
     )
     if faults := list(beyond_numbers(scene)):
         raise SceneError(faults)
