@@ -97,6 +97,7 @@ STUDIES = (
     _script("gaits", quick=("--quick",)),
     Entry("runner_policy"),
     # Cost
+    Entry("numerics"),
     Entry("mechanism_cost"),
     Entry("minimal_cost"),
     Entry("scaling"),

@@ -36,10 +36,6 @@ class Elastoplastic(Coefficients):
         record["friction"] = ELASTOPLASTIC
         record["u_y"], record["tau"] = self.yield_displacement, self.damping_time
 
-    def holding_speed(self, step: float) -> float:
-        """Speed (m/s) at the end of a step (s) at which a bristle comes from one bound to the other."""
-        return 2.0 * self.yield_displacement / (0.5 * step + self.damping_time)
-
 
 class Smooth(Coefficients):
     """Static resistance that follows the velocity, tanh(v / reference_speed), and creeps under a constant load.
@@ -59,8 +55,3 @@ class Smooth(Coefficients):
 
         record["friction"] = SMOOTH
         record["v_eps"] = self.reference_speed
-
-    def holding_speed(self, step: float) -> float:
-        """Speed (m/s) at which nearly all of the resistance acts, whatever the step (s)."""
-        del step
-        return 2.0 * self.reference_speed

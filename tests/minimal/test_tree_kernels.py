@@ -112,7 +112,7 @@ def test_matrix_of_newton_is_the_slope_of_what_joints_lack() -> None:
     march = March(make_tree(scene_of(CHAIN_IN_SAND)))
     march.plan(0.1)
     while march.time < 0.1:
-        march.go_on()
+        march.proceed()
     w, h = march.arrays, 1e-4
     fq, fv, n = 0.25 * h * h, 0.5 * h, len(w["s"])
     tree_load.act(march._words)

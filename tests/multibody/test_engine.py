@@ -210,24 +210,8 @@ def test_mass_and_weight_are_the_engine_s(elements: int) -> None:
     np.testing.assert_allclose(wanted, -9.81 * engine @ up, rtol=1e-12, atol=1e-12 * np.abs(wanted).max())
 
 
-@pytest.mark.parametrize(
-    ("config", "changes", "times"),
-    [
-        ("pendulum", ["solver.step_s=2e-4"], 100.0),
-        ("pendulum", ["solver.step_s=1e-4"], 25.0),
-        ("pendulum", ["solver.step_s=1e-5"], 1.0),
-        ("pendulum", ["solver.accuracy=1e-3"], 1.0),
-        ("pendulum_rigid", ["solver.step_s=2e-4"], 1.0),
-    ],
-)
-def test_a_swinging_link_is_iterated_to_what_its_fixed_steps_leave(config, changes, times) -> None:
-    scene = scene_of(config, *changes)
-    allowed = settings(scene).timeIntegration.newton.absoluteTolerance
-    assert allowed == pytest.approx(times * scene.solver.tolerance * scene.force_scale)
-
-
 def test_a_coarse_tolerance_is_not_made_coarser() -> None:
-    """By default an iteration of a link on a hinge leaves more than it is asked; who asks for less gets no more."""
+    """A thousand times the default leaves an imbalance that is still below what is warned of."""
     default, coarse = simulate("pendulum"), simulate("pendulum", "solver.tolerance=1e-2")
-    assert coarse.summary["energy"]["imbalance_relative"] < 1e-3  # 0.1 where all were eased alike
+    assert coarse.summary["energy"]["imbalance_relative"] < 1e-3
     assert coarse.summary["stopping_time_s"] == pytest.approx(default.summary["stopping_time_s"], rel=1e-4)

@@ -256,14 +256,14 @@ def test_the_order_is_looked_at_in_every_residual(asked: list[str], fine: bool) 
 def test_what_is_watched_is_what_a_jacobian_depends_on() -> None:
     """The usual way back: the engine computes the Jacobian where it did."""
     found: list[bool] = []
-    again = Tangent.again
+    again = Tangent.recompute
 
     def watched(tangent: Tangent, place: Any) -> bool:
         found.append(again(tangent, place))
         return found[-1]
 
     with pytest.MonkeyPatch.context() as during:
-        during.setattr(Tangent, "again", watched)
+        during.setattr(Tangent, "recompute", watched)
         told: list[str] = []
         assert _after_a_detour(told) == 0.0
     assert found == [True]

@@ -5,7 +5,7 @@ bodies, coupling, overlay         which bodies can carry a bed; how its forces g
 build, build_in_space, joints     Scene -> System
 joint_actions                     what joints do at an instant
 settings, step_control            tolerances; steps that are chosen
-predictor                         where Newton's method begins
+predictor                         start of a step, Anderson acceleration
 solve, recorder                   the steps; what is kept of each, and when it ends
 engine_checks                     what the engine lets us do, tried once
 settle, balance                   static equilibrium before the start

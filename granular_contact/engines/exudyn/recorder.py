@@ -96,7 +96,7 @@ class Recorder:
         if not self._outdated:  # as the engine takes it to be
             self._conv.jacobianUpdateRequested = False
         if self.control is not None:
-            self.control.go_on(t)
+            self.control.resume(t)
 
     def clear(self) -> None:
         """Forget the state at the start, which is reported once more."""

@@ -17,13 +17,12 @@ import numpy as np
 from granular_contact.engines.exudyn.engine_checks import abilities, notices, refusal
 from granular_contact.engines.exudyn.predictor import Predictor
 from granular_contact.engines.exudyn.recorder import Recorder, status
-from granular_contact.engines.exudyn.settings import control_steps, led_on, patience, settings, tolerances, unresolved
+from granular_contact.engines.exudyn.settings import control_steps, settings, unresolved
 from granular_contact.engines.exudyn.settle import settle
 from granular_contact.engines.exudyn.step_control import StepControl
 from granular_contact.engines.exudyn.views import Views, reference
 from granular_contact.errors import SolveError
 from granular_contact.mechanics.mass_and_gravity import mass_matrix
-from granular_contact.mechanics.scheme import moving_joints
 from granular_contact.mechanics.system import System, Trajectory, at_one
 from granular_contact.results import Cost, Outline, Progress, Status
 from granular_contact.results.observed import Observations
@@ -125,37 +124,11 @@ class Solve:
 
         None, too, where the engine takes no changes of its solver or its vectors.
         """
-        scene, simulation = self.system.scene, self.simulation
-        if unresolved(scene) or not (self._able.controls and self._able.views):
+        if unresolved(self.system.scene) or not (self._able.controls and self._able.views):
             return None
-        lever = self.recorder.lever if self._goes_round() else None
-        limits = tolerances(scene, simulation), patience(scene, simulation)
-        alone = moving_joints(scene) <= 1
-        gain = math.inf if lever is None or alone else led_on(scene, simulation)
-        bends, fixed = alone and bool(scene.links), scene.solver.accuracy is None
-        # A drive moves on what has stopped: walkers would take a tenth more iterations.
         bed = self.system.bed
-        held = self._held if fixed and bed is not None and not scene.drives else None
-        return Predictor(
-            self.solver, lever, *limits, bends=bends, alone=alone, gain=gain, fixed=fixed, held=held,
-            apply=None if bed is None else bed.apply,
-        )  # fmt: skip
-
-    def _held(self, step: float) -> float:
-        """Speed (m/s) up to which bristles of the bed hold within a step (s); 0 where none is touched."""
-        system = self.system
-        assert system.bed is not None  # of those that are asked
-        return system.scene.load.friction.holding_speed(step) if system.bed.load.active else 0.0
-
-    def _goes_round(self) -> bool:
-        """Whether iterations of Newton's method may go to and fro, so that they are led on by those before.
-
-        Of links that bend only where steps are fixed: where they are chosen, such iterations have ended by then.
-        """
-        scene = self.system.scene
-        if scene.links and scene.solver.accuracy is not None:
-            return False
-        return self.system.bed is not None or bool(self.system.loads)
+        lever = self.recorder.lever if bed is not None or self.system.loads else None
+        return Predictor(self.solver, lever, None if bed is None else bed.apply)
 
     def _run(self, part: Callable[[], bool]) -> None:
         """Do a part of the solve and keep how it ended, with the time that it took."""
@@ -186,7 +159,7 @@ class Solve:
         if self._predictor is not None:
             self._predictor.views = views
         if self.recorder.control is not None:
-            self.recorder.control.look(views)
+            self.recorder.control.bind(views)
         if self.system.bed is not None:
             self.system.bed.views = views
         if self._keeper is not None:

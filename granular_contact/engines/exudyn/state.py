@@ -102,7 +102,7 @@ class Keeper:
         system.mbs.SetRenderEngineStopFlag(False)  # what a finished solve left
         outdated = kept.outdated
         if kept.place is not None and not outdated:
-            outdated = not self.tangent.again(kept.place)
+            outdated = not self.tangent.recompute(kept.place)
             self._anew |= outdated
         self.tangent.place = kept.place
         self._set_engine(kept, data)

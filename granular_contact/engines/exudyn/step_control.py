@@ -1,4 +1,4 @@
-"""Steps chosen by an estimate of their error, in a solve by the engine: how it is made to refuse and to set them.
+"""Step-size control by an error estimate, in a solve by the engine: how it is made to refuse steps and to set them.
 
 The choice itself: `mechanics.stepping`.
 """
@@ -108,7 +108,7 @@ class StepControl:
         self.chosen = self._choose(t, self.next, soonest, self._record, *speeds, *self._follows)
         self._take(t)
 
-    def look(self, views: Views) -> None:
+    def bind(self, views: Views) -> None:
         """Learn where the engine keeps its vectors in the part of the solve that begins."""
         self._views, self._own = views, (views.a, views.v)
         self._words = self._places(*self._own, *self._arrays)
@@ -137,7 +137,7 @@ class StepControl:
             else:
                 setattr(self, name, value)
 
-    def go_on(self, t: float) -> None:
+    def resume(self, t: float) -> None:
         """Set the step to come where a solve goes on from t (s) after a pause."""
         self._it.currentStepSize = self.last
         if self.begun:

@@ -1,4 +1,4 @@
-"""Where the engine's Jacobian was computed last, so that it can be computed there again.
+"""Jacobian of modified Newton in a saved state: the place where it was computed last, so that it can be recomputed.
 
 Modified Newton keeps a factorised Jacobian over many steps, and what an iteration leaves below its tolerance depends on
 it. The engine hands no factors out. So the place where it was computed is kept, and an iteration is led back to it.
@@ -91,7 +91,7 @@ class Tangent:
         self._active = bed is not None and bed.load.active
         return self._nothing
 
-    def again(self, place: Place) -> bool:
+    def recompute(self, place: Place) -> bool:
         """Compute the Jacobian of another time. Leaves state and bed of the system where it was computed.
 
         Returns whether the engine has computed it there, last.

@@ -1,4 +1,7 @@
-"""State of a march of a tree, as `kernels.tree_march` keeps it up to date; the arrays are explained there."""
+"""Generalised-alpha in the joint coordinates of a tree: records and arrays of a march.
+
+`kernels.tree_march` keeps them up to date; the arrays are explained there.
+"""
 
 from __future__ import annotations
 
@@ -24,14 +27,15 @@ from granular_contact.engines.tree.kernels.tree_arrays import (
 )
 from granular_contact.engines.tree.kernels.tree_arrays import FASTEST as SO_FAR
 from granular_contact.engines.tree.kernels.tree_calls import record as calls
-from granular_contact.engines.tree.kernels.tree_newton import attempt, look_here
+from granular_contact.engines.tree.kernels.tree_newton import attempt, iteration
 from granular_contact.engines.tree.tree import Tree
 from granular_contact.jit.compiled import ready
 from granular_contact.jit.lending import places
 from granular_contact.mechanics.kernels import iterations as of
 from granular_contact.mechanics.kernels import step_error
-from granular_contact.mechanics.scheme import OF_CHANGING_STEPS, moving_joints, spectral_radius
-from granular_contact.mechanics.stepping import SHORT, SHORTEST, choice, learn, most_steps, usual_step
+from granular_contact.mechanics.kernels.numerics import SHORTEST
+from granular_contact.mechanics.scheme import spectral_radius
+from granular_contact.mechanics.stepping import choice, learn, most_steps, usual_step
 from granular_contact.sand.history import HistoryTable
 from granular_contact.sand.kernels.lines import DEPTH
 from granular_contact.sand.load import AHEAD, TOUCHES
@@ -39,14 +43,6 @@ from granular_contact.sand.rolling import roll_in
 from granular_contact.scene.types import FASTEST, Scene, Vector
 
 SHARE = 1024  # steps between two updates of the progress bar
-GAIN, MOST_ITERATIONS = 0.6, 20  # of Newton's method: when its matrix is renewed, when a step is given up
-# What an iteration may change speeds by: of chosen steps over `tolerance`, the accuracy and the speed. By default it is
-# a five-hundredth of what a step's error may be: with ten times as much one body in sixty that is thrown into the sand
-# rolled on where it should have stopped, for a tenth fewer iterations.
-CLOSENESS = 2e2
-# The same over the step, of what fixed steps leave: it matters for the shortest, whose speeds hardly change. A drive
-# that is controlled answers what is left of a rate with its torque.
-OF_CHOSEN, OF_CONTROLLED = 30.0, 3.0
 # What the future of a march depends on, besides what iterations and the choice of steps keep.
 LASTING = ("s", "rates", "s2", "lagged", "joint", "matrix", "state", "clock", "counts", "iterated")
 ANY = 1e-3  # accuracy, where steps are fixed and nothing asks for it
@@ -62,7 +58,7 @@ class March:
             **tree.arrays,
             **_of_steps(tree.scene),
             "blank": table.blank,
-            "calls": calls(look_here, attempt),
+            "calls": calls(iteration, attempt),
         }
         arrays["states"] = np.zeros((1 + SHARE, kernels.WIDTH * nodes))
         arrays["table"] = np.zeros((1 + SHARE, len(table.blank)))
@@ -92,7 +88,7 @@ class March:
             left, clock = until - self.time, self.arrays["clock"]
             clock[[STEP, ORIGIN, WHOLE]] = left / max(1, math.ceil(left / solver.step_s - 1e-9)), self.time, 0.0
 
-    def go_on(self) -> int:
+    def proceed(self) -> int:
         """March on; why it came back is one of the kernels' codes."""
         if len(self.rows) - 1 - self.last < SHARE:
             self._enlarge(max(SHARE, self.last // 2))
@@ -179,29 +175,20 @@ def _limits(scene: Scene) -> NDArray[np.void]:
     solver, control = scene.solver, np.zeros(1, CONTROL)
     control["end"], control["rest_speed"] = solver.end_time_s, solver.rest_speed_m_s
     control["rest_time"] = math.inf if scene.rest_time is None else scene.rest_time
-    control["away"], control["crowd"] = FASTEST, most_steps(scene)
-    control["left"] = solver.tolerance * scene.force_scale / scene.mass
-    if solver.accuracy is None:
-        control["left"] *= max(1.0, solver.step_s / SHORT)  # as by the engine: a step leaves as much more
-    else:
-        controlled = any(drive.kind == "control" for drive in scene.drives)
-        control["left"] *= OF_CONTROLLED if controlled else OF_CHOSEN
-        control["closeness"] = CLOSENESS * solver.tolerance
+    control["away"], control["most"] = FASTEST, most_steps(scene)
+    control["tolerance"] = solver.tolerance * scene.force_scale / scene.mass
     return control
 
 
 def _scheme(scene: Scene) -> NDArray[np.void]:
     """Record of SCHEME: the generalised-alpha method with a spectral radius at high frequency."""
     solver, scheme = scene.solver, np.zeros(1, SCHEME)
-    radius = solver.spectral_radius
-    if radius is None:  # of random scenes those of one body, too, keep the accuracy best so where steps are chosen
-        radius = spectral_radius(scene) if solver.accuracy is None else OF_CHANGING_STEPS
+    radius = spectral_radius(scene) if solver.spectral_radius is None else solver.spectral_radius
     alpha_m, alpha_f = (2.0 * radius - 1.0) / (radius + 1.0), radius / (radius + 1.0)
     gamma = 0.5 + alpha_f - alpha_m
     scheme["alpha_m"], scheme["alpha_f"] = alpha_m, alpha_f
     scheme["beta"], scheme["gamma"] = 0.25 * (gamma + 0.5) ** 2, gamma
-    scheme["gain"], scheme["most"] = GAIN, MOST_ITERATIONS
-    scheme["fixed"], scheme["alone"] = solver.accuracy is None, moving_joints(scene) == 1
+    scheme["fixed"] = solver.accuracy is None
     return scheme
 
 
@@ -210,10 +197,9 @@ def _iterations(arrays: dict[str, NDArray[Any]]) -> list[NDArray[Any]]:
     nodes, none = len(arrays["nodes"]), np.zeros(0)
     now, before = (arrays[name] for name in ("s", "rates", "s2")), (arrays["rates_before"], arrays["s2_before"])
     given = [*now, none, *before, none, _levers(arrays["nodes"])]
-    kept = [np.zeros((4, nodes)), np.zeros((2, 0)), np.zeros(2)]
+    kept = [np.zeros((3, nodes)), np.zeros((2, 0)), np.zeros(3)]
     pairs = [np.zeros((rows, of.DEPTH)) for rows in (nodes, 0, nodes, of.DEPTH)]
-    numbers = [np.zeros(of.NUMBERS, np.int64), np.zeros(of.LINE)]
-    return [*given, *kept, *pairs, *numbers, np.zeros((2, nodes)), np.zeros((2, 0))]
+    return [*given, *kept, *pairs, np.zeros(of.NUMBERS, np.int64)]
 
 
 def _levers(nodes: NDArray[np.void]) -> Vector:

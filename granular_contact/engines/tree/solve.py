@@ -80,7 +80,7 @@ class Solve:
         self._code, began = kernels.PAUSE, time.perf_counter()
         try:
             while self._code == kernels.PAUSE and not self._late(time.perf_counter() - began):
-                self._code = self.march.go_on()
+                self._code = self.march.proceed()
                 if self.progress is not None:
                     self.progress(self.time, end)
         except KeyboardInterrupt:
@@ -164,7 +164,7 @@ class Solve:
             return unsolved(scene, t, step)
         if code == kernels.AWAY:
             return diverged(scene, t)
-        if code == kernels.CROWD:
+        if code == kernels.MANY_STEPS:
             return crowded(scene, t, self.march.last, step)
         if code == kernels.REST:
             return ended("rest", t, scene.solver)

@@ -2,6 +2,6 @@
 
 joint_coordinates, joint_laws, joint_loads, space_joints    coordinates of joints and what acts along them
 signal_tables                                               signals of drives
-iterations, anderson, line_search                           Newton's method
+numerics, iterations, anderson    constants of the scheme and of Newton's method; acceleration
 step_error, step_choice                                     choice of steps
 """

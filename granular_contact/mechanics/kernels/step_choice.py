@@ -1,4 +1,4 @@
-"""How long the next step of a solve is whose steps are chosen by their error; see `mechanics.stepping` for the reasons.
+"""Step-size control: length of the next step by the error of the last; derivation in `mechanics.stepping`.
 
 Arguments that the functions share:
 

@@ -63,19 +63,15 @@ NODE = record_dtype(
         *fields("f8", "turn", "mass", "inertia", "radius"),
     ]
 )
-# alpha_m ... gamma, of the scheme; gain: how much of the last change an iteration may leave, or the matrix is renewed;
-# most: iterations; fixed: whether steps are; alone: whether nothing is known from the iterations of other steps.
-SCHEME = record_dtype(
-    [*fields("f8", "alpha_m", "alpha_f", "beta", "gamma", "gain"), *fields("i8", "most", "fixed", "alone")]
-)
-# Times and speeds in SI units. closeness, left (m/s2): what the last iteration may still change speeds by, over the
-# accuracy and the speed where steps are chosen, and over the step. away (m/s): speed from which on a motion has run
-# away; crowd: steps.
-CONTROL = record_dtype([*fields("f8", "end", "rest_speed", "rest_time", "closeness", "left", "away"), ("crowd", "i8")])
+# alpha_m ... gamma, of the scheme; fixed: whether steps are.
+SCHEME = record_dtype([*fields("f8", "alpha_m", "alpha_f", "beta", "gamma"), ("fixed", "i8")])
+# Times and speeds in SI units. tolerance (m/s2): change of an acceleration at which iterations end; away (m/s): speed
+# from which on a motion has run away; most: steps.
+CONTROL = record_dtype([*fields("f8", "end", "rest_speed", "rest_time", "tolerance", "away"), ("most", "i8")])
 
 # Addresses, see `tree_calls`.
 CALL = record_dtype(
-    fields("i8", "force", "tangent", "accept", "update_active", "soonest", "begin", "go_on", "look", "attempt")
+    fields("i8", "force", "tangent", "accept", "update_active", "soonest", "begin", "accelerate", "iterate", "attempt")
 )
 
 ARRAYS = (

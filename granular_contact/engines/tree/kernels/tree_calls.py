@@ -22,13 +22,11 @@ from granular_contact.engines.tree.kernels.tree_arrays import (
     MATRICES,
     POSE,
     SAND,
-    SCHEMES,
     TRIPLETS,
     TWIST,
     calls,
     numbers,
     rows,
-    schemes,
     tables,
 )
 from granular_contact.jit.calls import address_of, caller
@@ -47,22 +45,22 @@ _SIGNATURES: dict[str, tuple[tuple[Any, ...], Any]] = {  # arguments, result
     "accept": ((_SAND, _ROW, _ROW, _ROW, _TRUTH), types.none),
     "update_active": ((_SAND, _NUMBER), _TRUTH),
     "soonest": ((_SAND,), _NUMBER),
-    "begin": ((_WORDS, _NUMBER, _NUMBER, _TRUTH, _WHOLE, _TRUTH, _NUMBER), _TRUTH),
-    "go_on": ((_WORDS, _WHOLE, _NUMBER, _TRUTH), _TRUTH),
-    "look": ((_NUMBER, _NUMBER, _WORDS), _NUMBER),
+    "begin": ((_WORDS, _NUMBER, _NUMBER), types.none),
+    "accelerate": ((_WORDS, _WHOLE), _TRUTH),
+    "iterate": ((_NUMBER, _NUMBER, _WORDS), _NUMBER),
     "attempt": ((_NUMBER, _NUMBER, _WORDS), _TRUTH),
 }
-_force, _tangent, _accept, _update_active, _soonest, _begin, _go_on, _look, _attempt = (
+_force, _tangent, _accept, _update_active, _soonest, _begin, _accelerate, _iterate, _attempt = (
     caller(name, *_SIGNATURES[name], CALL) for name in _SIGNATURES
 )
 _OF_SAND = "force", "tangent", "accept", "update_active", "soonest"
 
 
 @cache
-def record(look: Any, attempt: Any) -> NDArray[np.void]:
+def record(iterate: Any, attempt: Any) -> NDArray[np.void]:
     """Record (1,) of CALL with the addresses of functions, which are compiled where they are not yet."""
     functions = {name: getattr(planar_sand, name) for name in _OF_SAND}
-    functions |= {"begin": anderson.begin, "go_on": anderson.go_on, "look": look, "attempt": attempt}
+    functions |= {"begin": anderson.begin, "accelerate": anderson.accelerate, "iterate": iterate, "attempt": attempt}
     found = np.zeros(1, CALL)
     for name, function in functions.items():
         found[name] = address_of(function, *_SIGNATURES[name])
@@ -107,22 +105,20 @@ def soonest(w):
 
 @part
 def begin_iterations(of_q, of_v, w):
-    """`anderson.begin`: whether the matrix is to be new."""
-    c, count = schemes(w, SCHEMES)[0], numbers(w, ITERATED)[MATRICES]
-    return _begin(calls(w, CALLS)[0], (numbers(w, ITERATIONS), of_q, of_v, c.alone != 0, count, c.fixed != 0, 0.0))
+    """`anderson.begin`."""
+    _begin(calls(w, CALLS)[0], (numbers(w, ITERATIONS), of_q, of_v))
 
 
 @part
-def go_on(w):
-    """`anderson.go_on`: whether the matrix is to be new."""
-    c, count = schemes(w, SCHEMES)[0], numbers(w, ITERATED)[MATRICES]
-    return _go_on(calls(w, CALLS)[0], (numbers(w, ITERATIONS), count, c.gain, True))
+def accelerate(w):
+    """`anderson.accelerate`: whether the matrix is to be new."""
+    return _accelerate(calls(w, CALLS)[0], (numbers(w, ITERATIONS), numbers(w, ITERATED)[MATRICES]))
 
 
 @part
-def look(of_q, of_v, w):
-    """`tree_newton.look`."""
-    return _look(calls(w, CALLS)[0], (of_q, of_v, w))
+def iterate(of_q, of_v, w):
+    """`tree_newton.iterate`."""
+    return _iterate(calls(w, CALLS)[0], (of_q, of_v, w))
 
 
 @part

@@ -58,12 +58,12 @@ from granular_contact.jit.compiled import kernel, part
 from granular_contact.jit.memory import copy, piece
 from granular_contact.mechanics.kernels import step_error
 from granular_contact.mechanics.kernels.joint_loads import VALUE
-from granular_contact.mechanics.kernels.step_choice import LONGER, SLOWED, ahead, factor, needed
+from granular_contact.mechanics.kernels.step_choice import LONGER, ahead, factor, needed
 from granular_contact.sand.kernels.lines import TIME
 
 # Why `march` came back: its share of steps is done, everything rests, the end, no step is small enough, the motion
 # diverged, there are too many steps.
-PAUSE, REST, END, FAILED, AWAY, CROWD = 0, 1, 2, 3, 4, 5
+PAUSE, REST, END, FAILED, AWAY, MANY_STEPS = 0, 1, 2, 3, 4, 5
 STEPS, REFUSED, SHORTENED = 0, 1, 2  # of counts (3,)
 MOVES, WIDTH = 9, 11  # numbers of a node in a row of states: of its motion, and in all
 
@@ -117,9 +117,8 @@ def chosen(h, w):
     """Step by h (s), or by less, as the error allows; its length (s), 0 if no step can be solved."""
     clock, choice, control, counts = row(w, CLOCK), choices(w, CHOICES)[0], controls(w, CONTROLS)[0], numbers(w, COUNTS)
     refused, matrix = False, row(w, MATRIX)
-    allowed = control.closeness * choice.accuracy * max(clock[SPEED], clock[FASTEST] / SLOWED)
     while True:
-        if not attempt(h, min(allowed, control.left * h), w):
+        if not attempt(h, control.tolerance * h, w):
             matrix[0] = 0.0
             h *= 0.5
             if h < choice.least:
@@ -139,8 +138,8 @@ def chosen(h, w):
 @part
 def fixed(h, w):
     """Step by h (s), or by half of it and so on where that can't be solved; its length (s), 0 if none can be."""
-    left, whole, least = controls(w, CONTROLS)[0].left, h, choices(w, CHOICES)[0].least
-    while not attempt(h, left * h, w):
+    tolerance, whole, least = controls(w, CONTROLS)[0].tolerance, h, choices(w, CHOICES)[0].least
+    while not attempt(h, tolerance * h, w):
         row(w, MATRIX)[0] = 0.0
         h *= 0.5
         if h < least:
@@ -173,7 +172,7 @@ def is_over(w):
         return REST
     if clock[NOW] >= control.end:
         return END
-    return CROWD if counts[STEPS] > control.crowd else PAUSE
+    return MANY_STEPS if counts[STEPS] > control.most else PAUSE
 
 
 @part

@@ -7,8 +7,9 @@ that belong to the motion at the ends of a step h, and lagged ones l that move i
     s_1 = s_0 + h s'_0 + h^2 ((1/2 - beta) l_0 + beta l_1),    s'_1 = s'_0 + h ((1 - gamma) l_0 + gamma l_1).
 
 a_1 is found so that every joint passes on what is asked of it at the end of the step, where bristles and all other
-forces are those of s_1 and s'_1. With each unit of a_1 coordinates change by of_q and rates by of_v. Iterations begin,
-go on and have their matrix renewed as those of the engine do (`anderson`).
+forces are those of s_1 and s'_1. With each unit of a_1 coordinates change by of_q and rates by of_v. Start and
+acceleration of the iterations: `anderson`. The matrix, an articulated-body inertia, is kept over steps; it is renewed
+where an iteration contracts too little, or the step changes by more than the factors SHORTER and LONGER.
 
 Of the arrays of `tree_arrays`: matrix (1,) has of_v of the matrix in use, 0 where a new one is asked for.
 """
@@ -44,10 +45,11 @@ from granular_contact.engines.tree.kernels.tree_arrays import (
     rows,
     schemes,
 )
-from granular_contact.engines.tree.kernels.tree_calls import begin_iterations, go_on, look, update_active
+from granular_contact.engines.tree.kernels.tree_calls import accelerate, begin_iterations, iterate, update_active
 from granular_contact.engines.tree.kernels.tree_load import act, fastest, follow_signals, prescribe, tangent
 from granular_contact.jit.compiled import part
 from granular_contact.jit.memory import copy
+from granular_contact.mechanics.kernels.numerics import MOST_ITERATIONS
 from granular_contact.mechanics.kernels.step_choice import LONGER, SHORTER
 
 
@@ -71,13 +73,12 @@ def begin(of_q, of_v, w):
     matrix = row(w, MATRIX)
     if not SHORTER * matrix[0] < of_v < LONGER * matrix[0]:
         matrix[0] = 0.0
-    if begin_iterations(of_q, of_v, w):
-        matrix[0] = 0.0
+    begin_iterations(of_q, of_v, w)
     prescribe(of_v, w)
 
 
 @part
-def look_here(of_q, of_v, w):
+def iteration(of_q, of_v, w):
     """Find what joints lack at the present accelerations, and the change that takes it away; its size (m/s2)."""
     matrix, count = row(w, MATRIX), numbers(w, ITERATED)
     act(w)
@@ -95,17 +96,17 @@ def look_here(of_q, of_v, w):
 
 @part
 def solved(of_q, of_v, allowed, w):
-    """Whether iterations come to where the next one would change speeds by no more than is allowed (m/s).
+    """Whether Newton's method comes to where the next iteration would change speeds by at most `allowed` (m/s).
 
     Then forces and accelerations are those of the state.
     """
     matrix, change, s, rates, s2 = row(w, MATRIX), row(w, CHANGE), row(w, S), row(w, RATES), row(w, S2)
-    for iteration in range(schemes(w, SCHEMES)[0].most):
+    for iteration in range(MOST_ITERATIONS):
         if iteration > 0:
-            if go_on(w):
+            if accelerate(w):
                 matrix[0] = 0.0
             prescribe(of_v, w)
-        size = of_v * look(of_q, of_v, w)
+        size = of_v * iterate(of_q, of_v, w)
         if size <= allowed:
             return True
         if not size < math.inf:
@@ -145,7 +146,7 @@ def settle_in(w):
         s2[i] = 0.0
     prescribe(0.0, w)
     matrix[0] = 0.0
-    look(0.0, 0.0, w)
+    iterate(0.0, 0.0, w)
     for i in range(s2.shape[0]):
         s2[i] += change[i]
     carry(w)

@@ -1,0 +1,44 @@
+"""Constants of generalised-alpha, of modified Newton and of Anderson acceleration: all, for every engine and scene.
+
+Scheme: Chung and Hulbert (1993) in the form of Arnold and Bruels (2007), second order. Modified Newton keeps its
+Jacobian over steps. None of the constants has a unit. Where `validation/numerics.py` can change one, its page in
+docs/studies has the measurement. Constants of the choice of steps: `mechanics.stepping` and `step_choice`.
+"""
+
+from __future__ import annotations
+
+# ---- scheme ----
+
+# Spectral radius at infinite frequency, of fixed steps.
+SPECTRAL_RADIUS = 0.9
+# The same where steps are chosen, or a signal prescribes a motion: both leave an oscillation in the accelerations,
+# which fades by the spectral radius a step. At 0.9 a chain of 8 takes 1520 steps in place of 325, as the control takes
+# the oscillation for jumps of the force.
+DAMPED_SPECTRAL_RADIUS = 0.5
+# The same of links whose round-off of elastic forces is above 1e-3 of all forces, so that accelerations are noise.
+NOISE_SPECTRAL_RADIUS = 0.0
+
+# ---- modified Newton ----
+
+# Residual allowed by the engine, over `solver.tolerance` times the scale of the forces, where something answers to
+# accelerations: the choice of steps, a controller; and in space, where what is left of constraints is a speed.
+CLOSER = 1e-3
+# How much of the change before (in the engine: of the residual) an iteration may leave, or the Jacobian is renewed. By
+# 0.25 for links that bend and 0.6 for rigid ones iterations of shipped runs change by -2 to 8 %.
+CONTRACTION = 0.5
+# Iterations after which a step is halved.
+MOST_ITERATIONS = 20
+# Shortest step that a failing iteration or a refused step may come down to, over the usual one.
+SHORTEST = 1e-4
+# Systems of at most so many unknowns are factorised as full matrices, larger ones as sparse ones.
+FULL = 60
+
+# ---- Anderson acceleration ----
+
+# Pairs of iterations that are kept.
+DEPTH = 6
+# Regularisation of the least squares, over the square of each difference.
+REGULARISATION = 1e-3
+# Differences below this share of the present change do not count: where motions agree to round-off and constraint
+# forces do not yet, these would run away.
+LEAST_DIFFERENCE = 0.1
