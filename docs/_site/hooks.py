@@ -22,13 +22,14 @@ import reference
 # Files of the repository that are pages of the site.
 PAGES = {
     "configs/README.md": "gallery.md",
+    "examples/README.md": "examples.md",
     "models/README.md": "howto/mechanisms.md",
     "validation/README.md": "studies/index.md",
     "README.md": "index.md",
     "CHANGELOG.md": "about/changes.md",
     "CONTRIBUTING.md": "about/contributing.md",
 }
-COPIED = (".yaml", ".png", ".gif", ".csv", ".json", ".urdf")  # of other files of the repository that pages name
+COPIED = (".yaml", ".py", ".png", ".gif", ".csv", ".json", ".urdf")  # of other files of the repository that pages name
 _LINK = re.compile(r"(!?)\[((?:[^\[\]]|\[[^\]]*\])*)\]\(([^)\s#]*)(#[^)\s]*)?\)")
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 import yaml
-from support_blocks import ROOT, Page, assert_told, blocks, run
+from support_blocks import ROOT, Page, assert_told, blocks, forget, run
 
 DOCS = ROOT / "docs"
 NEEDS = {"howto/gym.md": "gymnasium", "howto/optimise.md": "cma", "tutorials/robot.md": "trimesh"}
@@ -35,20 +35,8 @@ def at(name: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> Page:
 def test_what_a_page_shows_happens(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert at(name, tmp_path, monkeypatch).blocks > 0
     if name == "howto/law.md":
-        _forget("power")
-        _forget("winkler")
-
-
-def _forget(tag: str) -> None:
-    """Take a law out again that a page added, for the tests that come after it in this process."""
-    from granular_contact.config import allowed
-    from granular_contact.config.schema import Bed, BedLayer, Scenario
-    from granular_contact.laws.catalogue import LAWS
-
-    del LAWS[tag]
-    for part in (BedLayer, Bed, Scenario, *Scenario.__subclasses__()):
-        part.model_rebuild(force=True)
-    allowed.forget()
+        forget("power")
+        forget("winkler")
 
 
 def test_the_fit_finds_the_sand_that_made_the_data(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
