@@ -137,6 +137,18 @@ MODELS = {
         "medium.zeta",
         "axle",
     ),
+    "flexible in space": Model(
+        "model:\n  in_space: true\n  name: small\n  bodies:\n"
+        "    hub: {type: rigid, mass_kg: 0.1, inertia_kg_m2: {xx: 1.0e-4, yy: 1.0e-4, zz: 1.0e-4}}\n"
+        "    bar: {type: link, length_m: 0.1, width_m: 0.02, thickness_m: 0.005, density_kg_m3: 2700, "
+        "flexible: {youngs_modulus_Pa: 3.0e9, elements: 2}}\n"
+        "  joints:\n    a: {type: hinge, parent: ground, child: hub, axis: [0, 1, 0.3]}\n"
+        "    b: {type: weld, parent: hub, child: bar}\n"
+        "initial: {joints: {a: {angle_deg: 20, rate_rad_s: 2}}}\n" + IN_SPACE,
+        RATE,
+        "a_angle_deg",
+        coefficient="medium.mu_int",
+    ),
     "robot in space": Model(
         "model:\n  in_space: true\n  name: small\n  bodies:\n"
         "    trunk: {type: rigid, density_kg_m3: 500, shapes: [{type: box, size_m: [0.1, 0.08, 0.04]}]}\n"
@@ -323,9 +335,12 @@ STUDIES: Mapping[str, Callable[[Case], None]] = {
 }
 
 RIGID = "model.bodies: no link is flexible, so there is nothing to compare"
+DEEP = "model: the model is in space, but reduced models are of the plane, so there is nothing to compare"
+IN_THREE = {"robot in space", "flexible in space", "URDF"}
+BENDS = {"flexible link", "free rod that bends"}
 # The refusals that are right, by the sentence without the place of its file.
 REFUSALS: dict[tuple[str, str], str] = {
-    **{("compare", model): RIGID for model in MODELS if model not in {"flexible link", "free rod that bends"}},
+    **{("compare", model): DEEP if model in IN_THREE else RIGID for model in MODELS if model not in BENDS},
     ("compare", "free rod that bends"): (
         "method: the model has no rigid body, and it has no hinges, and a is a free joint between the ground and the "
         "root of the flexible rod: the reduced model is for one hinge on the ground, a rigid body on it (any welded "
@@ -342,7 +357,7 @@ REFUSALS: dict[tuple[str, str], str] = {
 
 
 NOTES = (
-    "`compare` holds reduced models against the engine's beams; rigid models have nothing to be reduced. `gym` moves a",
+    "`compare` holds reduced models against beams, in the plane; rigid ones have nothing to be reduced. `gym` moves a",
     "model by a drive `external` of a joint; here that is the hinge that each model has. In these runs media scatter",
     "(`ensemble` needs it), but for those of `compare`, since reduced models know no scatter.",
 )

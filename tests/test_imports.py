@@ -26,6 +26,7 @@ FLOORS = (
     ("config",),
     ("sand.space.triangles", "sand.space.heights"),  # shapes and surfaces are made once, for scenes too
     ("sand.space.shapes",),
+    ("sand.space.beam_shape",),
     ("scene", "starter"),
     ("results",),
     ("sand",),

@@ -72,6 +72,7 @@ STUDIES = (
     Entry("paper_cases"),
     Entry("laws"),
     Entry("beam_against_theory"),
+    Entry("spatial_beam"),
     Entry("single_mode_vs_fe"),
     Entry("sensitivity"),
     Entry("fit_recovery"),

@@ -6,6 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
+from granular_contact.mechanics.beam_energy import elastic_energy_and_loss
 from granular_contact.mechanics.constraints import Constraints
 from granular_contact.mechanics.mass_and_gravity import center_shares
 from granular_contact.mechanics.system import System, Trajectory
@@ -40,6 +41,10 @@ class Kinematics:
     def constraints(self) -> Constraints:
         """What joints ask of accelerations."""
         return Constraints(self)
+
+    def reported(self, body: str) -> str:
+        """Name under which a body is reported."""
+        return body
 
     def position(self, name: str, point: Vector) -> tuple[Vector, Vector]:
         """Position and velocity (n, 2) of a body-frame point; on a flexible link its root or tip."""
@@ -84,6 +89,22 @@ class Kinematics:
         momenta = turn @ self.trajectory.mass[places][:, places]
         spin: Vector = np.sum(momenta * v, axis=1) / np.sum(momenta * turn, axis=1)
         return spin
+
+    def elastic(self) -> list[tuple[Vector, Vector]]:
+        """Strain energy (n,) J of each link that bends, and the power (n,) W that its damping takes."""
+        q, v, found = self.trajectory.q, self.trajectory.v, []
+        for name, handle in self.system.links.items():
+            nodes = np.array(self.nodes(name))
+            found.append(elastic_energy_and_loss(q[:, nodes], v[:, nodes], handle.link))
+        return found
+
+    def element_errors(self) -> dict[str, tuple[float, int]]:
+        """Of links made of rigid elements: the error of the tip (m) by these, and how many there are."""
+        return {}
+
+    def bends(self) -> dict[str, list[Vector]]:
+        """Deflections (n,) m of the tip of each link that bends."""
+        return {name: [self.bend(name).values] for name in self.system.links}
 
     def damped_balls(self) -> list[Vector]:
         """Work (n,) J of the dampers of ball joints, which act along no coordinate; in the plane there are none."""

@@ -37,7 +37,8 @@ def joint_columns(motion: Kinematics) -> series.Series:
     columns: series.Series = {}
     for joint in motion.scene.joints:
         if joint.has_coordinate:
-            of_joint = joint.name, joint.child, joint.parent, *motion.coordinate(joint)
+            ends = motion.reported(joint.child), None if joint.parent is None else motion.reported(joint.parent)
+            of_joint = joint.name, *ends, *motion.coordinate(joint)
             hinge = joint.kind == "hinge"
             columns |= series.joint(*of_joint, in_space=motion.scene.in_space) if hinge else series.slider(*of_joint)
         elif not joint.law.is_idle:

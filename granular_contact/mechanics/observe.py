@@ -9,7 +9,6 @@ import numpy as np
 from granular_contact.laws.law import term_names
 from granular_contact.mechanics import mechanism
 from granular_contact.mechanics.accuracy import accuracy_warnings, greatest_energy
-from granular_contact.mechanics.beam_energy import elastic_energy_and_loss
 from granular_contact.mechanics.depths import all_depths, depths_by_body
 from granular_contact.mechanics.drive_error import drive_warnings
 from granular_contact.mechanics.kinematics import Kinematics
@@ -98,13 +97,12 @@ def _reach(motion: Kinematics) -> Reach | None:
 
 def energies(motion: Kinematics, driven: mechanism.Driven) -> Series:
     """Columns of what was stored, and of the work done so far."""
-    t, scene, links = motion.trajectory, motion.scene, motion.system.links
+    t, scene = motion.trajectory, motion.scene
     kinetic = 0.5 * np.sum((t.v @ t.mass) * t.v, axis=1)
     gravity = scene.gravity * motion.lifted()
     elastic, damping, work = (np.zeros_like(kinetic) for _ in range(3))
-    for name, handle in links.items():
-        nodes = np.array(motion.nodes(name))
-        stored, lost = elastic_energy_and_loss(t.q[:, nodes], t.v[:, nodes], handle.link)
+    links = motion.elastic()
+    for stored, lost in links:
         elastic += stored
         damping -= energy.accumulate(t.time, lost)
     joints = mechanism.joint_energies(motion, driven)
@@ -193,7 +191,8 @@ def key_numbers(
     if (sinking := _penetration_time(motion, depths)) is not None:
         numbers["penetration_time_s"] = sinking
     if scene.body_columns and load is not None:
-        numbers["contacts"] = mechanism.contacts(motion.trajectory.time, load.body_names, by_body)
+        names = list(dict.fromkeys(motion.reported(name) for name in load.body_names))
+        numbers["contacts"] = mechanism.contacts(motion.trajectory.time, names, by_body)
     if scene.drives and any(mechanism.travels(scene, joint) for joint in scene.joints):
         numbers |= mechanism.travel(motion, driven)
         if (strides := mechanism.strides(motion, driven)) is not None:

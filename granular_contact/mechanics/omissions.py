@@ -26,7 +26,7 @@ def left_out(system: System, trajectory: Trajectory) -> Iterator[str]:
     """Sentences, for people."""
     for name in system.scene.stiff:
         yield f"beam of {name}: it would bend by less than {LEAST_BOW:g} of its length, so it is rigid"
-    if not system.links and not system.scene.stiff:
+    if not system.links and not system.scene.stiff and not getattr(system.scene, "beams", ()):
         yield "beams: no body is flexible, so there are no cable elements and no elastic energies"
     if system.scene.gravity == 0.0:
         yield "weight: gravity is 0, so no body has a load for it"
@@ -87,6 +87,11 @@ def _nil(medium: Law) -> Iterator[str]:
             yield "lambda" if name == "lam" else name
 
 
+def link_name(body: str) -> str:
+    """Name of a body; of an element of a link that bends in space that of the link."""
+    return body.split(".")[0]
+
+
 def _rest(trajectory: Trajectory) -> Iterator[str]:
     load = trajectory.load
     if load is None:
@@ -94,6 +99,7 @@ def _rest(trajectory: Trajectory) -> Iterator[str]:
     dry, steps = int((load.depth <= 0.0).sum()), len(load.time)
     if dry:
         yield f"forces of the medium: nothing was immersed at {dry} of {steps} instants: the load was not evaluated"
-    never = set(load.body_names) - {body for body, _, _ in load.immersed}
+    met = {link_name(body) for body, _, _ in load.immersed}
+    never = {link_name(body) for body in load.body_names} - met
     if never:
         yield f"forces on {', '.join(sorted(never))}: laid out, but never immersed in this run"

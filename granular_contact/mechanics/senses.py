@@ -37,8 +37,7 @@ class Senses:
     def __init__(self, system: System, load: GranularLoad | None) -> None:
         self.system, self.load = system, load
         joints = [joint for joint in system.scene.joints if joint.has_coordinate]
-        bodies = [body.name for body in system.scene.bodies]
-        met = () if load is None else load.table.bodies
+        bodies, met = self._reported()
         self.seen = self._seen_type(
             tuple(joint.name for joint in joints),
             tuple(joint.kind == "hinge" for joint in joints),
@@ -47,6 +46,11 @@ class Senses:
         )
         self._met = np.array([bodies.index(name) for name in met], int)
         self._find(joints)
+
+    def _reported(self) -> tuple[list[str], list[str]]:
+        """Names of bodies, and of those that the medium can meet."""
+        met = () if self.load is None else self.load.table.bodies
+        return [body.name for body in self.system.scene.bodies], list(met)
 
     def _find(self, joints: list[Joint]) -> None:
         """Where the coordinates of joints and bodies are, and the lines of bodies."""

@@ -148,6 +148,7 @@ class _Names:
         self.bodies = stems("_x_m", "_vx_m_s")
         self.met = stems("_granular_x_N")
         self.deep = [one for one in stems("_depth_m") if one in self.bodies]
+        self.bending = stems("_deflection_y_m", "_deflection_z_m")  # in space
         self.in_space = any(f"{one}_vz_m_s" in has for one in self.bodies)
         self.up = "z" if self.in_space else "y"
 
@@ -200,6 +201,13 @@ def _joints(found: _Names) -> Group:
         found.panel("power of drives", "W", [(name, f"{name}_power_W") for name in driven]),
         Panel("work of drives", "J", works),
         found.panel("deflection of the last flexible link", "m", [("tip", "deflection_m")]),
+        *(
+            found.panel(
+                f"deflection of {link}", "m", [(f"along {axis}", f"{link}_deflection_{axis}_m") for axis in "yz"]
+            )
+            for link in found.bending
+        ),
+        found.panel("twist of links", "deg", [(link, f"{link}_twist_deg") for link in found.bending]),
     ]
     words = "Angle, rate, torque, power and work of joints." if driven else "Angle and rate of joints."
     return Group("joints", "Joints", words, tuple(panels))

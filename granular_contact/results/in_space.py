@@ -36,6 +36,9 @@ class SpatialObservation(Observation):
         """All columns, with the table (instants, columns)."""
         found: series.Series = {"time_s": ("time since the start", self.time)}
         found |= self.motion | vector("tip_{}_m", "position of the tip", self.tip)
+        if self.deflection is not None:
+            words = "distance of the tip of the last link that bends from the axis of its root"
+            found["deflection_m"] = (words, self.deflection.values)
         if self.depth is not None:
             found["depth_m"] = ("depth of the deepest point below the surface", self.depth)
         if self.scene.media:

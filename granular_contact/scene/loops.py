@@ -33,7 +33,7 @@ class Loops:
 
     def __init__(self, model: Any, sizes: Mapping[str, int]) -> None:
         self.model = model
-        self.joints = {name: joint for name, joint in model.all_joints.items() if joint.type != "weld"}
+        self.joints = {name: joint for name, joint in model.all_joints.items() if sizes.get(joint.type, 0) > 0}
         ends = np.cumsum([0, *(sizes[joint.type] for joint in self.joints.values())])
         self.places = {name: slice(a, b) for name, a, b in zip(self.joints, ends, ends[1:], strict=False)}
         self.size = int(ends[-1])

@@ -153,6 +153,10 @@ class Scene:
         """Body of this name."""
         return next(body for body in self.bodies if body.name == name)
 
+    def link_length(self, name: str) -> float:
+        """Length (m) of a link that bends."""
+        return next(link.length for link in self.links if link.name == name)
+
     def joint(self, name: str) -> Joint:
         """Joint of this name."""
         return next(joint for joint in self.joints if joint.name == name)

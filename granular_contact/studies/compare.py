@@ -107,7 +107,10 @@ def models(
         n for n, b in scenario.model.all_bodies.items() if isinstance(b, schema.Link) and b.flexible is not None
     ]
     links = [name for name in flexible if name in scenario.model.bodies]
-    if not flexible:
+    if scenario.model.in_space:
+        words = "the model is in space, but reduced models are of the plane, so there is nothing to compare"
+        faults.append(Fault(str(path), None, "model", words))
+    elif not flexible:
         faults.append(Fault(str(path), None, "model.bodies", "no link is flexible, so there is nothing to compare"))
     if faults:
         raise ConfigError(faults)

@@ -27,6 +27,7 @@ WHOLE = {
     "hinge": items.ObjectJointRevoluteZ,
     "slider": items.ObjectJointPrismaticX,
     "ball": items.ObjectJointSpherical,
+    "elastic": items.ObjectJointSpherical,
 }
 
 
@@ -41,7 +42,7 @@ def build(scene: SpatialScene) -> SpatialSystem:
     )
     for joint in scene.joints:
         _constrain(system, ground, joint)
-        if joint.has_coordinate or joint.is_sprung:
+        if joint.has_coordinate or joint.acts:
             let_act(system, joint, scene.drive(joint.name), partial(coordinate, system, joint))
     return assembled(replace(system, bed=_granular_load(system)))
 

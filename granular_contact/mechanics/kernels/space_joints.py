@@ -12,6 +12,11 @@ has the moment -k s a, k times the rotation vector, which is smooth at s = 0; at
 way round, it jumps. Its damper acts on all of w_C - w_P: what is not along a adds -c (w_C - w_P - a ds/dt). Forces
 along s are those of `joint_laws`; arguments and `state` as of `joint_loads`, with records of JOINT and places
 (k, 14, 2).
+
+    elastic   between elements of a link that bends: a moment in the frame of the joint on the parent,
+              m = -T^-T (K theta + D theta'), theta' = T^-1 (w_C - w_P), theta = s a the rotation vector there,
+              T^-1 = 1 - theta^ / 2 + (1 - (s/2) cot(s/2)) (theta^ / s)^2 of the exponential map,
+              so that m . (w_C - w_P) = -d/dt (theta . K theta) / 2 - theta' . D theta'
 """
 
 from __future__ import annotations
@@ -32,10 +37,10 @@ from granular_contact.sand.kernels.lines import difference
 from granular_contact.sand.kernels.space_bodies import by_parameters
 
 MOST = 14  # coordinates of two nodes
-BALL = 2  # a kind of joint, beside HINGE and SLIDER
+BALL, ELASTIC = 2, 3  # kinds of joints, beside HINGE and SLIDER
 # find: address of what finds the coordinate of its kind; parent, child: how many coordinates their nodes have, none of
 # the ground; points (m) and axes of the joint's frame in
-# the frames of parent and child; reference: values of the coordinates.
+# the frames of parent and child; reference: values of the coordinates; bends, damps: K and D of an elastic joint.
 JOINT = record_dtype(
     [
         *((name, "i8") for name in ("kind", "find")),
@@ -46,6 +51,8 @@ JOINT = record_dtype(
         ("child_point", "f8", (3,)),
         ("child_turn", "f8", (3, 3)),
         ("reference", "f8", (MOST,)),
+        ("bends", "f8", (3,)),
+        ("damps", "f8", (3,)),
         ("drive", "i8"),
         *((name, "f8") for name in (*LAW, *DRIVE)),
     ]
@@ -135,6 +142,52 @@ def _slider(joint, last, q, v, slope, R, x, G):
 
 
 @part
+def _elastic(joint, last, q, v, slope, R, x, G):
+    """Fill slope with the generalised forces of an elastic joint; arguments as of `_hinge`, returns zeros."""
+    _frames(joint, q, R, x, G)
+    P, A, a, w, t, f, n = joint.parent_turn, room2(3, 3), room1(3), room1(3), room1(3), room1(3), joint.parent
+    s = _from_home(joint, R, a)
+    for i in range(3):
+        w[i] = 0.0
+        for k in range(4):
+            w[i] += G[1, i, k] * v[n + 3 + k] - (G[0, i, k] * v[3 + k] if n > 0 else 0.0)
+        for j in range(3):
+            A[i, j] = R[0, i, 0] * P[0, j] + R[0, i, 1] * P[1, j] + R[0, i, 2] * P[2, j]
+    for i in range(3):
+        t[i] = s * (A[0, i] * a[0] + A[1, i] * a[1] + A[2, i] * a[2])
+    c = 1.0 / 12.0 + s * s / 720.0 if s < 1e-2 else (1.0 - 0.5 * s / math.tan(0.5 * s)) / (s * s)
+    for i in range(3):
+        f[i] = joint.bends[i] * t[i]
+        if joint.damps[i] > 0.0:
+            f[i] += joint.damps[i] * _by_map(A, w, t, c, i)
+    clear(slope)
+    square, along = s * s, t[0] * f[0] + t[1] * f[1] + t[2] * f[2]
+    for i in range(3):
+        # m = -(1 + t^ / 2 + c t^ t^) f in the joint's frame, a row of it at a time; w gets it in the world's.
+        j, k = (i + 1) % 3, (i + 2) % 3
+        a[i] = -(f[i] + 0.5 * (t[j] * f[k] - t[k] * f[j]) + c * (t[i] * along - square * f[i]))
+    for i in range(3):
+        w[i] = A[i, 0] * a[0] + A[i, 1] * a[1] + A[i, 2] * a[2]
+    for i in range(3):
+        for k in range(4):
+            slope[n + 3 + k] += w[i] * G[1, i, k]
+            if n > 0:
+                slope[3 + k] -= w[i] * G[0, i, k]
+    return 0.0, 0.0
+
+
+@part
+def _by_map(A, w, t, c, i):
+    """Component i of T^-1 w; w (3,) rad/s in the world, A: axes of the joint's frame, t (3,) the rotation vector."""
+    j, k, square = (i + 1) % 3, (i + 2) % 3, t[0] * t[0] + t[1] * t[1] + t[2] * t[2]
+    u = room1(3)
+    for row in range(3):
+        u[row] = A[0, row] * w[0] + A[1, row] * w[1] + A[2, row] * w[2]
+    along = t[0] * u[0] + t[1] * u[1] + t[2] * u[2]
+    return u[i] - 0.5 * (t[j] * u[k] - t[k] * u[j]) + c * (t[i] * along - square * u[i])
+
+
+@part
 def _axis(joint, R, a):
     """Fill a (3,) with the axis of a hinge or a slider."""
     P = joint.parent_turn
@@ -195,6 +248,8 @@ def _act(joint, now, q, v, out):
     """Fill out (14,) with the generalised forces of a joint."""
     R, x, G = room3(2, 3, 3), room2(2, 3), room3(2, 3, 4)
     s, rate = _find(joint, (rows(now, TURNS, 2), q, v, out, R, x, G))
+    if joint.kind == ELASTIC:
+        return
     force = total(joint, s, rate, now[ANCHOR], now[VALUE], now[RATE])
     for i in range(MOST):
         out[i] *= force
@@ -283,4 +338,4 @@ def single(joint, last, q, v, slope):
 @cache
 def found_by(kind: int) -> int:
     """Address of what finds the coordinate of joints of a kind, which is compiled where it is not yet."""
-    return address_of({HINGE: _hinge, SLIDER: _slider, BALL: _ball}[kind], _FIND, _FOUND)
+    return address_of({HINGE: _hinge, SLIDER: _slider, BALL: _ball, ELASTIC: _elastic}[kind], _FIND, _FOUND)

@@ -4,6 +4,7 @@ build         Scene -> System: bodies, joints, what acts in them, the granular l
 system        the System of space, with the handles of its bodies
 coordinates   coordinates of hinges and sliders, along which springs, stops, friction and drives act
 kinematics    positions, orientations, rates of bodies and joints along a trajectory
+beams         links that bend: what is between their elements, energies, deflection
 constraints   what joints ask of accelerations
 observe, senses   Trajectory, or one instant, in columns of three dimensions
 

@@ -15,7 +15,7 @@ from granular_contact.scene.space.types import SpatialJoint
 if TYPE_CHECKING:
     from granular_contact.mechanics.space.system import SpatialSystem
 
-KINDS = {"hinge": HINGE, "slider": SLIDER, "ball": space_joints.BALL}
+KINDS = {"hinge": HINGE, "slider": SLIDER, "ball": space_joints.BALL, "elastic": space_joints.ELASTIC}
 
 
 def coordinate(system: SpatialSystem, joint: SpatialJoint, *, whole: bool) -> SpatialCoordinate:
@@ -40,4 +40,6 @@ class SpatialCoordinate(Coordinate):
         for name in ("parent_point", "parent_turn", "child_point", "child_turn"):
             record[name] = getattr(joint, name)
         record["reference"][: self.size] = references
+        if joint.elastic is not None:
+            record["bends"], record["damps"] = joint.elastic.stiffness, joint.elastic.damping
         self._slope = np.zeros(space_joints.MOST)

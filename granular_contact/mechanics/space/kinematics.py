@@ -10,6 +10,7 @@ import numpy as np
 
 from granular_contact.geometry import rotations
 from granular_contact.mechanics.kinematics import Kinematics
+from granular_contact.mechanics.space.beams import BeamMotion
 from granular_contact.mechanics.space.constraints import SpatialConstraints
 from granular_contact.mechanics.space.system import SpatialSystem
 from granular_contact.mechanics.system import Trajectory
@@ -17,7 +18,7 @@ from granular_contact.results import Outline
 from granular_contact.results.energy import work
 from granular_contact.results.in_space import silhouette
 from granular_contact.results.interpolation import Track
-from granular_contact.scene.space.types import Part, SpatialJoint, Vector
+from granular_contact.scene.space.types import Part, SpatialJoint, SpatialScene, Vector, link_of
 
 
 class SpatialKinematics(Kinematics):
@@ -29,6 +30,7 @@ class SpatialKinematics(Kinematics):
     """
 
     system: SpatialSystem
+    scene: SpatialScene
 
     def __init__(self, system: SpatialSystem, trajectory: Trajectory) -> None:
         self.system, self.scene, self.engine = system, system.scene, trajectory
@@ -65,10 +67,21 @@ class SpatialKinematics(Kinematics):
     def _rotations(self) -> dict[str, Vector]:
         return {name: rotations.of_quaternion(self.engine.q[:, at[3:]]) for name, at in self._places.items()}
 
+    @cached_property
+    def beams(self) -> dict[str, BeamMotion]:
+        """Links that bend, by name."""
+        return {beam.name: BeamMotion(self, beam) for beam in self.scene.beams}
+
+    def reported(self, body: str) -> str:
+        """As of `Kinematics`: of an element of a link that bends the name of the link."""
+        return link_of(body)
+
     def rotation(self, name: str | None) -> Vector:
-        """Rotation (n, 3, 3) of a body's frame; None is the ground."""
+        """Rotation (n, 3, 3) of a body's frame, of a link that bends of that of its root; None is the ground."""
         if name is None:
             return np.broadcast_to(np.eye(3), (len(self.engine.time), 3, 3))
+        if name in self.beams:
+            return self.beams[name].frame(self.beams[name].beam.root)
         return self._rotations[name]
 
     def quaternion(self, name: str) -> Vector:
@@ -77,7 +90,9 @@ class SpatialKinematics(Kinematics):
         return np.asarray(e / np.linalg.norm(e, axis=1, keepdims=True))
 
     def spin(self, name: str | None) -> Vector:
-        """Angular velocity (n, 3) rad/s of a body; w = G(e) e'."""
+        """Angular velocity (n, 3) rad/s of a body, of a link that bends that of its root; w = G(e) e'."""
+        if name in self.beams:
+            name = self.beams[name].beam.root[0]
         if name is None:
             return np.zeros((len(self.engine.time), 3))
         at = self._places[name][3:]
@@ -94,13 +109,15 @@ class SpatialKinematics(Kinematics):
 
     def center(self, name: str) -> tuple[Vector, Vector]:
         """Centre of mass (n, 3) m of a body, and its velocity."""
+        if name in self.beams:
+            return self.beams[name].center
         at = self._places[name][:3]
         return self.engine.q[:, at], self.engine.v[:, at]
 
     def coordinate(self, joint: SpatialJoint) -> tuple[Vector, Vector]:  # type: ignore[override]
         """Coordinate (n,) rad, right-handed, or m, of a hinge or slider, angle from home of a ball joint; its rate."""
         if joint.kind == "ball":
-            angle, axis = self._from_home(joint)
+            angle, axis = self.from_home(joint)
             return angle, np.sum(axis * (self.spin(joint.child) - self.spin(joint.parent)), axis=1)
         frame = self.rotation(joint.parent) @ joint.parent_turn
         axis = frame[:, :, 2]
@@ -117,7 +134,7 @@ class SpatialKinematics(Kinematics):
         # What is apart is parallel to the axis, so that turning with the parent does not change the speed along it.
         return np.sum(axis * apart, axis=1), np.sum(axis * speed, axis=1)
 
-    def _from_home(self, joint: SpatialJoint) -> tuple[Vector, Vector]:
+    def from_home(self, joint: SpatialJoint) -> tuple[Vector, Vector]:
         """Angle (n,) rad and axis (n, 3) of the rotation from the parent's frame of a joint to the child's."""
         parent = self.rotation(joint.parent) @ joint.parent_turn
         child = self.rotation(joint.child) @ joint.child_turn
@@ -125,6 +142,22 @@ class SpatialKinematics(Kinematics):
         sine = np.linalg.norm(axis, axis=1, keepdims=True)
         angle = np.arctan2(sine[:, 0], 0.5 * (np.sum(parent * child, axis=(1, 2)) - 1.0))
         return angle, np.divide(axis, sine, out=np.zeros_like(axis), where=sine > 0.0)
+
+    def elastic(self) -> list[tuple[Vector, Vector]]:
+        """As of `Kinematics`."""
+        return [beam.energy_and_loss() for beam in self.beams.values()]
+
+    def element_errors(self) -> dict[str, tuple[float, int]]:
+        """As of `Kinematics`."""
+        return {name: (one.element_error(), one.beam.elements) for name, one in self.beams.items()}
+
+    def bends(self) -> dict[str, list[Vector]]:
+        """As of `Kinematics`, across the axis of the root along its y and z."""
+        return {name: list(one.deflection[0][:, 1:].T) for name, one in self.beams.items()}
+
+    def bend(self, name: str) -> Track:
+        """Distance (m) of the tip of a link that bends from the axis of its root."""
+        return self.beams[name].bend()
 
     def damped_balls(self) -> list[Vector]:
         """As of `Kinematics`."""
@@ -146,7 +179,7 @@ class SpatialKinematics(Kinematics):
         return np.asarray(self.scene.mass * self.common_center[0][:, 2])
 
     def depths(self) -> dict[str, list[Track]]:
-        """Depths (m) of the points of each body in sand that are deepest at some instant."""
+        """Depths (m) of the points of each body in sand that are deepest at some instant, by what is reported."""
         bed = self.scene.bed
         if bed is None or not self.scene.media:
             return {}
@@ -154,7 +187,7 @@ class SpatialKinematics(Kinematics):
         for name, handle in self.system.rigid.items():
             for part in handle.body.parts:
                 if part.in_sand:
-                    found.setdefault(name, []).extend(self._depths(name, part))
+                    found.setdefault(link_of(name), []).extend(self._depths(name, part))
         return found
 
     def _depths(self, name: str, part: Part) -> list[Track]:

@@ -19,18 +19,30 @@ from granular_contact.results.frames import resample
 from granular_contact.results.in_space import SpatialObservation
 from granular_contact.results.interpolation import Track, at_times
 from granular_contact.results.motion import Motion, Part
-from granular_contact.scene.space.types import Vector
+from granular_contact.scene.space.types import Vector, link_of
 
 
 def observe(system: SpatialSystem, trajectory: Trajectory) -> SpatialObservation:
     """What results hold of a run."""
     motion = SpatialKinematics(system, trajectory)
     with np.errstate(over="ignore", invalid="ignore"):  # of a run that failed by running away
-        depths, forces = motion.depths(), forces_of(trajectory)
+        depths, forces = motion.depths(), as_reported(forces_of(trajectory))
         found = observed(motion, forces, depths, [track for tracks in depths.values() for track in tracks])
         found["motion"] |= body_columns(motion, forces, depths)
+        for beam in motion.beams.values():
+            found["motion"] |= beam.columns()
+            found["deflection"] = beam.bend()
         play = partial(moved, system, trajectory, forces)
         return SpatialObservation(**found, moved=play)
+
+
+def as_reported(forces: Mapping[str, Vector]) -> dict[str, Vector]:
+    """Forces (n, 6) of the medium by what is reported: of a link that bends the sum over its elements."""
+    found: dict[str, Vector] = {}
+    for body, wrench in forces.items():
+        name = link_of(body)
+        found[name] = found[name] + wrench if name in found else wrench
+    return found
 
 
 def body_columns(
@@ -38,13 +50,13 @@ def body_columns(
 ) -> series.Series:
     """Motion of every body, the medium's force on it and its depth; forces (n, 6) by body, moments about the origin."""
     columns: series.Series = {}
-    for body in motion.scene.bodies if motion.scene.body_columns else ():
-        name, (center, velocity) = mechanism.label(body.name), motion.center(body.name)
-        rpy = np.unwrap(rotations.rpy_of(motion.rotation(body.name)), axis=0)
-        columns |= in_space.body(name, center, rpy, velocity, motion.spin(body.name))
-        if body.name in forces:
-            columns |= in_space.body_force(name, forces[body.name], center)
-            if tracks := depths.get(body.name):
+    for body in motion.scene.reported if motion.scene.body_columns else ():
+        name, (center, velocity) = mechanism.label(body), motion.center(body)
+        rpy = np.unwrap(rotations.rpy_of(motion.rotation(body)), axis=0)
+        columns |= in_space.body(name, center, rpy, velocity, motion.spin(body))
+        if body in forces:
+            columns |= in_space.body_force(name, forces[body], center)
+            if tracks := depths.get(body):
                 columns |= series.body_depth(name, np.max([track.values for track in tracks], axis=0))
     return columns
 
@@ -61,9 +73,10 @@ def moved(system: SpatialSystem, trajectory: Trajectory, forces: Mapping[str, Ve
             points, faces = np.unique(part.triangles.reshape(-1, 3), axis=0, return_inverse=True)
             parts.append(Part(part.name, points, faces.reshape(-1, 3)))
             poses.append(pose)
-    arrows = {}
+    arrows, scene_body = {}, system.scene.body
     for name, wrench in forces.items():
-        center, radius = motion.center(name)[0], system.scene.radius(system.rigid[name].body)
+        center = motion.center(name)[0]
+        radius = 0.5 * motion.beams[name].beam.length if name in motion.beams else system.scene.radius(scene_body(name))
         arrows[mechanism.label(name)] = _arrow(resample(t.time, wrench, at), center, radius)
     shown = np.stack(poses, axis=1) if poses else np.zeros((len(at), 0, 7))
     return Motion(at, tuple(parts), shown, {}, arrows)

@@ -15,6 +15,7 @@ from granular_contact.mechanics.system import Trajectory
 from granular_contact.results.in_space import SpatialSeen
 from granular_contact.results.observed import Instant, Observations
 from granular_contact.sand.work import about
+from granular_contact.scene.space.types import SpatialBeam, link_of
 from granular_contact.scene.types import Vector
 
 
@@ -24,10 +25,19 @@ class SpatialSenses(Senses):
     system: SpatialSystem
     _seen_type = SpatialSeen
 
+    def _reported(self) -> tuple[list[str], list[str]]:
+        met = () if self.load is None else self.load.table.bodies
+        return list(self.system.scene.reported), list(dict.fromkeys(link_of(name) for name in met))
+
     def _find(self, joints: list[Any]) -> None:
-        system, coordinates = self.system, self.system.coordinates
-        at = [coordinates.places(system.rigid[body.name].node) for body in system.scene.bodies]
+        system, coordinates, scene = self.system, self.system.coordinates, self.system.scene
+        at = [coordinates.places(system.rigid[body.name].node) for body in scene.bodies]
         self._at = np.array(at, int).reshape(-1, 7)
+        self._number = {body.name: i for i, body in enumerate(scene.bodies)}
+        self._whole = [i for i, body in enumerate(scene.rigid) if not body.is_element]
+        met, links = self._reported()[1], () if self.load is None else self.load.table.bodies
+        # Of each body of the load: its row among what is reported, and its number.
+        self._loaded = [(met.index(link_of(name)), self._number[name]) for name in links]
 
         def at_nodes(joint: Any) -> list[int]:
             return [place for node in system.nodes_of(joint) for place in coordinates.places(node)]
@@ -58,7 +68,7 @@ class SpatialSenses(Senses):
         now = Instant(
             lambda: joints,
             lambda: self.bodies(q, v),
-            lambda _: (self.forces(q, row), self.depths(q)),
+            lambda poses: (self.forces(poses, row), self.depths(q)),
         )
         return Observations(self.seen, time, now)
 
@@ -71,24 +81,47 @@ class SpatialSenses(Senses):
     def bodies(self, q: Vector, v: Vector) -> tuple[Vector, Vector]:
         """Poses and velocities of bodies, (bodies, 6) each."""
         places, rates = q[self._at], v[self._at]
-        e = places[:, 3:]
-        spin, angles = angular(e, rates[:, 3:]), rotations.rpy_of(rotations.of_quaternion(e))
-        return np.concatenate([places[:, :3], angles], axis=1), np.concatenate([rates[:, :3], spin], axis=1)
+        R, spin = rotations.of_quaternion(places[:, 3:]), angular(places[:, 3:], rates[:, 3:])
+        poses = np.concatenate([places[:, :3], rotations.rpy_of(R)], axis=1)[self._whole]
+        velocities = np.concatenate([rates[:, :3], spin], axis=1)[self._whole]
+        for beam in self.system.scene.beams:
+            pose, velocity = self._of_beam(beam, places[:, :3], R, rates[:, :3], spin)
+            poses, velocities = np.vstack([poses, pose]), np.vstack([velocities, velocity])
+        return poses, velocities
 
-    def forces(self, q: Vector, row: Vector | None) -> Vector:
+    def _of_beam(self, beam: SpatialBeam, x: Vector, R: Vector, v: Vector, spin: Vector) -> tuple[Vector, Vector]:
+        """Pose (6,) and velocity (6,) of a link that bends: of its centre of mass, and of the frame of its root."""
+        place, velocity, total = np.zeros(3), np.zeros(3), sum(mass for *_, mass in beam.pieces)
+        for body, point, mass in beam.pieces:
+            at, speed = point, np.zeros(3)
+            if body is not None:
+                i = self._number[body]
+                arm = R[i] @ point
+                at, speed = x[i] + arm, v[i] + np.cross(spin[i], arm)
+            place, velocity = place + mass / total * at, velocity + mass / total * speed
+        body, _, axes = beam.root
+        turn, turning = (
+            (axes, np.zeros(3)) if body is None else (R[self._number[body]] @ axes, spin[self._number[body]])
+        )
+        return np.concatenate([place, rotations.rpy_of(turn)]), np.concatenate([velocity, turning])
+
+    def forces(self, poses: Vector, row: Vector | None) -> Vector:
         """Forces of the medium (met, 6), moments about the centres of mass."""
         if self.load is None or row is None:
             return np.zeros((0, 6))
-        return about(self.load.table.wrenches(row), q[self._at[self._met, :3]])
+        wrenches = np.zeros((len(self._met), 6))
+        for (i, _), wrench in zip(self._loaded, self.load.table.wrenches(row), strict=True):
+            wrenches[i] += wrench
+        return about(wrenches, poses[self._met, :3])
 
     def depths(self, q: Vector) -> Vector:
         """Depths (met,) m of the deepest points of bodies."""
-        scene, deepest = self.system.scene, np.full(len(self._met), -np.inf)
-        bed: Any = scene.bed  # there is one where something is in sand
-        for k, i in enumerate(self._met):
+        bodies, deepest = self.system.scene.rigid, np.full(len(self._met), -np.inf)
+        bed: Any = self.system.scene.bed  # there is one where something is in sand
+        for k, i in self._loaded:
             at = q[self._at[i]]
             R = rotations.of_quaternion(at[None, 3:])[0]
-            for part in scene.bodies[i].parts:
+            for part in bodies[i].parts:
                 if part.in_sand:
                     x, y, z = (part.points @ R.T + at[:3]).T
                     deepest[k] = max(deepest[k], float((bed.height(x, y) - z).max()) + part.drop)

@@ -20,6 +20,7 @@ A cube of 0.1 m of steel, pressed 30 mm deep into sand at 0.1 m/s:
     force 246.19 N, work -3.6929 J
 
 shapes      primitives and meshes -> triangles, bars, balls; a new shape is a class here
+beam_shape  pieces of links that bend
 triangles   cutting triangles; rows of facets, in clusters (what is wrong with a mesh, and mesh files: `geometry`)
 batch       all elements of a kind in one medium, in one compiled call
 heights     a surface given by a map of heights

@@ -9,18 +9,20 @@ from typing import Any
 
 import numpy as np
 
+from granular_contact.config.schema import Load
 from granular_contact.config.schema import space as schema
 from granular_contact.config.schema.space.joints import AnyClosure, AnyJoint
 from granular_contact.config.schema.space.shapes import SpatialMesh
 from granular_contact.errors import Fault, SceneError, scene_fault
 from granular_contact.geometry import rotations
 from granular_contact.sand.space.triangles import FACET_SIZE
-from granular_contact.scene.joint_law import joint_law
+from granular_contact.scene.joint_law import IDLE, joint_law
 from granular_contact.scene.layout import GROUND
 from granular_contact.scene.space.layout import STILL, JointState, Pose, axis_of
 from granular_contact.scene.space.loops import CONSTRAINED, joint_frame
+from granular_contact.scene.space.section import Element
 from granular_contact.scene.space.shapes import Mass, merged, moved, part_of
-from granular_contact.scene.space.types import Part, SpatialJoint, SpatialRigidBody, Vector
+from granular_contact.scene.space.types import Elastic, Part, SpatialJoint, SpatialRigidBody, Vector, link_of
 
 
 @dataclass(frozen=True)
@@ -32,21 +34,24 @@ class Made:
 
 
 def bodies_of(
-    model: schema.SpatialModel, media: Collection[str], strips: int, faults: list[Fault], notes: list[Fault]
+    model: schema.SpatialModel, media: Collection[str], load: Load, faults: list[Fault], notes: list[Fault]
 ) -> dict[str, Made] | None:
     """All bodies by name; None, with faults, if one can't be made; notes on uncertain forces are appended, too.
 
-    Arguments as of `shapes.part_of`.
+    media: as of `shapes.part_of`; load: of the config, which says how many strips bars have.
     """
     found, before = {}, len(faults)
     for name, body in model.all_bodies.items():
-        specs = (body,) if isinstance(body, schema.SpatialLink) else body.shapes
-        parts, own = [], []
+        specs = (body,) if isinstance(body, schema.SpatialLink | Element) else body.shapes
+        parts, own, strips = [], [], load.strips_per_rigid_part
+        if isinstance(body, Element):
+            strips = math.ceil(body.share * load.strips_per_element)
         for i, spec in enumerate(specs):
-            key = f"model.bodies.{name}" + (f".shapes.{i}" if isinstance(body, schema.SpatialRigid) else "")
+            key = f"model.bodies.{link_of(name)}"
+            key += f".shapes.{i}" if isinstance(body, schema.SpatialRigid) else ""
             place = f"{key}.file" if getattr(spec, "type", "") == "mesh" else key
             try:
-                part, properties = part_of(name, spec, media, strips)
+                part, properties = part_of(link_of(name), spec, media, strips)
             except SceneError as error:
                 keys = (f"{key}.facet_size_m" if one.key == FACET_SIZE else place for one in error.faults)
                 told = [scene_fault(at, one.message) for at, one in zip(keys, error.faults, strict=True)]
@@ -73,7 +78,7 @@ def _is_drawn_alone(body: schema.SpatialBody, spec: Any) -> bool:
 
 def _made(body: schema.SpatialBody, parts: list[Part], own: list[Mass]) -> Made:
     """A body with its mass, as given or of its shapes; a ball knows its own mass."""
-    if isinstance(body, schema.SpatialLink) or body.density_kg_m3 is not None:
+    if isinstance(body, schema.SpatialLink | Element) or body.density_kg_m3 is not None:
         density = body.density_kg_m3
         assert density is not None
         masses = [one.of_density(density) for one in own]
@@ -93,7 +98,11 @@ def _with_mass(part: Part, mass: float) -> Part:
 
 
 def rigid_body(made: dict[str, Made], group: list[str], placed: Pose) -> SpatialRigidBody:
-    """Merge a group of welded bodies; the frame has the axes of the first and its origin at their centre of mass."""
+    """Merge a group of welded bodies; the frame has the axes of the first and its origin at their centre of mass.
+
+    Elements of links that bend come last, and have no part in the name.
+    """
+    group = sorted(group, key=lambda name: "." in name)
     whole = merged(made[name].mass.placed(placed[name].position, placed[name].rotation) for name in group)
     first = placed[group[0]]
     motion = replace(first, position=whole.center, velocity=first.speed_at(whole.center))
@@ -103,7 +112,9 @@ def rigid_body(made: dict[str, Made], group: list[str], placed: Pose) -> Spatial
         at, turn = motion.local(placed[name].position), R.T @ placed[name].rotation
         parts += [moved(part, at, turn) for part in made[name].parts]
     inertia = R.T @ whole.inertia @ R
-    return SpatialRigidBody("+".join(group), whole.mass, 0.5 * (inertia + inertia.T), tuple(parts), motion)
+    names = [name for name in group if "." not in name] or group[:1]
+    own = 0.5 * (inertia + inertia.T)
+    return SpatialRigidBody("+".join(names), whole.mass, own, tuple(parts), motion, tuple(group))
 
 
 def joints_of(
@@ -114,7 +125,7 @@ def joints_of(
     needed: Mapping[str, tuple[bool, ...]],
 ) -> Iterator[SpatialJoint]:
     """Joints and closures between what moves on its own; needed: which constraints of closures count."""
-    homes = {name: (body.name, body.motion) for body in rigid for name in body.name.split("+")}
+    homes = {name: (body.name, body.motion) for body in rigid for name in body.members}
     for name, joint in (model.all_joints | model.closures).items():
         parent, parent_frame = homes.get(joint.parent, (None, STILL))
         child, child_frame = homes.get(joint.child, (None, STILL))
@@ -127,6 +138,7 @@ def joints_of(
         if joint.type in ("hinge", "ball", "free"):
             on_child = placed[joint.child].rotation @ rotations.to_axis(axis_of(joint))
         start, rate = coordinate(name, joint, placed, states)
+        elastic: Elastic | None = getattr(joint, "elastic", None)
         yield SpatialJoint(
             name=name,
             kind=joint.type,
@@ -140,7 +152,8 @@ def joints_of(
             start=start,
             rate=rate,
             closes=name in model.closures,
-            law=joint_law(joint),
+            law=joint_law(joint) if elastic is None else IDLE,
+            elastic=elastic,
         )
 
 

@@ -16,6 +16,7 @@ from granular_contact.scene.checks import beyond_numbers, closure_faults, media_
 from granular_contact.scene.drives import drives
 from granular_contact.scene.layout import GROUND, weld_groups
 from granular_contact.scene.loops import closed
+from granular_contact.scene.space.beams import beams, cut
 from granular_contact.scene.space.bed import bed
 from granular_contact.scene.space.bodies import bodies_of, joints_of, on_ground, rigid_body
 from granular_contact.scene.space.layout import pose, start
@@ -35,13 +36,13 @@ def built(scenario: schema.SpatialScenario) -> SpatialScene:
         The geometry contradicts itself; every fault names its key and the numbers.
     """
     faults, notes = list[Fault](), list[Fault]()
-    model = scenario.model
+    model = cut(scenario.model)
     solver = steps(scenario)
     driven = drives(scenario, solver, faults)
     states = closed(SpatialLoops(model), start(scenario, driven, faults), faults, notes)
     held = needed(model, states, driven, faults) if not faults else {}
     met = {kind for medium, *_ in places(scenario) for kind in kinds(medium)}
-    made = bodies_of(model, met, scenario.load.strips_per_rigid_part, faults, notes)
+    made = bodies_of(model, met, scenario.load, faults, notes)
     if faults or made is None:
         raise SceneError(faults)
     placed, groups = pose(model, states), weld_groups(model)
@@ -70,6 +71,7 @@ def built(scenario: schema.SpatialScenario) -> SpatialScene:
         body_columns=_has_body_columns(scenario, rigid),
         notes=tuple(notes),
         travel=scenario.output.ahead,
+        beams=tuple(beams(scenario.model, placed, rigid)),
     )
     if faults := list(beyond_numbers(scene)):
         raise SceneError(faults)
@@ -139,4 +141,4 @@ def _has_body_columns(scenario: schema.SpatialScenario, rigid: tuple[SpatialRigi
     """Whether the motion of every body is reported."""
     if scenario.output.bodies != "auto":
         return scenario.output.bodies == "all"
-    return len(rigid) <= MOST_BODIES
+    return len([body for body in rigid if not body.is_element]) <= MOST_BODIES

@@ -51,7 +51,8 @@ class JointState:
         return replace(self, position=position, turn=rotations.of_vector(change[-3:]) @ self.turn)
 
 
-SIZES = {"hinge": 1, "slider": 1, "ball": 3, "free": 6, "weld": 0}  # degrees of freedom
+# Degrees of freedom; links that bend are straight at the start.
+SIZES = {"hinge": 1, "slider": 1, "ball": 3, "free": 6, "weld": 0, "elastic": 0}
 
 
 def axis_of(joint: AnyJoint | AnyClosure) -> Vector:
@@ -80,7 +81,7 @@ def _child(joint: AnyJoint, state: JointState | None, parent: SpatialMotion) -> 
     elif state is not None and joint.type == "hinge":
         turn = turn @ rotations.about(axis_of(joint), state.coordinate)
         rate = rate + state.rates[0] * (turn @ axis_of(joint))
-    elif state is not None and joint.type == "ball":
+    elif state is not None and joint.type in ("ball", "elastic"):
         turn, rate = parent.rotation @ state.turn, rate + parent.rotation @ state.rates
     elif state is not None:
         pin, turn, speed, rate = pin + state.position, state.turn, state.rates[:3], rate + state.rates[3:]

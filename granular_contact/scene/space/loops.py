@@ -16,7 +16,7 @@ from granular_contact.config.schema.space.joints import AnyClosure, AnyJoint
 from granular_contact.errors import Fault, scene_fault
 from granular_contact.geometry import rotations
 from granular_contact.scene.loops import RANK_TOLERANCE, Loops
-from granular_contact.scene.space.layout import SIZES, JointState, Pose, axis_of, pose
+from granular_contact.scene.space.layout import SIZES, ZERO, JointState, Pose, axis_of, pose
 from granular_contact.scene.space.shapes import orientation
 from granular_contact.scene.space.types import Vector
 from granular_contact.scene.types import Drive
@@ -27,6 +27,7 @@ CONSTRAINED = {
     "slider": (True, True, False, True, True, True),
     "weld": (True,) * 6,
     "ball": (True, True, True, False, False, False),
+    "elastic": (True, True, True, False, False, False),
     "free": (False,) * 6,
 }
 
@@ -34,8 +35,9 @@ CONSTRAINED = {
 class SpatialLoops(Loops):
     """The loops of a model in space."""
 
-    def __init__(self, model: schema.SpatialModel) -> None:
-        super().__init__(model, SIZES)
+    def __init__(self, model: schema.SpatialModel, *, bending: bool = False) -> None:
+        """bending: whether links that bend do; to close loops they do not."""
+        super().__init__(model, SIZES | {"elastic": 3} if bending else SIZES)
 
     def pose(self, states: Mapping[str, JointState]) -> Pose:
         """Pose of the mechanism."""
@@ -65,7 +67,9 @@ class SpatialLoops(Loops):
 
 def joint_frame(joint: AnyJoint | AnyClosure, placed: Pose) -> tuple[Vector, Vector]:
     """Axes (3, 3) of a joint's frame on its parent, in the world, and the joint's point (3,) m on its child."""
-    turn = placed[joint.parent].rotation @ orientation(joint) @ rotations.to_axis(axis_of(joint))
+    turn = placed[joint.parent].rotation @ orientation(joint)
+    if getattr(joint, "elastic", None) is None:  # else it is that of the link
+        turn = turn @ rotations.to_axis(axis_of(joint))
     return turn, placed[joint.child].world(np.array(joint.child_point_m))
 
 
@@ -88,9 +92,10 @@ def needed(
     """
     if not model.closures:
         return {}
-    loops, found = SpatialLoops(model), {}
+    loops, found = SpatialLoops(model, bending=True), {}
+    straight = {name: JointState(ZERO) for name, joint in loops.joints.items() if joint.type == "elastic"}
     held, rank = np.zeros((0, loops.size)), 0
-    for name, slope in loops.jacobian(states).items():
+    for name, slope in loops.jacobian({**states, **straight}).items():
         keep = [False] * 6
         for row in np.flatnonzero(CONSTRAINED[model.closures[name].type]):
             tried = np.vstack([held, slope[row]])

@@ -20,6 +20,8 @@ from granular_contact.geometry import mesh, rotations
 from granular_contact.geometry.mesh_quality import quality_notes
 from granular_contact.geometry.polygon import ears
 from granular_contact.sand.space import shapes as made
+from granular_contact.sand.space.beam_shape import Beam
+from granular_contact.scene.space.section import Element, Section, section
 from granular_contact.scene.space.types import Meets, Part, Vector
 
 CHORDS = 96  # of a full circle of an arc: trajectories of a C-leg are then within 3e-4 of the path
@@ -62,7 +64,7 @@ def part_of(name: str, spec: Any, media: Collection[str], strips: int) -> tuple[
     SceneError
         A mesh can't be read or used; its key is not known here.
     """
-    if isinstance(spec, schema.SpatialLink):
+    if isinstance(spec, schema.SpatialLink | Element):
         return _link(name, spec, media, strips)
     if isinstance(spec, shapes_schema.SpatialBar):
         line = made.Bar(np.array(spec.points_m), spec.diameter_m, strips)
@@ -94,7 +96,7 @@ def _part(
 
 
 def _has_flat_faces(shape: Any) -> bool:
-    return isinstance(shape, made.Box | made.Plate | made.Mesh)
+    return isinstance(shape, made.Box | made.Plate | made.Mesh) or (isinstance(shape, Beam) and not shape.round)
 
 
 def _bar(name: str, line: Any, in_sand: bool) -> Part:
@@ -106,14 +108,22 @@ def _bar(name: str, line: Any, in_sand: bool) -> Part:
     return Part(name, line, ("bar",), np.zeros(3), np.eye(3), in_sand, None, np.concatenate(drawn), line.line)
 
 
-def _link(name: str, spec: schema.SpatialLink, media: Collection[str], strips: int) -> tuple[Part, Mass]:
-    """A link: a bar where the media take bars, else a cylinder."""
-    line = made.Bar(np.array([[0.0, 0.0, 0.0], [spec.length_m, 0.0, 0.0]]), spec.diameter_m, strips)
-    if "bar" in media or not media:
-        return _bar(name, line, True), _of_line(line)
-    place, turn = np.array([0.5 * spec.length_m, 0.0, 0.0]), rotations.to_axis(np.array([1.0, 0.0, 0.0]))
-    tube = made.Cylinder(spec.diameter_m, spec.length_m)
-    return _part(name, tube, ("surface",), place, turn, True, spec.facet_size_m), _of_line(line)
+def _link(name: str, spec: schema.SpatialLink | Element, media: Collection[str], strips: int) -> tuple[Part, Mass]:
+    """A link, or an element of one that bends: a bar where the media take bars and it is round, else its surface."""
+    element = spec if isinstance(spec, Element) else Element(spec, 0.0, spec.length_m)
+    link, own = element.link, section(element.link)
+    a, b = (np.array([x, 0.0, 0.0]) for x in (element.start, element.end))
+    length, mass = element.end - element.start, _of_bar(own, element)
+    if own.diameter is not None and ("bar" in media or not media):
+        return _bar(name, made.Bar(np.array([a, b]), own.diameter, strips, element.ends[1]), True), mass
+    shape: Any = Beam(length, (own.width, own.thickness), own.diameter is not None, element.ends)
+    return _part(name, shape, ("surface",), 0.5 * (a + b), np.eye(3), True, link.facet_size_m), mass
+
+
+def _of_bar(own: Section, element: Element) -> Mass:
+    length, middle = element.end - element.start, np.array([0.5 * (element.start + element.end), 0.0, 0.0])
+    about_y, about_z = own.second_moments / own.area
+    return _solid(own.area * length, middle, np.diag([length**2 / 12.0, about_z, about_y]))
 
 
 def moved(part: Part, position: Vector, rotation: Vector) -> Part:

@@ -75,13 +75,22 @@ class SpatialMotion:
 
 @dataclass(frozen=True)
 class SpatialRigidBody:
-    """Parts that are welded together. Mass kg; inertia (3, 3) kg m2 about the centre of mass, its frame's origin."""
+    """Parts that are welded together. Mass kg; inertia (3, 3) kg m2 about the centre of mass, its frame's origin.
+
+    members: names of the bodies of the config, and of elements of links that bend, that it is made of.
+    """
 
     name: str
     mass: float
     inertia: Vector
     parts: tuple[Part, ...]
     motion: SpatialMotion
+    members: tuple[str, ...] = ()
+
+    @property
+    def is_element(self) -> bool:
+        """Whether it is nothing but an element of a link that bends."""
+        return all("." in name for name in self.members)
 
     @property
     def turning_places(self) -> tuple[int, ...]:
@@ -103,11 +112,45 @@ class SpatialRigidBody:
 
 
 @dataclass(frozen=True)
+class Elastic:
+    """Moments (N m) about x, y, z of a joint's frame, by the rotation vector theta (rad) from parent to child.
+
+    stiffness (3,) N m/rad, damping (3,) N m s/rad: its energy is sum(stiffness theta^2) / 2, and dampers take
+    sum(damping theta'^2).
+    """
+
+    stiffness: Vector
+    damping: Vector
+
+
+@dataclass(frozen=True)
+class SpatialBeam:
+    """A link that bends, made of rigid elements, see `scene.space.beams`; its frame's x axis is along it. m, N m2.
+
+    section: width along y and thickness along z, of a round one its diameter twice; stiffness (3,): G J, E I_y, E I_z;
+    pieces: its elements from root to tip, each with its body (None: fixed to the ground), its centre of mass (3,) m in
+    that and its mass (kg); joints: between these. root, tip: the body of its first and its last element, with the
+    origin (3,) m and the axes (3, 3) of the link's frame in it.
+    """
+
+    name: str
+    length: float
+    section: tuple[float, float]
+    round: bool
+    stiffness: Vector
+    elements: int
+    pieces: tuple[tuple[str | None, Vector, float], ...]
+    joints: tuple[str, ...]
+    root: tuple[str | None, Vector, Vector]
+    tip: tuple[str | None, Vector, Vector]
+
+
+@dataclass(frozen=True)
 class SpatialJoint:
     """Joint of two bodies; parent None is the ground. Its frame is at a point (3,) m of each, turned by (3, 3) in it.
 
     law: what acts along the coordinate; in a ball joint along the angle of the rotation from home (rad), its damper on
-    the whole relative angular velocity.
+    the whole relative angular velocity. elastic: of one between two elements of a link that bends.
 
     z of the joint's frame is the axis of a hinge or slider; at coordinate 0 both frames coincide. constrained: which of
     the displacements along x, y, z of the joint's frame and rotations about them are held. start, rate: coordinate of a
@@ -115,7 +158,7 @@ class SpatialJoint:
     """
 
     name: str
-    kind: Literal["hinge", "weld", "slider", "ball", "free"]
+    kind: Literal["hinge", "weld", "slider", "ball", "free", "elastic"]
     parent: str | None
     parent_point: Vector
     parent_turn: Vector
@@ -127,6 +170,7 @@ class SpatialJoint:
     rate: float = 0.0
     closes: bool = False
     law: JointLaw = field(default_factory=JointLaw)
+    elastic: Elastic | None = None
 
     @property
     def has_coordinate(self) -> bool:
@@ -139,6 +183,11 @@ class SpatialJoint:
         return self.kind == "ball" and not self.law.is_idle
 
     @property
+    def acts(self) -> bool:
+        """Whether it is a ball joint in which something acts, or one between elements of a link that bends."""
+        return self.is_sprung or self.elastic is not None
+
+    @property
     def axis(self) -> Vector | None:
         """Direction (3,) of a slider in the frame of its parent."""
         return self.parent_turn[:, 2] if self.kind == "slider" else None
@@ -147,14 +196,20 @@ class SpatialJoint:
 @dataclass(frozen=True, repr=False)
 class SpatialScene(Scene):
     """A scene in space; fields as of `Scene`. tip: body and point (3,) m of what is lowest, or farthest from the joint
-    on the ground.
+    on the ground. beams: the links that bend, whose elements are among the rigid bodies.
     """
 
     rigid: tuple[SpatialRigidBody, ...]  # type: ignore[assignment]
     joints: tuple[SpatialJoint, ...]  # type: ignore[assignment]
     bed: SpatialBed | None  # type: ignore[assignment]
+    beams: tuple[SpatialBeam, ...] = ()
 
     in_space = True
+
+    def __repr__(self) -> str:
+        counts = f"{len(self.rigid)} rigid and 0 flexible bodies"
+        rigid = sum(not body.is_element for body in self.rigid)
+        return super().__repr__().replace(counts, f"{rigid} rigid and {len(self.beams)} flexible bodies")
 
     @cached_property
     def surface(self) -> float | None:
@@ -171,6 +226,23 @@ class SpatialScene(Scene):
             far.append(float(np.linalg.norm(points, axis=1).max()) + part.drop)
         return max(far, default=0.0)
 
+    def link_length(self, name: str) -> float:
+        """As of `Scene`."""
+        return next(beam.length for beam in self.beams if beam.name == name)
+
+    def joint(self, name: str) -> SpatialJoint:  # type: ignore[override]
+        """As of `Scene`."""
+        return next(joint for joint in self.joints if joint.name == name)
+
+    def body(self, name: str) -> SpatialRigidBody:  # type: ignore[override]
+        """As of `Scene`."""
+        return next(body for body in self.rigid if body.name == name)
+
+    @cached_property
+    def reported(self) -> tuple[str, ...]:
+        """Names under which bodies are reported: of what is rigid its own, then of links that bend, as wholes."""
+        return tuple(body.name for body in self.rigid if not body.is_element) + tuple(one.name for one in self.beams)
+
     @cached_property
     def speed(self) -> float:
         """Greatest speed (m/s) of a point at the start, a bound."""
@@ -182,3 +254,8 @@ class SpatialScene(Scene):
     def pivot(self) -> None:
         """There is none in space: nothing is reported of one hinge on the ground alone."""
         return
+
+
+def link_of(body: str) -> str:
+    """Name under which a body is reported: of an element of a link that bends that of the link."""
+    return body.split(".")[0]

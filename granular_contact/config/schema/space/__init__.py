@@ -11,7 +11,7 @@ World: x ahead, y left, z up. Angles, rates and torques are right-handed about t
 # ruff: noqa: F401
 
 from granular_contact.config.schema.space.bed import HeightMap, SpatialBed
-from granular_contact.config.schema.space.bodies import Inertia, SpatialBody, SpatialLink, SpatialRigid
+from granular_contact.config.schema.space.bodies import Inertia, SpatialBody, SpatialFlexible, SpatialLink, SpatialRigid
 from granular_contact.config.schema.space.joints import (
     Ball,
     SpatialClosure,

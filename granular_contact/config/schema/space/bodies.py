@@ -5,11 +5,15 @@ from __future__ import annotations
 import math
 from typing import Annotated, Literal
 
+from pydantic import Field
+
 from granular_contact.config.schema.mechanism import mass_faults
+from granular_contact.config.schema.shapes import section_faults
 from granular_contact.config.schema.space.shapes import SpatialShape
 from granular_contact.config.schema.space.turned import Point3
-from granular_contact.values.strict import Faults, Listed, Positive, Strict, Tagged, by_type
+from granular_contact.values.strict import Faults, Listed, NotNegative, Positive, Strict, Tagged, by_type
 
+MOST_ELEMENTS = 256
 ROUND_OFF = 1e-6  # of the greatest moment of inertia: what files round away
 
 
@@ -63,15 +67,54 @@ class SpatialRigid(Strict):
         return mass_faults(self)
 
 
+class SpatialFlexible(Strict):
+    """Elasticity of a link, in bending about both axes of its section and in torsion; it does not stretch.
+
+    Give the bending stiffness, of a round link, or Young's modulus.
+    """
+
+    bending_stiffness_N_m2: Positive | None = None
+    """E I of a round section; give this or youngs_modulus_Pa."""
+    youngs_modulus_Pa: Positive | None = None
+    torsion_stiffness_N_m2: Positive | None = None
+    """G J; null: of the same material, with poissons_ratio."""
+    poissons_ratio: Annotated[float, Field(gt=-1.0, le=0.5)] = 0.3
+    elements: Annotated[int, Field(ge=1, le=MOST_ELEMENTS)] = 8
+    bending_damping_N_m2_s: NotNegative = 0.0
+    """Bending moment per rate of curvature, about both axes."""
+    torsion_damping_N_m2_s: NotNegative = 0.0
+    """Torque per rate of twist."""
+
+    def _faults(self) -> Faults:
+        given = (self.bending_stiffness_N_m2 is not None) + (self.youngs_modulus_Pa is not None)
+        if given != 1:
+            got = "both" if given else "neither"
+            yield (), f"got {got} of bending_stiffness_N_m2 and youngs_modulus_Pa; exactly one is allowed"
+
+
 class SpatialLink(Strict):
-    """A straight uniform round bar along the x axis of its frame, from the root at the origin to the tip."""
+    """A straight uniform bar along the x axis of its frame, from the root at the origin to the tip."""
 
     type: Literal["link"]
     length_m: Positive
-    diameter_m: Positive
+    diameter_m: Positive | None = None
+    """Of a round section; a rectangular one has width_m and thickness_m."""
+    width_m: Positive | None = None
+    """Along y."""
+    thickness_m: Positive | None = None
+    """Along z."""
     density_kg_m3: Positive
+    flexible: SpatialFlexible | None = None
+    """null: the link is rigid."""
     facet_size_m: Positive | None = None
-    """Greatest edge of its facets, for laws of surfaces; null: an eighth of its diagonal."""
+    """Greatest edge of its facets, for laws of surfaces; null: an eighth of its diagonal, of a link that bends that of
+    one of its elements."""
+
+    def _faults(self) -> Faults:
+        yield from section_faults(self.diameter_m, self.width_m, self.thickness_m)
+        if self.width_m is not None and self.flexible is not None and self.flexible.bending_stiffness_N_m2 is not None:
+            words = "stands beside width_m; a rectangular section has two of them: allowed is youngs_modulus_Pa"
+            yield ("flexible", "bending_stiffness_N_m2"), words
 
 
 BODIES = by_type(SpatialRigid, SpatialLink)

@@ -10,7 +10,7 @@ from pydantic import Field
 from granular_contact.config.schema.joints import HingeFriction, HingeSpring, HingeStops
 from granular_contact.config.schema.mechanism import MOST_LINKS, names
 from granular_contact.config.schema.model import mechanism_faults
-from granular_contact.config.schema.space.bodies import SpatialBody, SpatialLink
+from granular_contact.config.schema.space.bodies import SpatialBody, SpatialFlexible, SpatialLink
 from granular_contact.config.schema.space.joints import SpatialClosure, SpatialHinge, SpatialJoint
 from granular_contact.config.schema.space.turned import ORIGIN, Axis, Point3
 from granular_contact.values.strict import Faults, Listed, NotNegative, Positive, Strict, Text, allow
@@ -22,8 +22,11 @@ class SpatialChainLink(Strict):
     length_m: Positive
     diameter_m: Positive
     density_kg_m3: Positive
+    flexible: SpatialFlexible | None = None
+    """null: the links are rigid."""
     facet_size_m: Positive | None = None
-    """Greatest edge of its facets, for laws of surfaces; null: an eighth of its diagonal."""
+    """Greatest edge of its facets, for laws of surfaces; null: an eighth of its diagonal, of links that bend that of
+    one of their elements."""
 
 
 class SpatialChainHinge(Strict):

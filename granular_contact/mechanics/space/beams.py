@@ -1,0 +1,124 @@
+"""Links that bend along a trajectory: rotation vectors between their elements, energies, the frames of their ends.
+
+See `scene.space.beams` for the elements, and `mechanics.kernels.space_joints` for what acts between them.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from granular_contact.results import series
+from granular_contact.results.interpolation import Track
+from granular_contact.scene.space.types import SpatialBeam, SpatialJoint, Vector
+
+if TYPE_CHECKING:
+    from granular_contact.mechanics.space.kinematics import SpatialKinematics
+
+
+class BeamMotion:
+    """The motion of a link that bends; (n, ...) over the instants of a trajectory.
+
+    center: its centre of mass (m) and the velocity of it, with the elements that are welded to other bodies.
+    """
+
+    def __init__(self, motion: SpatialKinematics, beam: SpatialBeam) -> None:
+        self.motion, self.beam = motion, beam
+
+    @property
+    def center(self) -> tuple[Vector, Vector]:
+        """Centre of mass (n, 3) m, and its velocity."""
+        pieces, total = self.beam.pieces, sum(mass for *_, mass in self.beam.pieces)
+        found = [(mass / total, self.motion.position(body, point)) for body, point, mass in pieces]
+        place: Vector = np.sum([share * at for share, (at, _) in found], axis=0)
+        velocity: Vector = np.sum([share * speed for share, (_, speed) in found], axis=0)
+        return place, velocity
+
+    def frame(self, end: tuple[str | None, Vector, Vector]) -> Vector:
+        """Axes (n, 3, 3) of the link's frame on the element at its root or tip."""
+        body, _, axes = end
+        found: Vector = self.motion.rotation(body) @ axes
+        return found
+
+    @property
+    def deflection(self) -> tuple[Vector, Vector]:
+        """Place (n, 3) m of the tip in the frame of the root, less that where the link is straight; its rate."""
+        (root, origin, _), (tip, other, axes) = self.beam.root, self.beam.tip
+        at, speed = self.motion.position(root, origin)
+        end, end_speed = self.motion.position(tip, other + axes[:, 0] * self.beam.length)
+        apart, frame = end - at, self.frame(self.beam.root)
+        relative = end_speed - speed - np.cross(self.motion.spin(root), apart)
+        bent, rate = (np.einsum("nji,nj->ni", frame, v) for v in (apart, relative))
+        return bent - [self.beam.length, 0.0, 0.0], rate
+
+    def bend(self) -> Track:
+        """Distance (m) of the tip from the axis of the root, with its rate."""
+        across, rates = (v[:, 1:] for v in self.deflection)
+        size = np.linalg.norm(across, axis=1)
+        along = np.sum(across * rates, axis=1)
+        return Track(size, np.divide(along, size, out=np.zeros_like(size), where=size > 0.0))
+
+    def turned(self) -> tuple[Vector, Vector]:
+        """Rotation vectors (n, joints, 3) rad from each element to the next, from root to tip, and their rates."""
+        scene, found = self.motion.scene, []
+        for k, name in enumerate(self.beam.joints):
+            joint = scene.joint(name)
+            theta, rate = self._between(joint)
+            sign = 1.0 if joint.parent == self.beam.pieces[k][0] else -1.0
+            found.append((sign * theta, sign * rate))
+        return np.stack([one for one, _ in found], axis=1), np.stack([rate for _, rate in found], axis=1)
+
+    def _between(self, joint: SpatialJoint) -> tuple[Vector, Vector]:
+        """Rotation vector (n, 3) rad from a joint's parent to its child, in the frame of the joint; its rate."""
+        axes = self.motion.rotation(joint.parent) @ joint.parent_turn
+        angle, axis = self.motion.from_home(joint)
+        theta, spin = (
+            np.einsum("nji,nj->ni", axes, v)
+            for v in (angle[:, None] * axis, self.motion.spin(joint.child) - self.motion.spin(joint.parent))
+        )
+        small = angle < 1e-2
+        s = np.where(small, 1.0, angle)
+        c = np.where(small, 1.0 / 12.0 + angle**2 / 720.0, (1.0 - 0.5 * s / np.tan(0.5 * s)) / s**2)
+        once = np.cross(theta, spin)
+        return theta, spin - 0.5 * once + c[:, None] * np.cross(theta, once)
+
+    def element_error(self) -> float:
+        """Estimated error (m) of the tip by the length of elements, the greatest over the instants.
+
+        The tip lies across the root by the integral of the curvature kappa times the distance f = (L - s) kappa from
+        it, which elements of length l sum up by the rule of midpoints; its error is l^2 / 24 [f'] from end to end. The
+        same seen from the tip; curvatures at the ends are those of the straight line through the two joints next to
+        them, of one element alone that to zero at the tip.
+        """
+        piece = self.beam.length / self.beam.elements
+        kappa = self.turned()[0][:, :, 1:] / piece
+        if self.beam.elements == 1:
+            kappa = kappa * [[[1.5], [0.5]]]
+        (first, second), (before, last) = np.moveaxis(kappa[:, :2], 1, 0), np.moveaxis(kappa[:, -2:], 1, 0)
+        start, end, change = 1.5 * first - 0.5 * second, 1.5 * last - 0.5 * before, self.beam.elements
+        jumps = start - end - change * (second - first), end - start + change * (last - before)
+        return float(piece**2 / 24.0 * max(np.linalg.norm(jump, axis=1).max() for jump in jumps))
+
+    def energy_and_loss(self) -> tuple[Vector, Vector]:
+        """Strain energy (n,) J, and the power (n,) W that its damping takes."""
+        theta, rate = self.turned()
+        laws = [self.motion.scene.joint(name).elastic for name in self.beam.joints]
+        stiffness, damping = (np.array([getattr(law, name) for law in laws]) for name in ("stiffness", "damping"))
+        stored: Vector = 0.5 * np.sum(stiffness * theta**2, axis=(1, 2))
+        lost: Vector = np.sum(damping * rate**2, axis=(1, 2))
+        return stored, lost
+
+    def columns(self) -> series.Series:
+        """Deflection of the tip in both planes of the root's frame, and the twist from root to tip."""
+        name, (bent, _) = self.beam.name, self.deflection
+        found: series.Series = {}
+        for axis in (1, 2):
+            words = f"tip of {name} across the axis of its root, along the {'xyz'[axis]} axis of the root"
+            found[f"{name}_deflection_{'xyz'[axis]}_m"] = (words, bent[:, axis])
+        twist = np.sum(self.turned()[0][:, :, 0], axis=1)
+        found[f"{name}_twist_deg"] = (
+            f"rotation of the tip of {name} against its root, about its axis",
+            np.degrees(twist),
+        )
+        return found

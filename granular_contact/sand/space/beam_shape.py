@@ -1,0 +1,60 @@
+"""Pieces of bars, open where the bar goes on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granular_contact.sand.space import triangles
+from granular_contact.sand.space.shapes import Shape
+
+Vector = NDArray[np.float64]
+PIECES = 4  # facets along a piece, unless their size is given
+LEAST_AROUND = 12  # of a round one
+
+
+@dataclass(frozen=True)
+class Beam(Shape):
+    """Piece of a bar around the x axis, from -length/2 to length/2, without the faces at which the bar goes on.
+
+    Parameters
+    ----------
+    length : float
+        m, above 0.
+    section : (2,) sequence
+        Along y and z (m), above 0; of a round one its diameter twice.
+    round : bool
+        Whether the section is round, or rectangular.
+    ends : (2,) sequence of bool
+        Whether the bar ends at -length/2, and at length/2.
+    """
+
+    length: float
+    section: tuple[float, float]
+    round: bool
+    ends: tuple[bool, bool]
+
+    def corners(self, size: float | None = None) -> Vector:
+        """As `Shape.corners`; a fourth of the length unless a size is given, or of a thicker section that."""
+        edge = max(self.length / PIECES, min(self.section)) if size is None else size
+        outline = self._outline(edge)
+        low, high = (np.insert(outline, 0, x, axis=1) for x in (-0.5 * self.length, 0.5 * self.length))
+        a, b, c, d = low, np.roll(low, -1, axis=0), np.roll(high, -1, axis=0), high
+        made = [np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)]
+        for there, (first, second), middle in ((self.ends[0], (b, a), low), (self.ends[1], (d, c), high)):
+            if there:
+                made.append(np.stack([np.broadcast_to(middle.mean(axis=0), a.shape), first, second], axis=1))
+        return triangles.cut(np.concatenate(made), edge)
+
+    def _outline(self, edge: float) -> Vector:
+        """Corners (k, 2) m of the section, counter-clockwise seen from the tip; of a round one with its area."""
+        if not self.round:
+            return 0.5 * np.array(self.section) * [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]
+        count = min(max(LEAST_AROUND, int(np.ceil(np.pi * self.section[0] / edge))), triangles.MOST_FACETS)
+        turn = 2.0 * np.pi / count
+        angle = turn * (np.arange(count) + 0.5)
+        radius = 0.5 * self.section[0] * np.sqrt(turn / np.sin(turn))
+        found: Vector = radius * np.column_stack([np.cos(angle), np.sin(angle)])
+        return found

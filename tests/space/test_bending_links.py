@@ -1,0 +1,309 @@
+"""Links that bend in space: against theory and against the plane, whichever way they look, wherever they are held."""
+
+from __future__ import annotations
+
+import copy
+from typing import Any
+
+import numpy as np
+import pytest
+from support_bending import MODULUS, POISSON, THICKNESS, WIDTH, kirchhoff, order, princeton
+
+from granular_contact import Results, Simulation, load, simulate
+from granular_contact.engines.exudyn.build_in_space import build as assembled
+from granular_contact.errors import ConfigError, SceneError
+from granular_contact.report.histories import groups
+from granular_contact.sand.space.beam_shape import Beam
+from granular_contact.scene import build
+from granular_contact.scene.space.section import Section
+
+Config = dict[str, Any]
+SOFT = {"youngs_modulus_Pa": 2e9, "elements": 6}
+ROD = {"type": "link", "length_m": 0.2, "diameter_m": 0.006, "density_kg_m3": 1200}
+STRIP = {"type": "link", "length_m": 0.3, "width_m": 0.02, "thickness_m": 0.002, "density_kg_m3": 1200}
+HUB = {"type": "rigid", "mass_kg": 0.2, "inertia_kg_m2": {"xx": 1e-4, "yy": 1e-4, "zz": 1e-4}}
+
+
+def config(bodies: Config, joints: Config, **more: Any) -> Config:
+    return {"model": {"in_space": True, "name": "bent", "bodies": bodies, "joints": joints}, **more}
+
+
+def clamped(link: Config, flexible: Config, **more: Any) -> Config:
+    joints = {"wall": {"type": "weld", "parent": "ground", "child": "rod"}}
+    return config({"rod": link | {"flexible": flexible}}, joints, **more)
+
+
+def tip(results: Results) -> Any:
+    return np.column_stack([results[f"tip_{axis}_m"] for axis in "xyz"])
+
+
+# ---- theory ----
+
+
+@pytest.mark.parametrize("angle", [0.0, 45.0, 90.0])
+def test_a_strip_bends_as_a_rod_of_kirchhoff_does(angle: float) -> None:
+    """Weight at the end of a strip whose section is turned: large bending about both axes, and torsion."""
+    section = Section(None, WIDTH, THICKNESS)
+    shear = MODULUS / (2.0 * (1.0 + POISSON))
+    stiffness = np.array([shear * section.torsion_constant, *(MODULUS * section.second_moments)])
+    exact = kirchhoff(8.896, angle, stiffness)[1:]
+    counts, errors = [4, 8, 16], []
+    for count in counts:
+        found = simulate(load(princeton(8.896, angle, count)))
+        bent = np.array([found[f"strip_deflection_{axis}_m"][0] for axis in "yz"])
+        errors.append(float(np.linalg.norm(bent - exact) / np.linalg.norm(exact)))
+    # By the rule of midpoints l^2 / 4 L^2 of a small deflection, which large ones change little.
+    assert errors[1] == pytest.approx(0.25 / 8**2, rel=0.15)
+    assert order(counts, errors) == pytest.approx(2.0, abs=0.1)
+
+
+def test_frequencies_in_both_planes_and_in_torsion() -> None:
+    """A cantilever's first two of bending in each plane, and the first of torsion; of the whole system, linearised."""
+    length, E = STRIP["length_m"], 2e9
+    strip = STRIP | {"width_m": 0.006}  # so slender that the rotary inertia of its section is nothing
+    section = Section(None, strip["width_m"], strip["thickness_m"])
+    line = strip["density_kg_m3"] * section.area
+    squares = np.array([1.8751041, 4.6940911]) ** 2 / (2.0 * np.pi * length**2)
+    about_y, about_z = (squares * np.sqrt(E * moment / line) for moment in section.second_moments)
+    shear, polar = E / 2.6, STRIP["density_kg_m3"] * section.second_moments.sum()
+    torsion = np.sqrt(shear * section.torsion_constant / polar) / (4.0 * length)
+    counts, found = [4, 8, 16], []
+    for count in counts:
+        scene = build(load(clamped(strip, SOFT | {"elements": count}, gravity_m_s2=0.0)))
+        values = assembled(scene).mbs.ComputeODE2Eigenvalues(convert2Frequencies=True, useAbsoluteValues=True)[0]
+        frequencies = np.real(values)
+        exact = np.array([*about_y, about_z[0], torsion])
+        found.append([np.abs(frequencies / one - 1.0).min() for one in exact])
+    for errors in np.transpose(found).tolist():
+        assert order(counts, errors) == pytest.approx(2.0, abs=0.2)
+        assert errors[1] < 0.016  # 0.0016 to 0.013
+
+
+def test_saint_venants_constant_of_torsion() -> None:
+    """Roark's table: 0.1406 a^4 of a square, 0.229 a b^3 for a = 2 b, a b^3 / 3 of a thin strip."""
+    assert Section(None, 1.0, 1.0).torsion_constant == pytest.approx(0.1406, rel=1e-3)
+    assert Section(None, 0.5, 1.0).torsion_constant == pytest.approx(0.229 * 0.5**3, rel=2e-3)
+    assert Section(None, 1.0, 1e-3).torsion_constant == pytest.approx(1e-9 / 3.0, rel=1e-3)
+
+
+# ---- against the plane ----
+
+
+def pendulum(bending: float, elements: int) -> Config:
+    """The source's link on a heavy hub, that strikes sand, in the plane."""
+    link = {"type": "link", "length_m": 0.23876, "diameter_m": 0.00635, "density_kg_m3": 7700}
+    flexible = {"bending_stiffness_N_m2": bending, "elements": elements}
+    hub = {"type": "rigid", "mass_kg": 0.06, "inertia_kg_m2": 5e-6}
+    joints = {
+        "pivot": {"type": "hinge", "parent": "ground", "child": "hub", "home_deg": 31},
+        "clamp": {"type": "weld", "parent": "hub", "child": "link", "parent_point_m": [0.02, 0.0]},
+    }
+    model = {"name": "pendulum", "bodies": {"hub": hub, "link": link | {"flexible": flexible}}, "joints": joints}
+    solver = {"end_time_s": 0.025, "accuracy": 1e-4}
+    start = {"joints": {"pivot": {"rate_rad_s": 6.24}}}
+    return {"model": model, "medium": "play_sand", "initial": start, "solver": solver}
+
+
+def into_space(flat: Config, azimuth: float) -> Config:
+    deep = copy.deepcopy(flat)
+    model = deep["model"]
+    model["in_space"] = True
+    model["bodies"]["hub"]["inertia_kg_m2"] = dict.fromkeys(("xx", "yy", "zz"), 5e-6)
+    model["joints"]["pivot"] |= {"axis": [0, 1, 0], "rpy_deg": [0, 0, azimuth]}
+    model["joints"]["clamp"]["parent_point_m"] = [0.02, 0.0, 0.0]
+    return deep
+
+
+@pytest.mark.parametrize(("bending", "elements", "share"), [(15.1642, 8, 1e-4), (0.15, 16, 3e-4)])
+def test_a_pendulum_in_space_moves_as_in_the_plane(bending: float, elements: int, share: float) -> None:
+    """Two different beams, cables of cubic elements and rigid elements with springs, each by steps of its own."""
+    flat, deep = pendulum(bending, elements), into_space(pendulum(bending, elements), 130.0)
+    one, other = simulate(load(flat)), simulate(load(deep))
+    times = np.linspace(0.0, 0.025, 200)
+    x, y = (np.interp(times, one["time_s"], one[name]) for name in ("tip_x_m", "tip_y_m"))
+    turned = np.array([np.cos(np.radians(130.0)), np.sin(np.radians(130.0)), 0.0])
+    along, up = (np.interp(times, other["time_s"], values) for values in (tip(other) @ turned, other["tip_z_m"]))
+    way = float(np.sum(np.hypot(np.diff(x), np.diff(y))))
+    assert np.hypot(along - x, up - y).max() < share * way
+    assert other.summary["max_deflection_m"] == pytest.approx(one.summary["max_deflection_m"], rel=0.02)
+    assert other.summary["max_depth_m"] == pytest.approx(one.summary["max_depth_m"], rel=2e-3)
+    assert not other.warnings
+    panels = [
+        panel.title for group in groups(other.names, other.terms, lambda name: other[name]) for panel in group.panels
+    ]
+    assert "deflection of link" in panels
+    assert set(other.figures()) >= {"deflection", "views", "energy"}
+
+
+# ---- in sand ----
+
+
+def leg(medium: str, link: Config, azimuth: float) -> Config:
+    """A soft link that is swung into sand, askew: it bends about both axes and twists."""
+    bodies = {"hub": HUB, "rod": link | {"flexible": SOFT | {"bending_damping_N_m2_s": 1e-4}}}
+    swing = {"type": "hinge", "parent": "ground", "child": "hub", "axis": [0, 1, 0.5], "home_deg": 30}
+    joints = {
+        "swing": swing | {"rpy_deg": [0, 0, azimuth]},
+        "clamp": {"type": "weld", "parent": "hub", "child": "rod", "rpy_deg": [30, 0, 0]},
+    }
+    solver = {"end_time_s": 0.03, "step_s": 2e-4, "rest_time_s": None, "tolerance": 1e-7}
+    return config(
+        bodies,
+        joints,
+        medium=medium,
+        initial={"joints": {"swing": {"rate_rad_s": 4}}},
+        solver=solver,
+        gravity_m_s2=9.81,
+    )
+
+
+@pytest.mark.parametrize(("medium", "link"), [("play_sand", ROD), ("rft3d_sand", STRIP)])
+def test_a_scene_turned_about_the_vertical_moves_alike(medium: str, link: Config) -> None:
+    one, other = (simulate(load(leg(medium, link, azimuth))) for azimuth in (0.0, 57.0))
+    way = 4.0 * 0.2 * 0.03  # m, of the tip
+    for name in ("rod_deflection_y_m", "rod_deflection_z_m", "rod_twist_deg", "tip_z_m"):
+        arm = np.radians(0.2) if name.endswith("_deg") else 1.0  # m per degree, at the length of the link
+        assert arm * np.abs(other[name] - one[name]).max() < 1e-8 * way, name
+    assert np.abs(one["rod_deflection_y_m"]).max() > 1e-4  # it does bend about both axes
+    assert np.abs(one["rod_deflection_z_m"]).max() > 1e-4
+    assert one.summary["energy"]["imbalance_relative"] < 1e-3
+    assert one["granular_work_J"][-1] < -1e-3
+
+
+def test_a_very_stiff_link_is_rigid() -> None:
+    scene = leg("play_sand", ROD, 0.0)
+    stiff = copy.deepcopy(scene)
+    scene["model"]["bodies"]["rod"].pop("flexible")
+    stiff["model"]["bodies"]["rod"]["flexible"] = {"youngs_modulus_Pa": 2e13, "elements": 6}
+    one, other = simulate(load(scene)), simulate(load(stiff))
+    way = np.abs(np.diff(tip(one), axis=0)).sum()
+    assert np.abs(tip(one)[-1] - tip(other)[-1]).max() < 1e-4 * way
+
+
+def test_energy_is_kept_in_a_whirl_in_vacuum() -> None:
+    """A strip that whirls askew about its end, bent by a thirteenth of its length: only damping takes energy."""
+    flexible = {"youngs_modulus_Pa": 1.5e8, "torsion_damping_N_m2_s": 1e-5, "bending_damping_N_m2_s": 1e-5}
+    scene = config(
+        {"rod": STRIP | {"flexible": flexible}},
+        {"pin": {"type": "ball", "parent": "ground", "child": "rod"}},
+        initial={"joints": {"pin": {"spin_rad_s": [3, 6, 8]}}},
+        solver={"end_time_s": 0.15, "accuracy": 1e-4},
+    )
+    found = simulate(load(scene))
+    assert found.summary["max_deflection_m"] > 0.02
+    assert found["damping_work_J"][-1] < -1e-5
+    assert found.summary["energy"]["imbalance_relative"] < 1e-4
+
+
+# ---- where it is held ----
+
+
+def test_held_by_its_tip_it_is_the_same_link_the_other_way_round() -> None:
+    end = {"type": "hinge", "parent": "ground", "child": "rod", "axis": [0, 1, 0]}
+    by_root = config({"rod": ROD | {"flexible": SOFT}}, {"pin": end}, solver={"end_time_s": 0.05, "step_s": 5e-4})
+    by_tip = copy.deepcopy(by_root)
+    by_tip["model"]["joints"]["pin"] |= {"child_point_m": [0.2, 0, 0], "rpy_deg": [0, 0, 180]}
+    one, other = (simulate(load(scene)) for scene in (by_root, by_tip))
+    assert one["rod_z_m"][-1] == pytest.approx(other["rod_z_m"][-1], rel=1e-6)
+    assert one["elastic_J"].max() > 1e-9
+    assert one["elastic_J"].max() == pytest.approx(other["elastic_J"].max(), rel=1e-3)
+
+
+def test_a_link_held_at_both_ends_is_a_beam_on_two_supports() -> None:
+    """Own weight between a hinge and a slider with a hinge: it sags by 5 q L^4 / 384 EI in the middle."""
+    flexible = {"youngs_modulus_Pa": 2e10, "elements": 16}
+    bodies = {"rod": ROD | {"flexible": flexible}, "carriage": HUB, "half": HUB | {"mass_kg": 1e-6}}
+    joints = {
+        "left": {"type": "hinge", "parent": "ground", "child": "rod", "axis": [0, 1, 0]},
+        "rail": {"type": "slider", "parent": "ground", "child": "carriage", "parent_point_m": [0.2, 0, 0]},
+        "middle": {"type": "weld", "parent": "rod", "child": "half", "parent_point_m": [0.1, 0, 0]},
+    }
+    scene = config(bodies, joints, initial={"settle": True}, solver={"end_time_s": 2e-4, "step_s": 1e-4})
+    right = {"type": "hinge", "parent": "rod", "child": "carriage", "axis": [0, 1, 0], "parent_point_m": [0.2, 0, 0]}
+    scene["model"]["closures"] = {"right": right}
+    found = simulate(load(scene))
+    section = Section(0.006, 0.006, 0.006)
+    sag = 5.0 / 384.0 * 1200 * 9.81 * section.area * 0.2**4 / (2e10 * section.second_moments[0])
+    assert found["half_z_m"][0] == pytest.approx(-sag, rel=0.01)
+
+
+def test_a_chain_of_links_that_bend_has_the_mass_of_rigid_ones() -> None:
+    link = {"length_m": 0.1, "diameter_m": 0.006, "density_kg_m3": 1200}
+    chain = {"count": 3, "link": link, "hinge": {"axes": [[0, 1, 0], [0, 0, 1]]}}
+    scenes = []
+    for more in ({}, {"flexible": SOFT}):
+        model = {"in_space": True, "name": "chain", "chain": chain | {"link": link | more}}
+        scenes.append(build(load({"model": model})))
+    rigid, bent = scenes
+    assert bent.mass == pytest.approx(rigid.mass, rel=1e-12)
+    assert len(bent.beams) == 3
+    assert bent.reported == ("link_1", "link_2", "link_3")
+    found = [sum(body.mass * body.motion.position for body in scene.rigid) for scene in scenes]
+    assert np.allclose(*found, rtol=1e-12)
+
+
+# ---- what is told ----
+
+
+def test_observations_are_named_as_columns_are() -> None:
+    run = Simulation(load(leg("play_sand", ROD, 0.0)))
+    run.reset()
+    seen = dict(run.step({}, 0.01))
+    results = run.results()
+    names = {name for name in seen if not name.endswith(("_rad", "_contact"))}
+    assert names <= set(results.names)
+    for name in ("rod_x_m", "rod_pitch_deg", "rod_vz_m_s", "rod_spin_y_rad_s", "rod_granular_z_N", "rod_depth_m"):
+        assert results[name][-1] == pytest.approx(seen[name], rel=1e-6, abs=1e-9), name
+
+
+def test_too_few_elements_are_told_with_their_error() -> None:
+    """From both sides: the error is told where it is large, and no more than twice as large as it is."""
+    section = Section(None, WIDTH, THICKNESS)
+    shear = MODULUS / (2.0 * (1.0 + POISSON))
+    stiffness = np.array([shear * section.torsion_constant, *(MODULUS * section.second_moments)])
+    exact = kirchhoff(8.896, 0.0, stiffness)[2]
+    for count, told in ((2, True), (8, False)):
+        scene = princeton(8.896, 0.0, count)
+        scene["solver"]["end_time_s"] = 5e-4
+        found = simulate(load(scene))
+        sentences = [one for one in found.warnings if "too few elements" in one]
+        assert bool(sentences) is told
+        if told:
+            error = abs(found["strip_deflection_z_m"][0] - exact)
+            assert 0.5 * error < float(sentences[0].split("be ")[1].split(" m")[0]) < 2.0 * error
+
+
+@pytest.mark.parametrize(
+    ("link", "flexible", "key", "words"),
+    [
+        (ROD, {"elements": 4}, "rod.flexible", "neither of bending_stiffness_N_m2 and youngs_modulus_Pa"),
+        (ROD, SOFT | {"elements": 0}, "flexible.elements", "got the number 0"),
+        (ROD | {"width_m": 0.01}, SOFT, "rod.diameter_m", "round or rectangular"),
+        (STRIP, {"bending_stiffness_N_m2": 1.0}, "flexible.bending_stiffness_N_m2", "youngs_modulus_Pa"),
+        (STRIP, SOFT | {"axial_stiffness_N": 1.0}, "flexible.axial_stiffness_N", "axial_stiffness_N"),
+    ],
+)
+def test_what_can_not_be_is_refused_with_its_key(link: Config, flexible: Config, key: str, words: str) -> None:
+    with pytest.raises(ConfigError) as refused:
+        load(clamped(link, flexible))
+    told = str(refused.value)
+    assert key in told
+    assert words in told
+
+
+def test_a_strip_in_a_medium_of_bars_is_refused_by_the_name_of_the_link() -> None:
+    with pytest.raises(SceneError, match=r"model\.bodies\.rod: its beam can get into the sand, but in space"):
+        build(load(clamped(STRIP, SOFT, medium="play_sand")))
+
+
+def test_pieces_are_open_where_the_bar_goes_on() -> None:
+    """All faces of a closed surface add up to none; without its ends a piece lacks their area."""
+    for size, round_ in (((0.008, 0.008), True), ((0.02, 0.003), False)):
+        area = Section(size[0] if round_ else None, *size).area
+        for ends in ((True, True), (False, True), (True, False), (False, False)):
+            corners = Beam(0.03, size, round_, ends).corners()
+            vectors = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+            lacks = (int(ends[1]) - int(ends[0])) * area
+            assert vectors.sum(axis=0) == pytest.approx([lacks, 0.0, 0.0], abs=1e-9 * area + 1e-15)
+            middle = corners.mean(axis=1)
+            assert (np.sum(middle[:, 1:] * vectors[:, 1:], axis=1) > -1e-18).all()  # they look outward

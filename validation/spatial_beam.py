@@ -1,0 +1,235 @@
+"""Which beam serves links that bend in space: the engine's elements and rigid ones with springs, error against time.
+
+    python validation/spatial_beam.py [--quick]
+
+Two cases. The strip of Dowell and Traybar's experiment in Princeton (1975) carries a weight at its end, its section
+turned about its axis by 0, 45 and 90 degrees; the reference is Kirchhoff's rod, solved as a boundary value problem. A
+rod that is clamped to a wall is let go and falls; the reference is 48 of the engine's cable elements in steps of a
+quarter of the length. The engine's elements are put together here, as its own examples do it; rigid
+elements are those of production.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import exudyn as exu
+import numpy as np
+from exudyn import itemInterface as items
+from numpy.typing import NDArray
+
+HERE = Path(__file__).parent
+sys.path[:0] = [str(HERE.parent), str(HERE.parent / "tests" / "space")]
+
+from support_bending import LENGTH, MODULUS, POISSON, THICKNESS, WIDTH, kirchhoff, order, princeton
+
+from granular_contact import load, simulate
+from granular_contact.scene.space.section import Section
+from validation.study import Claim, Outcome, script
+from validation.tables import markdown
+
+Vector = NDArray[np.float64]
+WEIGHT = 8.896  # N, the second load of the experiment
+STRIP = Section(None, WIDTH, THICKNESS)
+SHEAR = MODULUS / (2.0 * (1.0 + POISSON))
+STIFFNESS = np.array([SHEAR * STRIP.torsion_constant, *(MODULUS * STRIP.second_moments)])
+# The rod that falls: round, of soft plastic.
+FALLS, DIAMETER, YOUNG, DENSITY, DURATION = 0.4, 0.006, 2e9, 1200.0, 0.15
+ROD = Section(DIAMETER, DIAMETER, DIAMETER)
+CABLE, BEAM, EXACT, RIGID = "ObjectANCFCable", "ObjectANCFBeam", "ObjectBeamGeometricallyExact", "rigid elements"
+
+
+def claim(statement: str, held: Any, detail: str) -> Claim:
+    """A claim of this study."""
+    return Claim(f"spatial_beam.{statement}", bool(held), detail)
+
+
+# ---- the strip ----
+
+
+def _material() -> Any:
+    data, area = exu.BeamSection(), STRIP.area
+    data.stiffnessMatrix = np.diag([MODULUS * area, SHEAR * area, SHEAR * area, *STIFFNESS])
+    data.inertia, data.massPerLength = 1e-9 * np.eye(3), 1e-3 * area
+    return data
+
+
+def _by_engine(kind: str, count: int, angle: float) -> Vector:
+    """Displacement (3,) m of the end of the strip by elements of the engine; axes of its section."""
+    mbs = exu.SystemContainer().AddSystem()
+    made: dict[str, tuple[list[float], Any]] = {
+        CABLE: ([1.0, 0.0, 0.0], items.NodePointSlope1),
+        BEAM: ([0.0, 1.0, 0.0, 0.0, 0.0, 1.0], items.NodePointSlope23),
+        EXACT: ([1.0, 0.0, 0.0, 0.0], items.NodeRigidBodyEP),
+    }
+    more, node = made[kind]
+    nodes = [mbs.AddNode(node(referenceCoordinates=[x, 0, 0, *more])) for x in np.linspace(0.0, LENGTH, count + 1)]
+    for pair in pairwise(nodes):
+        options: dict[str, Any] = {"nodeNumbers": list(pair), "length": LENGTH / count}
+        if kind == CABLE:
+            bending = float(STIFFNESS[1 if angle == 0.0 else 2])
+            options |= {"massPerLength": 1e-3, "bendingStiffness": bending, "axialStiffness": MODULUS * STRIP.area}
+            mbs.AddObject(items.ObjectANCFCable(**options))
+            continue
+        options["sectionData"] = _material()
+        if kind == BEAM:
+            options["crossSectionPenaltyFactor"] = [10.0] * 3  # as in the engine's own test of this strip
+        mbs.AddObject(getattr(items, kind)(**options))
+    ground = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=mbs.AddNode(items.NodePointGround()), coordinate=0))
+    held = len(more) + 3 if kind != EXACT else 7
+    for i in range(held):
+        if kind == EXACT and i == 3:
+            continue  # which the norm of the Euler parameters holds
+        marker = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=nodes[0], coordinate=i))
+        mbs.AddObject(items.ObjectConnectorCoordinate(markerNumbers=[ground, marker]))
+    a = np.radians(angle)
+    force = [0.0, -WEIGHT * np.sin(a), -WEIGHT * np.cos(a)]
+    tip = mbs.AddMarker(items.MarkerNodePosition(nodeNumber=nodes[-1]))
+    mbs.AddLoad(items.LoadForceVector(markerNumber=tip, loadVector=force))
+    mbs.Assemble()
+    settings = exu.SimulationSettings()
+    settings.staticSolver.numberOfLoadSteps = 5
+    settings.staticSolver.adaptiveStep = True
+    settings.staticSolver.newton.absoluteTolerance = 1e-6
+    settings.staticSolver.newton.relativeTolerance = 1e-8
+    settings.staticSolver.verboseMode = 0
+    settings.solution.file.write = False
+    exu.config.printToConsole = False
+    mbs.SolveStatic(settings)
+    return np.asarray(mbs.GetNodeOutput(nodes[-1], exu.OutputVariableType.Displacement))
+
+
+def _by_rigid_elements(count: int, angle: float) -> Vector:
+    found = simulate(load(princeton(WEIGHT, angle, count)))
+    return np.array([0.0, found["strip_deflection_y_m"][0], found["strip_deflection_z_m"][0]])
+
+
+def strip_errors(kind: str, counts: list[int], angle: float) -> list[float]:
+    """Errors of the deflection, relative, by numbers of elements."""
+    exact, errors = kirchhoff(WEIGHT, angle, STIFFNESS)[1:], []
+    for count in counts:
+        found = _by_rigid_elements(count, angle) if kind == RIGID else _by_engine(kind, count, angle)
+        errors.append(float(np.linalg.norm(found[1:] - exact) / np.linalg.norm(exact)))
+    return errors
+
+
+# ---- the rod that falls ----
+
+
+def fallen_by_cables(count: int, step: float) -> tuple[Vector, Vector, float]:
+    """Times (n,) s, height of the end (n,) m, and seconds, by cable elements of the engine without torsion."""
+    mbs = exu.SystemContainer().AddSystem()
+    line, bending = DENSITY * ROD.area, YOUNG * float(ROD.second_moments[0])
+    nodes = [
+        mbs.AddNode(items.NodePointSlope1(referenceCoordinates=[x, 0, 0, 1, 0, 0]))
+        for x in np.linspace(0.0, FALLS, count + 1)
+    ]
+    for pair in pairwise(nodes):
+        cable = mbs.AddObject(
+            items.ObjectANCFCable(
+                nodeNumbers=list(pair), length=FALLS / count, massPerLength=line, bendingStiffness=bending,
+                axialStiffness=YOUNG * ROD.area,
+            )
+        )  # fmt: skip
+        marker = mbs.AddMarker(items.MarkerBodyMass(bodyNumber=cable))
+        mbs.AddLoad(items.LoadMassProportional(markerNumber=marker, loadVector=[0, 0, -9.81]))
+    ground = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=mbs.AddNode(items.NodePointGround()), coordinate=0))
+    for i in range(6):
+        marker = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=nodes[0], coordinate=i))
+        mbs.AddObject(items.ObjectConnectorCoordinate(markerNumbers=[ground, marker]))
+    sensor = mbs.AddSensor(
+        items.SensorNode(nodeNumber=nodes[-1], storeInternal=True, outputVariableType=exu.OutputVariableType.Position)
+    )
+    mbs.Assemble()
+    settings = exu.SimulationSettings()
+    t = settings.timeIntegration
+    t.endTime, t.numberOfSteps, t.verboseMode = DURATION, round(DURATION / step), 0
+    t.newton.useModifiedNewton, t.newton.absoluteTolerance, t.newton.relativeTolerance = True, 1e-5, 1e-8
+    t.generalizedAlpha.spectralRadius = 0.9
+    settings.solution.file.write = False
+    settings.solution.sensors.writePeriod = step
+    settings.linearSolver.solverType = exu.LinearSolverType.EigenSparse
+    exu.config.printToConsole = False
+    began = time.process_time()
+    mbs.SolveDynamic(settings)
+    seconds = time.process_time() - began
+    kept = mbs.GetSensorStoredData(sensor)
+    return kept[:, 0], kept[:, 3], seconds
+
+
+def fallen_by_rigid_elements(count: int, step: float) -> tuple[Vector, Vector, float]:
+    """The same by rigid elements with springs, as in production."""
+    flexible = {"youngs_modulus_Pa": YOUNG, "elements": count}
+    rod = {"type": "link", "length_m": FALLS, "diameter_m": DIAMETER, "density_kg_m3": DENSITY, "flexible": flexible}
+    wall = {"type": "weld", "parent": "ground", "child": "rod"}
+    model = {"in_space": True, "name": "falls", "bodies": {"rod": rod}, "joints": {"wall": wall}}
+    solver = {"end_time_s": DURATION, "step_s": step, "spectral_radius": 0.9, "rest_time_s": None}
+    found = simulate(load({"model": model, "solver": solver}))
+    return found["time_s"], found["tip_z_m"], float(found.summary["cost"]["solve_s"])
+
+
+def fall_errors(
+    fallen: Callable[[int, float], tuple[Vector, Vector, float]], counts: list[int], step: float, exact: Vector
+) -> list[tuple[float, float]]:
+    """Error of the end (of its way) and seconds, by numbers of elements; exact: time and height (2, n)."""
+    rows = []
+    for count in counts:
+        seconds = []
+        for _ in range(2):
+            t, z, took = fallen(count, step)
+            seconds.append(took)
+        way = float(np.abs(np.diff(exact[1])).sum())
+        rows.append((float(np.abs(np.interp(exact[0], t, z) - exact[1]).max()) / way, min(seconds)))
+    return rows
+
+
+# ---- what is shown ----
+
+
+def study(quick: bool) -> Outcome:
+    """Both cases, with the choice that follows."""
+    counts = [4, 8, 16] if quick else [4, 8, 16, 32]
+    rows, rigid = [], {}
+    for kind in (CABLE, BEAM, EXACT, RIGID):
+        for angle in (0.0, 45.0, 90.0):
+            if kind == CABLE and angle == 45.0:
+                rows.append([kind, angle, *["bends alike about both axes"] * len(counts), ""])
+                continue
+            errors = strip_errors(kind, counts, angle)
+            power = order(counts, errors)
+            rows.append([kind, f"{angle:g}", *(f"{one:.1e}" for one in errors), f"{power:.2f}"])
+            if kind == RIGID:
+                rigid[angle] = errors, power
+    strip = markdown(["beam", "section turned by, deg", *(f"{n} elements" for n in counts), "order"], rows)
+    t, z, _ = fallen_by_cables(24 if quick else 48, 1.25e-4)
+    exact, falls = np.array([t, z]), []
+    for kind, fallen in ((CABLE, fallen_by_cables), (RIGID, fallen_by_rigid_elements)):
+        for count, (error, took) in zip(counts, fall_errors(fallen, counts, 5e-4, exact), strict=True):
+            falls.append([kind, count, f"{error:.1e}", f"{took:.3f}"])
+    fall = markdown(["beam", "elements", "error of the end, of its way", "CPU s"], falls)
+    powers = [power for _, power in rigid.values()]
+    at_eight = [errors[1] for errors, _ in rigid.values()]
+    claims = (
+        claim(
+            "rigid elements in the strip",
+            all(abs(power - 2.0) < 0.1 for power in powers) and max(at_eight) < 5e-3,
+            f"orders {', '.join(f'{p:.2f}' for p in powers)} at 0, 45 and 90 deg (asked: 2), with 8 elements "
+            f"{100 * max(at_eight):.2f} % off at most (asked: 0.5)",
+        ),
+        claim(
+            "rigid elements in the fall",
+            float(falls[len(counts) + 2][2]) < 5e-3,
+            f"with 16 elements {falls[len(counts) + 2][2]} of the way off (asked: 5e-3)",
+        ),
+    )
+    text = f"Strip with a weight of {WEIGHT} N at its end: error of the deflection, relative.\n\n{strip}\n\n"
+    return Outcome(f"{text}Rod that falls for {DURATION} s, in steps of 0.5 ms.\n\n{fall}", claims)
+
+
+if __name__ == "__main__":
+    sys.exit(script(study))
