@@ -214,10 +214,22 @@ def _in_space(scene: Any, progress: Progress | None, compiling: Compiling | None
         return Begun(Solve(system, progress, pauses=pauses), partial(observe, system), system)
 
 
-def _by_minimal(scene: Scene, progress: Progress | None, compiling: Compiling | None) -> Begun:
+def _by_minimal(scene: Any, progress: Progress | None, compiling: Compiling | None) -> Begun:
+    if scene.in_space:
+        return _minimal_in_space(scene, progress, compiling)
     from granular_contact.engines.tree.solve import Solve
     from granular_contact.engines.tree.tree import tree
     from granular_contact.mechanics.observe import observe
+
+    made = tree(scene)
+    with announced(compiling, kernels_of(scene)):
+        return Begun(Solve(made, progress), partial(observe, made.system), made.system)
+
+
+def _minimal_in_space(scene: Any, progress: Progress | None, compiling: Compiling | None) -> Begun:
+    from granular_contact.engines.tree.solve import Solve
+    from granular_contact.engines.tree.space_tree import tree
+    from granular_contact.mechanics.space.observe import observe
 
     made = tree(scene)
     with announced(compiling, kernels_of(scene)):

@@ -12,6 +12,10 @@ from granular_contact.scene.parts import FlexibleLink, RigidBody
 from granular_contact.scene.types import Joint, Minimal, Reduced, Scene
 
 IN_MINIMAL = "minimal coordinates are for trees of rigid bodies that hinges and sliders join, on the ground or free"
+IN_MINIMAL_IN_SPACE = (
+    "minimal coordinates in space are for trees of rigid bodies that hinges, sliders and ball joints join, "
+    "on the ground or free"
+)
 
 
 def check_minimal(scene: Scene) -> None:
@@ -24,21 +28,23 @@ def check_minimal(scene: Scene) -> None:
     """
     obstacles = list(_obstacles(scene))
     if obstacles:
-        raise scene_error("method", f"{', and '.join(obstacles)}: {IN_MINIMAL}")
+        raise scene_error("method", f"{', and '.join(obstacles)}: {_for_what(scene)}")
 
 
 def serves(scene: Scene) -> bool:
-    """Whether minimal coordinates support a scene in the plane."""
+    """Whether minimal coordinates support a scene."""
     return next(_obstacles(scene), None) is None
 
 
 def reason(scene: Scene) -> str:
     """Why `method: auto` has a scene solved as it is."""
     if isinstance(scene.method, Minimal):
-        return "in minimal coordinates, the faster way for a tree of rigid bodies in the plane"
-    if scene.in_space:
-        return "by the engine: it is in space"
-    return f"by the engine: {' and '.join(_obstacles(scene))}; {IN_MINIMAL}"
+        return "in minimal coordinates, the faster way for a tree of rigid bodies"
+    return f"by the engine: {' and '.join(_obstacles(scene))}; {_for_what(scene)}"
+
+
+def _for_what(scene: Scene) -> str:
+    return IN_MINIMAL_IN_SPACE if scene.in_space else IN_MINIMAL
 
 
 def _obstacles(scene: Scene) -> Iterator[str]:
@@ -46,6 +52,10 @@ def _obstacles(scene: Scene) -> Iterator[str]:
         yield f"{scene.links[0].name} is flexible"
     if scene.settle:
         yield "initial.settle is true"
+    if beams := getattr(scene, "beams", ()):
+        yield f"{beams[0].name} is flexible"
+    if scene.in_space and scene.bed is not None and scene.bed.walls:
+        yield "its bed is a container with walls"
     others: dict[tuple[str, str], list[str]] = {}
     for joint in scene.joints:
         if joint.closes or joint.kind == "weld":

@@ -63,6 +63,7 @@ ARM = f"""    arm: {{type: rigid, density_kg_m3: 2000, shapes: [{SPHERE}]}}
   joints:
     knee: {{type: hinge, parent: body, child: arm, parent_point_m: [0.04, 0, 0], child_point_m: [-0.03, 0, 0]}}
 """
+BALL_JOINT = "type: ball, spring: {stiffness_Nm_per_rad: 0.1}, damping_Nm_s_per_rad: 1.0e-3"
 GEOMS = {
     BOX: '<geom name="body" type="box" size="0.03 0.02 0.015" density="2000"/>',
     BAR: '<geom name="body" type="capsule" size="0.004 0.05" euler="0 80 0" density="2000"/>',
@@ -114,7 +115,8 @@ def laws() -> Iterator[tuple[str, Any]]:
         for method in ("engine", "minimal"):
             yield f"{tag}, plane, {method}", lambda m=medium, t=flat, w=method: final(t, m, f"method={w}")
         space = THROWN.replace("SHAPE", shape)
-        yield f"{tag}, space, engine", lambda m=medium, t=space: final(t, m)
+        for method in ("engine", "minimal"):
+            yield f"{tag}, space, {method}", lambda m=medium, t=space, w=method: final(t, m, f"method={w}")
         geom = GEOMS[shape]
         yield f"{tag}, space, mujoco", lambda m=medium, g=geom: by_mujoco(g, m)
         if shape != BAR:
@@ -138,7 +140,10 @@ def others() -> Iterator[tuple[str, Any]]:
         chosen = ("solver.accuracy=1e-2", "solver.step_s=null", f"method={method}")
         yield f"chosen steps, {method}", lambda c=chosen: final(SWUNG.replace("SHAPE", ROUND), "play_sand", *c)
     linked = THROWN.replace("SHAPE", BOX).replace("  joints:\n", ARM)
-    yield "joint in space", lambda: final(linked, sample(LAWS["rft3d"]))
+    for method in ("engine", "minimal"):
+        yield f"joint in space, {method}", lambda w=method: final(linked, sample(LAWS["rft3d"]), f"method={w}")
+    sprung = BALL_JOINT.join(linked.split("type: hinge"))
+    yield "ball joint in space, minimal", lambda: final(sprung, sample(LAWS["rft3d"]), "method=minimal")
     rough = Rft(scatter=Scatter(0.3, 0.02, 1))
     yield "scatter", lambda: final(SWUNG.replace("SHAPE", ROUND), rough, "method=engine")
     yield "scatter in space", lambda: final(THROWN.replace("SHAPE", BOX), rough)

@@ -85,8 +85,7 @@ def test_folded_matrix_is_the_dense_one(count: int) -> None:
     rng = np.random.default_rng(10 + count)
     for _ in range(5):
         nodes, s, rates = random_tree(rng, count)
-        nodes["prescribed"] = rng.integers(2, size=count)
-        w = room(count) | {"nodes": nodes}
+        w = room(count) | {"nodes": nodes, "prescribed": rng.integers(2, size=count)}
         w["s"][:], w["rates"][:] = s, rates
         for step in (tree.place, tree.inertias):
             step(words(w))
@@ -96,7 +95,7 @@ def test_folded_matrix_is_the_dense_one(count: int) -> None:
         w["rest"][:] = rng.uniform(-1, 1, count)
         for step in (tree.fold, tree.solve):
             step(words(w))
-        J, B, free = jacobian(nodes, s), np.zeros((3 * count, 3 * count)), nodes["prescribed"] == 0
+        J, B, free = jacobian(nodes, s), np.zeros((3 * count, 3 * count)), w["prescribed"] == 0
         for i, one in enumerate(body):
             B[3 * i : 3 * i + 3, 3 * i : 3 * i + 3] = one
         whole = (J.T @ B @ J + np.diag(w["stiffness"]))[np.ix_(free, free)]

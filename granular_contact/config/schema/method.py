@@ -18,7 +18,7 @@ class Engine(Strict):
 
 
 class Minimal(Strict):
-    """Trees of rigid bodies in the plane on hinges and sliders or free, in one coordinate per degree of freedom."""
+    """Trees of rigid bodies on hinges, sliders and ball joints or free, in one coordinate per degree of freedom."""
 
 
 class Reduced(Strict):

@@ -14,12 +14,11 @@ from granular_contact.engines.exudyn.build import assembled
 from granular_contact.engines.exudyn.coupling import Coupling
 from granular_contact.engines.exudyn.joints import let_act, rigid_marker
 from granular_contact.engines.exudyn.views import EngineCoordinates
-from granular_contact.errors import scene_error
 from granular_contact.geometry import rotations
 from granular_contact.mechanics.space.coordinates import coordinate
 from granular_contact.mechanics.space.system import SpatialSystem
 from granular_contact.mechanics.system import RigidHandle
-from granular_contact.sand.space.load import SpatialLoad
+from granular_contact.sand.space.of_scene import add_part, load_of
 from granular_contact.scene.space.loops import CONSTRAINED
 from granular_contact.scene.space.types import SpatialJoint, SpatialRigidBody, SpatialScene
 
@@ -89,20 +88,11 @@ def _constrain(system: SpatialSystem, ground: Any, joint: SpatialJoint) -> None:
 def _granular_load(system: SpatialSystem) -> Coupling | None:
     """Load on all parts in sand, to be attached; None when there are none."""
     scene = system.scene
-    bed = scene.bed
     parts = [(h, part) for h in system.rigid.values() for part in h.body.parts if part.in_sand]
-    if bed is None or not scene.media or not parts:
+    if scene.bed is None or not scene.media or not parts:
         return None
-    slope = np.array([*bed.rise, 0.0])
-    options: dict[str, Any] = {"gravity": scene.gravity, "static": scene.static, "end_cap": scene.load.end_cap}
-    options |= {"floor": bed.floor, "heights": bed.heights, "watch": bool(bed.walls)}
-    try:
-        load = SpatialLoad(bed.layers, bed.origin, slope=slope, **options)
-    except ValueError as error:  # what a medium has for the plane alone
-        raise scene_error("medium", str(error)) from None
+    load = load_of(scene)
     coupling = Coupling(system.mbs, load)
     for handle, part in parts:
-        on = coupling.body(handle.object, in_space=True)
-        size = part.facet_size
-        load.add_shape(on, part.shape, part.position, part.rotation, facet_size=size, mass=handle.body.mass)
+        add_part(load, coupling.body(handle.object, in_space=True), part, handle.body.mass)
     return coupling

@@ -27,7 +27,7 @@ from granular_contact.engines.tree.kernels.tree_arrays import (
 )
 from granular_contact.engines.tree.kernels.tree_arrays import FASTEST as SO_FAR
 from granular_contact.engines.tree.kernels.tree_calls import record as calls
-from granular_contact.engines.tree.kernels.tree_newton import attempt, iteration
+from granular_contact.engines.tree.kernels.tree_newton import attempt
 from granular_contact.engines.tree.tree import Tree
 from granular_contact.jit.compiled import ready
 from granular_contact.jit.lending import places
@@ -44,7 +44,7 @@ from granular_contact.scene.types import FASTEST, Scene, Vector
 
 SHARE = 1024  # steps between two updates of the progress bar
 # What the future of a march depends on, besides what iterations and the choice of steps keep.
-LASTING = ("s", "rates", "s2", "lagged", "joint", "matrix", "state", "clock", "counts", "iterated")
+LASTING = ("s", "rates", "s2", "lagged", "joint", "matrix", "state", "clock", "counts", "iterated", "home")
 ANY = 1e-3  # accuracy, where steps are fixed and nothing asks for it
 
 
@@ -58,9 +58,10 @@ class March:
             **tree.arrays,
             **_of_steps(tree.scene),
             "blank": table.blank,
-            "calls": calls(iteration, attempt),
+            "calls": calls(tree.kernels, attempt),
         }
-        arrays["states"] = np.zeros((1 + SHARE, kernels.WIDTH * nodes))
+        shown = sum(arrays[name].size for name in ("pose", "pose_rates", "acceleration"))
+        arrays["states"] = np.zeros((1 + SHARE, shown + 2 * nodes))
         arrays["table"] = np.zeros((1 + SHARE, len(table.blank)))
         self._newton, self._changes = _iterations(arrays), _changes(arrays)
         arrays["iterations"], arrays["changes"] = places(*self._newton), places(*self._changes)
@@ -72,13 +73,20 @@ class March:
         """Find the accelerations of the start, and write the first row; of what just touches as it will be at once."""
         self._start(True, self._words)
         if abs(self.rows[0, DEPTH]) <= TOUCHES:
-            s, poses = self.arrays["s"].copy(), self.states[0, : self.arrays["pose"].size].copy()
+            placed, poses = self._placed(), self.states[0, : self.arrays["pose"].size].copy()
             self.arrays["s"] += AHEAD * self.arrays["rates"]
             self._start(True, self._words)
-            self.arrays["s"][:], self.states[0, : len(poses)] = s, poses
+            for now, before in zip(self._placed(copied=False), placed, strict=True):
+                now[:] = before
+            self.states[0, : len(poses)] = poses
         if self.tree.load is not None and (test := self.tree.scene.wheel_test) is not None and test.begins:
             roll_in(self.tree.scene, self.tree.load)
             self._start(False, self._words)
+
+    def _placed(self, *, copied: bool = True) -> list[NDArray[Any]]:
+        """Coordinates, and in space what the charts of ball joints begin at."""
+        found = [self.arrays[name] for name in ("s", "home") if name in self.arrays]
+        return [array.copy() for array in found] if copied else found
 
     def plan(self, until: float) -> None:
         """March to a time (s) next; fixed steps divide the way there evenly, none longer than the scene's."""
@@ -140,7 +148,8 @@ class March:
     @property
     def _lasting(self) -> list[NDArray[Any]]:
         """All that its future depends on, but for rows and what the bed keeps."""
-        return [*(self.arrays[name] for name in LASTING), *self._newton, *self._changes]
+        own = (self.arrays[name] for name in LASTING if name in self.arrays)
+        return [*own, *self._newton, *self._changes]
 
     def kept(self) -> tuple[list[NDArray[Any]], Vector, Vector]:
         """Copies of all that its future and its rows depend on."""
@@ -196,14 +205,15 @@ def _iterations(arrays: dict[str, NDArray[Any]]) -> list[NDArray[Any]]:
     """Arrays of `mechanics.kernels.iterations`: there are no multipliers."""
     nodes, none = len(arrays["nodes"]), np.zeros(0)
     now, before = (arrays[name] for name in ("s", "rates", "s2")), (arrays["rates_before"], arrays["s2_before"])
-    given = [*now, none, *before, none, _levers(arrays["nodes"])]
+    given = [*now, none, *before, none, _levers(arrays)]
     kept = [np.zeros((3, nodes)), np.zeros((2, 0)), np.zeros(3)]
     pairs = [np.zeros((rows, of.DEPTH)) for rows in (nodes, 0, nodes, of.DEPTH)]
     return [*given, *kept, *pairs, np.zeros(of.NUMBERS, np.int64)]
 
 
-def _levers(nodes: NDArray[np.void]) -> Vector:
+def _levers(arrays: dict[str, NDArray[Any]]) -> Vector:
     """Factors (n,) from rates of coordinates to speeds of points (m/s); none of what is prescribed."""
+    nodes = arrays["nodes"]
     reach = nodes["radius"] + np.linalg.norm(nodes["point"], axis=1)  # of a joint, over all that it carries
     for i in range(len(nodes) - 1, -1, -1):
         parent = nodes[i]["parent"]
@@ -211,15 +221,14 @@ def _levers(nodes: NDArray[np.void]) -> Vector:
             to_parent = np.linalg.norm(nodes[i]["on_parent"]) + np.linalg.norm(nodes[parent]["point"])
             reach[parent] = max(reach[parent], reach[i] + to_parent)
     found: Vector = np.where(nodes["kind"] == SLIDER, 1.0, reach)
-    found[nodes["prescribed"] != 0] = 0.0
+    found[arrays["prescribed"] != 0] = 0.0
     return found
 
 
 def _changes(arrays: dict[str, NDArray[Any]]) -> list[NDArray[Any]]:
     """Arrays of `mechanics.kernels.step_error`, on the accelerations of nodes that have a mass."""
-    nodes = arrays["nodes"]
-    lever, counts = np.ones((len(nodes), 3)), np.repeat(nodes["mass"] > 0.0, 3)
-    lever[:, 2] = nodes["radius"]
+    lever = arrays["lever"]
+    counts = np.repeat(arrays["nodes"]["mass"] > 0.0, arrays["twist"].shape[1])
     group = np.where(counts, step_error.EACH, step_error.NONE).astype(np.int64)
     flat = arrays["acceleration"].reshape(-1), arrays["twist"].reshape(-1)
-    return [*flat, lever.ravel() * counts, group, *np.zeros((3, 3 * len(nodes))), np.zeros((0, 3))]
+    return [*flat, lever.copy(), group, *np.zeros((3, len(lever))), np.zeros((0, 3))]

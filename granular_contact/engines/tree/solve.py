@@ -13,9 +13,7 @@ from granular_contact.engines.tree.kernels import tree_march as kernels
 from granular_contact.engines.tree.march import March
 from granular_contact.engines.tree.tree import Tree
 from granular_contact.mechanics.ending import crowded, diverged, late, unsolved
-from granular_contact.mechanics.kinematics import Kinematics
 from granular_contact.mechanics.mass_and_gravity import mass_matrix
-from granular_contact.mechanics.senses import Senses
 from granular_contact.mechanics.system import Trajectory, at_one
 from granular_contact.results import Cost, Outline, Progress, Status
 from granular_contact.results.observed import Observations
@@ -44,7 +42,12 @@ class Solve:
         self.march = March(tree)
         self.seconds, self._code, self._interrupted = 0.0, kernels.PAUSE, False
         self._restarts = False  # with other accelerations
-        self._senses = Senses(tree.system, tree.load)
+        self._senses = tree.senses(self.march)
+        self._shown, first = [], 0  # where poses, their rates and accelerations of bodies are in a row
+        for name in ("pose", "pose_rates", "acceleration"):
+            self._shown.append(first + tree.of_bodies(name))
+            first += tree.arrays[name].size
+        self._efforts = first
 
     @property
     def time(self) -> float:
@@ -53,8 +56,8 @@ class Solve:
 
     @property
     def spent(self) -> float:
-        """Wall time (s) so far."""
-        return self.seconds
+        """Wall time (s) so far, with what it took to make what the medium meets."""
+        return self.seconds + (0.0 if self.tree.load is None else self.tree.load.building_s)
 
     @property
     def over(self) -> bool:
@@ -66,7 +69,7 @@ class Solve:
     def _late(self, more: float) -> bool:
         """Whether the wall time is over after some more seconds."""
         wall = self.tree.scene.solver.max_wall_s
-        return wall is not None and self.seconds + more >= wall
+        return wall is not None and self.spent + more >= wall
 
     def advance(self, until: float = math.inf) -> None:
         """Go on to a time (s), the scene's end at the latest; does nothing when it is over."""
@@ -96,12 +99,11 @@ class Solve:
         """The mechanism as it is drawn, at the present state."""
         system, now = self.tree.system, slice(self.march.last, self.march.last + 1)
         q, v = (self._coordinates(now, derivative) for derivative in (0, 1))
-        return Kinematics(system, at_one(system, np.array([self.time]), q, v)).outlines(0)
+        return self._senses.kinematics(at_one(system, np.array([self.time]), q, v)).outlines(0)
 
     def _coordinates(self, rows: int | slice, derivative: int) -> Vector:
-        """Coordinates of the system (m,) or (k, m) in these rows, or their first or second derivatives by time."""
-        first = 3 * len(self.tree.arrays["nodes"]) * derivative
-        found: Vector = self.march.states[rows, first:][..., self.tree.coordinates]
+        """Coordinates of the system (m,) or (k, m) in these rows, their rates, or accelerations as in kernels."""
+        found: Vector = self.march.states[rows][..., self._shown[derivative]]
         return found
 
     def set_to(self, joint: str, value: float) -> None:
@@ -130,9 +132,9 @@ class Solve:
     def trajectory(self) -> Trajectory:
         """All steps so far, in the engine's coordinates."""
         march, tree = self.march, self.tree
-        rows, nodes = slice(0, march.last + 1), len(tree.arrays["nodes"])
+        rows = slice(0, march.last + 1)
         q, v, a = (self._coordinates(rows, derivative) for derivative in range(3))
-        efforts, wanted = np.split(march.states[rows, kernels.MOVES * nodes :], 2, axis=1)
+        efforts, wanted = np.split(march.states[rows, self._efforts :], 2, axis=1)
         if tree.load is not None:
             tree.load.table.adopt(march.rows[rows])
         return Trajectory(
@@ -145,7 +147,7 @@ class Solve:
             mass=mass_matrix(tree.system),
             # A multiplier pulls the constraint back; the drive pushes along the coordinate.
             multipliers={joint: -efforts[:, node] for joint, node in tree.prescribed.items()},
-            a=a if tree.prescribed else None,
+            a=tree.accelerations(q, a) if tree.prescribed else None,
             set_to={joint: wanted[:, node].copy() for joint, node in tree.set_from_outside.items()},
         )
 

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from granular_contact.engines.tree.kernels import tree_load
 from granular_contact.engines.tree.kernels.tree import HINGE, SLIDER
 from granular_contact.engines.tree.kernels.tree_arrays import NODE, room
-from granular_contact.mechanics.coordinates import coordinate
 from granular_contact.mechanics.joint_loads import JointLoad
+from granular_contact.mechanics.kernels import joint_loads as kernels_of_joints
 from granular_contact.mechanics.kernels.joint_loads import JOINT
+from granular_contact.mechanics.senses import Senses
 from granular_contact.mechanics.stepping import signals_of
 from granular_contact.mechanics.system import RigidHandle, System
 from granular_contact.sand.contact_lines import Body
@@ -25,20 +27,25 @@ from granular_contact.scene.signal_tables import tabulate
 from granular_contact.scene.types import Joint, Scene, Vector
 from granular_contact.scene.workspace import immersible
 
+AnyJoint = TypeVar("AnyJoint", bound=Any)  # of the plane or of space
+
 
 class BodyCoordinates:
-    """Coordinates that observers read: x and y of the centre of mass and the angle of body i, at 3 i to 3 i + 2."""
+    """Coordinates that observers read: of body i those of its pose, x and y of the centre of mass and the angle.
 
-    def __init__(self, bodies: int) -> None:
-        self.size = 3 * bodies
+    each: how many a body has, 3, and 7 in space.
+    """
+
+    def __init__(self, bodies: int, each: int = 3) -> None:
+        self.each, self.size = each, each * bodies
 
     def places(self, node: int) -> list[int]:
         """Places of the coordinates of a body."""
-        return [3 * node, 3 * node + 1, 3 * node + 2]
+        return list(range(self.each * node, self.each * node + self.each))
 
     def reference(self, node: int) -> list[float]:  # noqa: ARG002
         """Nothing is left out of them."""
-        return [0.0, 0.0, 0.0]
+        return [0.0] * self.each
 
 
 @dataclass(frozen=True)
@@ -46,22 +53,45 @@ class Tree:
     """A scene in minimal coordinates.
 
     system: for observers; load: None where the medium meets nothing; arrays: what kernels have of its nodes at the
-    start, by the names of `kernels.tree_arrays`; coordinates (3 bodies,): where those of the system are among the
-    nodes'; prescribed: drives of prescribed motions with their nodes; set_from_outside: nodes of joints whose drives
-    are, by joint.
+    start, by the names of `kernels.tree_arrays`; bodies: nodes of the system's bodies; joints: nodes of joints with a
+    coordinate, by their names.
     """
 
     system: System
     load: GranularLoad | None
     arrays: dict[str, NDArray[Any]]
-    coordinates: NDArray[np.int64]
-    prescribed: dict[str, int]
-    set_from_outside: dict[str, int]
+    bodies: list[int]
+    joints: dict[str, int]
+
+    kernels: ClassVar[Any] = tree_load  # what acts on it
 
     @property
     def scene(self) -> Scene:
         """The scene."""
         return self.system.scene
+
+    @property
+    def prescribed(self) -> dict[str, int]:
+        """Drives of prescribed motions, with their nodes."""
+        return {drive.joint: self.joints[drive.joint] for drive in self.scene.drives if drive.kind == "motion"}
+
+    @property
+    def set_from_outside(self) -> dict[str, int]:
+        """Nodes of joints whose drives are set from outside, by joint."""
+        return {drive.joint: self.joints[drive.joint] for drive in self.scene.drives if drive.sets}
+
+    def of_bodies(self, name: str) -> NDArray[np.int64]:
+        """Where the numbers of the system's bodies are in an array by this name."""
+        width = self.arrays[name].shape[1]
+        return np.concatenate([width * i + np.arange(width) for i in self.bodies])
+
+    def accelerations(self, q: Vector, given: Vector) -> Vector:  # noqa: ARG002
+        """Of the coordinates q (n, m) of the system, from those of its bodies as kernels have them."""
+        return given
+
+    def senses(self, march: Any) -> Senses:  # noqa: ARG002
+        """What reads the state of a march of it."""
+        return Senses(self.system, self.load)
 
 
 @dataclass(frozen=True)
@@ -89,13 +119,14 @@ def tree(scene: Scene) -> Tree:
     bodies = [node.body for node in nodes if node.body is not None]
     handles = {body.name: RigidHandle(body, i, i) for i, body in enumerate(bodies)}
     system = System(scene, BodyCoordinates(len(bodies)), handles, {}, None)
-    system.loads.update({name: made for name in joints if (made := _joint_load(system, scene.joint(name)))})
-    load = _granular_load(scene, places)
-    coordinates = np.concatenate([3 * i + np.arange(3) for i in places.values()])
-    motions = {drive.joint: joints[drive.joint] for drive in scene.drives if drive.kind == "motion"}
-    external = {drive.joint: joints[drive.joint] for drive in scene.drives if drive.sets}
-    arrays = _arrays_of(system, nodes, joints, load)
-    return Tree(system, load, arrays, coordinates, motions, external)
+    system.loads.update(joint_loads(scene))
+    load, arrays = _granular_load(scene, places), room(len(nodes))
+    records = np.zeros(len(nodes), NODE)
+    for record, node in zip(records, nodes, strict=True):
+        _fill(record, scene, node)
+    arrays["s"][:], arrays["rates"][:] = [node.start for node in nodes], [node.rate for node in nodes]
+    arrays |= {"nodes": records} | acting(system, joints, len(nodes)) | sand_of(load, 3 * len(nodes))
+    return Tree(system, load, arrays | {"lever": levers(records, 3)}, list(places.values()), joints)
 
 
 def _granular_load(scene: Scene, places: dict[str, int]) -> GranularLoad | None:
@@ -144,9 +175,9 @@ def _free(joint: Joint, body: RigidBody, first: int) -> list[_Node]:
     return [*frames, turning]
 
 
-def outward(joints: tuple[Joint, ...]) -> list[Joint]:
+def outward(joints: Sequence[AnyJoint]) -> list[AnyJoint]:
     """Joints in an order in which every parent comes before its children."""
-    of_parent: dict[str | None, list[Joint]] = {}
+    of_parent: dict[str | None, list[AnyJoint]] = {}
     for joint in joints:
         of_parent.setdefault(joint.parent, []).append(joint)
     ordered, waiting = [], of_parent.pop(None, [])[::-1]
@@ -156,36 +187,54 @@ def outward(joints: tuple[Joint, ...]) -> list[Joint]:
     return ordered
 
 
-def _joint_load(system: System, joint: Joint) -> JointLoad | None:
-    """What acts along the coordinate of a joint, a prescribed motion aside; None where nothing does."""
-    drive = system.scene.drive(joint.name)
-    if drive is not None and drive.kind == "motion":
-        drive = None
-    if drive is None and joint.law.is_idle:
-        return None
-    return JointLoad(coordinate(system, joint, np.zeros(2), whole=True), [], joint.law, drive)
+class _Along(NamedTuple):
+    """The coordinate of a joint, which is one of the tree's own: what `JointLoad` asks of it."""
+
+    joint: Any
+    record: NDArray[np.void]
+    kernels: Any = kernels_of_joints
+    last_angles: tuple[float, float] = (0.0, 0.0)
 
 
-def _arrays_of(
-    system: System, nodes: Sequence[_Node], joints: dict[str, int], load: GranularLoad | None
-) -> dict[str, NDArray[Any]]:
-    scene, loads, arrays = system.scene, system.loads, room(len(nodes))
-    arrays["s"][:], arrays["rates"][:] = [node.start for node in nodes], [node.rate for node in nodes]
-    laws, state, records = np.zeros(len(nodes), JOINT), np.zeros((len(nodes), 5)), np.zeros(len(nodes), NODE)
-    for name, one in loads.items():
+def joint_loads(scene: Any) -> dict[str, JointLoad]:
+    """What acts along the coordinates of joints, prescribed motions aside, by joint; only where something does."""
+    found = {}
+    for joint in scene.joints:
+        drive = scene.drive(joint.name)
+        if drive is not None and drive.kind == "motion":
+            drive = None
+        if joint.has_coordinate and not (drive is None and joint.law.is_idle):
+            along: Any = _Along(joint, np.zeros(1, JOINT))
+            found[joint.name] = JointLoad(along, [], joint.law, drive)
+    return found
+
+
+def acting(system: System, joints: dict[str, int], nodes: int) -> dict[str, NDArray[Any]]:
+    """Arrays of what acts along the coordinates of a system's joints, which have these nodes, and of gravity."""
+    laws, state = np.zeros(nodes, JOINT), np.zeros((nodes, 5))
+    prescribed, acts = np.zeros((2, nodes), np.int64)
+    for name, one in system.loads.items():
         i = joints[name]
-        laws[i], state[i] = one.record[0], one.state
+        laws[i], state[i], acts[i] = one.record[0], one.state, True
         one.state = state[i]  # from now on a row of one table
-    for record, node in zip(records, nodes, strict=True):
-        _fill(record, scene, node)
-    records["acts"][[joints[name] for name in loads]] = True
-    for drive in scene.drives:
-        records["prescribed"][joints[drive.joint]] = drive.kind == "motion"
-    sand, triplets = np.zeros((0, 0), np.int64), np.zeros((1, 3))
-    if load is not None:
-        sand, triplets = load.places(None, np.zeros(3 * len(nodes))), load.room_for_tangents
-    own = {"nodes": records, "laws": laws, "state": state, "gravity": np.array([scene.gravity])}
-    return arrays | own | {"sand": sand, "triplets": triplets} | _signals(scene, joints, len(nodes))
+    for drive in system.scene.drives:
+        prescribed[joints[drive.joint]] = drive.kind == "motion"
+    own = {"laws": laws, "state": state, "prescribed": prescribed, "acts": acts}
+    return own | _signals(system.scene, joints, nodes) | {"gravity": np.array([system.scene.gravity])}
+
+
+def sand_of(load: GranularLoad | None, coordinates: int) -> dict[str, NDArray[Any]]:
+    """Where the arrays of a load are, on nodes of so many coordinates, and room for its tangent."""
+    if load is None:
+        return {"sand": np.zeros((0, 0), np.int64), "triplets": np.zeros((1, 3))}
+    return {"sand": load.places(None, np.zeros(coordinates)), "triplets": load.room_for_tangents}
+
+
+def levers(nodes: NDArray[np.void], width: int) -> Vector:
+    """Factors (n width,) from twists, of which the last width // 2 numbers turn, to speeds of points."""
+    found = np.ones((len(nodes), width))
+    found[:, width - width // 2 :] = nodes["radius"][:, None]
+    return np.ravel(found * (nodes["mass"] > 0.0)[:, None])
 
 
 def _signals(scene: Scene, joints: dict[str, int], nodes: int) -> dict[str, NDArray[Any]]:

@@ -38,6 +38,11 @@ class SpatialSenses(Senses):
         met, links = self._reported()[1], () if self.load is None else self.load.table.bodies
         # Of each body of the load: its row among what is reported, and its number.
         self._loaded = [(met.index(link_of(name)), self._number[name]) for name in links]
+        self._find_joints(joints)
+
+    def _find_joints(self, joints: list[Any]) -> None:
+        """Where the coordinates of joints are."""
+        system, coordinates = self.system, self.system.coordinates
 
         def at_nodes(joint: Any) -> list[int]:
             return [place for node in system.nodes_of(joint) for place in coordinates.places(node)]

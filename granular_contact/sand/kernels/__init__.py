@@ -11,7 +11,7 @@ a bed in the plane  planar_sand, batches, lines  all media; one; one contact lin
                     kinematics, spatial          how bodies move stations
                     departure                    how far a motion departs from one that is known, with other strips
 a bed in space      space_law, space_joining     as `law` and `joining`
-                    space_bodies                 rigid bodies with all elements on them
+                    space_sand, space_bodies     all media; one, with rigid bodies and all elements on them
                     facets, slices, facet_layers, facet_paths, space_balls    the elements; bars are in `bars`
                     ground, space_reach          the surface; the walls of a container
 """

@@ -24,5 +24,5 @@ beam_shape  pieces of links that bend
 triangles   cutting triangles; rows of facets, in clusters (what is wrong with a mesh, and mesh files: `geometry`)
 batch       all elements of a kind in one medium, in one compiled call
 heights     a surface given by a map of heights
-load        as in `bed`, with vectors in space
+load        as in `bed`, with vectors in space; of_scene: that of a scene
 """

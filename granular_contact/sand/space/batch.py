@@ -78,8 +78,8 @@ class SpatialBatch:
         """The medium for the kernels of `space_bodies`."""
         return self._record(bodies=True, angles=bool((self.bodies["size"] < 7).any()))
 
-    def start(self, q: Vector, where: NDArray[np.int64] | None, reference: Vector) -> None:
-        """Reset the friction state for bodies at q; arguments as of `GranularLoad.start`."""
+    def begin(self, where: NDArray[np.int64] | None, reference: Vector) -> NDArray[np.int64]:
+        """Forget all motion; where the arrays are, see `kernels.space_bodies`; arguments as of `GranularLoad.start`."""
         if where is not None:
             self.places[:, 0] = where[self.places[:, 1]]
         self.active[:] = True
@@ -88,7 +88,11 @@ class SpatialBatch:
         self.proximity[:, kernels.EVER] = -np.inf
         self._reference = reference
         on = (self.places, self.bodies, self.turn, self.clusters, self.elements, self.anchors, self.active, self.ground)
-        sand = self._sand = places(reference, *on, self._for_bodies, self.poses, self.proximity, self.columns)
+        return places(reference, *on, self._for_bodies, self.poses, self.proximity, self.columns)
+
+    def start(self, q: Vector, where: NDArray[np.int64] | None, reference: Vector) -> None:
+        """Reset the friction state for bodies at q; arguments as of `GranularLoad.start`."""
+        sand = self._sand = self.begin(where, reference)
         if not self._compiled:  # the first time on a machine, which belongs to the start and not to the first step
             self._force = ready(kernels.force, sand, q, q, q)
             self._tangent = ready(kernels.tangent, sand, q, q, 1.0, 1.0, np.zeros((0, 3)), 0)

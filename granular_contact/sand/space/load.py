@@ -202,6 +202,10 @@ class SpatialLoad(GranularLoad):
         for batch in self.batches:
             batch.start(q, where, reference)
 
+    def places(self, where: NDArray[np.int64] | None, reference: Vector) -> NDArray[np.int64]:
+        """Begin all batches: where their arrays are, see `kernels.space_sand`."""
+        return np.array([batch.begin(where, reference) for batch in self.batches])
+
     def add_forces(self, q: Vector, v: Vector, out: Vector) -> None:
         """As of `GranularLoad`."""
         for batch in self.batches:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from granular_contact.scene.checks import beyond_numbers, closure_faults, media_
 from granular_contact.scene.drives import drives
 from granular_contact.scene.layout import GROUND, weld_groups
 from granular_contact.scene.loops import closed
+from granular_contact.scene.methods import check_minimal, serves
 from granular_contact.scene.space.beams import beams, cut
 from granular_contact.scene.space.bed import bed
 from granular_contact.scene.space.bodies import bodies_of, joints_of, on_ground, rigid_body
@@ -23,6 +25,7 @@ from granular_contact.scene.space.layout import pose, start
 from granular_contact.scene.space.loops import SpatialLoops, needed
 from granular_contact.scene.space.types import Part, SpatialRigidBody, SpatialScene, Vector
 from granular_contact.scene.steps import steps
+from granular_contact.scene.types import Minimal
 
 MOST_BODIES = 32  # whose motion is reported unless the run asks for it
 
@@ -67,6 +70,7 @@ def built(scenario: schema.SpatialScenario) -> SpatialScene:
         tip=_tip(model, rigid),
         output_interval=scenario.output.interval_s,
         drives=driven,
+        method=scenario.method.minimal,
         settle=scenario.initial.settle,
         body_columns=_has_body_columns(scenario, rigid),
         notes=tuple(notes),
@@ -75,7 +79,9 @@ def built(scenario: schema.SpatialScenario) -> SpatialScene:
     )
     if faults := list(beyond_numbers(scene)):
         raise SceneError(faults)
-    return scene
+    if scene.method is not None:
+        check_minimal(scene)
+    return replace(scene, method=Minimal()) if scenario.method.name == "auto" and serves(scene) else scene
 
 
 def _inapplicable(scenario: schema.SpatialScenario, rigid: tuple[SpatialRigidBody, ...]) -> Iterator[Fault]:

@@ -110,7 +110,7 @@ class SpatialScenario(Scenario):
             yield from [((*path, key), "is missing; in space a number is needed") for key in medium.lacking_in_space]
         if self.wheel is not None:
             yield ("wheel",), "is for wheels in the plane; in space allowed is null"
-        if self.method.name not in ("auto", "engine"):
-            yield ("method",), f"got {self.method.name}; in space allowed are auto and engine"
+        if self.method.reduced is not None:
+            yield ("method",), f"got {self.method.name}; in space allowed are auto, minimal and engine"
         if self.load.form != "distributed":
             yield ("load", "form"), f"got {self.load.form}; in space allowed is distributed"

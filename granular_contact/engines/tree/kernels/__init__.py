@@ -1,5 +1,7 @@
 """Compiled code of trees.
 
-tree_arrays, tree, tree_load         their equations
+tree_arrays, tree, tree_load         equations in the plane
+space_arrays, space_rotations, space_tree, space_fold, space_ball_joints, space_load    the same in space
+tree_joints                          what acts along coordinates, in both
 tree_newton, tree_march, tree_calls  their steps
 """

@@ -51,6 +51,7 @@ from granular_contact.engines.tree.kernels.tree_arrays import (
     NODES,
     PASSED,
     POSE,
+    PRESCRIBED,
     RATES,
     REST,
     S2,
@@ -59,6 +60,7 @@ from granular_contact.engines.tree.kernels.tree_arrays import (
     TWIST,
     S,
     nodes_of,
+    numbers,
     row,
     rows,
 )
@@ -177,14 +179,14 @@ def hang(b, f, parent):
 def fold(w):
     """Fill `joint` from B and c; B of each node then has all that hangs on it."""
     nodes, body, joint, stiffness = nodes_of(w, NODES), rows(w, BODY), rows(w, JOINTS), row(w, STIFFNESS)
-    along, arm = rows(w, ALONG), rows(w, ARM)
+    along, arm, prescribed = rows(w, ALONG), rows(w, ARM), numbers(w, PRESCRIBED)
     for i in range(nodes.shape[0] - 1, -1, -1):
         b, f, x, y, t = piece(body, i, 9), piece(joint, i, 12), along[i, 0], along[i, 1], along[i, 2]
         for k in range(3):
             f[UX + k] = b[3 * k] * x + b[3 * k + 1] * y + b[3 * k + 2] * t
             f[WX + k] = b[k] * x + b[3 + k] * y + b[6 + k] * t
         d = x * f[UX] + y * f[UY] + t * f[UT] + stiffness[i]
-        f[INVERSE] = 0.0 if nodes[i].prescribed else 1.0 / d
+        f[INVERSE] = 0.0 if prescribed[i] else 1.0 / d
         f[SX], f[SY], f[ST], f[TX], f[TY] = x, y, t, arm[i, 0], arm[i, 1]
         if nodes[i].parent >= 0:
             hang(b, f, piece(body, nodes[i].parent, 9))

@@ -1,8 +1,11 @@
 """Arrays of a tree of rigid bodies and of its march, which kernels find by their places (`lending`).
 
-Of n nodes, in the order of ARRAYS:
+Of n nodes, in the order of ARRAYS, with the widths of the plane; those of space, and what is there alone:
+`space_arrays`.
 
     nodes           (n,) records of NODE, see `tree`
+    prescribed      (n,) whether a signal says s
+    acts            (n,) whether something acts along s
     laws, state     (n,) records of JOINT and (n, 5), of what acts along each coordinate, see `joint_loads`
     gravity         (1,) m/s2
     sand, triplets  as in `planar_sand`, with the coordinates of `pose` as those of the system; room for its tangent
@@ -13,6 +16,8 @@ Of n nodes, in the order of ARRAYS:
     s2, lagged      then the same at the start of the step
     pose, twist     (n, 3) centre of mass x, y (m) and angle; their rates; accelerations likewise
     acceleration
+    pose_rates      (n, 3) rates of what `pose` has, which in the plane are the twist
+    lever           (3 n,) factors from twists to speeds of points (m/s): 1, or the radius; none of what has no mass
     turned          (n, 2) cosine and sine of the angle
     arm             (n, 2) (e + d)' of `tree` (m); along (n, 3): S; bias (n, 2): b
     along, bias
@@ -34,7 +39,7 @@ Of n nodes, in the order of ARRAYS:
     bends, followed, arms   see `step_choice`
     clock, counts   see `tree_march`, as are the next
     blank           (columns,) a row of the medium's doings before anything is added to it
-    states, table   (rows, WIDTH n) and (rows, columns), of which the first counts[STEPS] + 1 are filled
+    states, table   (rows, numbers) and (rows, columns), of which the first counts[STEPS] + 1 are filled
     calls           (1,) record of CALL
 """
 
@@ -53,12 +58,10 @@ from granular_contact.mechanics.kernels.step_choice import CHOICE
 
 # parent: index of the node it hangs on, -1 for the ground; kind: of its joint; on_parent (2,) m: the joint's point in
 # the parent's frame, seen from its centre of mass (in the world, on the ground), of a slider at s = 0; point (2,) m:
-# the same in the node's own frame; axis (2,): of a slider, in the parent's frame; turn (rad): angle of the node in its
-# parent's frame at s = 0; prescribed: whether a signal says s; acts: whether something acts along it; mass kg; inertia
-# kg m2 about the centre of mass; radius m: of the farthest point from the centre of mass.
+# the XX
 NODE = record_dtype(
     [
-        *fields("i8", "parent", "kind", "prescribed", "acts"),
+        *fields("i8", "parent", "kind"),
         *((name, "f8", (2,)) for name in ("on_parent", "point", "axis")),
         *fields("f8", "turn", "mass", "inertia", "radius"),
     ]
@@ -71,7 +74,10 @@ CONTROL = record_dtype([*fields("f8", "end", "rest_speed", "rest_time", "toleran
 
 # Addresses, see `tree_calls`.
 CALL = record_dtype(
-    fields("i8", "force", "tangent", "accept", "update_active", "soonest", "begin", "accelerate", "iterate", "attempt")
+    fields(
+        "i8",
+        *("force", "tangent", "accept", "update_active", "soonest", "begin", "accelerate", "iterate", "end", "attempt"),
+    )
 )
 
 ARRAYS = (
@@ -80,13 +86,14 @@ ARRAYS = (
     *("pose", "twist", "acceleration", "turned", "arm", "along", "bias", "force", "effort", "passed"),
     *("body", "stiffness", "joint", "rest", "change", "moved", "matrix", "iterated", "iterations", "changes"),
     *("scheme", "choice", "control", "bends", "followed", "arms", "clock", "counts", "blank", "states", "table"),
-    "calls",
+    *("calls", "prescribed", "acts", "pose_rates", "lever", "home", "of_sand", "blocks", "coupled"),
 )
 NODES, LAWS, STATE, GRAVITY, SAND, TRIPLETS, SIGNALS, KNOTS, PIECES, WANTED = range(10)
 S, RATES, S2, LAGGED, S_BEFORE, RATES_BEFORE, S2_BEFORE, LAGGED_BEFORE = range(10, 18)
 POSE, TWIST, ACCELERATION, TURNED, ARM, ALONG, BIAS, FORCE, EFFORT, PASSED = range(18, 28)
 BODY, STIFFNESS, JOINTS, REST, CHANGE, MOVED, MATRIX, ITERATED, ITERATIONS, CHANGES = range(28, 38)
 SCHEMES, CHOICES, CONTROLS, BENDS, FOLLOWED, ARMS, CLOCK, COUNTS, BLANK, STATES, TABLE, CALLS = range(38, 50)
+PRESCRIBED, ACTS, POSE_RATES, LEVER, HOME, OF_SAND, BLOCKS, COUPLED = range(50, 58)
 DONE, MATRICES = 0, 1  # of `iterated`
 # Of clock (8,): times (s), of the step to come and of the last one tried, speeds (m/s) as of `step_choice`, and from
 # when on how many whole steps were taken.
@@ -109,7 +116,8 @@ WIDTHS = {
 
 def room(nodes: int) -> dict[str, NDArray[Any]]:
     """Arrays that say nothing yet: the motion of so many nodes, and what is worked out from it."""
-    return {name: np.zeros((nodes, width) if width else nodes) for name, width in WIDTHS.items()}
+    made = {name: np.zeros((nodes, width) if width else nodes) for name, width in WIDTHS.items()}
+    return made | {"pose_rates": made["twist"]}
 
 
 def words(arrays: Mapping[str, NDArray[Any]]) -> NDArray[np.int64]:

@@ -16,14 +16,13 @@ from numpy.typing import NDArray
 from granular_contact.engines.tree.kernels.tree_arrays import (
     CALL,
     CALLS,
-    FORCE,
     ITERATED,
     ITERATIONS,
     MATRICES,
     POSE,
+    POSE_RATES,
     SAND,
     TRIPLETS,
-    TWIST,
     calls,
     numbers,
     rows,
@@ -33,7 +32,6 @@ from granular_contact.jit.calls import address_of, caller
 from granular_contact.jit.compiled import part
 from granular_contact.jit.memory import flat
 from granular_contact.mechanics.kernels import anderson
-from granular_contact.sand.kernels import planar_sand
 
 _ROW, _ROWS = (types.Array(types.float64, axes, "C") for axes in (1, 2))
 _WORDS, _SAND, _NUMBER, _WHOLE, _TRUTH = (
@@ -48,19 +46,24 @@ _SIGNATURES: dict[str, tuple[tuple[Any, ...], Any]] = {  # arguments, result
     "begin": ((_WORDS, _NUMBER, _NUMBER), types.none),
     "accelerate": ((_WORDS, _WHOLE), _TRUTH),
     "iterate": ((_NUMBER, _NUMBER, _WORDS), _NUMBER),
+    "end": ((_WORDS, _ROW, _TRUTH), types.none),
     "attempt": ((_NUMBER, _NUMBER, _WORDS), _TRUTH),
 }
-_force, _tangent, _accept, _update_active, _soonest, _begin, _accelerate, _iterate, _attempt = (
+_force, _tangent, _accept, _update_active, _soonest, _begin, _accelerate, _iterate, _end, _attempt = (
     caller(name, *_SIGNATURES[name], CALL) for name in _SIGNATURES
 )
 _OF_SAND = "force", "tangent", "accept", "update_active", "soonest"
 
 
 @cache
-def record(iterate: Any, attempt: Any) -> NDArray[np.void]:
-    """Record (1,) of CALL with the addresses of functions, which are compiled where they are not yet."""
-    functions = {name: getattr(planar_sand, name) for name in _OF_SAND}
-    functions |= {"begin": anderson.begin, "accelerate": anderson.accelerate, "iterate": iterate, "attempt": attempt}
+def record(load: Any, attempt: Any) -> NDArray[np.void]:
+    """Record (1,) of CALL with the addresses of functions, which are compiled where they are not yet.
+
+    load: the module of what acts on a tree, `tree_load` in the plane, which has that of the medium as its `sand`.
+    """
+    functions = {name: getattr(load.sand, name) for name in _OF_SAND}
+    functions |= {"begin": anderson.begin, "accelerate": anderson.accelerate, "attempt": attempt}
+    functions |= {"iterate": load.iteration, "end": load.accept}
     found = np.zeros(1, CALL)
     for name, function in functions.items():
         found[name] = address_of(function, *_SIGNATURES[name])
@@ -68,10 +71,11 @@ def record(iterate: Any, attempt: Any) -> NDArray[np.void]:
 
 
 @part
-def sand_force(w):
-    """Add the forces of the medium to those on the nodes."""
+def sand_force(force, w):
+    """Add the generalised forces of the medium to those on the nodes, in the coordinates of their poses."""
     if tables(w, SAND).shape[0] > 0:
-        _force(calls(w, CALLS)[0], (tables(w, SAND), flat(rows(w, POSE)), flat(rows(w, TWIST)), flat(rows(w, FORCE))))
+        given = tables(w, SAND), flat(rows(w, POSE)), flat(rows(w, POSE_RATES)), flat(force)
+        _force(calls(w, CALLS)[0], given)
 
 
 @part
@@ -79,7 +83,7 @@ def sand_tangent(fq, fv, w):
     """Fill triplets with the tangent of these forces, see `planar_sand.tangent`; their number."""
     if tables(w, SAND).shape[0] == 0:
         return 0
-    given = tables(w, SAND), flat(rows(w, POSE)), flat(rows(w, TWIST)), fq, fv, rows(w, TRIPLETS)
+    given = tables(w, SAND), flat(rows(w, POSE)), flat(rows(w, POSE_RATES)), fq, fv, rows(w, TRIPLETS)
     return _tangent(calls(w, CALLS)[0], given)
 
 
@@ -87,7 +91,7 @@ def sand_tangent(fq, fv, w):
 def sand_accept(w, history, begins):
     """End of a step in the medium, see `planar_sand.accept`."""
     if tables(w, SAND).shape[0] > 0:
-        given = tables(w, SAND), flat(rows(w, POSE)), flat(rows(w, TWIST)), history, begins
+        given = tables(w, SAND), flat(rows(w, POSE)), flat(rows(w, POSE_RATES)), history, begins
         _accept(calls(w, CALLS)[0], given)
 
 
@@ -117,8 +121,14 @@ def accelerate(w):
 
 @part
 def iterate(of_q, of_v, w):
-    """`tree_newton.iterate`."""
+    """`tree_load.iteration`, or that of space."""
     return _iterate(calls(w, CALLS)[0], (of_q, of_v, w))
+
+
+@part
+def end(w, history, begins):
+    """`tree_load.accept`, or that of space."""
+    _end(calls(w, CALLS)[0], (w, history, begins))
 
 
 @part

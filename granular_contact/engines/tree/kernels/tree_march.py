@@ -19,12 +19,13 @@ from granular_contact.engines.tree.kernels.tree_arrays import (
     KNOTS,
     LAGGED,
     LAGGED_BEFORE,
+    LEVER,
     MATRIX,
-    NODES,
     NOW,
     ORIGIN,
     PIECES,
     POSE,
+    POSE_RATES,
     RATES,
     RATES_BEFORE,
     RESTING_SINCE,
@@ -44,18 +45,17 @@ from granular_contact.engines.tree.kernels.tree_arrays import (
     blocks,
     choices,
     controls,
-    nodes_of,
     numbers,
     row,
     rows,
     schemes,
 )
 from granular_contact.engines.tree.kernels.tree_arrays import REST as LACK
-from granular_contact.engines.tree.kernels.tree_calls import attempt, soonest
-from granular_contact.engines.tree.kernels.tree_load import accept, fastest, follow_signals, prescribe
-from granular_contact.engines.tree.kernels.tree_newton import finish, settle_in
+from granular_contact.engines.tree.kernels.tree_calls import attempt, end, soonest
+from granular_contact.engines.tree.kernels.tree_joints import follow_signals, prescribe
+from granular_contact.engines.tree.kernels.tree_newton import finish, go_back, settle_in
 from granular_contact.jit.compiled import kernel, part
-from granular_contact.jit.memory import copy, piece
+from granular_contact.jit.memory import copy, flat, piece
 from granular_contact.mechanics.kernels import step_error
 from granular_contact.mechanics.kernels.joint_loads import VALUE
 from granular_contact.mechanics.kernels.step_choice import LONGER, ahead, factor, needed
@@ -65,7 +65,6 @@ from granular_contact.sand.kernels.lines import TIME
 # diverged, there are too many steps.
 PAUSE, REST, END, FAILED, AWAY, MANY_STEPS = 0, 1, 2, 3, 4, 5
 STEPS, REFUSED, SHORTENED = 0, 1, 2  # of counts (3,)
-MOVES, WIDTH = 9, 11  # numbers of a node in a row of states: of its motion, and in all
 
 
 @kernel
@@ -75,7 +74,7 @@ def start(begins, w):
     follow_signals(0.0, w)
     prescribe(0.0, w)
     if begins:
-        accept(w, piece(table, 0, table.shape[1]), True)
+        end(w, piece(table, 0, table.shape[1]), True)
     settle_in(w)
     write(0.0, w)
     clock[SPEED] = step_error.begin(numbers(w, CHANGES), clock[STEP])
@@ -85,22 +84,27 @@ def start(begins, w):
 def write(t, w):
     """Accept a step that ends at t (s) and keep it in the next row.
 
-    Of states: pose, twist and acceleration of all nodes, what joints lack, and what their drives want.
+    Of states: poses, their rates and accelerations of all nodes, what joints lack, and what their drives want.
     """
     table, states, at = rows(w, TABLE), rows(w, STATES), numbers(w, COUNTS)[STEPS]
     history, kept = piece(table, at, table.shape[1]), piece(states, at, states.shape[1])
     copy(history, row(w, BLANK))
-    accept(w, history, False)
+    end(w, history, False)
     history[TIME] = t
-    pose, twist, acceleration = rows(w, POSE), rows(w, TWIST), rows(w, ACCELERATION)
-    rest, state, n = row(w, LACK), rows(w, STATE), pose.shape[0]
-    for i in range(n):
-        for k in range(3):
-            kept[3 * i + k] = pose[i, k]
-            kept[3 * (n + i) + k] = twist[i, k]
-            kept[3 * (2 * n + i) + k] = acceleration[i, k]
-        kept[MOVES * n + i] = rest[i]
-        kept[(MOVES + 1) * n + i] = state[i, VALUE]
+    first = put(flat(rows(w, POSE)), kept, 0)
+    first = put(flat(rows(w, POSE_RATES)), kept, first)
+    first = put(flat(rows(w, ACCELERATION)), kept, first)
+    first, state = put(row(w, LACK), kept, first), rows(w, STATE)
+    for i in range(state.shape[0]):
+        kept[first + i] = state[i, VALUE]
+
+
+@part
+def put(numbers, kept, first):
+    """Write numbers into a row from a place on; where they end."""
+    for i in range(numbers.shape[0]):
+        kept[first + i] = numbers[i]
+    return first + numbers.shape[0]
 
 
 @part
@@ -166,7 +170,7 @@ def next_step(w):
 def is_over(w):
     """Why there is no next step; PAUSE where there is one."""
     clock, control, counts = row(w, CLOCK), controls(w, CONTROLS)[0], numbers(w, COUNTS)
-    moves = fastest(rows(w, TWIST), nodes_of(w, NODES)) > control.rest_speed
+    moves = step_error.fastest(flat(rows(w, TWIST)), row(w, LEVER)) > control.rest_speed
     clock[RESTING_SINCE] = math.inf if moves else min(clock[RESTING_SINCE], clock[NOW])
     if clock[NOW] - clock[RESTING_SINCE] >= control.rest_time:
         return REST
@@ -200,8 +204,9 @@ def march(share, w):
         asked, left = next_step(w), control.end - clock[NOW]
         h = fixed(asked, w) if is_fixed else chosen(asked, w)
         if h == 0.0:
+            go_back(w)
             return FAILED
-        if not fastest(rows(w, TWIST), nodes_of(w, NODES)) < control.away:
+        if not step_error.fastest(flat(rows(w, TWIST)), row(w, LEVER)) < control.away:
             return AWAY
         finish(w)
         tick(h, left, w)

@@ -18,7 +18,6 @@ from __future__ import annotations
 
 import math
 
-from granular_contact.engines.tree.kernels.tree import carry, fold, lack, solve
 from granular_contact.engines.tree.kernels.tree_arrays import (
     CHANGE,
     CLOCK,
@@ -28,8 +27,6 @@ from granular_contact.engines.tree.kernels.tree_arrays import (
     LAGGED_BEFORE,
     MATRICES,
     MATRIX,
-    MOVED,
-    NODES,
     NOW,
     RATES,
     RATES_BEFORE,
@@ -39,14 +36,12 @@ from granular_contact.engines.tree.kernels.tree_arrays import (
     SCHEMES,
     TRIED,
     S,
-    nodes_of,
     numbers,
     row,
-    rows,
     schemes,
 )
 from granular_contact.engines.tree.kernels.tree_calls import accelerate, begin_iterations, iterate, update_active
-from granular_contact.engines.tree.kernels.tree_load import act, fastest, follow_signals, prescribe, tangent
+from granular_contact.engines.tree.kernels.tree_joints import follow_signals, prescribe
 from granular_contact.jit.compiled import part
 from granular_contact.jit.memory import copy
 from granular_contact.mechanics.kernels.numerics import MOST_ITERATIONS
@@ -78,20 +73,15 @@ def begin(of_q, of_v, w):
 
 
 @part
-def iteration(of_q, of_v, w):
-    """Find what joints lack at the present accelerations, and the change that takes it away; its size (m/s2)."""
+def needs_matrix(of_v, w):
+    """Count an iteration; whether it needs a new matrix, which then is that of of_v."""
     matrix, count = row(w, MATRIX), numbers(w, ITERATED)
-    act(w)
-    carry(w)
-    lack(w)
     count[DONE] += 1
-    if matrix[0] == 0.0:
-        tangent(of_q, of_v, w)
-        fold(w)
-        count[MATRICES] += 1
-        matrix[0] = of_v
-    solve(w)
-    return fastest(rows(w, MOVED), nodes_of(w, NODES))
+    if matrix[0] != 0.0:
+        return False
+    count[MATRICES] += 1
+    matrix[0] = of_v
+    return True
 
 
 @part
@@ -139,6 +129,15 @@ def finish(w):
 
 
 @part
+def go_back(w):
+    """Return to the start of a step that can't be solved."""
+    copy(row(w, S), row(w, S_BEFORE))
+    copy(row(w, RATES), row(w, RATES_BEFORE))
+    copy(row(w, S2), row(w, S2_BEFORE))
+    copy(row(w, LAGGED), row(w, LAGGED_BEFORE))
+
+
+@part
 def settle_in(w):
     """Find the accelerations that belong to coordinates and rates at a start, where none are known."""
     s2, matrix, change = row(w, S2), row(w, MATRIX), row(w, CHANGE)
@@ -149,7 +148,6 @@ def settle_in(w):
     iterate(0.0, 0.0, w)
     for i in range(s2.shape[0]):
         s2[i] += change[i]
-    carry(w)
-    lack(w)
+    iterate(0.0, 0.0, w)
     copy(row(w, LAGGED), s2)
     matrix[0] = 0.0

@@ -1,0 +1,115 @@
+"""Forces on a tree of rigid bodies in space, how they follow its motion, and an iteration of Newton's method.
+
+The medium sees poses with Euler parameters e, and gives generalised forces f = G^T M of a moment M (`space_bodies`).
+With G G^T = 4: M = G f / 4, and a turn by a small vector changes e by G^T / 4 of it. The derivative of a moment is
+taken so, too, without what of it comes from G alone, fq M / 2 or less.
+"""
+
+from __future__ import annotations
+
+from granular_contact.engines.tree.kernels.space_arrays import nodes_of
+from granular_contact.engines.tree.kernels.space_ball_joints import push_balls, stiffen_balls
+from granular_contact.engines.tree.kernels.space_fold import fold, inertias, solve
+from granular_contact.engines.tree.kernels.space_rotations import at, cross, plus, put, times
+from granular_contact.engines.tree.kernels.space_tree import carry, lack, place, recentre
+from granular_contact.engines.tree.kernels.tree_arrays import (
+    BLOCKS,
+    BODY,
+    FORCE,
+    GRAVITY,
+    LEVER,
+    MOVED,
+    NODES,
+    OF_SAND,
+    POSE,
+    TRIPLETS,
+    row,
+    rows,
+)
+from granular_contact.engines.tree.kernels.tree_calls import sand_accept, sand_force, sand_tangent
+from granular_contact.engines.tree.kernels.tree_joints import follow, push, stiffen
+from granular_contact.engines.tree.kernels.tree_newton import needs_matrix
+from granular_contact.jit.compiled import part
+from granular_contact.jit.memory import clear, flat, room2
+from granular_contact.mechanics.kernels.step_error import fastest
+from granular_contact.sand.kernels import space_sand as sand  # noqa: F401  # whose functions `tree_calls` takes
+
+SIZE = 7  # coordinates of a pose
+
+
+@part
+def act(w):
+    """Place the nodes, and fill the forces on them and along their coordinates."""
+    nodes, force, of_sand, gravity = nodes_of(w, NODES), rows(w, FORCE), rows(w, OF_SAND), row(w, GRAVITY)[0]
+    place(w)
+    clear(of_sand)
+    sand_force(of_sand, w)
+    pose = rows(w, POSE)
+    for i in range(nodes.shape[0]):
+        put(at(of_sand, i, 0), force, i, 0)
+        put(moment(pose, i, of_sand[i, 3], at(of_sand, i, 4)), force, i, 3)
+        force[i, 2] -= gravity * nodes[i].mass
+    push(w)
+    push_balls(w)
+
+
+@part
+def moment(pose, i, f, g):
+    """G (f, g) / 4 of node i: the moment of generalised forces f and g (3,) on its Euler parameters."""
+    e = at(pose, i, 4)
+    return times(0.5, plus(plus(times(-f, e), times(pose[i, 3], g)), cross(e, g)))
+
+
+@part
+def tangent(fq, fv, w):
+    """Fill B and c of `space_tree` where `act` was called last."""
+    blocks, triplets, body, some = rows(w, BLOCKS), rows(w, TRIPLETS), rows(w, BODY), room2(SIZE, 6)
+    inertias(fv, w)
+    count = sand_tangent(fq, fv, w)
+    if count > 0:
+        clear(blocks)
+        for k in range(count):
+            line, column = int(triplets[k, 0]), int(triplets[k, 1])
+            i = line // SIZE
+            blocks[i, SIZE * (line - SIZE * i) + column - SIZE * i] += triplets[k, 2]
+        for i in range(blocks.shape[0]):
+            turn(i, blocks, rows(w, POSE), some, body)
+    stiffen(fq, fv, w)
+    stiffen_balls(fq, fv, w)
+
+
+@part
+def turn(i, blocks, pose, some, body):
+    """Take the tangent (7, 7) of the forces on node i from its B, as one on turns and of moments; some (7, 6): room."""
+    for r in range(SIZE):
+        for k in range(3):
+            some[r, k] = blocks[i, SIZE * r + k]
+        g = blocks[i, SIZE * r + 4], blocks[i, SIZE * r + 5], blocks[i, SIZE * r + 6]
+        put(moment(pose, i, blocks[i, SIZE * r + 3], g), some, r, 3)
+    for k in range(6):
+        x = moment(pose, i, some[3, k], (some[4, k], some[5, k], some[6, k]))
+        for r in range(3):
+            body[i, 6 * r + k] -= some[r, k]
+            body[i, 6 * (3 + r) + k] -= x[r]
+
+
+@part
+def iteration(of_q, of_v, w):
+    """As `tree_load.iteration`."""
+    act(w)
+    carry(w)
+    lack(w)
+    if needs_matrix(of_v, w):
+        tangent(of_q, of_v, w)
+        fold(w)
+    solve(w)
+    return fastest(flat(rows(w, MOVED)), row(w, LEVER))
+
+
+@part
+def accept(w, history, begins):
+    """As `tree_load.accept`; the charts of ball joints begin anew."""
+    place(w)
+    sand_accept(w, history, begins)
+    follow(w)
+    recentre(w)

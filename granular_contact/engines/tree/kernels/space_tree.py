@@ -1,0 +1,263 @@
+"""Tree of rigid bodies in space on hinges, sliders and ball joints; every call costs a constant a coordinate.
+
+The equations of `tree`, with vectors of three numbers. A node has one coordinate s, so that a joint of more freedoms
+is several nodes, of which the last has the body and the others are massless frames: a ball joint has three, all at the
+centre of mass of its body, and a body that flies free has three sliders along the axes of the world and then those
+three. With r_i the centre of mass, c_i the joint's point, e_i = c_i - r_p, d_i = r_i - c_i, u_i the axis of a hinge or
+slider, w the angular velocity, the acceleration A = (r'', w') of a node is
+
+    A_i = X_i A_p + b_i + S_i s_i'',    X_i A_p = (r_p'' + w_p' x (e_i + d_i), w_p')
+    S_i = (u_i x d_i, u_i)    hinge,    S_i = (u_i, 0)    slider
+    b_i = (w_p x (w_p x e_i) + w_i x (w_i x d_i) + g_i x d_i + 2 w_p x s_i' u_i of a slider, g_i)
+
+with g_i = w_p x s_i' u_i of a hinge. All is along the axes of the world, about centres of mass, so that X is a
+translation. The three coordinates of a ball joint are a rotation vector u, with R_i = R_p exp(u) H_i: a chart (see
+`space_rotations`) around the orientation H at the start of the step, to which `recentre` moves it after each, so that
+u = 0 and u' is the relative angular velocity there. Its axes are the columns of R_p J(u), and what u' alone does is
+g = R_p J' u' + w_p x R_p J u'.
+
+What joints pass on, P_i = (m r'' - F, I w' + w x I w - M) + sum of X_c^T P_c, what they lack, and the elimination of
+Newton's matrix (`space_fold`) are those of `tree`.
+"""
+
+from __future__ import annotations
+
+import math
+
+from granular_contact.engines.tree.kernels.space_arrays import nodes_of
+from granular_contact.engines.tree.kernels.space_rotations import (
+    at,
+    by_vector,
+    chart,
+    cross,
+    drift_of,
+    matrix_of,
+    plus,
+    product,
+    put,
+    quaternion,
+    rates_of,
+    seen,
+    spin_of,
+    times,
+    turned,
+    unit,
+    vector,
+)
+from granular_contact.engines.tree.kernels.tree_arrays import (
+    ACCELERATION,
+    ALONG,
+    ARM,
+    BIAS,
+    EFFORT,
+    FORCE,
+    HOME,
+    LAGGED,
+    NODES,
+    PASSED,
+    POSE,
+    POSE_RATES,
+    RATES,
+    REST,
+    S2,
+    TURNED,
+    TWIST,
+    S,
+    row,
+    rows,
+)
+from granular_contact.jit.compiled import part
+
+HINGE, SLIDER, BALL = 0, 1, 2
+LAST = 2  # of the three nodes of a ball joint, the one with the body
+NONE, UNTURNED = (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0)
+ALONG_WORLD = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
+
+
+@part
+def axes_of(w, i):
+    """Axes of node i, row by row (9,)."""
+    R = rows(w, TURNED)
+    return R[i, 0], R[i, 1], R[i, 2], R[i, 3], R[i, 4], R[i, 5], R[i, 6], R[i, 7], R[i, 8]
+
+
+@part
+def momentum(w, i, R, a):
+    """The inertia of node i about its centre of mass times a; R: its axes."""
+    J = nodes_of(w, NODES)[i].inertia
+    own = J[0], J[1], J[2], J[3], J[4], J[5], J[6], J[7], J[8]
+    return turned(R, turned(own, seen(R, a)))
+
+
+@part
+def four(q):
+    """A quaternion of a record."""
+    return q[0], q[1], q[2], q[3]
+
+
+@part
+def swing(w, arm):
+    """W x (w x arm)."""
+    return cross(w, cross(w, arm))
+
+
+@part
+def place(w):
+    """Fill pose, twist, arm, along and bias from coordinates and rates."""
+    for i in range(row(w, S).shape[0]):
+        _place(i, w)
+
+
+@part
+def _place(i, w):
+    """`place` of one node, of a ball joint's last one with the axes of all three."""
+    node, twists, p = nodes_of(w, NODES)[i], rows(w, TWIST), nodes_of(w, NODES)[i].parent
+    x_p, v_p, w_p, u, speed = NONE, NONE, NONE, NONE, NONE
+    q_p, R_p = UNTURNED, ALONG_WORLD
+    if p >= 0:
+        x_p, q_p, R_p = at(rows(w, POSE), p, 0), quaternion(rows(w, POSE), p, 3), axes_of(w, p)
+        v_p, w_p = at(twists, p, 0), at(twists, p, 3)
+    e, spin, drift, q = turned(R_p, vector(node.on_parent, 0)), w_p, NONE, q_p
+    if node.kind == SLIDER:
+        u, q = turned(R_p, vector(node.axis, 0)), product(q_p, four(node.before))
+        e, speed = plus(e, times(row(w, S)[i], u)), times(row(w, RATES)[i], u)
+    elif node.kind == HINGE:
+        u = turned(R_p, vector(node.axis, 0))
+        more, half = times(row(w, RATES)[i], u), 0.5 * row(w, S)[i]
+        q = product(product(q_p, four(node.before)), (math.cos(half), 0.0, 0.0, math.sin(half)))
+        q = product(q, four(node.after))
+        spin, drift = plus(w_p, more), cross(w_p, more)
+    elif node.which == LAST:
+        spin, drift, q = _of_ball(i, q_p, R_p, w_p, w)
+    d = times(-1.0, turned(matrix_of(q), vector(node.point, 0)))
+    v = plus(plus(plus(v_p, cross(w_p, e)), cross(spin, d)), speed)
+    b = plus(plus(swing(w_p, e), swing(spin, d)), plus(cross(drift, d), times(2.0, cross(w_p, speed))))
+    put(b, rows(w, BIAS), i, 0)
+    put(drift, rows(w, BIAS), i, 3)
+    _write(i, plus(x_p, plus(e, d)), q, v, spin, w)
+    _seat(i, u, plus(e, d), d, w)
+
+
+@part
+def _write(i, x, q, v, spin, w):
+    """Write the pose of a node with its rates, its axes and its twist."""
+    poses, rates, axes, twists, R, dq = (
+        rows(w, POSE), rows(w, POSE_RATES), rows(w, TURNED), rows(w, TWIST), matrix_of(q), rates_of(q, spin)
+    )  # fmt: skip
+    put(x, poses, i, 0)
+    put(v, rates, i, 0)
+    put(v, twists, i, 0)
+    put(spin, twists, i, 3)
+    for k in range(4):
+        poses[i, 3 + k], rates[i, 3 + k] = q[k], dq[k]
+    for k in range(9):
+        axes[i, k] = R[k]
+
+
+@part
+def _seat(i, u, whole, d, w):
+    """Write the arm e + d of a node and its S; all frames of a ball joint are at the centre of mass of its body."""
+    node, along, arm = nodes_of(w, NODES)[i], rows(w, ALONG), rows(w, ARM)
+    put(whole, arm, i, 0)
+    if node.kind == SLIDER:
+        put(u, along, i, 0)
+        put(NONE, along, i, 3)
+    elif node.kind == HINGE:
+        put(cross(u, d), along, i, 0)
+        put(u, along, i, 3)
+    elif node.which == LAST:
+        first = i - LAST
+        put(plus(at(arm, first, 0), d), arm, first, 0)
+        put(NONE, arm, i, 0)
+        for k in range(3):
+            put(cross(at(along, first + k, 3), d), along, first + k, 0)
+
+
+@part
+def _of_ball(i, q_p, R_p, w_p, w):
+    """Angular velocity, what of its rate is not u'', and orientation of the body on a ball joint; its axes."""
+    s, rates, along, first = row(w, S), row(w, RATES), rows(w, ALONG), i - LAST
+    u, rate = vector(s, first), vector(rates, first)
+    of = chart(u)
+    for k in range(3):
+        axis = turned(R_p, spin_of(u, unit(k), of))
+        put(axis, along, first + k, 3)
+    more = turned(R_p, spin_of(u, rate, of))
+    drift = plus(turned(R_p, drift_of(u, rate, of)), cross(w_p, more))
+    return plus(w_p, more), drift, product(q_p, product(by_vector(u), quaternion(rows(w, HOME), i, 0)))
+
+
+@part
+def recentre(w):
+    """Let the charts of ball joints begin where they are now."""
+    nodes, s, rates, s2, lagged, home = (
+        nodes_of(w, NODES), row(w, S), row(w, RATES), row(w, S2), row(w, LAGGED), rows(w, HOME)
+    )  # fmt: skip
+    for i in range(nodes.shape[0]):
+        if nodes[i].kind != BALL or nodes[i].which != LAST:
+            continue
+        first = i - LAST
+        u, rate = vector(s, first), vector(rates, first)
+        of = chart(u)
+        drift = drift_of(u, rate, of)
+        s2[first], s2[first + 1], s2[first + 2] = plus(spin_of(u, vector(s2, first), of), drift)
+        lagged[first], lagged[first + 1], lagged[first + 2] = plus(spin_of(u, vector(lagged, first), of), drift)
+        rates[first], rates[first + 1], rates[first + 2] = spin_of(u, rate, of)
+        s[first], s[first + 1], s[first + 2] = 0.0, 0.0, 0.0
+        q = product(by_vector(u), quaternion(home, i, 0))
+        size = math.sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
+        for k in range(4):
+            home[i, k] = q[k] / size
+
+
+@part
+def carry(w):
+    """Fill the accelerations of the nodes from those of the coordinates."""
+    nodes, s2, A = nodes_of(w, NODES), row(w, S2), rows(w, ACCELERATION)
+    arm, along, bias = rows(w, ARM), rows(w, ALONG), rows(w, BIAS)
+    for i in range(nodes.shape[0]):
+        p = nodes[i].parent
+        for k in range(6):
+            A[i, k] = bias[i, k] + along[i, k] * s2[i]
+        if p >= 0:
+            alpha = at(A, p, 3)
+            x, y, z = cross(alpha, at(arm, i, 0))
+            A[i, 0] += A[p, 0] + x
+            A[i, 1] += A[p, 1] + y
+            A[i, 2] += A[p, 2] + z
+            for k in range(3):
+                A[i, 3 + k] += alpha[k]
+
+
+@part
+def lack(w):
+    """Fill R for the accelerations of the nodes."""
+    nodes, A, P, force = nodes_of(w, NODES), rows(w, ACCELERATION), rows(w, PASSED), rows(w, FORCE)
+    arm, along, effort, rest = rows(w, ARM), rows(w, ALONG), row(w, EFFORT), row(w, REST)
+    twist = rows(w, TWIST)
+    for i in range(nodes.shape[0]):
+        for k in range(6):
+            P[i, k] = -force[i, k]
+        m = nodes[i].mass
+        if m > 0.0:
+            R, spin = axes_of(w, i), at(twist, i, 3)
+            x = plus(momentum(w, i, R, at(A, i, 3)), cross(spin, momentum(w, i, R, spin)))
+            for k in range(3):
+                P[i, k] += m * A[i, k]
+                P[i, 3 + k] += x[k]
+    for i in range(nodes.shape[0] - 1, -1, -1):
+        asked = 0.0
+        for k in range(6):
+            asked += along[i, k] * P[i, k]
+        rest[i] = asked - effort[i]
+        if nodes[i].parent >= 0:
+            pass_on(P, i, at(arm, i, 0), nodes[i].parent)
+
+
+@part
+def pass_on(P, i, arm, p):
+    """Add the force and moment in row i of P to those of the parent p, about its own centre of mass."""
+    x = cross(arm, at(P, i, 0))
+    for k in range(3):
+        P[p, k] += P[i, k]
+        P[p, 3 + k] += P[i, 3 + k] + x[k]

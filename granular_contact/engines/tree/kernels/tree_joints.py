@@ -1,0 +1,104 @@
+"""What acts along the coordinates of a tree in the plane or in space: drives, prescribed motions, laws of joints."""
+
+from __future__ import annotations
+
+from granular_contact.engines.tree.kernels.tree_arrays import (
+    ACTS,
+    EFFORT,
+    KNOTS,
+    LAWS,
+    PIECES,
+    PRESCRIBED,
+    RATES,
+    S2,
+    SIGNALS,
+    STATE,
+    STIFFNESS,
+    WANTED,
+    S,
+    blocks,
+    laws_of,
+    numbers,
+    row,
+    rows,
+)
+from granular_contact.jit.compiled import part
+from granular_contact.jit.memory import rows as rows_of
+from granular_contact.mechanics.kernels import joint_laws
+from granular_contact.mechanics.kernels.joint_laws import CONTROL, LOAD, RATE_CONTROL, total
+from granular_contact.mechanics.kernels.joint_loads import ANCHOR, RATE, VALUE
+from granular_contact.mechanics.kernels.signal_tables import look_up
+from granular_contact.sand.kernels.lines import difference
+
+
+@part
+def follow_signals(t, w):
+    """Let drives want what their signals say at t (s)."""
+    wanted, laws, state, signals = rows(w, WANTED), laws_of(w, LAWS), rows(w, STATE), numbers(w, SIGNALS)
+    if wanted.shape[0] == 0:
+        return
+    look_up(t, row(w, KNOTS), blocks(w, PIECES), wanted)
+    for i in range(signals.shape[0]):
+        k = signals[i]
+        if k < 0:
+            continue
+        value, rate, kind = wanted[k, 0], wanted[k, 1], laws[i].drive
+        if kind == LOAD:
+            state[i, VALUE] = value
+        elif kind == CONTROL:
+            state[i, VALUE], state[i, RATE] = value, rate
+        elif kind == RATE_CONTROL:
+            state[i, VALUE], state[i, RATE] = value, value
+
+
+@part
+def prescribe(of_v, w):
+    """Put coordinates that are prescribed where their signals want them.
+
+    Their accelerations are those by which the scheme comes to their rates: where one jumps within a step, all that they
+    move would else get half of the jump for the whole step. of_v: see `tree_newton`; 0 at a start.
+    """
+    prescribed, wanted, signals = numbers(w, PRESCRIBED), rows(w, WANTED), numbers(w, SIGNALS)
+    s, rates, s2 = row(w, S), row(w, RATES), row(w, S2)
+    if wanted.shape[0] == 0:
+        return
+    for i in range(prescribed.shape[0]):
+        if prescribed[i]:
+            k = signals[i]
+            s2[i] = s2[i] + (wanted[k, 1] - rates[i]) / of_v if of_v > 0.0 else wanted[k, 2]
+            s[i], rates[i] = wanted[k, 0], wanted[k, 1]
+
+
+@part
+def along(i, s, rate, w):
+    """Torque (N m) or force (N) of all that acts along coordinate i."""
+    state = rows(w, STATE)
+    return total(laws_of(w, LAWS)[i], s, rate, state[i, ANCHOR], state[i, VALUE], state[i, RATE])
+
+
+@part
+def push(w):
+    """Fill what acts along the coordinates."""
+    acts, effort, s, rates = numbers(w, ACTS), row(w, EFFORT), row(w, S), row(w, RATES)
+    for i in range(acts.shape[0]):
+        effort[i] = along(i, s[i], rates[i], w) if acts[i] else 0.0
+
+
+@part
+def stiffen(fq, fv, w):
+    """Fill c of `tree` where something acts; by differences, see `lines.differences`."""
+    acts, prescribed, stiffness = numbers(w, ACTS), numbers(w, PRESCRIBED), row(w, STIFFNESS)
+    s, rates = row(w, S), row(w, RATES)
+    for i in range(acts.shape[0]):
+        if acts[i] and not prescribed[i]:
+            d = difference(rows_of(s, i, 1), fq, fv)
+            stiffness[i] = (along(i, s[i], rates[i], w) - along(i, s[i] + d * fq, rates[i] + d * fv, w)) / d
+
+
+@part
+def follow(w):
+    """End of a step: the anchors of dry friction follow."""
+    acts, laws, state, s = numbers(w, ACTS), laws_of(w, LAWS), rows(w, STATE), row(w, S)
+    for i in range(acts.shape[0]):
+        if acts[i] and laws[i].friction > 0.0:
+            state[i, ANCHOR] = joint_laws.follow(laws[i], s[i], state[i, ANCHOR])

@@ -1,0 +1,203 @@
+"""Scene in space -> Tree: joints from the ground outward as nodes of one coordinate, and what the medium meets."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granular_contact.engines.tree.kernels import space_load
+from granular_contact.engines.tree.kernels.space_arrays import NODE, room
+from granular_contact.engines.tree.kernels.space_tree import BALL, HINGE, LAST, SLIDER
+from granular_contact.engines.tree.tree import BodyCoordinates, Tree, acting, joint_loads, levers, outward, sand_of
+from granular_contact.geometry import rotations
+from granular_contact.mechanics.joint_loads import fill
+from granular_contact.mechanics.space.senses import SpatialSenses
+from granular_contact.mechanics.space.system import SpatialSystem
+from granular_contact.mechanics.system import RigidHandle
+from granular_contact.sand.contact_lines import Body
+from granular_contact.sand.space.load import SpatialLoad
+from granular_contact.sand.space.of_scene import add_part, load_of
+from granular_contact.scene.space.types import SpatialJoint, SpatialMotion, SpatialRigidBody, SpatialScene, Vector
+
+POSE = 7  # coordinates of a body
+NONE, STRAIGHT = (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0)
+Numbers = Vector | tuple[float, ...]
+STILL = SpatialMotion(np.zeros(3), np.eye(3), np.zeros(3), np.zeros(3))  # the ground
+
+
+class TreeSenses(SpatialSenses):
+    """As `SpatialSenses`, with the coordinates of joints that a march has."""
+
+    def __init__(self, tree: SpatialTree, march: Any) -> None:
+        self._march, self._nodes_of = march, tree.joints
+        super().__init__(tree.system, tree.load)
+
+    def _find_joints(self, joints: list[Any]) -> None:
+        self._nodes = [self._nodes_of[joint.name] for joint in joints]
+
+    @property
+    def follows(self) -> bool:
+        """Never: coordinates of hinges count whole turns."""
+        return False
+
+    def joints(self, q: Vector, v: Vector) -> tuple[Vector, Vector]:  # noqa: ARG002
+        """As of `SpatialSenses`, at the present state of the march."""
+        arrays = self._march.arrays
+        return arrays["s"][self._nodes], arrays["rates"][self._nodes]
+
+
+@dataclass(frozen=True)
+class SpatialTree(Tree):
+    """As `Tree`, in space."""
+
+    system: SpatialSystem
+
+    kernels: ClassVar[Any] = space_load
+
+    def accelerations(self, q: Vector, given: Vector) -> Vector:
+        """As of `Tree`: of Euler parameters G^T w' / 4, which is all of it that turns."""
+        count = len(self.bodies)
+        e, of = q.reshape(-1, count, POSE)[..., 3:], given.reshape(-1, count, 6)
+        turning, e_0, e_1 = of[..., 3:], e[..., :1], e[..., 1:]
+        second = np.concatenate(
+            [-np.sum(turning * e_1, axis=-1, keepdims=True), e_0 * turning + np.cross(turning, e_1)], axis=-1
+        )
+        found: Vector = np.concatenate([of[..., :3], 0.5 * second], axis=-1).reshape(len(q), -1)
+        return found
+
+    def senses(self, march: Any) -> TreeSenses:
+        """As of `Tree`."""
+        return TreeSenses(self, march)
+
+
+@dataclass(frozen=True)
+class _Node:
+    """A node as `kernels.space_tree` has it; body: None of a massless frame; joint: whose coordinate it has, if any.
+
+    ball: the ball joint whose last node it is, if something acts in that.
+    """
+
+    parent: int
+    kind: int
+    body: SpatialRigidBody | None = None
+    joint: SpatialJoint | None = None
+    which: int = 0
+    on_parent: Numbers = NONE
+    point: Numbers = NONE
+    axis: Numbers = NONE
+    before: Numbers = STRAIGHT
+    after: Numbers = STRAIGHT
+    start: float = 0.0
+    rate: float = 0.0
+    ball: SpatialJoint | None = None
+
+
+def tree(scene: SpatialScene) -> SpatialTree:
+    """Set up a scene that `scene.methods` allows."""
+    nodes, home = _nodes(scene)
+    places = {node.body.name: i for i, node in enumerate(nodes) if node.body is not None}
+    joints = {node.joint.name: i for i, node in enumerate(nodes) if node.joint is not None}
+    bodies = [node.body for node in nodes if node.body is not None]
+    handles = {body.name: RigidHandle(body, i, i) for i, body in enumerate(bodies)}
+    system = SpatialSystem(scene, BodyCoordinates(len(bodies), POSE), handles, {}, None)
+    system.loads.update(joint_loads(scene))
+    load, arrays, records = _granular_load(scene, places), room(len(nodes)), np.zeros(len(nodes), NODE)
+    for record, node in zip(records, nodes, strict=True):
+        _fill(record, scene, node)
+    arrays["s"][:], arrays["rates"][:] = [node.start for node in nodes], [node.rate for node in nodes]
+    arrays["home"][:] = STRAIGHT
+    for i, turn in home.items():
+        arrays["home"][i] = turn
+    arrays |= {"nodes": records} | acting(system, joints, len(nodes)) | sand_of(load, POSE * len(nodes))
+    for i, node in enumerate(nodes):
+        if node.ball is not None:
+            fill(arrays["laws"][i : i + 1], node.ball.law, None)
+    return SpatialTree(system, load, arrays | {"lever": levers(records, 6)}, list(places.values()), joints)
+
+
+def _granular_load(scene: SpatialScene, places: dict[str, int]) -> SpatialLoad | None:
+    """Load on all parts in sand, of bodies with their nodes; None when there are none."""
+    parts = [(body, part) for body in scene.rigid for part in body.parts if part.in_sand]
+    if scene.bed is None or not scene.media or not parts:
+        return None
+    load = load_of(scene)
+    for body, part in parts:
+        add_part(load, Body(body.name, POSE * places[body.name] + np.arange(POSE)), part, body.mass)
+    load.close()
+    return load if load.lines else None
+
+
+def _nodes(scene: SpatialScene) -> tuple[list[_Node], dict[int, Vector]]:
+    """Nodes in an order in which every parent comes before its children, and orientations that ball joints begin at."""
+    nodes: list[_Node] = []
+    of_body: dict[str | None, int] = {None: -1}
+    home: dict[int, Vector] = {}
+    named = {body.name: body for body in scene.rigid}
+    joint: SpatialJoint
+    for joint in outward(scene.joints):
+        body, first, parent = named[joint.child], len(nodes), of_body[joint.parent]
+        if joint.kind in ("hinge", "slider"):
+            nodes.append(_carried(joint, body, parent))
+        elif joint.kind == "free":
+            nodes += [*_sliders(body, first), *_balls(body, first + 3, first + 2, NONE, NONE, body.motion.rate)]
+            home[len(nodes) - 1] = rotations.quaternion_of(body.motion.rotation)
+        else:
+            held = STILL if joint.parent is None else named[joint.parent].motion
+            R, spin = held.rotation, held.rate
+            own = rotations.quaternion_of(joint.child_turn @ joint.parent_turn.T)
+            turning = R.T @ (body.motion.rate - spin)
+            nodes += _balls(body, first, parent, joint.parent_point, joint.child_point, turning)
+            nodes[-1] = replace(nodes[-1], after=own, ball=joint if joint.is_sprung else None)
+            home[len(nodes) - 1] = rotations.quaternion_of(R.T @ body.motion.rotation)
+        of_body[body.name] = len(nodes) - 1
+    return nodes, home
+
+
+def _carried(joint: SpatialJoint, body: SpatialRigidBody, parent: int) -> _Node:
+    """Node of a body on a hinge or slider."""
+    before = joint.parent_turn @ joint.child_turn.T if joint.kind == "slider" else joint.parent_turn
+    return _Node(
+        parent,
+        SLIDER if joint.kind == "slider" else HINGE,
+        body,
+        joint,
+        on_parent=joint.parent_point,
+        point=joint.child_point,
+        axis=joint.parent_turn[:, 2],
+        before=rotations.quaternion_of(before),
+        after=rotations.quaternion_of(joint.child_turn.T),
+        start=joint.start,
+        rate=joint.rate,
+    )
+
+
+def _sliders(body: SpatialRigidBody, first: int) -> Iterator[_Node]:
+    """Nodes that a body which flies free slides on, along the axes of the world, to its centre of mass."""
+    motion = body.motion
+    ways = zip(np.eye(3), motion.position.tolist(), motion.velocity.tolist(), strict=True)
+    for i, (axis, at, speed) in enumerate(ways):
+        yield _Node(first + i - 1 if i else -1, SLIDER, axis=axis, start=at, rate=speed)
+
+
+def _balls(
+    body: SpatialRigidBody, first: int, parent: int, on_parent: Numbers, point: Numbers, spin: Vector
+) -> Iterator[_Node]:
+    """Nodes from `first` on of a body on a ball joint, where it turns at spin (3,) rad/s, in the parent's frame."""
+    yield _Node(parent, BALL, on_parent=on_parent, rate=spin[0])
+    yield _Node(first, BALL, which=1, rate=spin[1])
+    yield _Node(first + 1, BALL, body, which=LAST, point=point, rate=spin[2])
+
+
+def _fill(record: NDArray[np.void], scene: SpatialScene, node: _Node) -> None:
+    """Write a node into its record."""
+    record["parent"], record["kind"], record["which"] = node.parent, node.kind, node.which
+    record["sprung"] = node.ball is not None
+    for name in ("on_parent", "point", "axis", "before", "after"):
+        record[name] = getattr(node, name)
+    if node.body is not None:
+        record["mass"], record["inertia"] = node.body.mass, node.body.inertia.ravel()
+        record["radius"] = scene.radius(node.body)

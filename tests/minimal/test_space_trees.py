@@ -1,0 +1,328 @@
+"""Trees of rigid bodies in space in minimal coordinates: independent solutions, conserved numbers, and the engine."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.spatial.transform import Rotation
+from support_runs import order, simulate
+from support_space_trees import random_tree
+
+from granular_contact import Simulation, build, load
+from granular_contact.engines.tree.solve import Solve
+from granular_contact.engines.tree.space_tree import tree
+from granular_contact.errors import SceneError
+from granular_contact.mechanics.space.kinematics import SpatialKinematics
+from granular_contact.results.interpolation import at_times
+from granular_contact.run import begin
+from granular_contact.scene.methods import reason
+
+Array = np.ndarray
+GRAVITY = 9.81
+
+
+def solved(config: dict[str, Any], **solver: Any) -> SpatialKinematics:
+    """Motion of a config in minimal coordinates."""
+    scene: Any = build(load(config | {"method": "minimal", "solver": config["solver"] | solver}))
+    made = tree(scene)
+    solve = Solve(made)
+    solve.advance()
+    return SpatialKinematics(made.system, solve.trajectory())
+
+
+# ---- independent solutions ----
+
+ROD = {
+    "type": "rigid",
+    "density_kg_m3": 1000,
+    "shapes": [{"type": "box", "size_m": [0.2, 0.03, 0.01], "center_m": [0.1, 0, 0]}],
+}
+TWO_RODS: dict[str, Any] = {
+    "model": {
+        "in_space": True,
+        "name": "two rods",
+        "bodies": {"one": ROD, "two": ROD},
+        "joints": {
+            "a": {"type": "ball", "parent": "ground", "child": "one"},
+            "b": {"type": "ball", "parent": "one", "child": "two", "parent_point_m": [0.2, 0, 0]},
+        },
+    },
+    "medium": None,
+    "initial": {"joints": {"a": {"spin_rad_s": [6, 2, 4]}, "b": {"rpy_deg": [20, -30, 60], "spin_rad_s": [-8, 3, -5]}}},
+    "solver": {"end_time_s": 0.5, "rest_time_s": None},
+}
+MASS = 1000 * 0.2 * 0.03 * 0.01
+INERTIA = MASS / 12.0 * np.array([0.03**2 + 0.01**2, 0.2**2 + 0.01**2, 0.2**2 + 0.03**2])
+
+
+def skew(a: Array) -> Array:
+    """Matrix of a x."""
+    return np.cross(np.eye(3), a)
+
+
+def of_two_rods(_: float, y: Array) -> Array:
+    """Newton and Euler of both rods with the forces in their joints, one linear system (18, 18).
+
+    y: quaternions (scalar last) and angular velocities, world frame, of both.
+    """
+    e, w = y[:8].reshape(2, 4), y[8:].reshape(2, 3)
+    turns = [Rotation.from_quat(one) for one in e]
+    J = [R.as_matrix() @ np.diag(INERTIA) @ R.as_matrix().T for R in turns]
+    near, far = [-0.1 * R.as_matrix()[:, 0] for R in turns], [0.1 * R.as_matrix()[:, 0] for R in turns]
+    A, b = np.zeros((18, 18)), np.zeros(18)  # r_1'', w_1', r_2'', w_2', force of a on one, force of b on two
+    for k in range(2):
+        A[6 * k : 6 * k + 3, 6 * k : 6 * k + 3] = MASS * np.eye(3)
+        A[6 * k + 3 : 6 * k + 6, 6 * k + 3 : 6 * k + 6] = J[k]
+        b[6 * k + 2], b[6 * k + 3 : 6 * k + 6] = -GRAVITY * MASS, -np.cross(w[k], J[k] @ w[k])
+        A[6 * k : 6 * k + 3, 12 + 3 * k : 15 + 3 * k] = -np.eye(3)
+        A[6 * k + 3 : 6 * k + 6, 12 + 3 * k : 15 + 3 * k] = -skew(near[k])
+        # The joint's point of this rod is accelerated as that of the one before.
+        A[12 + 3 * k : 15 + 3 * k, 6 * k : 6 * k + 3] = np.eye(3)
+        A[12 + 3 * k : 15 + 3 * k, 6 * k + 3 : 6 * k + 6] = -skew(near[k])
+        b[12 + 3 * k : 15 + 3 * k] = -np.cross(w[k], np.cross(w[k], near[k]))
+    A[0:3, 15:18], A[3:6, 15:18] = np.eye(3), skew(far[0])
+    A[15:18, 0:3], A[15:18, 3:6] = -np.eye(3), skew(far[0])
+    b[15:18] += np.cross(w[0], np.cross(w[0], far[0]))
+    found = np.linalg.solve(A, b)
+    rates = [0.5 * np.concatenate([e[k, 3] * w[k] + np.cross(w[k], e[k, :3]), [-w[k] @ e[k, :3]]]) for k in range(2)]
+    return np.concatenate([*rates, found[3:6], found[9:12]])
+
+
+def test_two_rods_on_ball_joints_move_as_newton_and_euler_say() -> None:
+    """Joint forces as unknowns and Runge-Kutta steps of order 8 by scipy; ours are of order two."""
+    coarse = solved(TWO_RODS, step_s=1e-3)
+    names = list(coarse.system.rigid)
+    begun = [np.roll(coarse.quaternion(name)[0], -1) for name in names] + [coarse.spin(name)[0] for name in names]
+    way = solve_ivp(of_two_rods, (0.0, 0.5), np.concatenate(begun), method="DOP853", rtol=1e-11, atol=1e-12)
+    ends = [Rotation.from_quat(way.y[4 * k : 4 * k + 4, -1]).as_matrix()[:, 0] for k in range(2)]
+    tip = 0.2 * (ends[0] + ends[1])
+    steps, errors = [2e-3, 1e-3, 5e-4], []
+    for step in steps:
+        motion = solved(TWO_RODS, step_s=step, tolerance=1e-10)
+        errors.append(float(np.linalg.norm(motion.position("two", np.array([0.1, 0, 0]))[0][-1] - tip)))
+    assert order(steps, errors) == pytest.approx(2.0, abs=0.15)
+    assert errors[-1] < 1e-4 * 1.5  # the tip goes 1.5 m
+
+
+def test_a_heavy_top_precesses_steadily() -> None:
+    """A disc on a massless axle: I_1 W^2 cos t - I_3 w_3 W + m g h = 0 of the precession W at the inclination t."""
+    m, high, I_3, tilt, spin = 0.2, 0.05, 1e-4, np.radians(30.0), 150.0
+    I_1 = 0.5 * I_3 + m * high**2  # about the point that it stands on
+    c = I_1 * np.cos(tilt)
+    precession = (I_3 * spin - np.sqrt((I_3 * spin) ** 2 - 4.0 * c * m * GRAVITY * high)) / (2.0 * c)
+    axis, R = np.array([0.0, -np.sin(tilt), np.cos(tilt)]), Rotation.from_euler("x", tilt).as_matrix()
+    # The part of the precession along the axis is in w_3.
+    own = precession * np.array([0.0, 0.0, 1.0]) + (spin - precession * np.cos(tilt)) * axis
+    inertia = {"xx": 0.5 * I_3, "yy": 0.5 * I_3, "zz": I_3}
+    top = {"type": "rigid", "mass_kg": m, "inertia_kg_m2": inertia, "center_of_mass_m": [0, 0, high]}
+    config: dict[str, Any] = {
+        "model": {
+            "in_space": True,
+            "name": "top",
+            "bodies": {"top": top},
+            "joints": {"tip": {"type": "ball", "parent": "ground", "child": "top"}},
+        },
+        "medium": None,
+        "initial": {"joints": {"tip": {"rpy_deg": [30, 0, 0], "spin_rad_s": own.tolist()}}},
+        "solver": {"end_time_s": 1.0, "step_s": 1e-3, "rest_time_s": None},
+    }
+    steps, errors = [2e-3, 1e-3, 5e-4], []
+    for step in steps:
+        motion = solved(config, step_s=step, tolerance=1e-10)
+        up = motion.rotation("top")[-1][:, 2]
+        wanted = Rotation.from_rotvec([0, 0, precession * motion.engine.time[-1]]).as_matrix() @ R[:, 2]
+        errors.append(float(np.linalg.norm(up - wanted)))
+    assert order(steps, errors) == pytest.approx(2.0, abs=0.2)
+    assert errors[-1] < 1e-2  # of 3.3 rad
+
+
+# ---- conserved numbers ----
+
+
+def momentum_and_energy(motion: SpatialKinematics) -> tuple[Array, Array]:
+    """Angular momentum (n, 3) about the common centre of mass, and kinetic energy (n,)."""
+    bodies = [handle.body for handle in motion.system.rigid.values()]
+    whole = sum(body.mass for body in bodies)
+    center, speed = (sum(body.mass * motion.center(body.name)[k] for body in bodies) / whole for k in (0, 1))
+    L, E = np.zeros_like(center), np.zeros(len(center))
+    for body in bodies:
+        x, v = motion.center(body.name)
+        w, R = motion.spin(body.name), motion.rotation(body.name)
+        own = np.einsum("nij,jk,nlk,nl->ni", R, body.inertia, R, w)
+        L += body.mass * np.cross(x - center, v - speed) + own
+        E += 0.5 * body.mass * np.sum(v * v, axis=1) + 0.5 * np.sum(w * own, axis=1)
+    return L, E
+
+
+def test_a_tumbling_tree_keeps_momentum_and_energy_to_order_two() -> None:
+    """Four bodies on hinges, a ball joint and a slider, without weight, sand or springs."""
+    box = {"type": "rigid", "density_kg_m3": 1000, "shapes": [{"type": "box", "size_m": [0.1, 0.05, 0.03]}]}
+    at = {"parent_point_m": [0.06, 0.01, 0], "child_point_m": [-0.05, 0, 0.01]}
+    joints = {
+        "base": {"type": "free", "parent": "ground", "child": "a"},
+        "ball": {"type": "ball", "parent": "a", "child": "b", **at},
+        "hinge": {"type": "hinge", "parent": "b", "child": "c", "axis": [0.3, 1, 0.2], **at},
+        "slider": {
+            "type": "slider",
+            "parent": "a",
+            "child": "d",
+            "axis": [0.2, 1, 0.4],
+            "parent_point_m": [-0.06, 0, 0],
+        },
+    }
+    starts = {
+        "base": {"spin_rad_s": [5, 9, -4], "rpy_deg": [20, 40, 60]},
+        "ball": {"spin_rad_s": [-6, 4, 7]},
+        "hinge": {"rate_rad_s": 9},
+        "slider": {"speed_m_s": -0.1},
+    }
+    config: dict[str, Any] = {
+        "model": {"in_space": True, "name": "tumbling", "bodies": dict.fromkeys("abcd", box), "joints": joints},
+        "medium": None,
+        "gravity_m_s2": 0,
+        "initial": {"joints": starts},
+        "solver": {"end_time_s": 0.4, "rest_time_s": None},
+    }
+    steps, turned, lost = [4e-3, 2e-3, 1e-3], [], []
+    for step in steps:
+        L, E = momentum_and_energy(solved(config, step_s=step, tolerance=1e-10))
+        turned.append(np.linalg.norm(L[-1] - L[0]) / np.linalg.norm(L[0]))
+        lost.append(abs(E[-1] - E[0]) / E[0])
+    assert order(steps, turned) == pytest.approx(2.0, abs=0.2)
+    assert order(steps, lost) > 1.8  # what the scheme damps is of order three
+    assert turned[-1] < 1e-3
+    assert lost[-1] < 1e-3
+
+
+def test_a_body_rests_on_a_slope() -> None:
+    """Laid on sand that rises by 10 degrees it comes to rest, and then creeps by less than 1 um/s."""
+    box = {"type": "rigid", "density_kg_m3": 1500, "shapes": [{"type": "box", "size_m": [0.08, 0.06, 0.03]}]}
+    config: dict[str, Any] = {
+        "model": {
+            "in_space": True,
+            "name": "laid",
+            "bodies": {"box": box},
+            "joints": {"free": {"type": "free", "parent": "ground", "child": "box"}},
+        },
+        "medium": "rft3d_sand",
+        "bed": {"slope_deg": 10, "slope_direction_deg": 30},
+        "initial": {"joints": {"free": {"z_m": 0.02, "rpy_deg": [0, -8, 4]}}},
+        "solver": {"end_time_s": 6.0, "accuracy": 1e-2, "rest_time_s": None},
+    }
+    motion = solved(config)
+    x, _ = motion.center("box")
+    late = x[motion.engine.time > 3.0]
+    assert np.linalg.norm(late[-1] - late[0]) < 3.0 * 1e-6
+    assert motion.depths()["box"][0].values[-1] > 5e-4
+
+
+# ---- the engine ----
+
+
+def off(config: Any) -> float:
+    """How far centres of mass are apart in minimal coordinates and by the engine, over the longest way of one."""
+    paths = []
+    for method in ("minimal", "engine"):
+        begun = begin(build(config.replace({"method": method})), None, None)
+        begun.solving.advance()
+        t, system = begun.solving.trajectory(), begun.system
+        assert system is not None
+        times = np.linspace(0.0, config.solver.end_time_s, 101)
+        at = [system.coordinates.places(system.rigid[body.name].node)[:3] for body in system.scene.rigid]
+        paths.append(np.array([at_times(t.time, t.q[:, places], t.v[:, places], times) for places in at]))
+        begun.solving.close()
+    way = np.linalg.norm(np.diff(paths[0], axis=1), axis=2).sum(axis=1).max()
+    return float(np.linalg.norm(paths[0] - paths[1], axis=2).max() / max(way, 1e-3))
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_random_trees_move_as_by_the_engine(seed: int) -> None:
+    # An error of 1e-3 of the way is promised of either.
+    assert off(load(random_tree(seed)).scenario) < 2e-3
+
+
+@pytest.mark.parametrize("seed", [2, 6])
+def test_what_is_apart_falls_with_the_accuracy(seed: int) -> None:
+    scenario = load(random_tree(seed)).scenario.replace({"solver.accuracy": 1e-4})
+    assert off(scenario) < 2e-4
+
+
+SHIPPED = {  # s
+    "hexapod": 0.2,
+    "walker_in_space": 0.2,
+    "snake": 0.03,
+    "screw": 0.3,
+    "steered_wheel": 0.3,
+    "dropped": 0.15,
+}
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_shipped_runs_move_as_by_the_engine(name: str) -> None:
+    scenario = load(name).scenario.replace({"solver.end_time_s": SHIPPED[name], "solver.accuracy": 1e-3})
+    assert off(scenario) < 1e-3
+
+
+def test_results_are_those_of_the_engine() -> None:
+    """Columns, torques and energies of what a motion is prescribed of, and of springs in ball joints."""
+    runs = {}
+    for method in ("minimal", "engine"):
+        runs[method] = simulate("hexapod", f"method={method}", "solver.end_time_s=0.3", "solver.accuracy=1e-3")
+    ours, theirs = runs["minimal"], runs["engine"]
+    assert [column.name for column in ours.columns] == [column.name for column in theirs.columns]
+    times = np.linspace(0.02, 0.3, 120)
+    for name in ("hip_front_left_torque_Nm", "hip_middle_left_torque_Nm"):
+        a, b = (np.interp(times, r["time_s"], r[name]) for r in (ours, theirs))
+        assert np.sqrt(np.mean((a - b) ** 2)) < 0.02 * np.ptp(b)
+    for name in ("drive_work_J", "granular_work_J", "kinetic_J"):
+        a, b = (np.interp(times, r["time_s"], r[name]) for r in (ours, theirs))
+        np.testing.assert_allclose(a, b, atol=5e-3 * np.ptp(theirs["granular_work_J"]), err_msg=name)
+    assert ours.summary["energy"]["imbalance_relative"] < 2e-3
+
+
+# ---- what is asked of it ----
+
+
+def test_a_state_of_a_tree_in_space_goes_on_bit_for_bit() -> None:
+    """With ball joints, whose charts begin anew at each step."""
+    simulation = Simulation(load(random_tree(3)))
+    assert reason(simulation.scene).startswith("in minimal coordinates")
+    simulation.step(None, 0.1)
+    kept = simulation.state()
+    first = [np.array(list(simulation.step(None, 0.03).values())) for _ in range(3)]
+    simulation.restore(kept)
+    again = [np.array(list(simulation.step(None, 0.03).values())) for _ in range(3)]
+    np.testing.assert_array_equal(first, again)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"initial.settle": True}, "initial.settle is true"),
+        ({"bed.container_x_m": [-1, 1]}, "its bed is a container with walls"),
+    ],
+)
+def test_what_it_does_not_serve_is_refused(change: dict[str, Any], words: str) -> None:
+    scenario = load("walker_in_space").scenario.replace(change)
+    assert words in reason(build(scenario))
+    with pytest.raises(SceneError, match=words):
+        build(scenario.replace({"method": "minimal"}))
+
+
+def test_a_run_in_the_plane_loads_nothing_of_space() -> None:
+    script = (
+        "import sys; from granular_contact import load, simulate\n"
+        "simulate(load('pendulum_rigid').scenario.replace({'solver.end_time_s': 0.002}))\n"
+        "own = [name for name in sys.modules if name.startswith('granular_contact')]\n"
+        "print([name for name in own if '.space' in name or 'space_' in name])"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script], env=dict(os.environ), capture_output=True, text=True, check=True
+    )
+    assert done.stdout.strip() == "[]"
