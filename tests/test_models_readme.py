@@ -31,7 +31,7 @@ def test_the_leg_is_let_down_drawn_up_and_stretched() -> None:
 
 
 def test_the_loop_is_closed_and_the_homes_found_are_told(tmp_path) -> None:
-    _, bars, _ = re.findall(r"```yaml\n(.*?)```", TEXT, flags=re.S)
+    _, bars, *_ = re.findall(r"```yaml\n(.*?)```", TEXT, flags=re.S)
     file = tmp_path / "bars.yaml"
     file.write_text(bars, encoding="utf-8")
     scene = build(load(file))
@@ -44,13 +44,23 @@ def test_the_loop_is_closed_and_the_homes_found_are_told(tmp_path) -> None:
 
 
 def test_the_flail_swings_in_space_into_the_sand_and_slows_down() -> None:
-    *_, flail = re.findall(r"```yaml\n(.*?)```", TEXT, flags=re.S)
+    *_, flail, _ = re.findall(r"```yaml\n(.*?)```", TEXT, flags=re.S)
     run = simulate(flail)
     assert run.status.code == "end_time"
     assert run["depth_m"].max() > 5e-3
     assert run.summary["energy"]["granular_work_J"] < -0.01
     assert run.summary["energy"]["imbalance_relative"] < 1e-3
     assert np.ptp(run["head_y_m"]) > 5e-3
+
+
+def test_the_paddle_bends_about_both_axes_and_twists_in_the_sand() -> None:
+    *_, paddle = re.findall(r"```yaml\n(.*?)```", TEXT, flags=re.S)
+    run = simulate(paddle)
+    assert run.status.code == "end_time"
+    for name, least in (("strip_deflection_y_m", 1e-5), ("strip_deflection_z_m", 2e-3), ("strip_twist_deg", 0.05)):
+        assert np.ptp(run[name]) > least
+    assert run.summary["energy"]["imbalance_relative"] < 1e-3
+    assert run.summary["contacts"]["ball"]
 
 
 def test_every_kind_of_joint_signal_and_drive_is_named() -> None:
