@@ -13,7 +13,14 @@ from granular_contact.mechanics.depths import all_depths, depths_by_body
 from granular_contact.mechanics.drive_error import drive_warnings
 from granular_contact.mechanics.kinematics import Kinematics
 from granular_contact.mechanics.system import System, Trajectory
-from granular_contact.mechanics.wheels import pitches, wheel_columns, wheel_histories, wheel_numbers, wheel_warnings
+from granular_contact.mechanics.wheels import (
+    pitches,
+    wheel_columns,
+    wheel_histories,
+    wheel_numbers,
+    wheel_warnings,
+    wheels_of,
+)
 from granular_contact.results import energy
 from granular_contact.results.accuracy import AccuracyWarning
 from granular_contact.results.interpolation import Track
@@ -35,7 +42,7 @@ def observe(system: System, trajectory: Trajectory) -> Observation:
         wheels = wheel_histories(motion, forces)
         found = observed(motion, forces, depths, all_depths(motion, depths))
         found["motion"] |= mechanism.body_columns(motion, forces, depths) | wheel_columns(wheels)
-        found["more"] |= (numbers := wheel_numbers(trajectory.time, wheels, pitches(motion)))
+        found["more"] |= (numbers := wheel_numbers(trajectory.time, wheels, pitches(wheels_of(motion))))
         found["accuracy"] += wheel_warnings(motion.scene, numbers)
         return Observation(**found)
 

@@ -7,11 +7,12 @@ straight from there.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from functools import partial
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from granular_contact.mechanics.kinematics import Kinematics
 from granular_contact.mechanics.mechanism import label
@@ -23,10 +24,11 @@ from granular_contact.scene.types import Scene, Vector
 
 STANDS = 1e-5  # m/s: below it, in rim and axle, there is no slip
 STEADY = 0.5  # the last part of the path, over which means are taken
+MEANS = ("slip", "sinkage_m", "drawbar_pull_N", "load_N", "torque_Nm", "side_force_N", "slip_angle_deg")
 UNSTEADY = 5e-3  # changes within it that are told: what decays more slowly has 1 % to go at the most
 
 
-def _wheels(motion: Kinematics) -> Iterator[tuple[str, Wheel]]:
+def wheels_of(motion: Kinematics) -> Iterator[tuple[str, Wheel]]:
     """Bodies with a wheel, each with its first one."""
     for body in motion.scene.rigid:
         wheel = next((shape.wheel for shape in body.shapes if shape.wheel is not None), None)
@@ -41,27 +43,33 @@ def wheel_histories(motion: Kinematics, forces: Mapping[str, Vector]) -> dict[st
     of the axle along the surface, to the right; omega: rate (rad/s) of the wheel, as it rolls to the right.
     """
     found, bed = {}, motion.scene.bed
-    for name, wheel in _wheels(motion):
+    for name, wheel in wheels_of(motion):
         if name not in forces or bed is None:
             continue
         (p, v), spin = motion.position(name, wheel.axle), motion.angle(name, wheel.axle)[1]
         tangent = tangents(bed.slope_at(p[:, 0]))
         speed, rim = np.sum(v * tangent, axis=1), -wheel.radius * spin
-        faster = np.maximum(np.abs(speed), np.abs(rim))
-        moves = faster > STANDS
-        slip = np.divide(rim - speed, faster, out=np.zeros_like(rim), where=moves)
-        backward = moves & (np.where(np.abs(rim) > np.abs(speed), rim, speed) < 0.0)
+        slip, backward = sense(speed, rim)
         (ahead, upward), cosine = components(forces[name], tangent), tangent[:, 0]
         found[label(name)] = {
             "v": speed,
             "omega": -spin,
-            "slip": np.where(backward, -slip, slip),
+            "slip": slip,
             "sinkage_m": wheel.rim - (p[:, 1] - bed.height(p[:, 0])) * cosine,
             "drawbar_pull_N": np.where(backward, -ahead, ahead),
             "load_N": upward,
             "torque_Nm": -series.clockwise_moment(forces[name], p),
         }
     return found
+
+
+def sense(speed: Vector, rim: Vector) -> tuple[Vector, NDArray[np.bool_]]:
+    """Slip (n,) of axles with these speeds (n,) m/s whose rims have these, and whether they travel backward (n,)."""
+    faster = np.maximum(np.abs(speed), np.abs(rim))
+    moves = faster > STANDS
+    slip = np.divide(rim - speed, faster, out=np.zeros_like(rim), where=moves)
+    backward = moves & (np.where(np.abs(rim) > np.abs(speed), rim, speed) < 0.0)
+    return np.where(backward, -slip, slip), backward
 
 
 def tangents(slope: Vector) -> Vector:
@@ -77,9 +85,9 @@ def components(force: Vector, tangent: Vector) -> tuple[Vector, Vector]:
     return x * tx + y * ty, y * tx - x * ty
 
 
-def pitches(motion: Kinematics) -> dict[str, float]:
-    """Angles (rad) between the grousers of each wheel, by its label; 0 of smooth wheels."""
-    return {label(name): wheel.pitch for name, wheel in _wheels(motion)}
+def pitches(wheels: Iterable[tuple[str, Any]]) -> dict[str, float]:
+    """Angles (rad) between the grousers of each wheel, by the label of its body; 0 of smooth wheels."""
+    return {label(name): wheel.pitch for name, wheel in wheels}
 
 
 def wheel_columns(histories: Mapping[str, Mapping[str, Vector]]) -> series.Series:
@@ -91,9 +99,11 @@ def wheel_columns(histories: Mapping[str, Mapping[str, Vector]]) -> series.Serie
             "sinkage_m": f"depth of the rim of {name} below the surface, at right angles to it",
             "drawbar_pull_N": f"force of the medium on {name} along the surface, ahead in the direction of travel",
             "load_N": f"force of the medium on {name} at right angles to the surface, upward",
-            "torque_Nm": f"torque about its axle that the medium takes from {name}, clockwise positive",
+            "torque_Nm": f"torque about its axle that the medium takes from {name}, positive where it drives ahead",
+            "side_force_N": f"force of the medium on {name} along the surface, to the left of where it rolls",
+            "slip_angle_deg": f"angle from where {name} rolls to where its axle moves along the surface, to the left",
         }
-        columns |= {f"{name}_{key}": (text, one[key]) for key, text in words.items()}
+        columns |= {f"{name}_{key}": (text, one[key]) for key, text in words.items() if key in one}
         pulled, driven = one["drawbar_pull_N"] * np.abs(one["v"]), one["torque_Nm"] * one["omega"]
         share = np.divide(pulled, driven, out=np.zeros_like(pulled), where=(driven > 0.0) & (pulled > 0.0))
         words_of_share = f"pull times speed over torque times rate of {name}; 0 where it is braked or does not pull"
@@ -114,8 +124,7 @@ def wheel_numbers(
     for i, (name, one) in enumerate(histories.items()):
         start, middle, later = _window(time, one, pitches[name])
         mean = partial(_mean, time, start, float(time[-1]))
-        keys = ("slip", "sinkage_m", "drawbar_pull_N", "load_N", "torque_Nm")
-        found: dict[str, float | None] = {key: mean(one[key]) for key in keys}
+        found: dict[str, float | None] = {key: mean(one[key]) for key in MEANS if key in one}
         pulled, driven = mean(one["drawbar_pull_N"] * np.abs(one["v"])), mean(one["torque_Nm"] * one["omega"])
         found["efficiency"] = pulled / driven if pulled > 0.0 and driven > 0.0 else None
         scales = {"sinkage_m": "sinkage_change", "drawbar_pull_N": "pull_change_over_load"}

@@ -105,29 +105,42 @@ def _disc(part: str, spec: shapes.DiscShape, strips: int) -> tuple[Shape, Mass]:
     return Shape(part, "outline", circle, spec.thickness_m, 0.0, spec.in_sand, turns=turns), properties
 
 
+def effective_radius(radius: float, teeth: shapes.Grousers | None) -> float:
+    """Radius (m) of a wheel that counts for slip: grousers with a third of their height (Agarwal et al. 2021)."""
+    return radius + (0.0 if teeth is None else teeth.height_m / 3.0)
+
+
+def pitch(teeth: shapes.Grousers | None) -> float:
+    """Angle (rad) between two grousers, 0 without any."""
+    return 0.0 if teeth is None else 2.0 * math.pi / teeth.count
+
+
+def wheel_outline(radius: float, teeth: shapes.Grousers | None, whole: int) -> tuple[Vector, Vector]:
+    """Closed outline (k, 2) m of a wheel around the origin, of so many chords, and by how much each turns (rad)."""
+    if teeth is None:
+        return radius * _circle(whole), np.full(whole, 2 * math.pi / whole)
+    half, high = 0.5 * teeth.thickness_m, radius + teeth.height_m
+    opening = pitch(teeth) - 2 * math.asin(half / radius)  # of the rim between two grousers
+    chords = max(2, round(whole * opening / (2 * math.pi)))
+    one = [*radius * _round(-0.5 * opening, 0.5 * opening, chords)]
+    middle = np.array([math.cos(math.pi / teeth.count), math.sin(math.pi / teeth.count)])
+    across = half * np.array([-middle[1], middle[0]])
+    one += [high * middle - across, high * middle + across]
+    turned_on = [np.array(one) @ rotation(pitch(teeth) * k).T for k in range(teeth.count)]
+    turns = np.tile([*np.full(chords, opening / chords), 0.0, 0.0, 0.0], teeth.count)
+    return np.vstack([*turned_on, one[:1]]), turns
+
+
 def _wheel(part: str, spec: shapes.WheelShape, strips: int) -> tuple[Shape, Mass]:
     radius, center, teeth = spec.radius_m, np.array(spec.center_m), spec.grousers
-    whole = max(CHORDS, strips)
-    if teeth is None:
-        points, turns = radius * _circle(whole), np.full(whole, 2 * math.pi / whole)
-        teeth_mass, gyration = 0.0, 0.0
-    else:
-        half, high = 0.5 * teeth.thickness_m, radius + teeth.height_m
-        opening = 2 * math.pi / teeth.count - 2 * math.asin(half / radius)  # of the rim between two grousers
-        chords = max(2, round(whole * opening / (2 * math.pi)))
-        one = [*radius * _round(-0.5 * opening, 0.5 * opening, chords)]
-        middle = np.array([math.cos(math.pi / teeth.count), math.sin(math.pi / teeth.count)])
-        across = half * np.array([-middle[1], middle[0]])
-        one += [high * middle - across, high * middle + across]
-        turned_on = [np.array(one) @ rotation(2 * math.pi * k / teeth.count).T for k in range(teeth.count)]
-        points = np.vstack([*turned_on, one[:1]])
-        turns = np.tile([*np.full(chords, opening / chords), 0.0, 0.0, 0.0], teeth.count)
-        area = teeth.count * teeth.thickness_m * teeth.height_m
-        teeth_mass = area / (math.pi * radius**2)
+    points, turns = wheel_outline(radius, teeth, max(CHORDS, strips))
+    teeth_mass, gyration = 0.0, 0.0
+    if teeth is not None:
+        teeth_mass = teeth.count * teeth.thickness_m * teeth.height_m / (math.pi * radius**2)
         gyration = (radius + 0.5 * teeth.height_m) ** 2 + (teeth.thickness_m**2 + teeth.height_m**2) / 12
     squared = (radius**2 / 2 + teeth_mass * gyration) / (1.0 + teeth_mass)
     properties = _volume(math.pi * radius**2 * (1.0 + teeth_mass) * spec.width_m, center, squared)
-    wheel = Wheel(center, spec.effective_radius_m, radius, 0.0 if teeth is None else 2 * math.pi / teeth.count)
+    wheel = Wheel(center, effective_radius(radius, teeth), radius, pitch(teeth))
     shape = Shape(part, "outline", center + points, spec.width_m, 0.0, spec.in_sand, turns=turns, wheel=wheel)
     return shape, properties
 

@@ -16,6 +16,7 @@ from granular_contact.laws.surface_pressure import SurfacePressure
 from granular_contact.scene import signals
 from granular_contact.scene.bed import places
 from granular_contact.scene.bodies import mass_of
+from granular_contact.scene.shapes import effective_radius
 from granular_contact.scene.types import Drive
 from granular_contact.scene.wheel_test import WheelTest
 
@@ -38,7 +39,7 @@ def wheel_drives(scenario: schema.Scenario, faults: list[Fault]) -> tuple[Drive,
             made.append(Drive(rig.level, "load", signals.Constant(-rig.ahead * run.pull_N)))
         return tuple(made)
     assert run.speed_m_s is not None
-    rate = run.rate(rig.shape.effective_radius_m)
+    rate = run.rate(effective_radius(rig.shape.radius_m, rig.shape.grousers))
     beyond = 2.0 * scenario.solver.end_time_s
     for joint, speed in ((rig.level, rig.ahead * run.speed_m_s), (rig.axle, rate)):
         steady = signals.piecewise(np.array([0.0, beyond]), np.array([0.0, speed * beyond]), False)
@@ -57,7 +58,7 @@ def wheel_test(scenario: schema.Scenario) -> WheelTest | None:
     if run.slip is None:
         return WheelTest(body, rig.upright, rig.upward, load, begins=begins)
     assert run.speed_m_s is not None
-    rate = -run.rate(rig.shape.effective_radius_m)
+    rate = -run.rate(effective_radius(rig.shape.radius_m, rig.shape.grousers))
     return WheelTest(body, rig.upright, rig.upward, load, run.speed_m_s, rate, begins)
 
 

@@ -43,6 +43,14 @@ class Grousers(Strict):
     """Along the rim."""
 
 
+def grouser_faults(radius: float, teeth: Grousers | None) -> Faults:
+    """Of grousers that do not fit on the rim of a wheel of this radius (m)."""
+    if teeth is not None and teeth.count * teeth.thickness_m > 0.9 * 2.0 * math.pi * radius:
+        most = 0.9 * 2.0 * math.pi * radius / teeth.count
+        words = f"got {teeth.thickness_m:g}; allowed is at most {most:.3g}, nine tenths of the rim over the count"
+        yield ("grousers", "thickness_m"), words
+
+
 class WheelShape(PlanarShape):
     """A wheel, smooth or with grousers; its slip, sinkage and pull are in the results."""
 
@@ -57,16 +65,7 @@ class WheelShape(PlanarShape):
     """null: none."""
 
     def _faults(self) -> Faults:
-        teeth = self.grousers
-        if teeth is not None and teeth.count * teeth.thickness_m > 0.9 * 2.0 * math.pi * self.radius_m:
-            most = 0.9 * 2.0 * math.pi * self.radius_m / teeth.count
-            words = f"got {teeth.thickness_m:g}; allowed is at most {most:.3g}, nine tenths of the rim over the count"
-            yield ("grousers", "thickness_m"), words
-
-    @property
-    def effective_radius_m(self) -> float:
-        """Radius (m) that counts for slip: grousers with a third of their height (Agarwal et al. 2021)."""
-        return self.radius_m + (0.0 if self.grousers is None else self.grousers.height_m / 3.0)
+        return grouser_faults(self.radius_m, self.grousers)
 
 
 class SphereShape(PlanarShape):

@@ -6,6 +6,7 @@ coordinates   coordinates of hinges and sliders, along which springs, stops, fri
 kinematics    positions, orientations, rates of bodies and joints along a trajectory
 beams         links that bend: what is between their elements, energies, deflection
 constraints   what joints ask of accelerations
+wheels        slip, sinkage and forces of wheels
 observe, senses   Trajectory, or one instant, in columns of three dimensions
 
 The solve itself, its choice of steps, what is recorded and finding rest are those of the plane.

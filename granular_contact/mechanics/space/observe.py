@@ -13,7 +13,9 @@ from granular_contact.mechanics import mechanism
 from granular_contact.mechanics.observe import forces_of, observed
 from granular_contact.mechanics.space.kinematics import SpatialKinematics
 from granular_contact.mechanics.space.system import SpatialSystem
+from granular_contact.mechanics.space.wheels import wheel_histories, wheels_of
 from granular_contact.mechanics.system import Trajectory
+from granular_contact.mechanics.wheels import pitches, wheel_columns, wheel_numbers
 from granular_contact.results import in_space, series
 from granular_contact.results.frames import resample
 from granular_contact.results.in_space import SpatialObservation
@@ -28,7 +30,9 @@ def observe(system: SpatialSystem, trajectory: Trajectory) -> SpatialObservation
     with np.errstate(over="ignore", invalid="ignore"):  # of a run that failed by running away
         depths, forces = motion.depths(), as_reported(forces_of(trajectory))
         found = observed(motion, forces, depths, [track for tracks in depths.values() for track in tracks])
-        found["motion"] |= body_columns(motion, forces, depths)
+        wheels = wheel_histories(motion, forces)
+        found["motion"] |= body_columns(motion, forces, depths) | wheel_columns(wheels)
+        found["more"] |= wheel_numbers(trajectory.time, wheels, pitches(wheels_of(motion)))
         for beam in motion.beams.values():
             found["motion"] |= beam.columns()
             found["deflection"] = beam.bend()

@@ -21,8 +21,9 @@ from granular_contact.geometry.mesh_quality import quality_notes
 from granular_contact.geometry.polygon import ears
 from granular_contact.sand.space import shapes as made
 from granular_contact.sand.space.beam_shape import Beam
+from granular_contact.scene.shapes import effective_radius, pitch, wheel_outline
 from granular_contact.scene.space.section import Element, Section, section
-from granular_contact.scene.space.types import Meets, Part, Vector
+from granular_contact.scene.space.types import Meets, Part, SpatialWheel, Vector
 
 CHORDS = 96  # of a full circle of an arc: trajectories of a C-leg are then within 3e-4 of the path
 NOT_CUT = math.inf
@@ -74,10 +75,16 @@ def part_of(name: str, spec: Any, media: Collection[str], strips: int) -> tuple[
     if isinstance(spec, shapes_schema.SpatialCylinder | shapes_schema.SpatialCapsule) and spec.start_m is not None:
         start, end = np.array(spec.start_m), np.array(spec.end_m)
         position, turn = 0.5 * (start + end), rotations.to_axis(end - start)
+    if isinstance(spec, shapes_schema.SpatialWheel) and spec.grousers is None:
+        turn = turn @ rotations.to_axis(np.array([0.0, 1.0, 0.0]))
     meets: tuple[Meets, ...] = ("surface",)
     if isinstance(shape, made.Sphere):
         meets = tuple(kind for kind in ("surface", "ball") if kind in media) or ("surface", "ball")
     part = _part(name, shape, meets, position, turn, spec.in_sand, spec.facet_size_m)
+    if isinstance(spec, shapes_schema.SpatialWheel):
+        radius = effective_radius(spec.radius_m, spec.grousers)
+        wheel = SpatialWheel(position, orientation(spec)[:, 1], radius, spec.radius_m, pitch(spec.grousers))
+        return replace(part, wheel=wheel), own.placed(position, turn)
     return replace(part, notes=notes), own.placed(position, turn)
 
 
@@ -134,6 +141,9 @@ def moved(part: Part, position: Vector, rotation: Vector) -> Part:
         rotation=rotation @ part.rotation,
         triangles=part.triangles @ rotation.T + position,
         points=part.points @ rotation.T + position,
+        wheel=None
+        if part.wheel is None
+        else replace(part.wheel, axle=position + rotation @ part.wheel.axle, axis=rotation @ part.wheel.axis),
     )
 
 
@@ -147,6 +157,11 @@ def _made(spec: Any) -> tuple[Any, Mass]:
         return solid, of_surface(solid.vertices[solid.faces])
     if isinstance(spec, shapes_schema.SpatialArc):
         return _bent(spec), _of_arc(spec)
+    if isinstance(spec, shapes_schema.SpatialWheel):
+        if spec.grousers is None:
+            return made.Cylinder(2 * spec.radius_m, spec.width_m), _of_cylinder(2 * spec.radius_m, spec.width_m)
+        solid = _extruded(wheel_outline(spec.radius_m, spec.grousers, CHORDS)[0][:-1], spec.width_m)
+        return solid, of_surface(solid.vertices[solid.faces])
     zero = np.zeros(3)
     if isinstance(spec, shapes_schema.SpatialBox):
         a, b, c = spec.size_m

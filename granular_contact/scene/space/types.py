@@ -24,13 +24,26 @@ Meets = Literal["surface", "bar", "ball"]
 
 
 @dataclass(frozen=True)
+class SpatialWheel:
+    """Of a shape that is a wheel: a point (3,) m and the direction (3,) of its axle in the body's frame, to the left of
+    where it rolls as it turns about it; radius (m) that counts for slip, and of the rim; pitch as of `Wheel`.
+    """
+
+    axle: Vector
+    axis: Vector
+    radius: float
+    rim: float
+    pitch: float = 0.0
+
+
+@dataclass(frozen=True)
 class Part:
     """A shape of a body as the medium meets it and as it is drawn, in the frame of the merged body.
 
     name: of the body in the config; shape: of `sand.space.shapes`, at a position (3,) m, turned by (3, 3); in_sand:
     whether the medium acts on it; facet_size (m): greatest edge of its facets, None for the usual; triangles (k, 3, 3)
     m: to be drawn; points (n, 3) m: the outermost of what the medium meets, which reaches `drop` (m) below them;
-    notes: what makes its forces uncertain as a surface, in sentences.
+    notes: what makes its forces uncertain as a surface, in sentences. wheel: of a wheel.
     """
 
     name: str
@@ -44,6 +57,7 @@ class Part:
     points: Vector
     drop: float = 0.0
     notes: tuple[str, ...] = ()
+    wheel: SpatialWheel | None = None
 
 
 @dataclass(frozen=True)

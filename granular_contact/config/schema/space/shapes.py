@@ -6,7 +6,13 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator, Field
 
-from granular_contact.config.schema.shapes import corner_faults, opening_faults, outline_faults
+from granular_contact.config.schema.shapes import (
+    Grousers,
+    corner_faults,
+    grouser_faults,
+    opening_faults,
+    outline_faults,
+)
 from granular_contact.config.schema.space.turned import ORIGIN, Oriented, Point3
 from granular_contact.values.strict import (
     Faults,
@@ -136,6 +142,22 @@ class SpatialPolygon(_Shape):
         yield from outline_faults(self.points_m)
 
 
+class SpatialWheel(_Shape):
+    """A wheel with its axle along y of its own frame, smooth or with grousers; results have its slip and forces."""
+
+    type: Literal["wheel"]
+    radius_m: Positive
+    """Of the rim."""
+    width_m: Positive
+    """Along y, to both sides of the origin."""
+    grousers: Grousers | None = None
+    """null: none."""
+
+    def _faults(self) -> Faults:
+        yield from super()._faults()
+        yield from grouser_faults(self.radius_m, self.grousers)
+
+
 class SpatialBar(Strict):
     """A thin round bar along straight pieces, for laws of bars."""
 
@@ -181,6 +203,6 @@ class SpatialMesh(_Shape):
 
 SHAPES = by_type(
     *(SpatialBox, SpatialCylinder, SpatialCapsule, SpatialSphere, SpatialCone, SpatialPlate, SpatialArc),
-    *(SpatialPolygon, SpatialBar, SpatialMesh),
+    *(SpatialPolygon, SpatialWheel, SpatialBar, SpatialMesh),
 )
 SpatialShape = Annotated[_Shape | SpatialBar, Tagged("type", SHAPES)]

@@ -1,0 +1,71 @@
+"""Slip, sinkage, pull, side force and load of wheels in space.
+
+Ahead is along the surface below the axle and at right angles to the axle, to where the wheel rolls as it turns about
+its axis; to the left is along the surface at right angles to that; load and sinkage are at right angles to the surface.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from granular_contact.mechanics.mechanism import label
+from granular_contact.mechanics.space.kinematics import SpatialKinematics
+from granular_contact.mechanics.wheels import sense
+from granular_contact.scene.space.bed import SpatialBed
+from granular_contact.scene.space.types import SpatialWheel, Vector
+
+BESIDE = 1e-3  # of the rim, between the heights of which the slope of the surface is taken
+
+
+def wheels_of(motion: SpatialKinematics) -> Iterator[tuple[str, SpatialWheel]]:
+    """Bodies with a wheel, each with its first one."""
+    for name, handle in motion.system.rigid.items():
+        wheel = next((part.wheel for part in handle.body.parts if part.wheel is not None), None)
+        if wheel is not None:
+            yield name, wheel
+
+
+def wheel_histories(motion: SpatialKinematics, forces: Mapping[str, Vector]) -> dict[str, dict[str, Vector]]:
+    """As of `mechanics.wheels.wheel_histories`, and the side force (N, to the left) and the slip angle (rad).
+
+    forces: of the medium by body, (n, 6): N, and N m about the origin.
+    """
+    found, bed = {}, motion.system.scene.bed
+    for name, wheel in wheels_of(motion):
+        if name not in forces or bed is None:
+            continue
+        (p, v), axis = motion.position(name, wheel.axle), motion.rotation(name) @ wheel.axis
+        normal = _normals(bed, p, BESIDE * wheel.rim)
+        ahead = np.cross(axis, normal)
+        level = np.linalg.norm(ahead, axis=1, keepdims=True)  # cosine of the camber
+        ahead = np.divide(ahead, level, out=np.zeros_like(ahead), where=level > 0.0)
+        left = np.cross(normal, ahead)
+        force, spin = forces[name][:, :3], np.sum(motion.spin(name) * axis, axis=1)
+        moment = forces[name][:, 3:] - np.cross(p, force)
+        speed, rim = np.sum(v * ahead, axis=1), wheel.radius * spin
+        slip, backward = sense(speed, rim)
+        above = (p[:, 2] - bed.height(p[:, 0], p[:, 1])) * normal[:, 2]
+        pull = np.sum(force * ahead, axis=1)
+        found[label(name)] = {
+            "v": speed,
+            "omega": spin,
+            "slip": slip,
+            "sinkage_m": wheel.rim * level[:, 0] - above,
+            "drawbar_pull_N": np.where(backward, -pull, pull),
+            "load_N": np.sum(force * normal, axis=1),
+            "torque_Nm": -np.sum(moment * axis, axis=1),
+            "side_force_N": np.sum(force * left, axis=1),
+            "slip_angle_deg": np.degrees(np.arctan2(np.sum(v * left, axis=1), np.abs(speed))),
+        }
+    return found
+
+
+def _normals(bed: SpatialBed, places: Vector, step: float) -> Vector:
+    """Unit normals (n, 3) upward of the surface below places (n, 3) m, from heights a step (m) beside them."""
+    x, y = places[:, 0], places[:, 1]
+    along = (bed.height(x + step, y) - bed.height(x - step, y)) / (2.0 * step)
+    across = (bed.height(x, y + step) - bed.height(x, y - step)) / (2.0 * step)
+    normal = np.column_stack([-along, -across, np.ones_like(x)])
+    return np.asarray(normal / np.linalg.norm(normal, axis=1, keepdims=True))

@@ -1,0 +1,108 @@
+"""Slip, sinkage and forces of wheels in space: along and across the surface below, whatever way the wheel heads."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from granular_contact import Results, load, simulate
+from granular_contact.errors import ConfigError
+from granular_contact.scene import build
+
+RADIUS, WIDTH, SPEED, RATE = 0.05, 0.03, 0.04, 1.0  # m, m, m/s, rad/s
+STEER, SLOPE = 20.0, 12.0  # deg
+OF_A_STEP = (RATE * 5e-3) ** 2 / 12  # of rates, which follow from Euler parameters at the ends of steps
+
+
+def rig(wheel: dict[str, Any] | None = None, slope: float = 0.0, steer: float = 0.0, heading: float = 0.0) -> Any:
+    """A wheel that is carried along the slope at a depth of 5 mm and turns; steered, and all of it turned about z."""
+    a, h = math.radians(slope), math.radians(heading)
+    up = np.array([-math.sin(a) * math.cos(h), -math.sin(a) * math.sin(h), math.cos(a)])
+    start = (RADIUS - 0.005) * up  # the axle; the surface goes through the origin
+    shape = {"type": "wheel", "radius_m": RADIUS, "width_m": WIDTH, "facet_size_m": 0.01} | (wheel or {})
+    turned = {"rpy_deg": [0, -slope, heading]}
+    even = {"type": "table", "time_s": [0, 0.1], "interpolation": "linear"}
+    return {
+        "model": {
+            "in_space": True,
+            "name": "rig",
+            "bodies": {
+                "sled": {"type": "rigid", "mass_kg": 1, "inertia_kg_m2": {"xx": 1e-3, "yy": 1e-3, "zz": 1e-3}},
+                "rim": {"type": "rigid", "density_kg_m3": 1000, "shapes": [shape]},
+            },
+            "joints": {
+                "rail": {"type": "slider", "parent": "ground", "child": "sled", "axis": [1, 0, 0]}
+                | turned
+                | {"parent_point_m": start.tolist()},
+                "axle": {
+                    "type": "hinge",
+                    "parent": "sled",
+                    "child": "rim",
+                    "axis": [0, 1, 0],
+                    "rpy_deg": [0, 0, steer],
+                },
+            },
+        },
+        "medium": "rft3d_sand",
+        "bed": {"height_m": 0.0, "slope_deg": slope, "slope_direction_deg": heading},
+        "drives": {
+            "rail": {"type": "motion", "position_m": even | {"values": [0, 0.1 * SPEED]}},
+            "axle": {"type": "motion", "angle_deg": even | {"values": [0, math.degrees(0.1 * RATE)]}},
+        },
+        "solver": {"end_time_s": 0.1, "step_s": 5e-3},
+        "output": {"figures": False},
+    }
+
+
+def last(results: Results, *names: str) -> np.ndarray:
+    return np.array([results[f"rim_{name}"][-1] for name in names])
+
+
+@pytest.mark.parametrize(("slope", "heading"), [(0.0, 0.0), (SLOPE, 0.0), (SLOPE, 70.0)])
+def test_slip_and_sinkage_are_those_of_the_rig(slope: float, heading: float) -> None:
+    run = simulate(load(rig(slope=slope, heading=heading)))
+    slip, sinkage, side = last(run, "slip", "sinkage_m", "side_force_N")
+    assert slip == pytest.approx(1.0 - SPEED / (RATE * RADIUS), abs=OF_A_STEP)
+    assert sinkage == pytest.approx(0.005, abs=1e-9)
+    pull, support = last(run, "drawbar_pull_N", "load_N")
+    assert support > 0.0
+    assert abs(side) < 1e-6 * support  # the scene is its own mirror image, but for facets and round-off
+    # The same force along the axes of the world.
+    force = last(run, "granular_x_N", "granular_y_N", "granular_z_N")
+    a, h = math.radians(slope), math.radians(heading)
+    along = np.array([math.cos(a) * math.cos(h), math.cos(a) * math.sin(h), math.sin(a)])
+    normal = np.array([-math.sin(a) * math.cos(h), -math.sin(a) * math.sin(h), math.cos(a)])
+    assert (pull, support) == pytest.approx((force @ along, force @ normal), rel=1e-9)
+
+
+def test_a_steered_wheel_has_its_slip_along_its_heading_and_a_side_force_against_its_drift() -> None:
+    run = simulate(load(rig(steer=STEER)))
+    slip, angle, side = last(run, "slip", "slip_angle_deg", "side_force_N")
+    assert slip == pytest.approx(1.0 - SPEED * math.cos(math.radians(STEER)) / (RATE * RADIUS), abs=OF_A_STEP)
+    assert angle == pytest.approx(-STEER, abs=1e-9)  # it heads to the left, and drifts to its right
+    assert side > 0.0
+    told = run.summary["wheel"]
+    assert told["slip"] == pytest.approx(slip, abs=OF_A_STEP)
+    assert {"side_force_N", "slip_angle_deg", "sinkage_m", "drawbar_pull_N"} <= told.keys()
+
+
+def test_a_smooth_wheel_is_a_cylinder_and_grousers_add_what_they_weigh() -> None:
+    grousers = {"count": 8, "height_m": 0.006, "thickness_m": 0.003}
+    smooth, toothed = (build(load(rig(wheel))).body("rim") for wheel in ({}, {"grousers": grousers}))
+    solid = 1000 * math.pi * RADIUS**2 * WIDTH
+    assert smooth.mass == pytest.approx(solid, rel=1e-12)
+    np.testing.assert_allclose(np.diag(smooth.inertia)[1], 0.5 * solid * RADIUS**2, rtol=1e-9)
+    # The rim between two grousers is of chords: 1 - sin(x)/x of their area is missing, x = 2 pi / CHORDS.
+    teeth = 1000 * 8 * 0.006 * 0.003 * WIDTH
+    assert toothed.mass == pytest.approx(solid + teeth, rel=2e-3)
+    (part,) = toothed.parts
+    assert part.wheel is not None
+    assert part.wheel.radius == pytest.approx(RADIUS + 0.002)
+
+
+def test_grousers_that_do_not_fit_are_refused() -> None:
+    with pytest.raises(ConfigError, match=r"grousers\.thickness_m: got 0\.05; allowed is at most 0\.0353"):
+        load(rig({"grousers": {"count": 8, "height_m": 0.006, "thickness_m": 0.05}}))
