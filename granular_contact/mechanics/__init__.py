@@ -9,6 +9,7 @@ the solve       scheme, stepping        the spectral radius of the integrator; c
                 ending                  how a solve ended
 what is seen    observe, mechanism, wheels, depths    Trajectory -> Observation
                 joint_history, beam_energy            energies and works
+                strains                               strains and stresses of links that bend
                 accuracy, drive_error, strip_error    warnings about steps, drives and strips
                 strip_departure                       what strips of another length would change
                 omissions                             what a run leaves out

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from granular_contact.mechanics.beam_energy import curvatures
 from granular_contact.mechanics.kinematics import Kinematics
 from granular_contact.mechanics.strip_error import strip_warnings
 from granular_contact.results.accuracy import AccuracyWarning, remedy
@@ -208,18 +209,6 @@ def _elements(motion: Kinematics, name: str, error: float, elements: int) -> Ite
         yield AccuracyWarning(
             f"{said}; take model.bodies.{name}.flexible.elements: {more} (now {elements})", error / scale
         )
-
-
-def curvatures(q: Vector, length: float) -> tuple[Vector, Vector]:
-    """Curvature (1/m) at both ends of every element (instants, elements); q (instants, nodes, 4); length of one (m)."""
-    place, slope = q[..., :2], q[..., 2:]
-    chord = 6.0 * np.diff(place, axis=1)
-    a, b = slope[:, :-1], slope[:, 1:]
-    found = []
-    for at, second in ((a, chord - length * (4.0 * a + 2.0 * b)), (b, length * (2.0 * a + 4.0 * b) - chord)):
-        turn = at[..., 0] * second[..., 1] - at[..., 1] * second[..., 0]
-        found.append(turn / length**2 / np.sum(at**2, axis=2) ** 1.5)
-    return found[0], found[1]
 
 
 def _vibration(motion: Kinematics, name: str, bend: Vector) -> Iterator[AccuracyWarning]:

@@ -45,3 +45,15 @@ def elastic_energy_and_loss(q: Vector, v: Vector, link: FlexibleLink) -> tuple[V
     energy: Vector = 0.5 * (link.axial_stiffness * axial**2 + link.bending_stiffness * curvature**2) @ weights
     power: Vector = (link.axial_damping * stretch_rate**2 + link.bending_damping * curvature_rate**2) @ weights
     return energy, power
+
+
+def curvatures(q: Vector, length: float) -> tuple[Vector, Vector]:
+    """Curvature (1/m) at both ends of every element (instants, elements); q (instants, nodes, 4); length of one (m)."""
+    place, slope = q[..., :2], q[..., 2:]
+    chord = 6.0 * np.diff(place, axis=1)
+    a, b = slope[:, :-1], slope[:, 1:]
+    found = []
+    for at, second in ((a, chord - length * (4.0 * a + 2.0 * b)), (b, length * (2.0 * a + 4.0 * b) - chord)):
+        turn = at[..., 0] * second[..., 1] - at[..., 1] * second[..., 0]
+        found.append(turn / length**2 / np.sum(at**2, axis=2) ** 1.5)
+    return found[0], found[1]

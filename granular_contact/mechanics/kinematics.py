@@ -6,9 +6,10 @@ from functools import cached_property
 
 import numpy as np
 
-from granular_contact.mechanics.beam_energy import elastic_energy_and_loss
+from granular_contact.mechanics.beam_energy import curvatures, elastic_energy_and_loss
 from granular_contact.mechanics.constraints import Constraints
 from granular_contact.mechanics.mass_and_gravity import center_shares
+from granular_contact.mechanics.strains import Strains
 from granular_contact.mechanics.system import System, Trajectory
 from granular_contact.results import Outline
 from granular_contact.results.energy import accumulate
@@ -96,6 +97,20 @@ class Kinematics:
         for name, handle in self.system.links.items():
             nodes = np.array(self.nodes(name))
             found.append(elastic_energy_and_loss(q[:, nodes], v[:, nodes], handle.link))
+        return found
+
+    def strains(self) -> dict[str, Strains]:
+        """Strains and stresses of each link that bends."""
+        found = {}
+        for name, handle in self.system.links.items():
+            link, q = handle.link, self.trajectory.q[:, np.array(self.nodes(name))]
+            length = link.length / link.elements
+            first, last = curvatures(q, length)
+            stretch = np.abs(np.hypot(q[..., 2], q[..., 3]) - 1.0)
+            pairs = [(first, stretch[:, :-1], 0.0), (last, stretch[:, 1:], length)]
+            strain = np.hstack([axial + 0.5 * link.thickness * np.abs(kappa) for kappa, axial, _ in pairs])
+            places = np.concatenate([length * np.arange(link.elements) + more for *_, more in pairs])
+            found[name] = Strains(places, strain, link.modulus * strain, link.yield_stress)
         return found
 
     def element_errors(self) -> dict[str, tuple[float, int]]:

@@ -12,6 +12,7 @@ from granular_contact.mechanics.accuracy import accuracy_warnings, greatest_ener
 from granular_contact.mechanics.depths import all_depths, depths_by_body
 from granular_contact.mechanics.drive_error import drive_warnings
 from granular_contact.mechanics.kinematics import Kinematics
+from granular_contact.mechanics.strains import stress_numbers, yielding
 from granular_contact.mechanics.system import System, Trajectory
 from granular_contact.mechanics.wheels import (
     pitches,
@@ -60,13 +61,17 @@ def observed(
     trajectory, scene, load = motion.engine, motion.scene, motion.trajectory.load
     driven, links, system = mechanism.drive_forces(motion), motion.system.links, motion.system
     terms = term_names(scene.media) if load is None or not scene.media else load.term_names
+    strains, time = motion.strains(), trajectory.time
+    of_links: Series = {}
+    for name, one in strains.items():
+        of_links |= one.columns(name)
     nothing = np.zeros((len(trajectory.time), len(terms), 6 if scene.in_space else 3))
     return {
         "scene": scene,
         "status": trajectory.status,
         "cost": trajectory.cost,
         "time": trajectory.time,
-        "motion": mechanism.joint_columns(motion) | mechanism.drive_columns(scene, driven),
+        "motion": mechanism.joint_columns(motion) | mechanism.drive_columns(scene, driven) | of_links,
         "mean_rate": None if scene.pivot is None else motion.mean_rate[0],
         "tip": motion.position(*scene.tip)[0],
         "deflection": motion.bend(list(links)[-1]) if links else None,
@@ -80,9 +85,9 @@ def observed(
         "outlines": motion.outlines,
         "pictures": lambda at: pictures(lambda sampled: type(motion)(system, sampled).outlines, trajectory, at),
         "reach": _reach(motion),
-        "more": key_numbers(motion, driven, by_body, depths),
+        "more": key_numbers(motion, driven, by_body, depths) | stress_numbers(strains, time),
         "accuracy": accuracy(motion, driven),
-        "notices": trajectory.notices,
+        "notices": (*trajectory.notices, *yielding(strains, time)),
     }
 
 

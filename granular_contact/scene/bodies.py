@@ -90,4 +90,6 @@ def flexible_links(layout: Layout) -> Iterator[FlexibleLink]:
             motion=layout.placed[name],
             workspace=layout.workspace_bounds[name],
             free=layout.is_free(name, np.array([spec.length_m, 0.0])),
+            modulus=bending / second_moment,
+            yield_stress=flexible.yield_stress_Pa,
         )

@@ -128,7 +128,8 @@ class RigidBody:
 class FlexibleLink:
     """Straight beam from the origin of its frame along x. m, kg/m, N m2, N, N m2 s, N s.
 
-    kind, width and thickness as of a `Shape`.
+    kind, width and thickness as of a `Shape`; modulus (Pa): of its section and bending stiffness; yield_stress (Pa):
+    None where it is not looked at.
     """
 
     name: str
@@ -145,6 +146,8 @@ class FlexibleLink:
     motion: InitialMotion
     workspace: WorkspaceBound
     free: bool
+    modulus: float = 0.0
+    yield_stress: float | None = None
 
     @property
     def mass(self) -> float:

@@ -58,6 +58,8 @@ class Flexible(Strict):
     """Bending moment per rate of curvature."""
     axial_damping_N_s: NotNegative = 0.0
     """Axial force per rate of strain."""
+    yield_stress_Pa: Positive | None = None
+    """Stress above which the material stays bent: a run that passes it says so. null: not looked at."""
 
     def _faults(self) -> Faults:
         given = (self.bending_stiffness_N_m2 is not None) + (self.youngs_modulus_Pa is not None)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from granular_contact.mechanics.strains import Strains
 from granular_contact.results import series
 from granular_contact.results.interpolation import Track
 from granular_contact.scene.space.types import SpatialBeam, SpatialJoint, Vector
@@ -99,6 +100,22 @@ class BeamMotion:
         start, end, change = 1.5 * first - 0.5 * second, 1.5 * last - 0.5 * before, self.beam.elements
         jumps = start - end - change * (second - first), end - start + change * (last - before)
         return float(piece**2 / 24.0 * max(np.linalg.norm(jump, axis=1).max() for jump in jumps))
+
+    def strains(self) -> Strains:
+        """Strains and stresses at the root, the joints between elements and the tip."""
+        beam, n = self.beam, self.beam.elements
+        kappa = self.turned()[0] * n / beam.length
+        ends = [
+            1.5 * kappa[:, k] - 0.5 * kappa[:, k + step] if n > 1 else kappa[:, k] for k, step in ((0, 1), (-1, -1))
+        ]
+        kappa = np.concatenate([ends[0][:, None], kappa, ends[1][:, None]], axis=1)
+        y, z = (0.5 * side for side in beam.section)
+        twist, about_y, about_z = np.moveaxis(np.abs(kappa), 2, 0)
+        strain = y * np.hypot(about_y, about_z) if beam.round else z * about_y + y * about_z
+        (E, G), arm = beam.moduli, y if beam.round else 2.0 * min(y, z)
+        stress = np.sqrt((E * strain) ** 2 + 3.0 * (G * arm * twist) ** 2)
+        places = np.array([0.0, *((np.arange(n) + 0.5) * beam.length / n), beam.length])
+        return Strains(places, strain, stress, beam.yield_stress)
 
     def energy_and_loss(self) -> tuple[Vector, Vector]:
         """Strain energy (n,) J, and the power (n,) W that its damping takes."""

@@ -13,6 +13,7 @@ from granular_contact.mechanics.kinematics import Kinematics
 from granular_contact.mechanics.space.beams import BeamMotion
 from granular_contact.mechanics.space.constraints import SpatialConstraints
 from granular_contact.mechanics.space.system import SpatialSystem
+from granular_contact.mechanics.strains import Strains
 from granular_contact.mechanics.system import Trajectory
 from granular_contact.results import Outline
 from granular_contact.results.energy import work
@@ -146,6 +147,10 @@ class SpatialKinematics(Kinematics):
     def elastic(self) -> list[tuple[Vector, Vector]]:
         """As of `Kinematics`."""
         return [beam.energy_and_loss() for beam in self.beams.values()]
+
+    def strains(self) -> dict[str, Strains]:
+        """As of `Kinematics`."""
+        return {name: one.strains() for name, one in self.beams.items()}
 
     def element_errors(self) -> dict[str, tuple[float, int]]:
         """As of `Kinematics`."""

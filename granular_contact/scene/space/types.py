@@ -142,6 +142,7 @@ class SpatialBeam:
     """A link that bends, made of rigid elements, see `scene.space.beams`; its frame's x axis is along it. m, N m2.
 
     section: width along y and thickness along z, of a round one its diameter twice; stiffness (3,): G J, E I_y, E I_z;
+    moduli (Pa): E of the bending stiffness and G of the torsion; yield_stress (Pa): None where it is not looked at;
     pieces: its elements from root to tip, each with its body (None: fixed to the ground), its centre of mass (3,) m in
     that and its mass (kg); joints: between these. root, tip: the body of its first and its last element, with the
     origin (3,) m and the axes (3, 3) of the link's frame in it.
@@ -152,6 +153,8 @@ class SpatialBeam:
     section: tuple[float, float]
     round: bool
     stiffness: Vector
+    moduli: tuple[float, float]
+    yield_stress: float | None
     elements: int
     pieces: tuple[tuple[str | None, Vector, float], ...]
     joints: tuple[str, ...]

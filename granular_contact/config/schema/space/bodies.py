@@ -84,6 +84,8 @@ class SpatialFlexible(Strict):
     """Bending moment per rate of curvature, about both axes."""
     torsion_damping_N_m2_s: NotNegative = 0.0
     """Torque per rate of twist."""
+    yield_stress_Pa: Positive | None = None
+    """Stress above which the material stays bent: a run that passes it says so. null: not looked at."""
 
     def _faults(self) -> Faults:
         given = (self.bending_stiffness_N_m2 is not None) + (self.youngs_modulus_Pa is not None)
