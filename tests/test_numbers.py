@@ -22,7 +22,9 @@ from granular_contact.scene import build
 
 Array = NDArray[np.float64]
 # Of every config so much as takes seconds: the impacts whole, of gaits the first strides.
-SHORT = {name: ("solver.end_time_s=0.3",) for name in ("c_leg", "dragged_plate", "stepping_leg", "walker")}
+SHORT = {
+    name: ("solver.end_time_s=0.3",) for name in ("c_leg", "dragged_plate", "four_bar_leg", "stepping_leg", "walker")
+}
 SHORT |= {name: ("solver.end_time_s=0.3",) for name in ("flexible_leg", "flexible_leg_rigid", "runner", "wheel")}
 # Of configs that choose their steps, fixed ones (s).
 FIXED = {
@@ -31,6 +33,7 @@ FIXED = {
     "runner": 2e-4,
     "stepping_leg": 5e-4,
     "walker": 5e-4,
+    "four_bar_leg": 5e-4,
     "chain": 1e-4,
     "chain_flexible": 1e-4,
 }
