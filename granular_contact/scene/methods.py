@@ -13,7 +13,7 @@ from granular_contact.scene.types import Joint, Minimal, Reduced, Scene
 
 IN_MINIMAL = "minimal coordinates are for trees of rigid bodies that hinges and sliders join, on the ground or free"
 IN_MINIMAL_IN_SPACE = (
-    "minimal coordinates in space are for trees of rigid bodies that hinges, sliders and ball joints join, "
+    "minimal coordinates in space are for trees of bodies and links that hinges, sliders and ball joints join, "
     "on the ground or free"
 )
 
@@ -52,10 +52,6 @@ def _obstacles(scene: Scene) -> Iterator[str]:
         yield f"{scene.links[0].name} is flexible"
     if scene.settle:
         yield "initial.settle is true"
-    if beams := getattr(scene, "beams", ()):
-        yield f"{beams[0].name} is flexible"
-    if scene.in_space and scene.bed is not None and scene.bed.walls:
-        yield "its bed is a container with walls"
     others: dict[tuple[str, str], list[str]] = {}
     for joint in scene.joints:
         if joint.closes or joint.kind == "weld":

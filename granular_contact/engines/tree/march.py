@@ -58,7 +58,7 @@ class March:
             **tree.arrays,
             **_of_steps(tree.scene),
             "blank": table.blank,
-            "calls": calls(tree.kernels, attempt),
+            "calls": calls(tree.kernels, attempt, tree.sand_kernels, tree.joint_kernels),
         }
         shown = sum(arrays[name].size for name in ("pose", "pose_rates", "acceleration"))
         arrays["states"] = np.zeros((1 + SHARE, shown + 2 * nodes))

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from granular_contact.engines.tree.kernels import space_load
+from granular_contact.engines.tree.kernels import space_ball_joints, space_load
 from granular_contact.engines.tree.kernels.space_arrays import NODE, room
 from granular_contact.engines.tree.kernels.space_tree import BALL, HINGE, LAST, SLIDER
 from granular_contact.engines.tree.tree import BodyCoordinates, Tree, acting, joint_loads, levers, outward, sand_of
@@ -114,9 +114,19 @@ def tree(scene: SpatialScene) -> SpatialTree:
         arrays["home"][i] = turn
     arrays |= {"nodes": records} | acting(system, joints, len(nodes)) | sand_of(load, POSE * len(nodes))
     for i, node in enumerate(nodes):
-        if node.ball is not None:
+        if node.ball is not None and node.ball.is_sprung:
             fill(arrays["laws"][i : i + 1], node.ball.law, None)
-    return SpatialTree(system, load, arrays | {"lever": levers(records, 6)}, list(places.values()), joints)
+    arrays["lever"] = levers(records, 6)
+    watched = _watched() if load is not None and load.watch else None
+    sprung = space_ball_joints if records["acts"].any() else None
+    return SpatialTree(system, load, arrays, list(places.values()), joints, watched, sprung)
+
+
+def _watched() -> Any:
+    """Kernels of a bed with walls."""
+    from granular_contact.sand.kernels import space_watched
+
+    return space_watched
 
 
 def _granular_load(scene: SpatialScene, places: dict[str, int]) -> SpatialLoad | None:
@@ -151,7 +161,12 @@ def _nodes(scene: SpatialScene) -> tuple[list[_Node], dict[int, Vector]]:
             own = rotations.quaternion_of(joint.child_turn @ joint.parent_turn.T)
             turning = R.T @ (body.motion.rate - spin)
             nodes += _balls(body, first, parent, joint.parent_point, joint.child_point, turning)
-            nodes[-1] = replace(nodes[-1], after=own, ball=joint if joint.is_sprung else None)
+            nodes[-1] = replace(
+                nodes[-1],
+                before=rotations.quaternion_of(joint.parent_turn),
+                after=own,
+                ball=joint if joint.acts else None,
+            )
             home[len(nodes) - 1] = rotations.quaternion_of(R.T @ body.motion.rotation)
         of_body[body.name] = len(nodes) - 1
     return nodes, home
@@ -195,7 +210,11 @@ def _balls(
 def _fill(record: NDArray[np.void], scene: SpatialScene, node: _Node) -> None:
     """Write a node into its record."""
     record["parent"], record["kind"], record["which"] = node.parent, node.kind, node.which
-    record["sprung"] = node.ball is not None
+    if node.ball is not None:
+        record["acts"] = space_ball_joints.SPRUNG
+        if (elastic := node.ball.elastic) is not None:
+            record["acts"] = space_ball_joints.ELASTIC
+            record["bends"], record["damps"] = elastic.stiffness, elastic.damping
     for name in ("on_parent", "point", "axis", "before", "after"):
         record[name] = getattr(node, name)
     if node.body is not None:

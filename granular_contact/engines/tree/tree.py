@@ -64,6 +64,9 @@ class Tree:
     joints: dict[str, int]
 
     kernels: ClassVar[Any] = tree_load  # what acts on it
+    # In space where they are other ones than usual: the medium's, and what acts in joints of several coordinates.
+    sand_kernels: Any = None
+    joint_kernels: Any = None
 
     @property
     def scene(self) -> Scene:

@@ -13,7 +13,8 @@ a bed in the plane  planar_sand, batches, lines  all media; one; one contact lin
 a bed in space      space_law, space_joining     as `law` and `joining`
                     space_sand, space_bodies     all media; one, with rigid bodies and all elements on them
                     facets, slices, facet_layers, facet_paths, space_balls    the elements; bars are in `bars`
-                    ground, space_reach          the surface; the walls of a container
+                    ground                       the surface
+                    space_reach, space_watched   the walls of a container; `space_sand` with them
 """
 
 from __future__ import annotations

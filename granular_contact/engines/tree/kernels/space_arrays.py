@@ -25,14 +25,14 @@ from granular_contact.jit.lending import lender
 from granular_contact.jit.records import fields, record_dtype
 
 # parent, mass, radius, on_parent (3,), point (3,): as of `tree_arrays.NODE`; kind of the joint; which of the three
-# nodes of a ball joint, and sprung, of its last one: whether something acts in it; axis (3,): of a hinge or slider, in
-# the parent's frame; before, after (4,): quaternions from the parent's frame to the joint's, and from there at s = 0 to
-# the node's. Of a ball joint's last node, after is C P^T, of `space_ball_joints`. inertia (9,): about the centre of
-# mass, along the node's axes, row by row.
+# nodes of a ball joint; axis (3,): of a hinge or slider, in the parent's frame; before, after (4,): quaternions from
+# the parent's frame to the joint's, and from there at s = 0 to the node's; inertia (9,): about the centre of mass,
+# along the node's axes, row by row. Of a ball joint's last node: acts, what acts in it, before P and after C P^T, bends
+# and damps (3,) the diagonals of K and D, see `space_ball_joints`.
 NODE = record_dtype(
     [
-        *fields("i8", "parent", "kind", "which", "sprung"),
-        *((name, "f8", (3,)) for name in ("on_parent", "point", "axis")),
+        *fields("i8", "parent", "kind", "which", "acts"),
+        *((name, "f8", (3,)) for name in ("on_parent", "point", "axis", "bends", "damps")),
         *((name, "f8", (4,)) for name in ("before", "after")),
         ("inertia", "f8", (9,)),
         *fields("f8", "mass", "radius"),

@@ -8,7 +8,6 @@ taken so, too, without what of it comes from G alone, fq M / 2 or less.
 from __future__ import annotations
 
 from granular_contact.engines.tree.kernels.space_arrays import nodes_of
-from granular_contact.engines.tree.kernels.space_ball_joints import push_balls, stiffen_balls
 from granular_contact.engines.tree.kernels.space_fold import fold, inertias, solve
 from granular_contact.engines.tree.kernels.space_rotations import at, cross, plus, put, times
 from granular_contact.engines.tree.kernels.space_tree import carry, lack, place, recentre
@@ -26,7 +25,13 @@ from granular_contact.engines.tree.kernels.tree_arrays import (
     row,
     rows,
 )
-from granular_contact.engines.tree.kernels.tree_calls import sand_accept, sand_force, sand_tangent
+from granular_contact.engines.tree.kernels.tree_calls import (
+    push_balls,
+    sand_accept,
+    sand_force,
+    sand_tangent,
+    stiffen_balls,
+)
 from granular_contact.engines.tree.kernels.tree_joints import follow, push, stiffen
 from granular_contact.engines.tree.kernels.tree_newton import needs_matrix
 from granular_contact.jit.compiled import part

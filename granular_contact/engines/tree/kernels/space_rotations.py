@@ -37,6 +37,12 @@ def quaternion(array, i, first):
 
 
 @part
+def four(q):
+    """A quaternion of a record."""
+    return q[0], q[1], q[2], q[3]
+
+
+@part
 def put(a, array, i, first):
     """Write a vector into three numbers of row i."""
     array[i, first], array[i, first + 1], array[i, first + 2] = a

@@ -31,6 +31,7 @@ from granular_contact.engines.tree.kernels.space_rotations import (
     chart,
     cross,
     drift_of,
+    four,
     matrix_of,
     plus,
     product,
@@ -87,12 +88,6 @@ def momentum(w, i, R, a):
     J = nodes_of(w, NODES)[i].inertia
     own = J[0], J[1], J[2], J[3], J[4], J[5], J[6], J[7], J[8]
     return turned(R, turned(own, seen(R, a)))
-
-
-@part
-def four(q):
-    """A quaternion of a record."""
-    return q[0], q[1], q[2], q[3]
 
 
 @part

@@ -77,6 +77,7 @@ CALL = record_dtype(
     fields(
         "i8",
         *("force", "tangent", "accept", "update_active", "soonest", "begin", "accelerate", "iterate", "end", "attempt"),
+        *("push", "stiffen"),
     )
 )
 

@@ -48,22 +48,27 @@ _SIGNATURES: dict[str, tuple[tuple[Any, ...], Any]] = {  # arguments, result
     "iterate": ((_NUMBER, _NUMBER, _WORDS), _NUMBER),
     "end": ((_WORDS, _ROW, _TRUTH), types.none),
     "attempt": ((_NUMBER, _NUMBER, _WORDS), _TRUTH),
+    "push": ((_WORDS,), types.none),
+    "stiffen": ((_NUMBER, _NUMBER, _WORDS), types.none),
 }
-_force, _tangent, _accept, _update_active, _soonest, _begin, _accelerate, _iterate, _end, _attempt = (
+_force, _tangent, _accept, _update_active, _soonest, _begin, _accelerate, _iterate, _end, _attempt, _push, _stiffen = (
     caller(name, *_SIGNATURES[name], CALL) for name in _SIGNATURES
 )
 _OF_SAND = "force", "tangent", "accept", "update_active", "soonest"
 
 
 @cache
-def record(load: Any, attempt: Any) -> NDArray[np.void]:
+def record(load: Any, attempt: Any, sand: Any = None, joints: Any = None) -> NDArray[np.void]:
     """Record (1,) of CALL with the addresses of functions, which are compiled where they are not yet.
 
-    load: the module of what acts on a tree, `tree_load` in the plane, which has that of the medium as its `sand`.
+    load: the module of what acts on a tree, `tree_load` in the plane, which has that of the medium as its `sand`;
+    sand: another one of the medium; joints: `space_ball_joints`, where something acts in such.
     """
-    functions = {name: getattr(load.sand, name) for name in _OF_SAND}
+    functions = {name: getattr(sand or load.sand, name) for name in _OF_SAND}
     functions |= {"begin": anderson.begin, "accelerate": anderson.accelerate, "attempt": attempt}
     functions |= {"iterate": load.iteration, "end": load.accept}
+    if joints is not None:
+        functions |= {"push": joints.push_balls, "stiffen": joints.stiffen_balls}
     found = np.zeros(1, CALL)
     for name, function in functions.items():
         found[name] = address_of(function, *_SIGNATURES[name])
@@ -129,6 +134,20 @@ def iterate(of_q, of_v, w):
 def end(w, history, begins):
     """`tree_load.accept`, or that of space."""
     _end(calls(w, CALLS)[0], (w, history, begins))
+
+
+@part
+def push_balls(w):
+    """`space_ball_joints.push_balls`, where something acts in such joints."""
+    if calls(w, CALLS)[0].push != 0:
+        _push(calls(w, CALLS)[0], (w,))
+
+
+@part
+def stiffen_balls(fq, fv, w):
+    """`space_ball_joints.stiffen_balls`, likewise."""
+    if calls(w, CALLS)[0].stiffen != 0:
+        _stiffen(calls(w, CALLS)[0], (fq, fv, w))
 
 
 @part
