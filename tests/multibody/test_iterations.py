@@ -12,7 +12,6 @@ from granular_contact.engines.exudyn.build import build
 from granular_contact.engines.exudyn.overlay import Overlay
 from granular_contact.engines.exudyn.settings import settings
 from granular_contact.engines.exudyn.solve import solve
-from granular_contact.mechanics.kernels.numerics import CLOSER
 from granular_contact.scene import Scene
 
 PD = "drives={hinge_1: {type: pd, angle_deg: 0, gain_Nm_per_rad: 1, rate_gain_Nm_s_per_rad: 0.01}}"
@@ -48,16 +47,8 @@ def test_what_newtons_method_leaves_is_far_below_the_error_of_steps() -> None:
     assert np.abs(shipped.q - closer.q).max() < 0.5 * error
 
 
-@pytest.mark.parametrize(
-    ("change", "share"),
-    [
-        ("solver.step_s=2e-4", 1.0),
-        ("solver.accuracy=1e-3", CLOSER),
-        (PD, CLOSER),
-    ],
-)
-def test_where_accelerations_are_answered_less_is_left(change: str, share: float) -> None:
-    """The tolerance is one number for all scenes, and one share of it where steps are chosen or a controller acts."""
+@pytest.mark.parametrize("change", ["solver.step_s=2e-4", "solver.accuracy=1e-3", PD])
+def test_the_tolerance_is_one_number_for_all_scenes_in_the_plane(change: str) -> None:
     scene = chain(change)
     allowed = settings(scene).timeIntegration.newton.absoluteTolerance
-    assert allowed == pytest.approx(share * scene.solver.tolerance * scene.force_scale)
+    assert allowed == pytest.approx(scene.solver.tolerance * scene.force_scale)

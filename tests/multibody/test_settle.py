@@ -129,9 +129,10 @@ def _centre_of_plates() -> float:
 def test_where_it_leans_forces_and_moments_balance(load_at: float) -> None:
     """What is not balanced would set it in motion: 1e-6 of gravity's acceleration is asked for."""
     run = simulate(robot("plate", load_at, "{y_m: 0.15}"), "solver.end_time_s=0.2", "solver.rest_time_s=null")
-    # In 0.2 s a thousandth of gravity's acceleration would go 0.2 mm.
-    assert max(np.ptp(run[f"{body}_{axis}_m"]) for body in ("trunk", *LEGS) for axis in "xy") < 1e-8
-    assert max(np.ptp(run[f"{body}_orientation_deg"]) for body in ("trunk", *LEGS)) < 1e-5
+    # In 0.2 s 1e-6 of gravity's acceleration goes 0.2 um. By 0.12 it creeps, by what Newton's method leaves.
+    assert max(np.ptp(run[f"{body}_{axis}_m"]) for body in ("trunk", *LEGS) for axis in "xy") < 2e-7
+    # So does the end of a leg of 0.12 m that turns by 1e-4 deg.
+    assert max(np.ptp(run[f"{body}_orientation_deg"]) for body in ("trunk", *LEGS)) < 1e-4
 
 
 def test_what_stands_on_one_end_first_is_set_down_before_it_bears() -> None:

@@ -15,7 +15,6 @@ from granular_contact.engines.exudyn.step_control import StepControl
 from granular_contact.mechanics.kernels.numerics import (
     CLOSER,
     CONTRACTION,
-    FULL,
     MOST_ITERATIONS,
     NOISE_SPECTRAL_RADIUS,
     SHORTEST,
@@ -62,8 +61,7 @@ def settings(scene: Scene) -> Any:
     t.generalizedAlpha.spectralRadius = _spectral_radius(scene) if radius is None else radius
     _set_newton(t.newton, scene)
     s.solution.file.write = False
-    full = not scene.in_space and _unknowns(scene) <= FULL
-    s.linearSolver.solverType = exu.LinearSolverType.EigenDense if full else exu.LinearSolverType.EigenSparse
+    s.linearSolver.solverType = exu.LinearSolverType.EigenSparse
     return s
 
 
@@ -77,14 +75,15 @@ def _spectral_radius(scene: Scene) -> float:
 def _set_newton(newton: Any, scene: Scene) -> None:
     """Modified Newton, and when it ends.
 
-    The engine measures a residual against the first one of its step or against an absolute force. Where that force is
-    below the noise of the elastic forces, the iteration ends when changes of the coordinates are small: those by which
-    the same residual would move a free mass in a step, or their own round-off.
+    The engine measures a residual against the first one of its step or against an absolute force (N), and that of a
+    constraint (m, or without unit) against the same number. Where the force is below the noise of the elastic forces,
+    the iteration ends when changes of the coordinates are small: those by which the same residual would move a free
+    mass in a step, or their own round-off.
     """
     solver = scene.solver
     newton.useModifiedNewton = True
     newton.modifiedNewtonContractivity, newton.maxIterations = CONTRACTION, MOST_ITERATIONS
-    newton.absoluteTolerance = _force_tolerance(scene)
+    newton.absoluteTolerance = (CLOSER if scene.in_space else 1.0) * solver.tolerance * scene.force_scale
     newton.relativeTolerance = min(1e-8, 1e-3 * solver.tolerance)  # of the first residual of the step
     if unresolved(scene):
         newton.residualMode = 1
@@ -93,25 +92,6 @@ def _set_newton(newton: Any, scene: Scene) -> None:
         newton.relativeTolerance = 1e-12
         newton.modifiedNewtonJacUpdatePerStep = True
         newton.useModifiedNewton = not _elastic_forces_below_round_off(scene)
-
-
-def _force_tolerance(scene: Scene) -> float:
-    """Residual (N) at which Newton's method ends; of constraints in m or without unit, by the same number.
-
-    It is lower where something answers to accelerations: the choice of steps, a controller; and in space, where
-    constraints are of positions and directions, and what is left of them over a step is a speed.
-    """
-    asked = scene.solver.tolerance * scene.force_scale
-    answered = scene.solver.accuracy is not None or any(drive.kind == "control" for drive in scene.drives)
-    if unresolved(scene):
-        return asked
-    return max(CLOSER * asked if answered or scene.in_space else asked, _noise(scene))
-
-
-def _unknowns(scene: Scene) -> int:
-    """Coordinates of a scene in the plane, and about as many constraints as it has."""
-    links = sum(4 * (link.elements + 1) for link in scene.links)
-    return 3 * len(scene.rigid) + links + sum(3 if joint.kind == "weld" else 2 for joint in scene.joints)
 
 
 def control_steps(simulation: Any, control: StepControl) -> None:
