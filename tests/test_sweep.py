@@ -25,7 +25,7 @@ from granular_contact.cli import main, many
 from granular_contact.config import Scenario, Sweep, load_sweep
 from granular_contact.errors import ConfigError
 from granular_contact.results import Results
-from granular_contact.studies import sweep
+from granular_contact.studies import processes, sweep
 from granular_contact.studies.sweep import Row, runner, table
 from granular_contact.studies.sweep import local_processes as local
 from granular_contact.studies.sweep.worker import _flat, simulate
@@ -400,6 +400,15 @@ def test_ctrl_c_keeps_what_is_finished(under_way, tmp_path):
     assert set(names) <= {path.name for path in (part / "cases").iterdir()}
     assert sorted(path.name for path in tmp_path.iterdir()) == ["many.yaml", "out.part"]
     until(lambda: is_gone(under_way.pid), 10)
+
+
+@pytest.mark.skipif(not processes._HAS_SERVER or not processes._CAN_TELL, reason="nothing is imported in advance")
+def test_workers_begin_with_all_modules_that_are_to_be_imported_in_advance():
+    """The server passes over what it can't import, and says nothing."""
+    wanted = [*processes._PRELOADED, *(f"granular_contact.{name}" for name in processes._OURS)]
+    with local(1) as workers:
+        known = workers.submit(eval, "list(__import__('sys').modules)").result()
+    assert [name for name in wanted if name not in known] == []
 
 
 def test_a_worker_pool_that_is_dismissed_leaves_nothing_behind():

@@ -33,8 +33,8 @@ _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLI
 _NUMBA = ["np.arraymath", "np.linalg", "np.polynomial", "np.random.generator_methods", "cpython.randomimpl"]
 _NUMBA += ["cpython.heapq", "cpython.charseq", "typed.typeddict", "typed.setobject", "misc.cffiimpl", "core.ccallback"]
 _PRELOADED = ["numpy", "exudyn", "numba", "pydantic.json_schema", "yaml", *(f"numba.{name}" for name in _NUMBA)]
-_OURS = ["studies.sweep.worker", "scene", "multibody.build", "multibody.observe", "multibody.solve", "run"]
-_OURS += ["bed.of_scene", "kernels.loaded"]
+_OURS = ["studies.sweep.worker", "scene", "engines.exudyn.build", "engines.exudyn.solve", "engines.tree.solve"]
+_OURS += ["mechanics.observe", "sand.of_scene", "run", "jit.loaded"]
 _PACKAGE, _FOLDER = __name__.partition(".")[0], str(Path(__file__).parents[2])
 _HAS_SERVER = "forkserver" in multiprocessing.get_all_start_methods()
 # The server imports from the working folder first, unless it is asked not to: a checkout there may be another package
