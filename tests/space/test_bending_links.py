@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from support_bending import MODULUS, POISSON, THICKNESS, WIDTH, kirchhoff, order, princeton
+from support_runs import ROOT
 
 from granular_contact import Results, Simulation, load, simulate
 from granular_contact.engines.exudyn.build_in_space import build as assembled
@@ -193,6 +194,23 @@ def test_energy_is_kept_in_a_whirl_in_vacuum() -> None:
     assert found.summary["max_deflection_m"] > 0.02
     assert found["damping_work_J"][-1] < -1e-5
     assert found.summary["energy"]["imbalance_relative"] < 1e-4
+
+
+def test_the_whip_trails_behind_its_arm() -> None:
+    """The shipped config, dragged for half a second: the tip lags along the way, and bends little across it."""
+    found = simulate(
+        load(
+            ROOT / "configs" / "whip.yaml",
+            ["solver.end_time_s=0.5", "solver.accuracy=3e-3", "model.bodies.whip.flexible.elements=8"],
+        )
+    )
+    behind, across = found["whip_deflection_y_m"], found["whip_deflection_z_m"]
+    assert behind[-1] < -0.025
+    assert np.abs(across).max() < 0.5 * np.abs(behind).max()
+    assert found["drive_work_J"][-1] > 0.9 * -found["granular_work_J"][-1] > 0.05
+    places, forces = found.motion.forces["whip"]
+    last = int(np.argmax(np.linalg.norm(forces, axis=1)))
+    assert places[last, 2] < -0.25  # the force is drawn where the whip is immersed, below 0.26 m
 
 
 # ---- where it is held ----

@@ -28,7 +28,8 @@ def observe(system: SpatialSystem, trajectory: Trajectory) -> SpatialObservation
     """What results hold of a run."""
     motion = SpatialKinematics(system, trajectory)
     with np.errstate(over="ignore", invalid="ignore"):  # of a run that failed by running away
-        depths, forces = motion.depths(), as_reported(forces_of(trajectory))
+        depths, on_bodies = motion.depths(), forces_of(trajectory)
+        forces = as_reported(on_bodies)
         found = observed(motion, forces, depths, [track for tracks in depths.values() for track in tracks])
         wheels = wheel_histories(motion, forces)
         found["motion"] |= body_columns(motion, forces, depths) | wheel_columns(wheels)
@@ -36,7 +37,7 @@ def observe(system: SpatialSystem, trajectory: Trajectory) -> SpatialObservation
         for beam in motion.beams.values():
             found["motion"] |= beam.columns()
             found["deflection"] = beam.bend()
-        play = partial(moved, system, trajectory, forces)
+        play = partial(moved, system, trajectory, on_bodies)
         return SpatialObservation(**found, moved=play)
 
 
@@ -77,13 +78,23 @@ def moved(system: SpatialSystem, trajectory: Trajectory, forces: Mapping[str, Ve
             points, faces = np.unique(part.triangles.reshape(-1, 3), axis=0, return_inverse=True)
             parts.append(Part(part.name, points, faces.reshape(-1, 3)))
             poses.append(pose)
-    arrows, scene_body = {}, system.scene.body
+    drawn: dict[str, list[tuple[Vector, Vector]]] = {}
     for name, wrench in forces.items():
-        center = motion.center(name)[0]
-        radius = 0.5 * motion.beams[name].beam.length if name in motion.beams else system.scene.radius(scene_body(name))
-        arrows[mechanism.label(name)] = _arrow(resample(t.time, wrench, at), center, radius)
+        radius = system.scene.radius(system.scene.body(name))
+        arrow = _arrow(resample(t.time, wrench, at), motion.center(name)[0], radius)
+        drawn.setdefault(mechanism.label(link_of(name)), []).append(arrow)
+    arrows = {name: _whole(ones) for name, ones in drawn.items()}
     shown = np.stack(poses, axis=1) if poses else np.zeros((len(at), 0, 7))
     return Motion(at, tuple(parts), shown, {}, arrows)
+
+
+def _whole(arrows: list[tuple[Vector, Vector]]) -> tuple[Vector, Vector]:
+    """The sum of forces (k, 3) N, drawn at the mean of their places (k, 3) m by their sizes."""
+    places, forces = (np.array(ones) for ones in zip(*arrows, strict=True))
+    sizes = np.linalg.norm(forces, axis=2, keepdims=True) + 1e-300
+    mean: Vector = np.sum(sizes * places, axis=0) / np.sum(sizes, axis=0)
+    total: Vector = np.sum(forces, axis=0)
+    return mean, total
 
 
 def _arrow(wrench: Vector, center: Vector, radius: float) -> tuple[Vector, Vector]:
