@@ -90,6 +90,7 @@ STUDIES = (
     # Other tools
     _script("against_peers"),
     Entry("mechanism_fronts"),
+    Entry("space_fronts"),
     _script("two_engines", quick=("--quick",)),
     _script("mujoco_cost"),
     _script("menagerie", by_hand="it needs a copy of MuJoCo Menagerie"),
