@@ -314,6 +314,23 @@ def test_a_strip_in_a_medium_of_bars_is_refused_by_the_name_of_the_link() -> Non
         build(load(clamped(STRIP, SOFT, medium="play_sand")))
 
 
+def test_a_rigid_link_is_met_as_a_cylinder_and_a_bending_one_by_facets_of_a_fourth_of_an_element() -> None:
+    rigid = build(load(leg("rft3d_sand", ROD, 0.0) | {"model": clamped_to_hub(ROD)})).rigid[0]
+    (shape,) = [(type(part.shape).__name__, part.facet_size) for part in rigid.parts]
+    assert shape == ("Cylinder", None)
+    bent = build(load(leg("rft3d_sand", ROD, 0.0)))
+    sizes = {part.facet_size for body in bent.rigid for part in body.parts}
+    assert max(sizes) == pytest.approx(0.2 / SOFT["elements"] / 4.0)
+    assert min(sizes) == pytest.approx(max(sizes))
+
+
+def clamped_to_hub(link: Config) -> Config:
+    """The model of `leg` with a rigid link."""
+    model = copy.deepcopy(leg("rft3d_sand", link, 0.0)["model"])
+    model["bodies"]["rod"].pop("flexible")
+    return model
+
+
 def test_pieces_are_open_where_the_bar_goes_on() -> None:
     """All faces of a closed surface add up to none; without its ends a piece lacks their area."""
     for size, round_ in (((0.008, 0.008), True), ((0.02, 0.003), False)):

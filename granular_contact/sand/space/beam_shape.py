@@ -8,10 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.sand.space import triangles
-from granular_contact.sand.space.shapes import Shape
+from granular_contact.sand.space.shapes import PARTS, Shape
 
 Vector = NDArray[np.float64]
-PIECES = 4  # facets along a piece, unless their size is given
 LEAST_AROUND = 12  # of a round one
 
 
@@ -37,8 +36,8 @@ class Beam(Shape):
     ends: tuple[bool, bool]
 
     def corners(self, size: float | None = None) -> Vector:
-        """As `Shape.corners`; a fourth of the length unless a size is given, or of a thicker section that."""
-        edge = max(self.length / PIECES, min(self.section)) if size is None else size
+        """As `Shape.corners`."""
+        edge = float(np.hypot(self.length, np.hypot(*self.section))) / PARTS if size is None else size
         outline = self._outline(edge)
         low, high = (np.insert(outline, 0, x, axis=1) for x in (-0.5 * self.length, 0.5 * self.length))
         a, b, c, d = low, np.roll(low, -1, axis=0), np.roll(high, -1, axis=0), high

@@ -123,8 +123,15 @@ def _link(name: str, spec: schema.SpatialLink | Element, media: Collection[str],
     length, mass = element.end - element.start, _of_bar(own, element)
     if own.diameter is not None and ("bar" in media or not media):
         return _bar(name, made.Bar(np.array([a, b]), own.diameter, strips, element.ends[1]), True), mass
+    if own.diameter is not None and not isinstance(spec, Element):
+        turn = rotations.to_axis(np.array([1.0, 0.0, 0.0]))
+        tube = made.Cylinder(own.diameter, length)
+        return _part(name, tube, ("surface",), 0.5 * (a + b), turn, True, link.facet_size_m), mass
+    size = link.facet_size_m
+    if size is None and isinstance(spec, Element):
+        size = max(0.25 * length / element.share, min(own.width, own.thickness))
     shape: Any = Beam(length, (own.width, own.thickness), own.diameter is not None, element.ends)
-    return _part(name, shape, ("surface",), 0.5 * (a + b), np.eye(3), True, link.facet_size_m), mass
+    return _part(name, shape, ("surface",), 0.5 * (a + b), np.eye(3), True, size), mass
 
 
 def _of_bar(own: Section, element: Element) -> Mass:

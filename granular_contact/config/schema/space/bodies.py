@@ -109,8 +109,8 @@ class SpatialLink(Strict):
     flexible: SpatialFlexible | None = None
     """null: the link is rigid."""
     facet_size_m: Positive | None = None
-    """Greatest edge of its facets, for laws of surfaces; null: an eighth of its diagonal, of a link that bends that of
-    one of its elements."""
+    """Greatest edge of its facets, for laws of surfaces; null: an eighth of its diagonal, of a link that bends a fourth
+    of an element, or its thickness if that is more."""
 
     def _faults(self) -> Faults:
         yield from section_faults(self.diameter_m, self.width_m, self.thickness_m)
