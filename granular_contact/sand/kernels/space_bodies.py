@@ -253,7 +253,8 @@ def accept(sand, system_q, system_v, row, begins):
 def follow(body, sand, medium, pose, near, row):
     """Let the anchors of a body's active clusters follow; what was seen of it goes into a history row.
 
-    near (3,): its proximity, of which `DEEPEST` is the depth where nothing is active.
+    near (3,): its proximity, of which `DEEPEST` is a bound of the depth. Where nothing is active the bounds of its
+    clusters are the depth: the sphere around a long body can be deep in the bed though the body is above it.
     """
     clusters, elements, anchors, active = (
         _clusters(sand, CLUSTERS),
@@ -270,11 +271,22 @@ def follow(body, sand, medium, pose, near, row):
             below(one.x, one.y, one.z, pose, _row(sand, GROUND), medium, plane)
             law.follow(medium, (rows(elements, s, n), rows(anchors, s, n), one, pose, plane, seen))
             some = True
-    depth = seen[law.DEPTH] if some else near[DEEPEST]
+    depth = seen[law.DEPTH] if some else min(near[DEEPEST], deepest_cluster(body, sand, medium, pose))
     near[EVER] = max(near[EVER], depth)
     row[1] = max(row[1], depth)
     row[2] = max(row[2], seen[law.SPEED])
     row[3] = min(row[3], seen[law.LOWEST])
+
+
+@part
+def deepest_cluster(body, sand, medium, pose):
+    """Bound for the depth (m) of all clusters of a body."""
+    clusters, near, depth = _clusters(sand, CLUSTERS), room1(2), -np.inf
+    for c in range(body.first, body.last):
+        one = clusters[c]
+        bound(one.x, one.y, one.z, one.radius, pose, _row(sand, GROUND), medium, near)
+        depth = max(depth, near[DEEPEST])
+    return depth
 
 
 @part
