@@ -23,12 +23,12 @@ from granular_contact.laws.static_friction import Elastoplastic as Elastoplastic
 from granular_contact.laws.static_friction import Smooth as Smooth
 from granular_contact.laws.tsimring_volfson import TsimringVolfson as TsimringVolfson
 from granular_contact.results import Results as Results
+from granular_contact.sand.space.mesh_shape import Mesh as Mesh
 from granular_contact.sand.space.shapes import Bar as Bar
 from granular_contact.sand.space.shapes import Box as Box
 from granular_contact.sand.space.shapes import Capsule as Capsule
 from granular_contact.sand.space.shapes import Cone as Cone
 from granular_contact.sand.space.shapes import Cylinder as Cylinder
-from granular_contact.sand.space.shapes import Mesh as Mesh
 from granular_contact.sand.space.shapes import Plate as Plate
 from granular_contact.sand.space.shapes import Sphere as Sphere
 from granular_contact.scene.build import build as build

@@ -20,6 +20,7 @@ from granular_contact.results.observed import Observations
 from granular_contact.scene.types import Reduced, Scene
 
 if TYPE_CHECKING:
+    from granular_contact.mechanics.kinematics import Kinematics
     from granular_contact.mechanics.system import System, Trajectory
 
 Made = TypeVar("Made")
@@ -254,31 +255,45 @@ def _solved(scene: Scene, progress: Progress | None, compiling: Compiling | None
     return begun, begun.solving.trajectory()
 
 
+def _motion(system: Any, trajectory: Trajectory) -> Kinematics:
+    """The motion of a system."""
+    if system.scene.in_space:
+        from granular_contact.mechanics.space.kinematics import SpatialKinematics
+
+        return SpatialKinematics(system, trajectory)
+    from granular_contact.mechanics.kinematics import Kinematics
+
+    return Kinematics(system, trajectory)
+
+
 def _observed(
     scene: Scene,
     progress: Progress | None,
     inspect: Callable[[System, Trajectory], None] | None,
     compiling: Compiling | None,
 ) -> tuple[Begun, Observation]:
-    """Solve to the end; again with shorter strips where they are to be chosen by their error."""
+    """Solve to the end; again with smaller strips or facets where they are to be chosen by their error."""
     begun, trajectory = _solved(scene, progress, compiling)
     if begun.system is None:
         return begun, begun.observe(trajectory)
-    if trajectory.load is not None and not scene.in_space:
-        from granular_contact.mechanics.kinematics import Kinematics
-        from granular_contact.mechanics.strip_error import finer, strip_error
+    if trajectory.load is not None:
+        from granular_contact.mechanics.strip_error import finer, strip_error, way
 
-        spent, before = trajectory.cost.solve_s, math.inf
+        spent, before, coarser = trajectory.cost.solve_s, math.inf, None
         while begun.system:
-            error = strip_error(Kinematics(begun.system, trajectory))
+            error = strip_error(_motion(begun.system, trajectory), coarser=coarser)
             trajectory = replace(trajectory, strip_error=error)
-            shorter = finer(Kinematics(begun.system, trajectory), before)
+            shorter = finer(_motion(begun.system, trajectory), before)
             if shorter is None:
                 break
-            before = error
+            before, coarser = error, way(_motion(begun.system, trajectory))
+            again, found = _solved(shorter, progress, compiling)
+            spent += found.cost.solve_s
+            if scene.in_space and found.status.code in ("time_limit", "failed"):
+                again.solving.close()
+                break  # what ended is kept, with the warning of its error
             begun.solving.close()
-            begun, trajectory = _solved(shorter, progress, compiling)
-            spent += trajectory.cost.solve_s
+            begun, trajectory = again, found
         trajectory = replace(trajectory, cost=replace(trajectory.cost, solve_s=spent))
     if inspect is not None and begun.system is not None:
         inspect(begun.system, trajectory)

@@ -25,8 +25,10 @@ FLOORS = (
     ("robot",),
     ("config",),
     ("sand.space.triangles", "sand.space.heights"),  # shapes and surfaces are made once, for scenes too
+    ("sand.space.facets",),
     ("sand.space.shapes",),
     ("sand.space.beam_shape",),
+    ("sand.space.mesh_shape",),
     ("scene", "starter"),
     ("results",),
     ("sand",),

@@ -46,12 +46,12 @@ def freedoms(motion: Kinematics) -> Freedoms:
     for joint in tree:
         if joint.has_coordinate and joint.name not in moved:
             i = columns[joint.name]
-            K[:, i, i], D[:, i, i] = _slopes(motion, joint, scene.drive(joint.name))
+            K[:, i, i], D[:, i, i] = slopes(motion, joint, scene.drive(joint.name))
     if not closures:
         return Freedoms(W, K, D)
     held = [motion.constraints.held(joint) for joint in closures]
     held += [motion.constraints.moved(joint) for joint in closures if joint.name in moved]
-    Z = _left_by(together(held).J @ W)
+    Z = left_by(together(held).J @ W)
     turned = Z.transpose(0, 2, 1)
     return Freedoms(W @ Z, turned @ K @ Z, turned @ D @ Z)
 
@@ -102,7 +102,7 @@ def _move(motion: Kinematics, name: str, twist: Vector, W: Vector) -> None:
         W[:, node[2]], W[:, node[3]] = -q[:, node[3], None] * twist[:, 2], q[:, node[2], None] * twist[:, 2]
 
 
-def _slopes(motion: Kinematics, joint: Joint, drive: Drive | None) -> tuple[Vector, Vector]:
+def slopes(motion: Kinematics, joint: Joint, drive: Drive | None) -> tuple[Vector, Vector]:
     """Stiffness and damping (n,) of all that acts along the coordinate of a joint."""
     s, rate = motion.coordinate(joint)
     law = joint.law
@@ -123,7 +123,7 @@ def _slopes(motion: Kinematics, joint: Joint, drive: Drive | None) -> tuple[Vect
     return K, D
 
 
-def _left_by(J: Vector) -> Vector:
+def left_by(J: Vector) -> Vector:
     """What rows J (n, k, d) leave of d freedoms, (n, d, the fewest at any instant)."""
     _, values, turned = np.linalg.svd(J, full_matrices=True)
     rank = int((values > REGULAR * np.max(values, axis=1, keepdims=True)).sum(axis=1).max(initial=0))

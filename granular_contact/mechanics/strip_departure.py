@@ -33,9 +33,9 @@ def estimate(observer: Kinematics, doubtful: float) -> float:
     return error
 
 
-def _departure(observer: Kinematics, own: GranularLoad, other: GranularLoad, instants: int) -> float:
+def _departure(observer: Kinematics, own: GranularLoad, other: GranularLoad, count: int) -> float:
     """Greatest departure of any point with another load, as a part of the distance that the fastest one travels."""
-    t, at = observer.trajectory, _instants(observer, instants)
+    t, at = observer.trajectory, instants(observer, count)
     part = replace(t, time=t.time[at], q=t.q[at], v=t.v[at], load=None, a=None, multipliers={}, set_to={})
     motion = _motion(type(observer)(observer.system, part))
     if motion.W.shape[2] == 0:
@@ -45,7 +45,7 @@ def _departure(observer: Kinematics, own: GranularLoad, other: GranularLoad, ins
     return float(off.max()) / max(observer.path_length, observer.scene.least_path)
 
 
-def _instants(observer: Kinematics, count: int) -> NDArray[np.int64]:
+def instants(observer: Kinematics, count: int) -> NDArray[np.int64]:
     """Indices from the touch to the end, so that little passes in between: of the time, the way, changes of speed."""
     t = observer.trajectory
     assert t.load is not None

@@ -1,7 +1,9 @@
-"""Strips that are too long: the error of a run by them (`strip_departure`), a warning, a scene with shorter ones.
+"""Strips and facets that are too large: the error of a run by them, a warning, a scene with smaller ones.
 
-Steps of a run with `solver.accuracy` are chosen so that positions are as exact. So are its strips: where they are off
-by more, the scene is solved once more with shorter ones, to the end, unless they are short enough already.
+It is estimated by `strip_departure`, in space by `space.facet_departure`. Steps of a run with `solver.accuracy` are
+chosen so that positions are as exact. So are its strips and facets: where they are off by more, the scene is solved
+once more with smaller ones, to the end, unless they are small enough already. In space that holds without an accuracy,
+too, for an error of `FACET_ERROR`, as the size of facets follows from it; unless the config gives sizes.
 """
 
 from __future__ import annotations
@@ -9,53 +11,93 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import Any
 
 from granular_contact.mechanics.kinematics import Kinematics
 from granular_contact.results import FINISHED
 from granular_contact.results.accuracy import AccuracyWarning
 from granular_contact.scene.types import Load, Scene
+from granular_contact.values.scalars import FACET_ERROR
 
 ERROR = 5e-3  # of the distance, that is reported
 DOUBTFUL = 0.1  # of what is allowed: where a first estimate is above it, it is made more exact
 SAFE = 3.0  # errors near what is asked for are up to four times the estimate
+SAFE_IN_SPACE, DOUBTFUL_IN_SPACE = 1.2, 0.5  # the same of facets
+LEAST_SHARE, LEAST_BY_DEFAULT = 1.0 / 8.0, 1.0 / 4.0  # of the size of facets; the latter where no accuracy is asked for
+STEPS_OF_SHARE = 0.7, 0.5  # that are taken: a few, so that round-off of an estimate changes no facets
 MOST = 128, 32  # strips of a rigid part and of an element, to which they are chosen
 STALLED = 0.8  # part of the error before that is left where it is not of the strips; by theirs of first order 2/3 is
 
 
-def strip_error(observer: Kinematics, allowed: float | None = None) -> float:
+def way(observer: Kinematics) -> Any:
+    """What `strip_error` needs of a run in space that is repeated."""
+    if not observer.scene.in_space:
+        return None
+    from granular_contact.mechanics.space import facet_departure
+
+    return facet_departure.track(observer)
+
+
+def strip_error(observer: Kinematics, allowed: float | None = None, coarser: Any = None) -> float:
     """Estimated error of positions by the strips, as a part of the distance that the fastest point travels.
 
-    allowed: by default what the steps are asked for, or `ERROR`. Where it is far below that it is less exact.
+    allowed: by default what the steps are asked for, or `ERROR`. Where it is far below that it is less exact. coarser:
+    in space the way of the same run with larger facets.
     """
     t, scene = observer.trajectory, observer.scene
     if t.strip_error is not None:
         return t.strip_error
-    if t.load is None or len(t.time) < 3 or scene.in_space or not (t.load.depth > 0.0).any():
-        return 0.0  # in space facets are of the size asked for
+    if t.load is None or len(t.time) < 3 or not (t.load.depth > 0.0).any():
+        return 0.0
+    if scene.in_space:
+        from granular_contact.mechanics.space import facet_departure
+
+        if coarser is not None:
+            return facet_departure.estimate_of_two(coarser, observer)
+        return facet_departure.estimate(observer, DOUBTFUL_IN_SPACE * (allowed or asked(scene) or ERROR))
     from granular_contact.mechanics.strip_departure import estimate  # here, as the compiler comes with it
 
     return estimate(observer, DOUBTFUL * (allowed or scene.solver.accuracy or ERROR))
 
 
 def finer(observer: Kinematics, before: float = math.inf) -> Scene | None:
-    """The scene with shorter strips, where its steps are chosen by their error and its strips are off by more.
+    """The scene with smaller strips or facets, where these are off by more than is allowed.
 
     before: the error with the strips before; where nearly as much is left, it is not of the strips.
     """
     scene = observer.scene
-    accuracy, t = scene.solver.accuracy, observer.trajectory
+    accuracy, t = asked(scene), observer.trajectory
     if accuracy is None or t.status.code not in FINISHED:
         return None
     # Each strip longer than a grain has a draw of its own: other strips would be another sand of the same kind, and a
     # seed no motion that finer steps converge to.
     if any(medium.scatters for medium in scene.media):
         return None
-    error = SAFE * strip_error(observer)
-    load = shorter(scene.load, error / accuracy)
-    if not error > accuracy or load == scene.load or error > STALLED * SAFE * before:
+    found, safe = strip_error(observer), SAFE_IN_SPACE if scene.in_space else SAFE
+    smaller = _smaller(scene, safe * found / accuracy)
+    if not safe * found > accuracy or smaller == {} or found > STALLED * before:
         return None
     left = None if scene.solver.max_wall_s is None else max(1e-3, scene.solver.max_wall_s - t.cost.solve_s)
-    return replace(scene, load=load, solver=scene.solver.model_copy(update={"max_wall_s": left}))
+    return replace(scene, **smaller, solver=scene.solver.model_copy(update={"max_wall_s": left}))
+
+
+def asked(scene: Any) -> float | None:
+    """The error that strips or facets are chosen for, as a part of the distance travelled."""
+    named: float | None = scene.solver.accuracy
+    if not scene.in_space or scene.solver.named is not None:
+        return named
+    return None if any(part.facet_size for body in scene.rigid for part in body.parts) else FACET_ERROR
+
+
+def _smaller(scene: Any, factor: float) -> dict[str, Any]:
+    """What of a scene changes for an error smaller by twice a factor; nothing where it is as small as can be."""
+    if scene.in_space:
+        least = LEAST_BY_DEFAULT if scene.solver.named is None else LEAST_SHARE
+        step = next((one for one in STEPS_OF_SHARE if one**2 * factor < 1.0), STEPS_OF_SHARE[-1])
+        share = max(least, scene.facet_share * step)
+        return {"facet_share": share} if share < scene.facet_share else {}
+    load = shorter(scene.load, factor)
+    return {"load": load} if load != scene.load else {}
 
 
 def shorter(load: Load, factor: float) -> Load:
@@ -70,10 +112,18 @@ def shorter(load: Load, factor: float) -> Load:
 
 
 def strip_warnings(observer: Kinematics) -> Iterator[AccuracyWarning]:
-    """A sentence where the strips are too long."""
+    """A sentence where the strips are too long, or the facets too large."""
     scene = observer.scene
     allowed = max(ERROR, scene.solver.accuracy or 0.0)
     if not (error := strip_error(observer)) > allowed:
+        return
+    if scene.in_space:
+        share = math.sqrt(allowed / (SAFE_IN_SPACE * error))
+        yield AccuracyWarning(
+            f"the facets on which the medium acts are too large: the error of the motion is about {error:.1%} of its "
+            f"path; take facet_size_m in its shapes, {share:.2g} times their present size",
+            error,
+        )
         return
     load, now = shorter(scene.load, error / allowed), scene.load
     keys = [f"load.strips_per_rigid_part: {load.strips_per_rigid_part} (now {now.strips_per_rigid_part})"]

@@ -17,10 +17,14 @@ ACCURACY = 1e-3  # with 1e-2, enough for most paths, the energy of a drive's wor
 
 
 class Steps(Solver):
-    """`solver` of a config with steps that are known; why: a sentence on what they are and where they come from."""
+    """`solver` of a config with steps that are known; why: a sentence on what they are and where they come from.
+
+    named: the accuracy that the config names, None for the default's.
+    """
 
     step_s: float = STEP
     why: str = ""
+    named: float | None = None
 
 
 def steps(scenario: Scenario) -> Steps:
@@ -33,7 +37,7 @@ def steps(scenario: Scenario) -> Steps:
     else:
         what = f"of at most {1e3 * step:g} ms" if scenario.method.reduced is not None else f"of {1e3 * step:g} ms"
     given = {key: getattr(solver, key) for key in Solver.model_fields}
-    return Steps(**given | {"step_s": step, "accuracy": accuracy, "why": f"{what}: {why}"})
+    return Steps(**given | {"step_s": step, "accuracy": accuracy, "why": f"{what}: {why}", "named": solver.accuracy})
 
 
 def _chosen(scenario: Scenario) -> tuple[float | None, str]:

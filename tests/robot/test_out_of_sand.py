@@ -13,7 +13,7 @@ from support_robot import block, robot_in, stl
 from granular_contact import config, scene
 from granular_contact.cli import main
 from granular_contact.errors import ConfigError, SceneError
-from granular_contact.sand.space.shapes import Mesh
+from granular_contact.sand.space.mesh_shape import Mesh
 
 CUBE = block((0.1, 0.1, 0.1))
 MESH = '<mesh filename="meshes/foot.stl" scale="0.001 0.001 0.001"/>'

@@ -139,19 +139,22 @@ def test_rft_is_taken_in_the_vertical_plane_of_the_motion() -> None:
 
 
 def test_what_slides_meets_the_law_on_all_that_leads() -> None:
-    """A ball below the surface, against the sum of the law over its front; slowly it has up to 4 % less lift."""
+    """A ball below the surface, against the integral of the law over its front; slowly it has up to 4 % less lift."""
     u, sand = np.array([1.0, 0.0, 0.0]), SimpleNamespace(xi_n=SAND.stiffness(9.81), mu_surf=SAND.mu_surf)
-    for speed, least in ((1.0, 0.9999), (0.01, 0.998), (1e-5, 0.96)):
-        load = load_on(SAND, Sphere(0.04, 2.0), 0.004)
+    cosines, weights = np.polynomial.legendre.leggauss(60)
+    angles, whole = (np.arange(120) + 0.5) * np.pi / 60, np.zeros(3)
+    for c, weight in zip(0.5 * (cosines + 1.0), 0.5 * weights, strict=True):  # of the angle to the motion
+        for n in ((c, np.sqrt(1.0 - c * c) * np.cos(a), np.sqrt(1.0 - c * c) * np.sin(a)) for a in angles):
+            area = 2.0 * np.pi * 0.02**2 * weight / len(angles)
+            whole += area * (0.03 - 0.02 * n[2]) * np.array(Rft3d.facet_stress(*n, *u, sand))
+    for speed, least in ((1.0, 0.999), (0.01, 0.99), (1e-5, 0.95)):
+        load = load_on(SAND, Sphere(0.04, 2.0), 0.001)
         load.start(state(np.array([0.0, 0.0, -0.03]), Rotation.identity(), speed * u, np.zeros(3))[0])
         for x in np.linspace(0.0, 3e-5, 31)[1:]:  # three yield displacements
             load.accept(x / speed, *state(np.array([x, 0.0, -0.03]), Rotation.identity(), speed * u, np.zeros(3)))
-        rows = load.batches[0].elements
-        leads = rows[rows[:, 4] > 0.0]  # their normals along x
-        parts = [row[7] * (0.03 - row[2]) * np.array(Rft3d.facet_stress(*row[4:7], *u, sand)) for row in leads]
-        for got, whole in zip(load.last.bodies[0, 0, [0, 2]], np.sum(parts, axis=0)[[0, 2]], strict=True):
-            assert abs(whole) > 1.0
-            assert least < got / whole < 1.0001
+        for k in (0, 2):
+            assert abs(whole[k]) > 1.0
+            assert least < load.last.bodies[0, 0, k] / whole[k] < 1.001  # facets of 1 mm
 
 
 @pytest.mark.parametrize("name", PAIRS)
@@ -184,7 +187,7 @@ def test_mirror_images(name: str) -> None:
         other: Any = Bar(np.asarray(shape.points) * [1, -1, 1], shape.diameter)
         first: Any = shape
     else:
-        corners = shape.corners().reshape(-1, 3)
+        corners = shape.corners(10.0).reshape(-1, 3)
         faces = np.arange(len(corners)).reshape(-1, 3)
         first, other = Mesh(corners, faces), Mesh(corners * [1, -1, 1], faces[:, ::-1])
     mirror, axial = np.array([1, -1, 1]), np.array([-1, 1, -1])
@@ -213,8 +216,8 @@ def test_a_box_of_twelve_triangles_is_cut_fine_enough() -> None:
         load.start(q)
         load.accept(0.0, q, v)
         forces[key] = load.history.bodies[0, 0]
-    np.testing.assert_allclose(forces["mesh"], forces["box"], rtol=1e-12, atol=1e-12)
-    assert np.linalg.norm((forces["mesh"] - forces["fine"])[:3]) < 5e-3 * np.linalg.norm(forces["fine"][:3])
+    for name in ("mesh", "box"):
+        assert np.linalg.norm((forces[name] - forces["fine"])[:3]) < 2e-3 * np.linalg.norm(forces["fine"][:3])
 
 
 @pytest.mark.parametrize(

@@ -27,7 +27,7 @@ SHAPES = [
 def refused(shape: Any, size: float) -> str:
     began = time.perf_counter()
     with pytest.raises(SceneError) as caught:
-        shape.corners(size)
+        shape.facets(size)
     assert time.perf_counter() - began < 20.0  # a second here; without the bound it takes all memory
     (fault,) = caught.value.faults
     assert fault.key == "facet_size"
@@ -42,7 +42,7 @@ def test_any_shape_in_facets_too_small_is_refused_with_the_size_allowed(shape: A
     found = re.search(r"got (\S+) m, of which \S+ m2 takes more than 20,000 facets, .*; (\S+) m will do", words)
     assert found
     assert float(found[1]) == 1e-5
-    assert 1_000 < len(shape.corners(float(found[2]))) <= 20_000
+    assert 1_000 < len(shape.facets(float(found[2])).area) <= 20_000
 
 
 def test_a_mesh_that_has_too_many_triangles_is_told_so(monkeypatch: Any) -> None:
@@ -84,13 +84,13 @@ def test_out_of_the_sand_it_is_no_matter() -> None:
 
 
 def test_all_shapes_of_a_bed_count(monkeypatch: Any) -> None:
-    monkeypatch.setattr("granular_contact.sand.space.load.MOST_FACETS", 700)
+    monkeypatch.setattr("granular_contact.sand.space.load.MOST_FACETS", 5000)
     bed = SpatialLoad(preset("rft3d_sand"), 0.0)
     box, body = Box((0.2, 0.1, 0.04)), Body("foot", range(7))
-    each = len(box.corners())
-    for _ in range(700 // each):
+    each = len(box.facets().area)
+    for _ in range(5000 // each):
         bed.add_shape(body, box)
-    with pytest.raises(SceneError, match=r"got \d+ facets in all; allowed are 700"):
+    with pytest.raises(SceneError, match=r"got [\d,]+ facets in all; allowed are 5,000"):
         bed.add_shape(body, box)
 
 

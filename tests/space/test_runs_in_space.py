@@ -24,7 +24,7 @@ from granular_contact.scene.joint_law import JointLaw
 FREE = {"f": {"type": "free", "parent": "ground", "child": "b"}}
 SOLVER = {"end_time_s": 0.12, "accuracy": 1e-3, "rest_time_s": None}
 POLYGON = [[-0.03, -0.02], [0.03, -0.02], [0.04, 0.01], [0, 0.03], [-0.04, 0.01]]
-FINE = {"facet_size_m": 0.006}
+FINE = {"facet_size_m": 0.003}
 # Planar shape, the same extruded, medium.
 EXTRUDED: dict[str, tuple[dict[str, Any], dict[str, Any], str]] = {
     "plate": (
@@ -108,7 +108,7 @@ def test_what_is_extruded_moves_as_in_the_plane(name: str, width: float | None) 
     at = np.linspace(0.0, 0.12, 60)
     one, other = columns(flat, "b_x_m", "b_y_m", at=at), columns(deep, "b_x_m", "b_z_m", at=at)
     way = np.linalg.norm(np.diff(one, axis=0), axis=1).sum()
-    # Facets of 6 mm in place of strips, 96 chords of a circle, steps at an accuracy of 1e-3 each.
+    # Facets of 3 mm in place of strips, 96 chords of a circle, steps at an accuracy of 1e-3 each.
     assert np.linalg.norm(one - other, axis=1).max() < 1e-3 * way
     assert np.abs(columns(flat, "b_orientation_deg", at=at) - columns(deep, "b_pitch_deg", at=at)).max() < 0.1
     assert np.abs(deep["b_y_m"]).max() < 1e-4 * way  # the facets of both sides are not quite alike

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,6 @@ from support_space import BODY, PLAY, SAND, load_on, message
 from granular_contact import Bar, Box, Capsule, Cone, Cylinder, Mesh, Plate, Poncelet, Rft, Sphere
 from granular_contact.geometry.mesh import areas
 from granular_contact.sand.space.load import SpatialLoad
-from granular_contact.sand.space.triangles import facet_rows
 
 D, H = 0.1, 0.15
 SOLIDS = {
@@ -38,13 +38,47 @@ def test_solids_are_closed_and_as_large_as_they_should_be(name: str) -> None:
     Mesh(whole.reshape(-1, 3), np.arange(3 * len(whole)).reshape(-1, 3))  # is not refused: closed, outside out
 
 
-def test_facets_keep_the_surface_and_neighbours_together() -> None:
-    corners = Sphere(D).corners(0.004)
-    rows = facet_rows(corners, False)
-    assert rows[:, 7].sum() == pytest.approx(np.linalg.norm(areas(corners), axis=1).sum())
-    clusters = load_on(SAND, Sphere(D), 0.004).lines[0].clusters
+@pytest.mark.parametrize("name", SOLIDS)
+def test_facets_have_the_area_of_the_surface_and_enclose_its_volume(name: str) -> None:
+    """Of round surfaces, too, whose patches have their own centroids and mean normals: to second order."""
+    shape, volume, area = SOLIDS[name]
+    off = []
+    for size in (0.01, 0.005):
+        made = shape.facets(size)
+        assert made.area.sum() == pytest.approx(area, rel=1e-9)
+        off.append(abs(float(made.area @ np.sum(made.place * made.normal, axis=1)) / 3.0 / volume - 1.0))
+        assert np.abs(made.area @ made.normal).max() < 5e-3 * area
+    assert off[1] < max(0.35 * off[0], 1e-12)
+    assert off[0] < 2e-2
+
+
+@pytest.mark.parametrize("name", SOLIDS)
+def test_facets_are_alike_on_all_sides(name: str) -> None:
+    """The mirror image of each facet in the planes of the axes is one of the others; a cone has no image in z."""
+    made = SOLIDS[name][0].facets(0.02)
+    for axis in range(2 if name == "cone" else 3):
+        flip = np.ones(3)
+        flip[axis] = -1.0
+        images = np.column_stack([flip * made.place, flip * made.normal, made.area])
+        facets = np.column_stack([made.place, made.normal, made.area])
+        far = np.abs(images[:, None] - facets[None]).max(axis=2)
+        assert far.min(axis=1).max() < 1e-12
+        assert len(set(far.argmin(axis=1).tolist())) == len(facets)
+
+
+def test_neighbours_stay_together() -> None:
+    clusters = load_on(SAND, Sphere(D), 0.002).lines[0].clusters
     assert len(clusters) > 20
     assert np.median(clusters["radius"]) < 0.35 * D
+
+
+def test_facets_without_a_size_follow_the_error_that_is_allowed() -> None:
+    """Errors go with the square of the size, so there are as many more facets as the error is smaller."""
+    for shape, *_ in SOLIDS.values():
+        counts = [len(shape.facets(accuracy=error).area) for error in (8e-3, 2e-3, 5e-4)]
+        for fewer, more in pairwise(counts):
+            assert more / fewer == pytest.approx(4.0, rel=0.25)
+        assert len(shape.facets().area) == len(shape.facets(accuracy=3e-3).area)
 
 
 CUBE = Box((0.1, 0.1, 0.1)).corners(10.0)

@@ -94,5 +94,5 @@ def _granular_load(system: SpatialSystem) -> Coupling | None:
     load = load_of(scene)
     coupling = Coupling(system.mbs, load)
     for handle, part in parts:
-        add_part(load, coupling.body(handle.object, in_space=True), part, handle.body.mass)
+        add_part(load, coupling.body(handle.object, in_space=True), part, scene, handle.body.mass)
     return coupling

@@ -12,7 +12,10 @@ from numpy.typing import NDArray
 
 from granular_contact.engines.mujoco.engine import mujoco, name_of
 from granular_contact.errors import Fault, SceneError, scene_fault
+from granular_contact.sand.kernels.facets import PARALLELOGRAM
 from granular_contact.sand.space import shapes
+from granular_contact.sand.space.facets import Facets, Size
+from granular_contact.sand.space.mesh_shape import Mesh
 
 Vector = NDArray[np.float64]
 KIND = mujoco.mjtGeom
@@ -92,11 +95,24 @@ class Outside(shapes.Shape):
     def corners(self, size: float | None = None) -> Vector:
         """As `Shape.corners`."""
         made = self._whole.corners(size)
-        places = made.mean(axis=1) @ self._one.turn.T + self._one.place
-        hidden = np.zeros(len(made), dtype=bool)
+        return made[self._shown(made.mean(axis=1))]
+
+    def facets(self, size: float | None = None, accuracy: float | None = None, share: float = 1.0) -> Facets:
+        """As `Shape.facets`."""
+        made = self._whole.facets(size, accuracy, share)
+        return made.taken(self._shown(made.place))
+
+    def rims(self) -> Vector:
+        """As `Shape.rims`."""
+        return self._whole.rims()
+
+    def _shown(self, places: Vector) -> NDArray[np.bool_]:
+        """Which places (n, 3) m in the frame of the geom are outside all others."""
+        placed = places @ self._one.turn.T + self._one.place
+        hidden = np.zeros(len(places), dtype=bool)
         for other in self._others:
-            hidden |= _inside(other, places)
-        return made[~hidden]
+            hidden |= _inside(other, placed)
+        return ~hidden
 
 
 def _inside(one: Geom, places: Vector) -> NDArray[np.bool_]:
@@ -131,6 +147,18 @@ class _Ellipsoid(shapes.Shape):
         unit = shapes.Sphere(2.0).corners(max(fine / most, 0.2 * least / most))
         return np.ascontiguousarray(unit * self._radii)
 
+    def facets_of(self, size: Size) -> Facets:
+        """As `Shape.facets_of`: those of a sphere of radius 1 m, stretched along the axes."""
+        S, least, most = self._radii, float(self._radii.min()), float(self._radii.max())
+        unit = shapes.Sphere(2.0).facets_of(Size(size.edge / most, size.turn * max(0.3, least / most)))
+        a, b, normal = S * unit.a, S * unit.b, unit.normal / S
+        grown = np.linalg.norm(normal, axis=1)
+        curve = [np.sum(e * e, axis=1) / grown / np.sum(f * f, axis=1) for e, f in ((unit.a, a), (unit.b, b))]
+        return Facets(
+            *(S * unit.place, normal / grown[:, None], unit.area * S.prod() * grown, a, b),
+            *(np.full(len(grown), PARALLELOGRAM), np.stack(curve, axis=1)),
+        )
+
 
 def _mesh(model: Any, one: Geom, hull: bool) -> shapes.Shape:
     mesh = int(model.geom_dataid[one.number])
@@ -141,7 +169,7 @@ def _mesh(model: Any, one: Geom, hull: bool) -> shapes.Shape:
     if hull:
         vertices, faces = _hull(vertices)
     try:
-        return shapes.Mesh(vertices, faces, scale=1.0, name=f"geom {one.name}")
+        return Mesh(vertices, faces, scale=1.0, name=f"geom {one.name}")
     except SceneError as error:
         more = "add_geoms(..., hull=True) takes its convex hull, as MuJoCo's contacts do"
         raise SceneError([Fault(f.file, f.line, f.key, f"{f.message}; {more}") for f in error.faults]) from None

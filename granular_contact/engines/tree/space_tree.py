@@ -136,7 +136,7 @@ def _granular_load(scene: SpatialScene, places: dict[str, int]) -> SpatialLoad |
         return None
     load = load_of(scene)
     for body, part in parts:
-        add_part(load, Body(body.name, POSE * places[body.name] + np.arange(POSE)), part, body.mass)
+        add_part(load, Body(body.name, POSE * places[body.name] + np.arange(POSE)), part, scene, body.mass)
     load.close()
     return load if load.lines else None
 

@@ -7,6 +7,7 @@ kinematics    positions, orientations, rates of bodies and joints along a trajec
 beams         links that bend: what is between their elements, energies, deflection
 constraints   what joints ask of accelerations
 wheels        slip, sinkage and forces of wheels
+facet_departure   what larger facets would change
 observe, senses   Trajectory, or one instant, in columns of three dimensions
 
 The solve itself, its choice of steps, what is recorded and finding rest are those of the plane.

@@ -35,6 +35,10 @@ class SpatialConstraints:
         axis = (self.motion.rotation(joint.parent) @ joint.parent_turn)[:, None, :, 2]
         return (self._turned(joint) if joint.kind == "hinge" else self._apart(joint)).along(axis)
 
+    def coordinates(self, joint: SpatialJoint) -> Rows:
+        """The coordinate of a hinge or slider; of a ball joint the three of its turn, by small angles (rad)."""
+        return self._turned(joint) if joint.kind == "ball" else self.moved(joint)
+
     def _apart(self, joint: SpatialJoint) -> Rows:
         """Of the child's point in the frame of the parent: less the parent's own point that is there, and Coriolis'."""
         place, speed = self.motion.position(joint.child, joint.child_point)

@@ -200,7 +200,7 @@ class SpatialKinematics(Kinematics):
         turned = np.einsum("nij,kj->kni", self.rotation(name), part.points)
         at = self._places[name][:3]
         x, y, z = np.moveaxis(self.engine.q[:, at] + turned, 2, 0)
-        depth = bed.height(x, y) - z + part.drop
+        depth = bed.height(x, y) - z + part.reach(*bed.slope(x, y))
         tracks = []
         for k in np.unique(depth.argmax(axis=0)):
             vx, vy, vz = (self.engine.v[:, at] + np.cross(self.spin(name), turned[k])).T
@@ -217,7 +217,7 @@ class SpatialKinematics(Kinematics):
                 seen = (part.points @ R.T + at)[:, [0, 2]]
                 bar = part.meets == ("bar",)
                 across = part.shape.diameter if bar else 2.0 * part.drop
-                drawn.append(Outline(part.name, seen if bar or len(seen) == 1 else silhouette(seen), across))
+                drawn.append(Outline(part.name, seen if bar or len(seen) <= 2 else silhouette(seen), across))
         return tuple(drawn)
 
 

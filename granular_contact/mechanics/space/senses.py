@@ -129,5 +129,6 @@ class SpatialSenses(Senses):
             for part in bodies[i].parts:
                 if part.in_sand:
                     x, y, z = (part.points @ R.T + at[:3]).T
-                    deepest[k] = max(deepest[k], float((bed.height(x, y) - z).max()) + part.drop)
+                    beyond = part.reach(*bed.slope(x, y))
+                    deepest[k] = max(deepest[k], float((bed.height(x, y) - z + beyond).max()))
         return deepest

@@ -12,7 +12,7 @@ a bed in the plane  planar_sand, batches, lines  all media; one; one contact lin
                     departure                    how far a motion departs from one that is known, with other strips
 a bed in space      space_law, space_joining     as `law` and `joining`
                     space_sand, space_bodies     all media; one, with rigid bodies and all elements on them
-                    facets, slices, facet_layers, facet_paths, space_balls    the elements; bars are in `bars`
+                    facets, facet_parts, slices, facet_layers, facet_paths, space_balls    elements; bars: in `bars`
                     ground                       the surface
                     space_reach, space_watched   the walls of a container; `space_sand` with them
 """

@@ -1,15 +1,19 @@
-"""Facets of a surface: triangles, each with one state of motion, one bristle and the part of it that is immersed.
+"""Facets of a surface, each with one state of motion, one bristle and the part of it that is immersed.
 
-A row of `elements`: centroid (m), greatest distance from it to a corner (m), normal, area (m^2), two of the corners
-from the centroid (m), side (see `space_law.facet`). A traction of a law is a stress per depth times the depth, and a
-stress that has no depth in it; over the immersed part of a facet both are integrated exactly, with the state of motion
-at its centroid. With the corners d_i and their depths z_i, over a triangle of area A
+A facet is a triangle with the corners a, b and -a - b from its centroid, or a parallelogram with half edges a and b,
+which can be a patch of a round surface: along a and b its normal turns by the curvatures times their lengths. A row of
+`elements`: centroid (m), greatest distance from it to a corner (m), normal, area (m^2), a (m), b (m), side (see
+`space_law.facets`), form, the two curvatures (1/m). Of round surfaces there are rims, too, which no point is deeper
+than: circles around the normal, and spheres around their points, whose radii (m) stand first in a; they have no area.
 
-    int z dA = A mean(z_i),      int z d dA = A (sum z_i sum d_i + sum z_i d_i) / 12.
+A traction of a law is a stress per depth times the depth, and a stress that has no depth in it; over the immersed part
+of a facet both are integrated exactly (`facet_parts`), with the state of motion at its centroid. What that leaves out
+is second order in the size of facets: how the state of motion and the normal change within one.
 
-Only what leads is loaded. With the direction of motion u at the centroid and s, by how much n . u differs from there to
-a corner, a facet counts with g = clip((n . u + s) / (edge + 2 s), 0, 1): the share of it that leads where a body turns,
-and the fading in of `plates` where it does not. Of a body that rests, with bristles below their yield, the faces beside
+Only what leads is loaded. With the direction of motion u at the centroid, n . u grows along a and b by s_a and s_b, as
+the body turns and as the surface does. A facet counts with g = clip((n . u + s) / (edge + 2 s), 0, 1), s^2 = s_a^2 +
+s_b^2: the share of it that leads, n . u being spread evenly over as much as has its mean square, and the fading in of
+`plates` where nothing turns. Of a body that rests, with bristles below their yield, the faces beside
 it would be loaded or not within a hundredth of a micrometre; so there edge is no angle, but n . q reaches `pressed`, a
 part of the yield displacement, before the face is loaded as a whole [ours]. A ball that slides along slowly has up to
 1 % less resistance by it, and 4 % less lift, as the flat parts of its underside are loaded in part; at 10 mm/s it has
@@ -32,25 +36,28 @@ from granular_contact.jit.chosen import chosen_by
 from granular_contact.jit.compiled import part
 from granular_contact.jit.memory import room2
 from granular_contact.sand.kernels import space_law as law
+from granular_contact.sand.kernels.facet_parts import immersed_part
 from granular_contact.sand.kernels.friction import SMOOTH
 from granular_contact.sand.kernels.plates import EDGE
 from granular_contact.sand.kernels.space_friction import stretched
 
-COLUMNS = 15
-SIDE = 14
+COLUMNS = 18
+SIDE, FORM, CURVE = 14, 15, 16
+TRIANGLE, PARALLELOGRAM, PATCH, RIM = range(4)  # forms
 
 # A block (ROWS, LANES): facets that are loaded, in columns, so that a law treats several of them in one instruction.
 LANES = 32
 # What a law is told, see `space_law.facets`: mean depth of what is immersed, normal, velocity, stretch of the bristle,
-# spread, side, shear displacement. Three rows each where vectors are.
-Z, N, V, E, SPREAD, ONE_SIDE, SHEAR = 0, 1, 4, 7, 10, 11, 12
+# spread along a and b, side, shear displacement. Three rows each where vectors are.
+Z, N, V, E, SPREAD, ONE_SIDE, SHEAR = 0, 1, 4, 7, 10, 12, 13
 # The immersed area (m^2), by how much the terms of the law scatter, where they act from the reference point (m), the
 # depth of the centroid (m), the row in elements; and what the law fills, its tractions.
-AREA, FIRST, SECOND, AT_FIRST, AT_SECOND, CENTRE, ROW = 13, 14, 15, 16, 19, 22, 23
-GROWING, CONSTANT = 24, 27
-# What `lead` fills: the direction in which the law sees the facet move, and the share of its static force.
-U, SHARE = 30, 33
-ROWS = 34
+AREA, FIRST, SECOND, AT_FIRST, AT_SECOND, CENTRE, ROW = 14, 15, 16, 17, 20, 23, 24
+GROWING, CONSTANT = 25, 28
+# What `lead` fills: the direction in which the law sees the facet move, and the share of its static force. By how much
+# the normal of the facet turns along a and along b, three rows each.
+U, SHARE, TURN = 31, 34, 35
+ROWS = 41
 NOTED = GROWING  # rows that `facet_paths` works in before the law fills them
 
 
@@ -75,6 +82,17 @@ def inertia(nx, ny, nz, vx, vy, vz, side, m):
 @chosen_by("m")
 def force(z, nx, ny, nz, vx, vy, vz, ex, ey, ez, spread, side, j, m):
     """Tractions (6,) of a law that says all of them by itself, on one facet; see `space_law.facets`."""
+
+
+@part(inline=True)
+def spread(B, k, x, y, z, factor):
+    """By how much n . (x, y, z) differs within a facet: s as above, m/s of a velocity.
+
+    factor: that of the velocity in (x, y, z), 0 of what does not differ where the body turns.
+    """
+    a = factor * B[SPREAD, k] + B[TURN, k] * x + B[TURN + 1, k] * y + B[TURN + 2, k] * z
+    b = factor * B[SPREAD + 1, k] + B[TURN + 3, k] * x + B[TURN + 4, k] * y + B[TURN + 5, k] * z
+    return math.sqrt(a * a + b * b)
 
 
 @part
@@ -105,7 +123,8 @@ def lead(B, n, m):
         for k in range(n):
             D[3, k] = math.tanh(math.sqrt(Q[0, k] ** 2 + Q[1, k] ** 2 + Q[2, k] ** 2) / rest)
     for k in range(n):
-        s, one = Q[3, k] * Q[4, k] * B[SPREAD, k], Q[4, k]
+        one = Q[4, k]
+        s = spread(B, k, D[0, k], D[1, k], D[2, k], Q[3, k] * one)
         along = B[N, k] * D[0, k] + B[N + 1, k] * D[1, k] + B[N + 2, k] * D[2, k]
         g = min(1.0, max(0.0, (along + s) / (max(EDGE, m.pressed * one) + 2.0 * s)))
         D[3, k] *= 1.0 if B[ONE_SIDE, k] == 0.0 else g
@@ -149,9 +168,8 @@ def own_facets(B, n, m):
     for k in range(n):
         nx, ny, nz = B[N, k], B[N + 1, k], B[N + 2, k]
         vx, vy, vz, ex, ey, ez = B[V, k], B[V + 1, k], B[V + 2, k], B[E, k], B[E + 1, k], B[E + 2, k]
-        px, py, pz, sx, sy, sz = force(
-            B[Z, k], nx, ny, nz, vx, vy, vz, ex, ey, ez, B[SPREAD, k], B[ONE_SIDE, k], B[SHEAR, k], m
-        )
+        s = spread(B, k, vx, vy, vz, 1.0)
+        px, py, pz, sx, sy, sz = force(B[Z, k], nx, ny, nz, vx, vy, vz, ex, ey, ez, s, B[ONE_SIDE, k], B[SHEAR, k], m)
         B[GROWING, k], B[GROWING + 1, k], B[GROWING + 2, k] = px, py, pz
         B[CONSTANT, k], B[CONSTANT + 1, k], B[CONSTANT + 2, k] = sx, sy, sz
 
@@ -164,68 +182,6 @@ def inertial_facets(B, n, m):
         B[CONSTANT, k], B[CONSTANT + 1, k], B[CONSTANT + 2, k] = inertia(
             B[N, k], B[N + 1, k], B[N + 2, k], B[V, k], B[V + 1, k], B[V + 2, k], B[ONE_SIDE, k], m
         )
-
-
-@part
-def corner_part(zk, zi, zj, k, i, j):
-    """Part of a triangle on the one side of the surface where its corner k alone lies.
-
-    zk of another sign than the depths zi and zj (m) of the others; corners from the centroid (3,) m. Returns its share
-    of the area, its mean depth, its centroid (3,) and the centre of its pressure (3,).
-    """
-    s, t = zk / (zk - zi), zk / (zk - zj)
-    x = k[0] + (s * (i[0] - k[0]) + t * (j[0] - k[0])) / 3.0
-    y = k[1] + (s * (i[1] - k[1]) + t * (j[1] - k[1])) / 3.0
-    z = k[2] + (s * (i[2] - k[2]) + t * (j[2] - k[2])) / 3.0
-    centre = 0.25 * (3.0 * x + k[0]), 0.25 * (3.0 * y + k[1]), 0.25 * (3.0 * z + k[2])
-    return s * t, zk / 3.0, (x, y, z), centre
-
-
-@part
-def immersed_part(z, za, zb, zc, a, b, c):
-    """Share of a facet below the surface, its mean depth (m), its centroid (3,) and its centre of pressure (3,).
-
-    z: depth of the centroid; za, zb, zc those of the corners (m), not all of one sign; a, b, c: corners from the
-    centroid (3,) m, as are the results.
-    """
-    if (zb > 0.0) == (zc > 0.0):
-        share, mean, o, p = corner_part(za, zb, zc, a, b, c)
-        lone = za
-    elif (za > 0.0) == (zc > 0.0):
-        share, mean, o, p = corner_part(zb, zc, za, b, c, a)
-        lone = zb
-    else:
-        share, mean, o, p = corner_part(zc, za, zb, c, a, b)
-        lone = zc
-    if lone > 0.0:
-        return share, mean, o, p
-    # The whole without the corner above the surface.
-    left, total, off = 1.0 - share, z - share * mean, share * mean
-    wx = (za * a[0] + zb * b[0] + zc * c[0]) / 12.0 - off * p[0]
-    wy = (za * a[1] + zb * b[1] + zc * c[1]) / 12.0 - off * p[1]
-    wz = (za * a[2] + zb * b[2] + zc * c[2]) / 12.0 - off * p[2]
-    k = -share / left
-    return left, total / left, (k * o[0], k * o[1], k * o[2]), (wx / total, wy / total, wz / total)
-
-
-@part
-def immersion(z, za, zb, ax, ay, az, bx, by, bz):
-    """Share of a facet below the surface, its mean depth (m), its centroid (3,) and its centre of pressure (3,).
-
-    z: depth (m) of the centroid; za, zb (m): by how much the corners a and b, at (3,) m from it as are the results, are
-    deeper. A share of 0: nothing is below.
-    """
-    cx, cy, cz, zc = -ax - bx, -ay - by, -az - bz, -za - zb
-    if z + min(za, min(zb, zc)) >= 0.0 and z > 0.0:
-        k = 1.0 / (12.0 * z)
-        hx, hy = k * (za * ax + zb * bx + zc * cx), k * (za * ay + zb * by + zc * cy)
-        return 1.0, z, 0.0, 0.0, 0.0, hx, hy, k * (za * az + zb * bz + zc * cz)
-    if z + max(za, max(zb, zc)) <= 0.0:
-        return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    share, mean, (ox, oy, oz), (hx, hy, hz) = immersed_part(
-        z, z + za, z + zb, z + zc, (ax, ay, az), (bx, by, bz), (cx, cy, cz)
-    )
-    return share if mean > 0.0 else 0.0, mean, ox, oy, oz, hx, hy, hz
 
 
 @part(inline=True)
@@ -249,26 +205,29 @@ def seen(R, x, y, z):
 
 @part(inline=True)
 def spread_along(elements, i, q):
-    """By how much n . v differs along a facet, row i: t (3,) with t . d, t = n x w, and the most at a corner.
+    """By how much n . v grows along a and b of a facet, row i, as it turns by q (3,), as seen from the body.
 
-    q (3,): angular velocity, as seen from the body.
+    Of a triangle along the half edges of a parallelogram with its second moments.
     """
     cx, cy, cz = elements[i, 4], elements[i, 5], elements[i, 6]
     tx, ty, tz = cy * q[2] - cz * q[1], cz * q[0] - cx * q[2], cx * q[1] - cy * q[0]
     za = tx * elements[i, 8] + ty * elements[i, 9] + tz * elements[i, 10]
     zb = tx * elements[i, 11] + ty * elements[i, 12] + tz * elements[i, 13]
-    return tx, ty, tz, max(abs(za), max(abs(zb), abs(za + zb)))
+    if elements[i, FORM] == TRIANGLE:
+        return math.sqrt(0.375) * (za + zb), math.sqrt(0.125) * (za - zb)
+    return za, zb
 
 
 @part(inline=True)
 def below_surface(elements, i, z, d, medium):
-    """As `immersion`, of a facet, row i, whose depth grows by d (3,) as seen from the body; that in the layer."""
+    """`immersed_part` of a facet, row i, whose depth grows by d (3,) as seen from the body; of that in the layer."""
     ax, ay, az = elements[i, 8], elements[i, 9], elements[i, 10]
     bx, by, bz = elements[i, 11], elements[i, 12], elements[i, 13]
     za, zb = d[0] * ax + d[1] * ay + d[2] * az, d[0] * bx + d[1] * by + d[2] * bz
+    four = elements[i, FORM] != TRIANGLE
     if medium.layered:
-        return law.in_layer(medium, (z, za, zb, ax, ay, az, bx, by, bz, medium.top, medium.bottom))
-    return immersion(z, za, zb, ax, ay, az, bx, by, bz)
+        return law.in_layer(medium, (four, z, za, zb, ax, ay, az, bx, by, bz, medium.top, medium.bottom))
+    return immersed_part(four, z, za, zb, ax, ay, az, bx, by, bz)
 
 
 @part
@@ -280,8 +239,8 @@ def gather(elements, anchors, cluster, pose, ground, first, medium, B):
     """
     R, x0, y0, z0, steep = axes(pose), pose[3, 0], pose[3, 1], pose[3, 2], ground[3]
     v, w = (pose[4, 0], pose[4, 1], pose[4, 2]), (pose[5, 0], pose[5, 1], pose[5, 2])
-    # Seen from the body: how the depth grows, velocity and angular velocity.
-    d, p, q = seen(R, ground[1], ground[2], -1.0), seen(R, v[0], v[1], v[2]), seen(R, w[0], w[1], w[2])
+    # Seen from the body: how the depth grows, and the angular velocity.
+    d, q = seen(R, ground[1], ground[2], -1.0), seen(R, w[0], w[1], w[2])
     depth = ground[0] + ground[1] * x0 + ground[2] * y0 - z0  # of the reference point
     n, last = 0, elements.shape[0]
     for i in range(first, elements.shape[0]):
@@ -290,21 +249,19 @@ def gather(elements, anchors, cluster, pose, ground, first, medium, B):
             break
         bx, by, bz = elements[i, 0], elements[i, 1], elements[i, 2]
         z = depth + d[0] * bx + d[1] * by + d[2] * bz
-        if z + elements[i, 3] * steep <= 0.0:
+        if z + elements[i, 3] * steep <= 0.0 or elements[i, FORM] == RIM:
             continue
-        cx, cy, cz = elements[i, 4], elements[i, 5], elements[i, 6]
-        tx, ty, tz, spread = spread_along(elements, i, q)
-        r, normal = turned(R, bx, by, bz), turned(R, cx, cy, cz)
+        r, normal = turned(R, bx, by, bz), turned(R, elements[i, 4], elements[i, 5], elements[i, 6])
         e = x0 + r[0] - anchors[i, 0], y0 + r[1] - anchors[i, 1], z0 + r[2] - anchors[i, 2]
-        trails = cx * p[0] + cy * p[1] + cz * p[2] + tx * bx + ty * by + tz * bz <= -spread
-        if elements[i, SIDE] != 0.0 and trails and normal[0] * e[0] + normal[1] * e[1] + normal[2] * e[2] <= 0.0:
-            continue  # nothing that it is led by, neither motion nor bristle
-        below = below_surface(elements, i, z, d, medium)
-        if below[0] <= 0.0:
-            continue
-        B[SPREAD, n], B[ONE_SIDE, n], B[CENTRE, n], B[ROW, n] = spread, elements[i, SIDE], z, i
-        B[AREA, n], B[FIRST, n], B[SECOND, n], B[SHEAR, n] = elements[i, 7] * below[0], 1.0, 1.0, np.inf
         note_motion(B, n, r, normal, v, w, e)
+        note_spread(B, n, R, elements, i, q)
+        if elements[i, SIDE] != 0.0 and trails(B, n):
+            continue
+        below = below_surface(elements, i, z, d, medium)
+        if below[0] <= 0.0 or below[1] <= 0.0:
+            continue
+        B[ONE_SIDE, n], B[CENTRE, n], B[ROW, n] = elements[i, SIDE], z, i
+        B[AREA, n], B[FIRST, n], B[SECOND, n], B[SHEAR, n] = elements[i, 7] * below[0], 1.0, 1.0, np.inf
         note_immersion(B, n, R, r, below)
         n += 1
     if medium.note != 0:
@@ -312,6 +269,17 @@ def gather(elements, anchors, cluster, pose, ground, first, medium, B):
     if medium.lead != 0 and n > 0:
         law.lead(medium, (B, n))
     return last, n
+
+
+@part(inline=True)
+def trails(B, n):
+    """Whether nothing of a facet of a block leads, neither by its motion nor by its bristle."""
+    vx, vy, vz, ex, ey, ez = B[V, n], B[V + 1, n], B[V + 2, n], B[E, n], B[E + 1, n], B[E + 2, n]
+    along = B[N, n] * vx + B[N + 1, n] * vy + B[N + 2, n] * vz
+    if along > 0.0 or along + spread(B, n, vx, vy, vz, 1.0) > 0.0:
+        return False
+    along = B[N, n] * ex + B[N + 1, n] * ey + B[N + 2, n] * ez
+    return along <= 0.0 and along + spread(B, n, ex, ey, ez, 0.0) <= 0.0
 
 
 @part(inline=True)
@@ -325,12 +293,25 @@ def note_motion(B, n, r, normal, v, w, e):
 
 
 @part(inline=True)
+def note_spread(B, n, R, elements, i, q):
+    """Fill by how much n . v grows along a and b of a facet, row i, and by how much its normal turns."""
+    B[SPREAD, n], B[SPREAD + 1, n] = spread_along(elements, i, q)
+    for k in range(2):
+        curve, first, at = elements[i, CURVE + k], 8 + 3 * k, TURN + 3 * k
+        B[at, n], B[at + 1, n], B[at + 2, n] = 0.0, 0.0, 0.0
+        if curve != 0.0:
+            x, y, z = elements[i, first], elements[i, first + 1], elements[i, first + 2]
+            B[at, n], B[at + 1, n], B[at + 2, n] = turned(R, curve * x, curve * y, curve * z)
+
+
+@part(inline=True)
 def note_immersion(B, n, R, r, below):
-    """Fill the mean depth and where the terms act, of a facet at r (3,) m; below: as of `immersion`."""
-    _, mean, ox, oy, oz, hx, hy, hz = below
-    x, y, z = turned(R, hx, hy, hz)
-    B[Z, n], B[AT_FIRST, n], B[AT_FIRST + 1, n], B[AT_FIRST + 2, n] = mean, r[0] + x, r[1] + y, r[2] + z
-    x, y, z = turned(R, ox, oy, oz)
+    """Fill the mean depth and where the terms act, of a facet at r (3,) m; below: its moments, see `facet_parts`."""
+    s, m, ox, oy, oz, px, py, pz = below
+    one, two = 1.0 / m, 1.0 / s
+    x, y, z = turned(R, one * px, one * py, one * pz)
+    B[Z, n], B[AT_FIRST, n], B[AT_FIRST + 1, n], B[AT_FIRST + 2, n] = m * two, r[0] + x, r[1] + y, r[2] + z
+    x, y, z = turned(R, two * ox, two * oy, two * oz)
     B[AT_SECOND, n], B[AT_SECOND + 1, n], B[AT_SECOND + 2, n] = r[0] + x, r[1] + y, r[2] + z
 
 
@@ -375,17 +356,27 @@ def follow_facets(elements, anchors, cluster, pose, ground, medium, row):
         rx, ry, rz = turned(R, E[0], E[1], E[2])
         px, py, pz = x[0] + rx, x[1] + ry, x[2] + rz
         ax, ay, az = px, py, pz
-        za, zb = dx * E[8] + dy * E[9] + dz * E[10], dx * E[11] + dy * E[12] + dz * E[13]
         z = ground[0] + ground[1] * px + ground[2] * py - pz
-        highest = max(za, max(zb, -za - zb))
-        deepest = z + highest
-        row[law.DEPTH] = max(row[law.DEPTH], deepest)
+        lowest = beyond_centre(E, dx, dy, dz)
+        deepest = z + lowest
+        if E[FORM] != PATCH:
+            row[law.DEPTH] = max(row[law.DEPTH], deepest)
         if deepest > 0.0:
+            row[law.LOWEST] = min(row[law.LOWEST], pz - lowest)
             vx, vy, vz = v[0] + w[1] * rz - w[2] * ry, v[1] + w[2] * rx - w[0] * rz, v[2] + w[0] * ry - w[1] * rx
             row[law.SPEED] = max(row[law.SPEED], math.sqrt(vx * vx + vy * vy + vz * vz))
-            row[law.LOWEST] = min(row[law.LOWEST], pz - highest)
             ax, ay, az = law.drag_anchor(medium, (px, py, pz, anchors[i, 0], anchors[i, 1], anchors[i, 2]))
         if medium.count != 0:
             nx, ny, nz = turned(R, E[4], E[5], E[6])
             law.count(medium, (anchors, i, px, py, pz, ax, ay, az, nx, ny, nz, deepest > 0.0))
         anchors[i, 0], anchors[i, 1], anchors[i, 2] = ax, ay, az
+
+
+@part
+def beyond_centre(E, dx, dy, dz):
+    """By how much the deepest point of a facet (a row) is deeper than its centroid; its depth grows by d (3,)."""
+    if E[FORM] == RIM:
+        along, square = dx * E[4] + dy * E[5] + dz * E[6], dx * dx + dy * dy + dz * dz
+        return E[8] * math.sqrt(max(0.0, square - along * along)) + E[9] * math.sqrt(square)
+    za, zb = dx * E[8] + dy * E[9] + dz * E[10], dx * E[11] + dy * E[12] + dz * E[13]
+    return max(za, max(zb, -za - zb)) if E[FORM] == TRIANGLE else abs(za) + abs(zb)

@@ -62,7 +62,7 @@ SIGNATURES: dict[str, tuple[tuple[Any, ...], Any]] = {  # arguments, result
     ),
     "facets": ((_ROWS, types.intp, OWN), types.none),
     "lead": ((_ROWS, types.intp, from_dtype(SPACE_LAW)), types.none),
-    "layer": ((_NUMBER,) * 11, types.UniTuple(_NUMBER, 8)),
+    "layer": ((types.boolean, *[_NUMBER] * 11), types.UniTuple(_NUMBER, 8)),
     "bar": ((*[_NUMBER] * 19, _CLUSTER, OWN, _ENDS), types.none),
     "cap": ((*[_NUMBER] * 6, _CLUSTER, OWN, _ENDS), types.none),
     "ball": ((*[_NUMBER] * 7, _CLUSTER, OWN, _ROWS), types.none),
@@ -83,7 +83,7 @@ SIGNATURES: dict[str, tuple[tuple[Any, ...], Any]] = {  # arguments, result
 # facets    B, n: fill tractions on the first n facets of a block, see `kernels.facets`: of what grows with depth the
 #           stress per depth N/m^3, of the rest the stress Pa. What is told of a facet: z > 0 mean depth (m) of what is
 #           immersed of it; n unit normal; velocity v (m/s) and stretch e (m) of the bristle at its centroid; spread
-#           (m/s): by how much n . v differs from there to a corner, at most; side 1: only what n . v > 0 is loaded, n
+#           (m/s): by how much n . v differs from there along a and b; side 1: only what n . v > 0 is loaded, n
 #           pointing outward; 0: a thin plate, either face can lead; j (m): shear displacement, see `path_length`
 # lead      `facets.lead`, where the law asks for it
 # layer     `facet_layers.between`, of a medium in a layer

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from granular_contact.jit.compiled import kernel, part
 from granular_contact.jit.memory import room1, room2
-from granular_contact.sand.kernels.facets import COLUMNS
+from granular_contact.sand.kernels.facets import COLUMNS, FORM, RIM, TRIANGLE
 from granular_contact.sand.kernels.space_bodies import below
 
 
@@ -15,7 +15,7 @@ def reach(bodies, clusters, elements, active, ground, medium, poses, row):
     Arguments as of `space_bodies`. Of facets the immersed corners count; of bars the stations, half a diameter to all
     sides; of balls their equator.
     """
-    plane, points = room1(4), room2(3, 3)
+    plane, points = room1(4), room2(4, 3)
     for b in range(bodies.shape[0]):
         pose = poses[b]
         for c in range(bodies[b].first, bodies[b].last):
@@ -35,14 +35,19 @@ def reach(bodies, clusters, elements, active, ground, medium, poses, row):
 
 @part
 def corners(element, points):
-    """Fill points (3, 3) m, frame of the body, with the corners of an element; how many it has."""
+    """Fill points (4, 3) m, frame of the body, with the corners of an element; how many it has."""
     if element.shape[0] != COLUMNS:
         points[0, 0], points[0, 1], points[0, 2] = element[0], element[1], element[2]
         return 1
+    if element[FORM] == RIM:
+        return 0
+    four = element[FORM] != TRIANGLE
     for k in range(3):
-        a, b = element[8 + k], element[11 + k]
-        points[0, k], points[1, k], points[2, k] = element[k] + a, element[k] + b, element[k] - a - b
-    return 3
+        x, a, b = element[k], element[8 + k], element[11 + k]
+        points[0, k], points[1, k], points[2, k] = x + a, x + b, x - a - b
+        if four:
+            points[0, k], points[1, k], points[3, k] = x + a + b, x + a - b, x - a + b
+    return 4 if four else 3
 
 
 @part

@@ -19,9 +19,10 @@ A cube of 0.1 m of steel, pressed 30 mm deep into sand at 0.1 m/s:
     >>> print(f"force {load.force(pose, velocity, np.zeros(7))[2]:.2f} N, work {load.history.work[-1]:.4f} J")
     force 246.19 N, work -3.6929 J
 
-shapes      primitives and meshes -> triangles, bars, balls; a new shape is a class here
+shapes      primitives -> triangles to draw, facets, bars, balls; a new shape is a class here; mesh_shape: meshes
 beam_shape  pieces of links that bend
-triangles   cutting triangles; rows of facets, in clusters (what is wrong with a mesh, and mesh files: `geometry`)
+facets      triangles, parallelograms, patches of round surfaces, and how large they are
+triangles   cutting triangles; clusters of neighbours (what is wrong with a mesh, and mesh files: `geometry`)
 batch       all elements of a kind in one medium, in one compiled call
 heights     a surface given by a map of heights
 load        as in `bed`, with vectors in space; of_scene: that of a scene

@@ -7,11 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from granular_contact.sand.space import triangles
+from granular_contact.sand.space import facets, triangles
+from granular_contact.sand.space.facets import Facets, Size, line, of_rectangle, revolved
 from granular_contact.sand.space.shapes import PARTS, Shape
 
 Vector = NDArray[np.float64]
 LEAST_AROUND = 12  # of a round one
+ALONG_X = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])  # turns the z axis there
 
 
 @dataclass(frozen=True)
@@ -46,6 +48,25 @@ class Beam(Shape):
             if there:
                 made.append(np.stack([np.broadcast_to(middle.mean(axis=0), a.shape), first, second], axis=1))
         return triangles.cut(np.concatenate(made), edge)
+
+    def facets_of(self, size: Size) -> Facets:
+        """As `Shape.facets_of`."""
+        h, (a, b) = 0.5 * self.length, 0.5 * np.array(self.section)
+        if self.round:
+            strips = line((a, -h), (a, h), size)
+            strips += line((0.0, -h), (a, -h), size) if self.ends[0] else []
+            strips += line((a, h), (0.0, h), size) if self.ends[1] else []
+            return facets.moved(revolved(strips), np.zeros(3), ALONG_X)
+        x, y, z = h * np.eye(3)[0], a * np.eye(3)[1], b * np.eye(3)[2]
+        sides = [(y, z, x), (-y, x, z), (z, x, y), (-z, y, x)]
+        sides += [(-x, z, y)] if self.ends[0] else []
+        sides += [(x, y, z)] if self.ends[1] else []
+        return facets.joined([of_rectangle(*side, size) for side in sides])
+
+    def rims(self) -> Vector:
+        """As `Shape.rims`."""
+        h, r = 0.5 * self.length, 0.5 * self.section[0]
+        return np.array([[x, 0.0, 0.0, 1.0, 0.0, 0.0, r, 0.0] for x in (-h, h)]) if self.round else np.zeros((0, 8))
 
     def _outline(self, edge: float) -> Vector:
         """Corners (k, 2) m of the section, counter-clockwise seen from the tip; of a round one with its area."""

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from granular_contact.errors import scene_error
 from granular_contact.laws.kinds import Kind
 from granular_contact.sand.contact_lines import Body
-from granular_contact.sand.space import triangles
+from granular_contact.sand.space import facets, triangles
 from granular_contact.sand.space.shapes import Bar, Shape, Sphere
 
 Vector = NDArray[np.float64]
@@ -35,12 +35,25 @@ class Elements:
     again: bool = False
 
 
-def surface(body: Body, shape: Shape, place: Vector, turn: Vector, size: float | None) -> Elements:
-    """Facets of a shape at a place (3,) m, turned by (3, 3), with edges of at most `size` (m)."""
-    corners = shape.corners(size) @ turn.T + place
-    rows = triangles.facet_rows(corners, shape.thin)
+def surface(
+    body: Body,
+    shape: Shape,
+    place: Vector,
+    turn: Vector,
+    size: float | None,
+    accuracy: float | None = None,
+    share: float = 1.0,
+) -> Elements:
+    """Facets of a shape at a place (3,) m, turned by (3, 3), with edges of at most `size` (m).
+
+    Unless that is given they are as small as the error of the motion that is allowed (of the way) needs; share: of that
+    size, which is taken.
+    """
+    made, rims = facets.moved(shape.facets(size, accuracy, share), place, turn), shape.rims()
+    rims[:, :3], rims[:, 3:6] = rims[:, :3] @ turn.T + place, rims[:, 3:6] @ turn.T
+    rows = facets.rows(made, rims, shape.thin)
     clusters = triangles.clusters_of(rows[:, :3], rows[:, 3])
-    least = float(np.ptp(corners.reshape(-1, 3), axis=0).min())
+    least = float(np.ptp(shape.corners(np.inf).reshape(-1, 3) @ turn.T, axis=0).min())
     return Elements(body, "surface", "flat" if shape.thin else "outline", rows, clusters, least)
 
 

@@ -100,9 +100,14 @@ class SpatialLoad(GranularLoad):
         rotation: ArrayLike | None = None,
         *,
         facet_size: float | None = None,
+        accuracy: float | None = None,
+        share: float = 1.0,
         mass: float | None = None,
     ) -> None:
         """Let the media act on a shape of a body; arguments as of `GranularBed.add_body`, mass (kg): of the body.
+
+        accuracy: the error of the motion that facets may cause, as a part of the way, where they have no size; share:
+        of either size, which is taken.
 
         Raises
         ------
@@ -120,7 +125,7 @@ class SpatialLoad(GranularLoad):
             if meets == "ball" and layered:
                 raise scene_error("bed", "a ball is met as a whole, but the bed has layers: allowed is one medium")
             if meets == "surface":
-                made.append(elements.surface(body, shape, place, turn, facet_size))
+                made.append(elements.surface(body, shape, place, turn, facet_size, accuracy, share))
             elif isinstance(shape, Bar):
                 made.append(elements.bar(body, shape, place, turn))
                 made[-1].clusters["cap"] &= self.end_cap

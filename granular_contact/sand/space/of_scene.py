@@ -36,6 +36,15 @@ def load_of(scene: SpatialScene) -> SpatialLoad:
         raise scene_error("medium", str(error)) from None
 
 
-def add_part(load: SpatialLoad, body: Body, part: Part, mass: float) -> None:
-    """Let the media act on a part of a body of a mass (kg)."""
-    load.add_shape(body, part.shape, part.position, part.rotation, facet_size=part.facet_size, mass=mass)
+def add_part(load: SpatialLoad, body: Body, part: Part, scene: SpatialScene, mass: float, share: float = 1.0) -> None:
+    """Let the media act on a part of a body of a mass (kg); share: of the size of its facets, which is taken."""
+    load.add_shape(
+        body,
+        part.shape,
+        part.position,
+        part.rotation,
+        facet_size=part.facet_size,
+        accuracy=scene.solver.named,
+        share=share * scene.facet_share,
+        mass=mass,
+    )

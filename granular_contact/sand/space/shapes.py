@@ -9,17 +9,16 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from granular_contact.errors import Fault, SceneError, scene_error
+from granular_contact.errors import scene_error
 from granular_contact.geometry import mesh
-from granular_contact.sand.space import triangles
+from granular_contact.sand.space import facets, triangles
+from granular_contact.sand.space.facets import Facets, Size, arc, line, of_rectangle, revolved
 
 Vector = NDArray[np.float64]
-METRES = 3.0  # above it a mesh without a stated scale is taken for one in another unit
 MOST_CHORDS = 10_000  # of a profile: with as many facets around it there are too many in any case
 PARTS = 8  # facets along the diagonal of a shape, unless their size is given
 
@@ -31,6 +30,45 @@ class Shape(ABC):
     """
 
     thin: bool = False
+
+    def facets(self, size: float | None = None, accuracy: float | None = None, share: float = 1.0) -> Facets:
+        """What a medium meets.
+
+        Parameters
+        ----------
+        size : float, optional
+            Greatest edge (m).
+        accuracy : float, optional
+            Unless a size is given: the error of a motion that its facets may cause, as a part of the way; 0.3 % unless
+            given.
+        share : float
+            Of that size, which is taken.
+
+        Raises
+        ------
+        SceneError
+            There would be more than `triangles.MOST_FACETS`.
+
+        Returns
+        -------
+        Facets
+            In the frame of the shape.
+        """
+        whole = self.corners(np.inf)
+        if size is None:
+            return self.facets_of(facets.chosen(mesh.extent(whole), accuracy, share))
+        size *= share
+        area = float(np.linalg.norm(mesh.areas(whole), axis=1).sum())
+        triangles.check_number(area / size**2 if size > 1e-150 else np.inf, size, area)
+        return self.facets_of(facets.Size(size))
+
+    def rims(self) -> Vector:
+        """Of a round shape what no point is deeper than (k, 8), see `facets.rim`; else none, as its corners say it."""
+        return np.zeros((0, 8))
+
+    def facets_of(self, size: Size) -> Facets:
+        """Facets of a size; of a shape that has no others its triangles."""
+        return facets.of_triangles(self.corners(size.edge))
 
     @abstractmethod
     def corners(self, size: float | None = None) -> Vector:
@@ -73,6 +111,13 @@ class Box(Shape):
         low = -0.5 * np.array(self.size)
         return _cut(_BOX[_BOX_FACES] * -2.0 * low + low, size)
 
+    def facets_of(self, size: Size) -> Facets:
+        """As `Shape.facets_of`."""
+        half = 0.5 * np.diag(self.size)
+        turned = [(half[i], half[i - 2], half[i - 1]) for i in range(3)]
+        pairs = [((n, a, b), (-n, b, a)) for n, a, b in turned]
+        return facets.joined([of_rectangle(*side, size) for pair in pairs for side in pair])
+
 
 @dataclass(frozen=True)
 class Cylinder(Shape):
@@ -94,6 +139,16 @@ class Cylinder(Shape):
         """As `Shape.corners`."""
         r, h = 0.5 * self.diameter, 0.5 * self.length
         return _turned([(0.0, -h), (r, -h), (r, h), (0.0, h)], size)
+
+    def rims(self) -> Vector:
+        """As `Shape.rims`."""
+        return np.array([facets.rim(z, circle=0.5 * self.diameter) for z in (-0.5 * self.length, 0.5 * self.length)])
+
+    def facets_of(self, size: Size) -> Facets:
+        """As `Shape.facets_of`."""
+        r, h = 0.5 * self.diameter, 0.5 * self.length
+        corners = (0.0, -h), (r, -h), (r, h), (0.0, h)
+        return revolved([strip for start, end in pairwise(corners) for strip in line(start, end, size)])
 
 
 @dataclass(frozen=True)
@@ -118,6 +173,14 @@ class Sphere(Shape):
         """As `Shape.corners`."""
         d = self.diameter
         return _turned(_arc(0.5 * d, -0.5 * np.pi, 0.5 * np.pi, _size(np.sqrt(3.0) * d, size)), size)
+
+    def rims(self) -> Vector:
+        """As `Shape.rims`."""
+        return np.array([facets.rim(0.0, ball=0.5 * self.diameter)])
+
+    def facets_of(self, size: Size) -> Facets:
+        """As `Shape.facets_of`."""
+        return revolved(arc(0.5 * self.diameter, 0.0, -0.5 * np.pi, 0.5 * np.pi, size))
 
 
 @dataclass(frozen=True)
@@ -145,6 +208,16 @@ class Capsule(Shape):
         up = [(r, h), *((x, z + h) for x, z in _arc(r, 0.0, 0.5 * np.pi, step)[1:])]
         return _turned([*[(x, -z) for x, z in reversed(up)], *up], size)
 
+    def rims(self) -> Vector:
+        """As `Shape.rims`."""
+        return np.array([facets.rim(z, ball=0.5 * self.diameter) for z in (-0.5 * self.length, 0.5 * self.length)])
+
+    def facets_of(self, size: Size) -> Facets:
+        """As `Shape.facets_of`."""
+        r, h = 0.5 * self.diameter, 0.5 * self.length
+        side = line((r, -h), (r, h), size)
+        return revolved([*arc(r, -h, -0.5 * np.pi, 0.0, size), *side, *arc(r, h, 0.0, 0.5 * np.pi, size)])
+
 
 @dataclass(frozen=True)
 class Cone(Shape):
@@ -168,6 +241,15 @@ class Cone(Shape):
         """As `Shape.corners`."""
         return _turned([(0.0, 0.0), (0.5 * self.diameter, self.height), (0.0, self.height)], size)
 
+    def rims(self) -> Vector:
+        """As `Shape.rims`."""
+        return np.array([facets.rim(0.0), facets.rim(self.height, circle=0.5 * self.diameter)])
+
+    def facets_of(self, size: Size) -> Facets:
+        """As `Shape.facets_of`."""
+        r, h = 0.5 * self.diameter, self.height
+        return revolved([*line((0.0, 0.0), (r, h), size), *line((r, h), (0.0, h), size)])
+
 
 @dataclass(frozen=True)
 class Plate(Shape):
@@ -190,6 +272,11 @@ class Plate(Shape):
         x, y = 0.5 * self.size[0], 0.5 * self.size[1]
         square = np.array([[-x, -y, 0.0], [x, -y, 0.0], [x, y, 0.0], [-x, y, 0.0]])
         return _cut(square[np.array([[0, 1, 2], [0, 2, 3]])], size)
+
+    def facets_of(self, size: Size) -> Facets:
+        """As `Shape.facets_of`."""
+        x, y = 0.5 * self.size[0], 0.5 * self.size[1]
+        return of_rectangle(np.zeros(3), np.array([x, 0.0, 0.0]), np.array([0.0, y, 0.0]), size)
 
 
 @dataclass(frozen=True)
@@ -240,91 +327,6 @@ class Bar(Shape):
             np.linspace(a, b, n, endpoint=False) for a, b, n in zip(self.line, self.line[1:], shares, strict=False)
         ]
         return np.vstack([*pieces, self.line[-1:]])
-
-
-class Mesh(Shape):
-    """Closed surface of triangles, or a thin sheet.
-
-    Parameters
-    ----------
-    vertices : (n, 3) array
-        Corners (m), times `scale`.
-    faces : (m, 3) array of int
-        Triangles by the numbers of their corners, counter-clockwise seen from outside.
-    scale : float or (3,) array, optional
-        Length of the vertices' unit in m, or one along each axis; a negative one mirrors the mesh, and its triangles
-        are turned so that they go on looking outward. Unless given they are in m, and a mesh of more than 3 m is
-        refused.
-    thin : bool
-        Whether it is a sheet of which either face can lead; it need not be closed then.
-    name : str
-        For messages.
-
-    Raises
-    ------
-    SceneError
-        The mesh is open, inside out or without any area; or it is too large to be in metres.
-
-    Notes
-    -----
-    Triangles without area carry no force, and are left out; `notes` says how many.
-    """
-
-    def __init__(
-        self,
-        vertices: ArrayLike,
-        faces: ArrayLike,
-        *,
-        scale: float | ArrayLike | None = None,
-        thin: bool = False,
-        name: str = "Mesh",
-    ) -> None:
-        points, numbers = np.asarray(vertices, float), np.asarray(faces)
-        if found := list(_arrays(points, numbers)):
-            raise _refused(name, found)
-        factors = np.broadcast_to(np.asarray(1.0 if scale is None else scale, float), (3,))
-        numbers = numbers[:, ::-1] if np.prod(factors) < 0.0 else numbers
-        self.vertices, self.faces = points * factors, numbers.astype(np.int64)
-        self.thin = thin
-        found = list(mesh.faults(self.vertices, self.faces, thin))
-        sides = np.ptp(self.vertices[self.faces].reshape(-1, 3), axis=0)
-        if scale is None and sides.max() > METRES:
-            got = " x ".join(f"{side:.4g}" for side in sides)
-            found.append(f"it is {got} m: if it is in millimetres, give the scale 0.001; if it is in metres, 1")
-        if found:
-            raise _refused(name, found)
-        empty = mesh.without_area(self.vertices, self.faces)
-        self.notes, self.faces = mesh.empty_note(empty), self.faces[~empty]
-
-    @classmethod
-    def read(cls, path: str | Path, *, scale: float | ArrayLike | None = None, thin: bool = False) -> Mesh:
-        """Mesh of a file, STL, OBJ or PLY; it is read by trimesh, of the extra `[robot]`.
-
-        Parameters
-        ----------
-        path : str or path
-            The file.
-        scale : float or (3,) array, optional
-            Its unit in m, or one along each axis.
-        thin : bool
-            Whether it is a sheet that the medium meets on both sides.
-
-        Returns
-        -------
-        Mesh
-
-        Raises
-        ------
-        SceneError
-            The file can't be read, or as of `Mesh`.
-        """
-        from granular_contact.geometry.mesh import read
-
-        return cls(*read(Path(path)), scale=scale, thin=thin, name=str(path))
-
-    def corners(self, size: float | None = None) -> Vector:
-        """As `Shape.corners`."""
-        return _cut(self.vertices[self.faces], size)
 
 
 # ---- what they are made of ----
@@ -383,21 +385,3 @@ def _positive(shape: str, **sizes: float | tuple[float, ...]) -> None:
     for name, value in sizes.items():
         if not (np.isfinite(value).all() and np.all(np.asarray(value) > 0.0)):
             raise scene_error(shape, f"{name}: got {value}, allowed are numbers above 0")
-
-
-def _arrays(points: Vector, faces: NDArray[np.int64]) -> list[str]:
-    """What is wrong with the arrays of a mesh."""
-    found = []
-    if points.ndim != 2 or points.shape[1] != 3 or len(points) == 0:
-        found.append(f"vertices: got an array of shape {points.shape}, allowed is (n, 3)")
-    elif not np.isfinite(points).all():
-        found.append("vertices: got numbers that are not finite")
-    if faces.ndim != 2 or faces.shape[1] != 3 or len(faces) == 0 or not np.issubdtype(faces.dtype, np.integer):
-        found.append(f"faces: got an array of shape {faces.shape} of {faces.dtype}, allowed is (m, 3) of whole numbers")
-    elif not found and (faces.min() < 0 or faces.max() >= len(points)):
-        found.append(f"faces: got numbers from {faces.min()} to {faces.max()}, allowed are 0 to {len(points) - 1}")
-    return found
-
-
-def _refused(name: str, found: list[str]) -> SceneError:
-    return SceneError([Fault(file="", line=None, key=name, message=message) for message in found])

@@ -1,4 +1,4 @@
-"""Triangles: cutting to a size, rows of facets and the clusters that they are kept in."""
+"""Triangles: cutting to a size; neighbours, and the clusters that they are kept in."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from granular_contact.errors import SceneError, scene_error
 from granular_contact.geometry.mesh import areas
-from granular_contact.sand.kernels.facets import COLUMNS, SIDE
 from granular_contact.sand.kernels.space_law import CLUSTER
 
 Vector = NDArray[np.float64]
@@ -17,12 +16,16 @@ CLUSTER_SIZE = 64  # facets
 # Of one bed, with what they cost [measured on boxes of 20 000 to 350 000 facets, with rft3d on one core].
 MOST_FACETS = 1_000_000
 COST = "0.7 GB of memory and 0.07 s in each evaluation of the forces"
-PER_AREA = 60.0  # facets of a size on an area of its square, at most: of the fans of round ends; 10 of rectangles
+PER_AREA = 60.0  # triangles of a size on an area of its square, at most: of the fans of round ends; 10 of rectangles
+PATCHES = 2.5  # the same of parallelograms and of patches of round surfaces
 FACET_SIZE = "facet_size"  # key of the fault of a size that makes more
 
 
 def cut(corners: Vector, size: float) -> Vector:
     """Triangles (m, 3, 3) of edges of at most `size` (m), by halving the longest edge again and again.
+
+    Of edges as long as each other a half comes before what was there, and that before what cut: so the mirror image of
+    a triangle is cut as its mirror image, unless it has two longest edges itself.
 
     Raises
     ------
@@ -30,12 +33,12 @@ def cut(corners: Vector, size: float) -> Vector:
         There would be more than MOST_FACETS.
     """
     done: list[Vector] = []
-    left, count = corners, 0
+    left, count, rank = corners, 0, np.zeros((len(corners), 3))
     while len(left):
         if count + len(left) > MOST_FACETS and size < np.inf:
             raise too_many(size, corners)
         edges = np.sum((np.roll(left, -1, axis=1) - left) ** 2, axis=2)
-        longest = edges.argmax(axis=1)
+        longest = (edges * (1.0 + 1e-9 * rank)).argmax(axis=1)
         long = edges[np.arange(len(left)), longest] > size * size
         done.append(left[~long])
         count += len(done[-1])
@@ -43,36 +46,33 @@ def cut(corners: Vector, size: float) -> Vector:
         a, b, c = (left[np.arange(len(left)), (longest + k) % 3] for k in range(3))
         middle = 0.5 * (a + b)
         left = np.concatenate([np.stack([a, middle, c], axis=1), np.stack([middle, b, c], axis=1)])
+        rank = np.repeat([[2.0, 0.0, 1.0], [2.0, 1.0, 0.0]], len(a), axis=0)
     return np.concatenate(done) if done else corners
 
 
 def too_many(size: float, corners: Vector) -> SceneError:
     """The error of facets of a size (m) on triangles (n, 3, 3) m, of which there would be more than MOST_FACETS."""
-    area = float(np.linalg.norm(areas(corners), axis=1).sum())
-    what, cure = (
-        f"got {size:.3g} m, of which {area:.3g} m2",
-        f"{math.sqrt(PER_AREA * area / MOST_FACETS):.2g} m will do",
-    )
     if len(corners) > MOST_FACETS:
-        what, cure = f"this surface of {len(corners):,} triangles", "take a coarser mesh"
+        return _refused(f"this surface of {len(corners):,} triangles", "take a coarser mesh")
+    return _refused_size(size, float(np.linalg.norm(areas(corners), axis=1).sum()), PER_AREA)
+
+
+def check_number(number: float, size: float, area: float) -> None:
+    """Raise the error of facets of a size (m) on an area (m2) if there are more of them than MOST_FACETS."""
+    if number > MOST_FACETS:
+        raise _refused_size(size, area, PATCHES)
+
+
+def _refused_size(size: float, area: float, per_area: float) -> SceneError:
+    allowed = math.sqrt(per_area * area / MOST_FACETS)
+    return _refused(f"got {size:.3g} m, of which {area:.3g} m2", f"{allowed:.2g} m will do")
+
+
+def _refused(what: str, cure: str) -> SceneError:
     return scene_error(FACET_SIZE, f"{what} takes more than {MOST_FACETS:,} facets, {COST}; {cure}")
 
 
-def facet_rows(corners: Vector, thin: bool) -> Vector:
-    """Rows of `kernels.facets` for triangles (n, 3, 3) m in the frame of a body, neighbours beside each other."""
-    cross = areas(corners)
-    area = np.linalg.norm(cross, axis=1)
-    centre = corners.mean(axis=1)
-    arms = corners - centre[:, None]
-    rows = np.zeros((len(corners), COLUMNS))
-    rows[:, 0:3], rows[:, 4:7], rows[:, 7] = centre, cross / area[:, None], area
-    rows[:, 3] = np.linalg.norm(arms, axis=2).max(axis=1)
-    rows[:, 8:11], rows[:, 11:14] = arms[:, 0], arms[:, 1]
-    rows[:, SIDE] = 0.0 if thin else 1.0
-    return np.ascontiguousarray(rows[_neighbours(centre)])
-
-
-def _neighbours(points: Vector) -> NDArray[np.int64]:
+def neighbours(points: Vector) -> NDArray[np.int64]:
     """Order of points (n, 3) along a curve through cells of space (Morton's), in which neighbours stay together."""
     low = points.min(axis=0)
     cells = ((points - low) / max(1e-30, float((points - low).max())) * 1023).astype(np.int64)

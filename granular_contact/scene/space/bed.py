@@ -193,4 +193,4 @@ def _out_of_place(
 def _above(placed: SpatialBed, body: SpatialRigidBody, part: Part) -> float:
     """How high (m) the lowest point of a part is above a surface."""
     x, y, z = body.motion.world(part.points).T
-    return float((z - part.drop - placed.height(x, y)).min())
+    return float((z - part.reach(*placed.slope(x, y)) - placed.height(x, y)).min())

@@ -127,19 +127,21 @@ def _listed(found: list[str]) -> str:
 
 def _tip(model: schema.SpatialModel, rigid: tuple[SpatialRigidBody, ...]) -> tuple[str, Vector]:
     """Point that is lowest, or farthest from the first joint on the ground where none slides or is free there."""
-    ends = [(body, part.points, part.drop) for body in rigid for part in body.parts if part.in_sand]
+    ends = [(body, part) for body in rigid for part in body.parts if part.in_sand]
     if not ends:
         return rigid[0].name, np.zeros(3)
     roots = on_ground(model)
     flies = any(joint.type in ("slider", "free") for joint in roots)
     root = np.array(roots[0].parent_point_m)
     best, found = -math.inf, (rigid[0].name, np.zeros(3))
-    for body, points, drop in ends:
-        placed = body.motion.world(points)
-        score = drop - placed[:, 2] if flies else np.linalg.norm(placed - root, axis=1)
+    for body, part in ends:
+        placed = body.motion.world(part.points)
+        ways = np.tile([0.0, 0.0, -1.0], (len(placed), 1)) if flies else placed - root
+        score = part.drop + (-placed[:, 2] if flies else np.linalg.norm(ways, axis=1))
         k = int(score.argmax())
         if score[k] > best + 1e-12:
-            best, found = float(score[k]), (body.name, points[k])
+            drop = 0.0 if part.meets == ("ball",) else part.drop / max(1e-300, float(np.linalg.norm(ways[k])))
+            best, found = float(score[k]), (body.name, body.motion.local(placed[k] + drop * ways[k]))
     return found
 
 

@@ -21,11 +21,13 @@ from granular_contact.geometry.mesh_quality import quality_notes
 from granular_contact.geometry.polygon import ears
 from granular_contact.sand.space import shapes as made
 from granular_contact.sand.space.beam_shape import Beam
+from granular_contact.sand.space.mesh_shape import Mesh
 from granular_contact.scene.shapes import effective_radius, pitch, wheel_outline
 from granular_contact.scene.space.section import Element, Section, section
 from granular_contact.scene.space.types import Meets, Part, SpatialWheel, Vector
 
 CHORDS = 96  # of a full circle of an arc: trajectories of a C-leg are then within 3e-4 of the path
+ON_A_RIM = 192  # points: between them a rim is 1.3e-4 of its radius deeper
 NOT_CUT = math.inf
 _MESHES = 64  # that are kept
 
@@ -93,17 +95,28 @@ def _part(
 ) -> Part:
     flat = _has_flat_faces(shape)
     drawn = shape.corners(NOT_CUT if flat else None) @ turn.T + position
-    met = drawn
     if size is not None and in_sand:
-        fine = shape.corners(size)  # or there are too many
-        met = drawn if flat else fine @ turn.T + position
-    if meets == ("ball",):
-        return Part(name, shape, meets, position, turn, in_sand, size, drawn, position[None], 0.5 * shape.diameter)
-    return Part(name, shape, meets, position, turn, in_sand, size, drawn, outermost(met.reshape(-1, 3)))
+        shape.facets(size)  # or there are too many
+    points, drop = _deepest(shape)
+    points = outermost(drawn.reshape(-1, 3)) if points is None else points @ turn.T + position
+    return Part(name, shape, meets, position, turn, in_sand, size, drawn, points, drop)
+
+
+def _deepest(shape: Any) -> tuple[Vector | None, float]:
+    """Of a round shape the points that its rims have, and how far (m) it reaches around them."""
+    rims, points = shape.rims(), []
+    if len(rims) == 0:
+        return None, 0.0
+    angle = 2.0 * math.pi * np.arange(ON_A_RIM) / ON_A_RIM
+    for x, y, z, *axis, circle, _ in rims:
+        around = circle * np.column_stack([np.cos(angle), np.sin(angle), 0.0 * angle])
+        around = around @ rotations.to_axis(np.array(axis)).T
+        points.append(np.array([x, y, z]) + (around if circle else np.zeros((1, 3))))
+    return np.concatenate(points), float(rims[:, 7].max())
 
 
 def _has_flat_faces(shape: Any) -> bool:
-    return isinstance(shape, made.Box | made.Plate | made.Mesh) or (isinstance(shape, Beam) and not shape.round)
+    return isinstance(shape, made.Box | made.Plate | Mesh) or (isinstance(shape, Beam) and not shape.round)
 
 
 def _bar(name: str, line: Any, in_sand: bool) -> Part:
@@ -204,7 +217,7 @@ def _looked_through(
 ) -> tuple[Any, Mass]:
     """Mesh of a file that was changed at a time (ns), and its mass; many bodies, and the runs of a sweep, share one."""
     del changed
-    found = made.Mesh.read(path, scale=scale, thin=thin)
+    found = Mesh.read(path, scale=scale, thin=thin)
     return found, _of_sheet(found, thickness) if thin else of_surface(found.vertices[found.faces])
 
 
@@ -232,7 +245,7 @@ def _extruded(section: Vector, width: float) -> Any:
     ends = [np.column_stack([flat[:, 0], np.full(n, y), flat[:, 1]]) for y in (-0.5 * width, 0.5 * width)]
     # Counter-clockwise in x and z is seen from -y: the first end looks there.
     faces = np.concatenate([caps, caps[:, ::-1] + n, np.array(sides)])
-    return made.Mesh(np.concatenate(ends), faces, scale=1.0, name="polygon")
+    return Mesh(np.concatenate(ends), faces, scale=1.0, name="polygon")
 
 
 def _bent(spec: Any) -> Any:
@@ -245,7 +258,7 @@ def _bent(spec: Any) -> Any:
     i = np.arange(chords)
     m = chords + 1
     faces = np.concatenate([np.stack([i, i + 1, i + m], axis=1), np.stack([i + 1, i + 1 + m, i + m], axis=1)])
-    return made.Mesh(np.concatenate([line - side, line + side]), faces, scale=1.0, thin=True, name="arc")
+    return Mesh(np.concatenate([line - side, line + side]), faces, scale=1.0, thin=True, name="arc")
 
 
 def outermost(points: Vector) -> Vector:

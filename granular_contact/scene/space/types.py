@@ -42,7 +42,7 @@ class Part:
 
     name: of the body in the config; shape: of `sand.space.shapes`, at a position (3,) m, turned by (3, 3); in_sand:
     whether the medium acts on it; facet_size (m): greatest edge of its facets, None for the usual; triangles (k, 3, 3)
-    m: to be drawn; points (n, 3) m: the outermost of what the medium meets, which reaches `drop` (m) below them;
+    m: to be drawn; points (n, 3) m: the outermost of what the medium meets, which reaches `drop` (m) around them;
     notes: what makes its forces uncertain as a surface, in sentences. wheel: of a wheel.
     """
 
@@ -58,6 +58,14 @@ class Part:
     drop: float = 0.0
     notes: tuple[str, ...] = ()
     wheel: SpatialWheel | None = None
+
+    def reach(self, rise_x: Vector, rise_y: Vector) -> Vector:
+        """How much deeper (m) than its points it is below a surface that rises so much per length.
+
+        What is met as a ball counts its depth straight down.
+        """
+        steep = np.sqrt(1.0 + rise_x**2 + rise_y**2)
+        return self.drop * (np.ones_like(steep) if self.meets == ("ball",) else steep)
 
 
 @dataclass(frozen=True)
@@ -213,13 +221,15 @@ class SpatialJoint:
 @dataclass(frozen=True, repr=False)
 class SpatialScene(Scene):
     """A scene in space; fields as of `Scene`. tip: body and point (3,) m of what is lowest, or farthest from the joint
-    on the ground. beams: the links that bend, whose elements are among the rigid bodies.
+    on the ground. beams: the links that bend, whose elements are among the rigid bodies. facet_share: of the size of
+    facets that its parts have, which is taken.
     """
 
     rigid: tuple[SpatialRigidBody, ...]  # type: ignore[assignment]
     joints: tuple[SpatialJoint, ...]  # type: ignore[assignment]
     bed: SpatialBed | None  # type: ignore[assignment]
     beams: tuple[SpatialBeam, ...] = ()
+    facet_share: float = 1.0
 
     in_space = True
 
@@ -238,9 +248,7 @@ class SpatialScene(Scene):
         joints = [c.child_point for c in self.joints if c.child == body.name and c.kind != "free"]
         joints += [c.parent_point for c in self.joints if c.parent == body.name]
         far = [float(np.linalg.norm(point)) for point in joints]
-        for part in body.parts:
-            points = part.triangles.reshape(-1, 3) if len(part.triangles) else part.points
-            far.append(float(np.linalg.norm(points, axis=1).max()) + part.drop)
+        far += [float(np.linalg.norm(part.points, axis=1).max()) + part.drop for part in body.parts]
         return max(far, default=0.0)
 
     def link_length(self, name: str) -> float:

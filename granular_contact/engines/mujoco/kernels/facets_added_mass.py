@@ -25,11 +25,11 @@ from granular_contact.sand.kernels.facets import (
     ROW,
     ROWS,
     SECOND,
-    SPREAD,
     E,
     N,
     V,
     Z,
+    spread,
 )
 from granular_contact.sand.kernels.friction import SMOOTH
 from granular_contact.sand.kernels.space_friction import stretched
@@ -106,7 +106,7 @@ def weigh(B, n, step, bristle, M):
         if smooth:
             qx, qy, qz, tau, share = vx, vy, vz, 1.0, 0.0
         q = math.sqrt(qx * qx + qy * qy + qz * qz)
-        along = B[N, k] * qx + B[N + 1, k] * qy + B[N + 2, k] * qz + tau * B[SPREAD, k]
+        along = B[N, k] * qx + B[N + 1, k] * qy + B[N + 2, k] * qz + spread(B, k, qx, qy, qz, tau)
         if B[ONE_SIDE, k] == 0.0:
             along = q
         force = step * (share * step + tau) * math.sqrt(M[2, k])

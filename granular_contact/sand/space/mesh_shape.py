@@ -1,0 +1,127 @@
+"""Meshes as shapes: closed surfaces of triangles, or thin sheets."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from granular_contact.errors import Fault, SceneError
+from granular_contact.geometry import mesh
+from granular_contact.sand.space import triangles
+from granular_contact.sand.space.facets import Facets, chosen, of_triangles
+from granular_contact.sand.space.shapes import PARTS, Shape
+
+Vector = NDArray[np.float64]
+METRES = 3.0  # above it a mesh without a stated scale is taken for one in another unit
+
+
+class Mesh(Shape):
+    """Closed surface of triangles, or a thin sheet.
+
+    Parameters
+    ----------
+    vertices : (n, 3) array
+        Corners (m), times `scale`.
+    faces : (m, 3) array of int
+        Triangles by the numbers of their corners, counter-clockwise seen from outside.
+    scale : float or (3,) array, optional
+        Length of the vertices' unit in m, or one along each axis; a negative one mirrors the mesh, and its triangles
+        are turned so that they go on looking outward. Unless given they are in m, and a mesh of more than 3 m is
+        refused.
+    thin : bool
+        Whether it is a sheet of which either face can lead; it need not be closed then.
+    name : str
+        For messages.
+
+    Raises
+    ------
+    SceneError
+        The mesh is open, inside out or without any area; or it is too large to be in metres.
+
+    Notes
+    -----
+    Triangles without area carry no force, and are left out; `notes` says how many.
+    """
+
+    def __init__(
+        self,
+        vertices: ArrayLike,
+        faces: ArrayLike,
+        *,
+        scale: float | ArrayLike | None = None,
+        thin: bool = False,
+        name: str = "Mesh",
+    ) -> None:
+        points, numbers = np.asarray(vertices, float), np.asarray(faces)
+        if found := list(_arrays(points, numbers)):
+            raise _refused(name, found)
+        factors = np.broadcast_to(np.asarray(1.0 if scale is None else scale, float), (3,))
+        numbers = numbers[:, ::-1] if np.prod(factors) < 0.0 else numbers
+        self.vertices, self.faces = points * factors, numbers.astype(np.int64)
+        self.thin = thin
+        found = list(mesh.faults(self.vertices, self.faces, thin))
+        sides = np.ptp(self.vertices[self.faces].reshape(-1, 3), axis=0)
+        if scale is None and sides.max() > METRES:
+            got = " x ".join(f"{side:.4g}" for side in sides)
+            found.append(f"it is {got} m: if it is in millimetres, give the scale 0.001; if it is in metres, 1")
+        if found:
+            raise _refused(name, found)
+        empty = mesh.without_area(self.vertices, self.faces)
+        self.notes, self.faces = mesh.empty_note(empty), self.faces[~empty]
+
+    @classmethod
+    def read(cls, path: str | Path, *, scale: float | ArrayLike | None = None, thin: bool = False) -> Mesh:
+        """Mesh of a file, STL, OBJ or PLY; it is read by trimesh, of the extra `[robot]`.
+
+        Parameters
+        ----------
+        path : str or path
+            The file.
+        scale : float or (3,) array, optional
+            Its unit in m, or one along each axis.
+        thin : bool
+            Whether it is a sheet that the medium meets on both sides.
+
+        Returns
+        -------
+        Mesh
+
+        Raises
+        ------
+        SceneError
+            The file can't be read, or as of `Mesh`.
+        """
+        from granular_contact.geometry.mesh import read
+
+        return cls(*read(Path(path)), scale=scale, thin=thin, name=str(path))
+
+    def corners(self, size: float | None = None) -> Vector:
+        """As `Shape.corners`."""
+        corners = self.vertices[self.faces]
+        return triangles.cut(corners, mesh.extent(corners) / PARTS if size is None else size)
+
+    def facets(self, size: float | None = None, accuracy: float | None = None, share: float = 1.0) -> Facets:
+        """As `Shape.facets`; triangles have twice the edge of parallelograms of their area."""
+        if size is None:
+            size = 2.0 * chosen(mesh.extent(self.vertices[self.faces]), accuracy).edge
+        return of_triangles(self.corners(share * size))
+
+
+def _arrays(points: Vector, faces: NDArray[np.int64]) -> list[str]:
+    """What is wrong with the arrays of a mesh."""
+    found = []
+    if points.ndim != 2 or points.shape[1] != 3 or len(points) == 0:
+        found.append(f"vertices: got an array of shape {points.shape}, allowed is (n, 3)")
+    elif not np.isfinite(points).all():
+        found.append("vertices: got numbers that are not finite")
+    if faces.ndim != 2 or faces.shape[1] != 3 or len(faces) == 0 or not np.issubdtype(faces.dtype, np.integer):
+        found.append(f"faces: got an array of shape {faces.shape} of {faces.dtype}, allowed is (m, 3) of whole numbers")
+    elif not found and (faces.min() < 0 or faces.max() >= len(points)):
+        found.append(f"faces: got numbers from {faces.min()} to {faces.max()}, allowed are 0 to {len(points) - 1}")
+    return found
+
+
+def _refused(name: str, found: list[str]) -> SceneError:
+    return SceneError([Fault(file="", line=None, key=name, message=message) for message in found])

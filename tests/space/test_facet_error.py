@@ -1,0 +1,112 @@
+"""The error of a motion by facets that are too large: estimated, told, and kept below what was asked for."""
+
+from __future__ import annotations
+
+import copy
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from granular_contact import load, simulate
+from granular_contact.mechanics.space.facet_departure import estimate, estimate_of_two, track
+from granular_contact.mechanics.space.kinematics import SpatialKinematics
+from granular_contact.mechanics.strip_error import ERROR
+from granular_contact.run import begin
+from granular_contact.scene import build
+
+SHAPES: dict[str, list[dict[str, Any]]] = {
+    "ball": [{"type": "sphere", "diameter_m": 0.04}],
+    "box": [{"type": "box", "size_m": [0.06, 0.04, 0.03]}],
+    "capsule": [{"type": "capsule", "diameter_m": 0.02, "length_m": 0.04}],
+}
+
+
+def thrown(shapes: list[dict[str, Any]], size: float | None = None, **solver: Any) -> dict[str, Any]:
+    """A body that is thrown into sand, turning."""
+    parts = [one if size is None else one | {"facet_size_m": size} for one in copy.deepcopy(shapes)]
+    bodies = {"b": {"type": "rigid", "density_kg_m3": 2000, "shapes": parts}}
+    start = {"z_m": 0.05, "rpy_deg": [20, 35, 10], "vx_m_s": 0.5, "vz_m_s": -1, "spin_rad_s": [5, 0, 3]}
+    return {
+        "model": {
+            "in_space": True,
+            "name": "thrown",
+            "bodies": bodies,
+            "joints": {"f": {"type": "free", "parent": "ground", "child": "b"}},
+        },
+        "medium": "rft3d_sand",
+        "surface_height_m": 0,
+        "initial": {"joints": {"f": start}},
+        "solver": {"end_time_s": 0.1, "rest_time_s": None} | solver,
+        "output": {"bodies": "all", "figures": False},
+    }
+
+
+def motion_of(tree: dict[str, Any], share: float = 1.0) -> SpatialKinematics:
+    begun = begin(replace(build(load(tree)), facet_share=share), None, None)  # type: ignore[type-var]
+    begun.solving.advance()
+    assert begun.system is not None
+    return SpatialKinematics(begun.system, begun.solving.trajectory())  # type: ignore[arg-type]
+
+
+def apart(one: SpatialKinematics, other: SpatialKinematics) -> float:
+    """Greatest distance of any point, as a part of the way of the fastest."""
+    at = np.linspace(0.0, one.engine.time[-1], 300)
+    tracks = []
+    for motion in (one, other):
+        radius = motion.scene.radius(motion.scene.bodies[0])
+        columns = np.column_stack([motion.center("b")[0], radius * motion.rotation("b").reshape(-1, 9)])
+        tracks.append(np.column_stack([np.interp(at, motion.engine.time, column) for column in columns.T]))
+    return float(np.abs(tracks[0] - tracks[1]).max()) / other.path_length
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_the_estimate_is_true_within_a_factor_of_five(name: str) -> None:
+    """Facets of 8 mm, at fixed steps, against those of 1.6 mm."""
+    tree = thrown(SHAPES[name], 0.008, step_s=2e-4)
+    motion = motion_of(tree)
+    error = apart(motion, motion_of(tree, 0.2))
+    assert error > 1e-3
+    assert 0.2 < estimate(motion, 0.0) / error < 5.0
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_the_estimate_of_two_runs_is_true_within_a_factor_of_two(name: str) -> None:
+    """Facets of 4 mm after those of 8 mm, at fixed steps, against those of 1.6 mm."""
+    tree = thrown(SHAPES[name], 0.008, step_s=2e-4)
+    finer = motion_of(tree, 0.5)
+    error = apart(finer, motion_of(tree, 0.2))
+    assert error > 1e-4
+    assert 0.5 < estimate_of_two(track(motion_of(tree)), finer) / error < 2.0
+
+
+def test_a_long_body_above_the_sand_is_at_no_depth() -> None:
+    """A rod of 0.2 m that turns in the air, whose sphere around reaches into the sand."""
+    tree = thrown([{"type": "box", "size_m": [0.2, 0.01, 0.01]}], end_time_s=0.02, step_s=1e-3)
+    tree["initial"]["joints"]["f"] = {"z_m": 0.05, "spin_rad_s": [0, 0, 20]}
+    results = simulate(tree)
+    assert (results["depth_m"] <= 0.0).all()
+    assert (results["depth_m"] >= 0.005 - results["b_z_m"] - 1e-9).all()  # which is a bound
+
+
+def test_a_run_with_an_accuracy_is_repeated_until_its_facets_keep_it() -> None:
+    """Facets of 20 mm on a ball of 40 mm, against those of 2 mm; the steps are off by as much as the accuracy, too."""
+    results = simulate(thrown(SHAPES["ball"], 0.02, accuracy=ERROR))
+    assert not [one for one in results.warnings if "facets" in one]
+    fine = motion_of(thrown(SHAPES["ball"], 0.002, accuracy=1e-3))
+    found = np.column_stack([results[f"b_{k}_m"] for k in "xyz"])
+    at = fine.engine.time
+    there = np.column_stack([np.interp(at, results["time_s"], column) for column in found.T])
+    assert np.abs(there - fine.center("b")[0]).max() < 3.0 * ERROR * fine.path_length
+
+
+def test_a_foot_stands_as_deep_as_by_hand() -> None:
+    """A ball of 30 mm that carries 3.76 N, against the integral of the law over the cap that is immersed: 2.767 mm."""
+    body = {"type": "rigid", "mass_kg": 0.383333, "inertia_kg_m2": {"xx": 1e-4, "yy": 1e-4, "zz": 1e-4}}
+    tree = thrown(SHAPES["ball"])
+    tree["model"]["bodies"] = {"b": body | {"shapes": [{"type": "sphere", "diameter_m": 0.03}]}}
+    tree["model"]["joints"] = {"f": {"type": "slider", "parent": "ground", "child": "b", "axis": [0, 0, 1]}}
+    tree |= {"initial": {"settle": True}, "solver": {"end_time_s": 0.01, "rest_time_s": None}}
+    del tree["surface_height_m"]
+    assert simulate(tree).summary["max_depth_m"] == pytest.approx(2.767e-3, rel=3e-3)
