@@ -87,12 +87,13 @@ def test_what_stands_on_a_floor_stands_at_any_step_where_its_springs_bear_it(geo
 def test_the_error_of_a_step_is_told_of_a_foot_that_is_let_go_at_the_surface(size: str, mass: float) -> None:
     """By energy it sinks by 2 m g / k, k of the stiffness times the area; what the bed tells follows from no such look.
 
-    The bristles' first 10 um, of some 0.5 mm, are softer, so that shares of 0.03 are no error of the step.
+    The bristles' first 10 um, of some 0.5 mm, are softer, so that shares of 0.03 are no error of the step. What is told
+    counts all work along the slope, of which up to a third is the true change of the force: it is at most 1.5 times.
     """
     medium = preset("rft3d_sand")
     a, b, _ = (float(half) for half in size.split())
     depth = 2.0 * mass * GRAVITY / (1.039e7 * 4.0 * a * b)
-    for step in (5e-4, 1e-3, 2e-3):
+    for step in (1e-3, 2e-3, 4e-3):
         model = model_of(f'<geom name="box" type="box" size="{size}" mass="{mass}"/>', step=step, place="0 0 0.02")
         data, bed, lowest = mujoco.MjData(model), MujocoBed(model, medium), 0.02
         bed.add_geoms("box")
@@ -101,7 +102,7 @@ def test_the_error_of_a_step_is_told_of_a_foot_that_is_let_go_at_the_surface(siz
             lowest = min(lowest, data.qpos[2])
         off, told = (0.02 - lowest) / depth - 1.0, bed.of(data).error
         assert off > 0.05
-        assert off - 0.03 < told < 1.3 * off + 0.03, (step, off, told)
+        assert off - 0.03 < told < 1.5 * off + 0.03, (step, off, told)
 
 
 @pytest.fixture(scope="module")
@@ -116,7 +117,7 @@ def hexapod() -> Any:
 def test_a_robot_stands_still_under_its_servos(hexapod: Any, step: float) -> None:
     model, bed = hexapod.make(step)
     data = mujoco.MjData(model)
-    go(model, data, bed, 1.0)
+    go(model, data, bed, 1.5)  # what moves is left by a hundredth in half a second at 2 ms
     before = data.qpos.copy()
     go(model, data, bed, 0.5)
     np.testing.assert_allclose(data.qpos, before, rtol=0, atol=1e-8)

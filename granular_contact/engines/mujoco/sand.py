@@ -18,6 +18,7 @@ from granular_contact.engines.mujoco.kernels import added_mass as kernels
 from granular_contact.engines.mujoco.kernels import planar_added_mass, space_added_mass
 from granular_contact.jit.compiled import bound
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
+from granular_contact.sand.kernels.friction import SMOOTH
 from granular_contact.sand.load import GranularLoad
 
 Vector = NDArray[np.float64]
@@ -39,12 +40,17 @@ class _Part:
 
 
 class Sand(ABC):
-    """What both kinds share; sizes (bodies,): how far bodies reach from the origins of their frames (m)."""
+    """What both kinds share; sizes (bodies,): how far bodies reach from the origins of their frames (m).
+
+    yields (m): least displacement at which bristles yield; without bristles infinite.
+    """
 
     def __init__(self, parts: list[_Part], bodies: int) -> None:
         self.parts, self.sizes = parts, np.zeros(bodies)
         for part in parts:
             np.maximum.at(self.sizes, part.of_bed, part.reaches)
+        held = [float(part.bristle["u_y"][0]) for part in parts if part.bristle["friction"][0] != SMOOTH]
+        self.yields = min(held, default=np.inf)
 
     def state(self) -> State:
         """A new state."""
@@ -60,7 +66,7 @@ class SpatialSand(Sand):
 
     def __init__(self, load: Any, static: Elastoplastic | Smooth) -> None:
         self.met = load.met
-        parts = [_part(batch, bristle_of(static, m)) for m, batch in zip(load.met, load.batches, strict=True)]
+        parts = [_part(batch, bristle_of(static, m, batch)) for m, batch in zip(load.met, load.batches, strict=True)]
         super().__init__(parts, 1 + max(int(part.of_bed.max()) for part in parts))
 
     def calls(self, state: State, *step: Any) -> list[Callable[[], None]]:
@@ -96,7 +102,8 @@ class PlanarSand(Sand):
 
     def __init__(self, load: GranularLoad, static: Elastoplastic | Smooth, facings: Vector) -> None:
         self._facings = facings
-        parts = [_line_part(batch, bristle_of(static, m)) for m, batch in zip(load.met, load.batches, strict=True)]
+        met = zip(load.met, load.batches, strict=True)
+        parts = [_line_part(batch, bristle_of(static, m, batch)) for m, batch in met]
         super().__init__(parts, len(facings))
 
     def calls(self, state: State, *step: Any) -> list[Callable[[], None]]:
@@ -116,10 +123,12 @@ def _line_part(batch: Any, bristle: NDArray[np.void]) -> _Part:
     return _Part(batch.places[firsts, 1] // 3, bristle, batch, batch.records, 1, reaches)
 
 
-def bristle_of(static: Elastoplastic | Smooth, medium: Any) -> NDArray[np.void]:
+def bristle_of(static: Elastoplastic | Smooth, medium: Any, batch: Any) -> NDArray[np.void]:
     """Record (1,) of `kernels.added_mass.BRISTLE` for a medium; None: contact with the floor, which has no bristle."""
     record = np.zeros(1, kernels.BRISTLE)
     record["u_y"] = record["v_eps"] = 1.0
     static.fill(record)
+    names = batch.medium.dtype.names or ()
+    record["pressed"] = batch.medium["pressed"] if "pressed" in names else 0.0
     record["parted"] = bool(getattr(medium, "by_component", False))
     return record

@@ -8,6 +8,9 @@ From the time t with the state q, v, in a step of h:
 3. MuJoCo makes the step with the forces of the step before, and goes back (`trial`); its v_1, and how v_1 grows with
    forces, give Newton's correction of the forces. Once, where MuJoCo is linear in forces; with constraints until a
    correction changes v_1 by less than CLOSE h
+4. where a body that touches came farther from where it was foreseen than FAR times the yield displacement: again from
+   2, with that end foreseen, at most LOOKS times. Where nothing led by what was foreseen there is no slope to follow:
+   a light body under a heavy one, foreseen to rise a little, would fall freely for a step
 
 They are held in `xfrc_applied` of the bodies during the step that follows. What of a step is exact: its impulse on each
 body is the wrench times h, its work that of the wrench on the mean of the twists at its ends.
@@ -25,6 +28,7 @@ from granular_contact.engines.mujoco.kernels.added_mass import BEGINS, PASSED, S
 from granular_contact.engines.mujoco.sand import State
 from granular_contact.engines.mujoco.trial import Trial
 from granular_contact.jit.compiled import bound
+from granular_contact.sand.kernels.space_law import DEPTH
 
 if TYPE_CHECKING:
     from granular_contact.engines.mujoco.shared import Shared
@@ -32,7 +36,7 @@ if TYPE_CHECKING:
 Vector = NDArray[np.float64]
 SLOW = 0.05  # m/s, below which a step is not foreseen by the one before
 CLOSE, MOST = 1e-4, 12  # m/s2 and rad/s2, see above; corrections of a step
-LOOKS = 1
+LOOKS, FAR = 8, 1.0  # see above; of the displacement at which bristles yield
 
 
 class Step:
@@ -65,7 +69,7 @@ class Step:
     def _compile(self, shared: Shared, model: Any, data: Any) -> None:
         """Kernels with the arrays that they take; views of MuJoCo's memory, which whoever has data keeps alive."""
         n = len(shared.numbers)
-        later, past, wrench, foreseen, error = (np.zeros((n, 6)) for _ in range(5))
+        later, past, wrench, foreseen, error, ends = (np.zeros((n, 6)) for _ in range(6))
         arms, poses, then = np.zeros((n, 3)), np.zeros((n, 6, 3)), np.zeros((n, 6, 3))
         added, clock, self._change = np.zeros((n, 6, 6)), self._clock, later
         tree, at = (shared.last, model.dof_parentid, data.cdof), (shared.numbers, shared.tops)
@@ -82,8 +86,12 @@ class Step:
             held_step.guess, turn, at[0], wrench, arms, added, past, clock, foreseen, self.loads, self.slopes, *rows
         )
         self._correct = bound(
-            held_step.correct, *tree, data.qvel, *at, *middle, added, self.twists, past, later, clock, foreseen,
+            held_step.correct, *tree, data.qvel, *at, *middle, added, self.twists, past, later, ends, clock, foreseen,
             error, self.loads, *rows, self._trial.matrix, np.zeros(model.nv), self.slopes,
+        )  # fmt: skip
+        self._again = bound(
+            held_step.again, *at, data.xpos, data.xmat, data.subtree_com, turn, shared.sand.sizes,
+            FAR * shared.sand.yields, clock, self.twists, ends, past, later, then, arms, wrench, added,
         )  # fmt: skip
         self._write = bound(write_loads, applied, at[0], self.base, self.loads, self.written)
 
@@ -97,7 +105,23 @@ class Step:
         self._begin()
         for act in self._acts:
             act()
-        if self._guess():
+        if self._guess() or self.seen[:, DEPTH].max() > 0.0:
+            self._solve(data, step)
+            self._look_again(data, step)
+
+    def _look_again(self, data: Any, step: float) -> None:
+        """Take the forces where the step ended, if that is far from where it was foreseen to."""
+        self._clock[PASSED] = self._clock[BEGINS] = 0.0
+        for _ in range(LOOKS - 1):
+            if not self._again():
+                break
+            before = self.loads.copy(), self.slopes.copy()
+            for act in self._acts:
+                act()
+            if not self._guess():  # it ended where nothing acts: what was found is at its end
+                self.loads[:], self.slopes[:] = before
+                self._write()
+                break
             self._solve(data, step)
 
     def _solve(self, data: Any, step: float) -> None:

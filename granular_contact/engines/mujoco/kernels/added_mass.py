@@ -41,7 +41,8 @@ from granular_contact.jit.records import record_dtype
 # begins here, with the friction state at rest.
 STEP, PASSED, BEGINS = 0, 1, 2
 # The constants of `friction`, and whether a law opposes components of the motion one by one.
-BRISTLE = record_dtype([("u_y", "f8"), ("tau", "f8"), ("v_eps", "f8"), ("friction", "i8"), ("parted", "?")])
+_NUMBERS = [("u_y", "f8"), ("tau", "f8"), ("v_eps", "f8"), ("pressed", "f8")]
+BRISTLE = record_dtype([*_NUMBERS, ("friction", "i8"), ("parted", "?")])
 
 
 @part
@@ -377,6 +378,21 @@ def foresee(poses, sizes, speed, twists, gained, share, later, wrench, added):
         for k in range(6):
             share[b, k] = part * gained[b, k]
             later[b, k] = twists[b, k] + share[b, k]
+
+
+@part
+def farthest(sizes, arms, one, other):
+    """Greatest difference of the velocity (m/s) of any point of a body between twists one and other (bodies, 6)."""
+    most = 0.0
+    for b in range(sizes.shape[0]):
+        wx, wy, wz = one[b, 0] - other[b, 0], one[b, 1] - other[b, 1], one[b, 2] - other[b, 2]
+        x, y, z = arms[b, 0], arms[b, 1], arms[b, 2]
+        turn = math.sqrt(wx * wx + wy * wy + wz * wz)
+        vx, vy = one[b, 3] - other[b, 3] + wy * z - wz * y, one[b, 4] - other[b, 4] + wz * x - wx * z
+        vz = one[b, 5] - other[b, 5] + wx * y - wy * x
+        move = math.sqrt(vx * vx + vy * vy + vz * vz)
+        most = max(most, move + sizes[b] * turn)
+    return most
 
 
 @part

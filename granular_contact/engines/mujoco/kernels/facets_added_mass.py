@@ -32,6 +32,7 @@ from granular_contact.sand.kernels.facets import (
     spread,
 )
 from granular_contact.sand.kernels.friction import SMOOTH
+from granular_contact.sand.kernels.plates import EDGE
 from granular_contact.sand.kernels.space_friction import stretched
 
 
@@ -95,7 +96,10 @@ def push(B, n, W, M):
 def weigh(B, n, step, bristle, M):
     """Set M[0] (kg) to the masses of the facets of a block, and M[1] to what each has more of along its normal.
 
-    Nothing where q is 0, or n . q not positive: such a facet has no bristle to weigh, or is not loaded.
+    Nothing where q is 0, or n . q not positive: such a facet has no bristle to weigh, or is not loaded. Where both
+    the resistance and what is loaded of a facet grow with q, up to `pressed` (see `sand.kernels.facets`), the force
+    grows with its square, so the slope is twice the secant: with the secant alone a step would overshoot by as much as
+    it was off, and what stands would not come to rest.
     """
     smooth = bristle.friction == SMOOTH
     for k in range(n):
@@ -106,13 +110,16 @@ def weigh(B, n, step, bristle, M):
         if smooth:
             qx, qy, qz, tau, share = vx, vy, vz, 1.0, 0.0
         q = math.sqrt(qx * qx + qy * qy + qz * qz)
-        along = B[N, k] * qx + B[N + 1, k] * qy + B[N + 2, k] * qz + spread(B, k, qx, qy, qz, tau)
+        s = spread(B, k, qx, qy, qz, tau)
+        along = B[N, k] * qx + B[N + 1, k] * qy + B[N + 2, k] * qz + s
+        fades = B[ONE_SIDE, k] != 0.0 and bristle.pressed > EDGE * q and along < bristle.pressed + 2.0 * s
         if B[ONE_SIDE, k] == 0.0:
             along = q
         force = step * (share * step + tau) * math.sqrt(M[2, k])
-        loaded = q > 0.0 and along > 0.0
-        M[0, k] = force / q if loaded else 0.0
-        M[1, k] = force * (1.0 / along - 1.0 / q) if loaded and along < q else 0.0
+        M[0, k] = M[1, k] = 0.0
+        if q > 0.0 and along > 0.0:
+            M[0, k] = (2.0 if fades else 1.0) * force / q
+            M[1, k] = max(0.0, force * (1.0 / along - 1.0 / q))
 
 
 @part

@@ -6,6 +6,7 @@ few calls. See `added_mass` for the equations, for arguments and for the clock (
     begin     the step that ended here is accepted; poses now, and where this one would end
     guess     the loads of the step before are written; with them the engine makes the step
     correct   the loads that the step gets, from the rates with which it ended; the engine takes it back
+    again     where it ended far from where it was foreseen: a step that is foreseen to end there
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from granular_contact.engines.mujoco.kernels.added_mass import (
     correct_loads,
     end_step,
     extrapolated,
+    farthest,
     find_base,
     foresee,
     foreseen_load,
@@ -30,7 +32,7 @@ from granular_contact.engines.mujoco.kernels.added_mass import (
     write_loads,
 )
 from granular_contact.jit.compiled import kernel
-from granular_contact.jit.memory import copy
+from granular_contact.jit.memory import clear, copy
 
 
 @kernel(nogil=True)
@@ -84,19 +86,20 @@ def guess(turn, numbers, wrench, arms, added, past, clock, foreseen, loads, slop
 
 @kernel(nogil=True)
 def correct(
-    last, parents, axes, v, numbers, tops, inertial, centres, added, twists, past, change, clock, foreseen, error,
+    last, parents, axes, v, numbers, tops, inertial, centres, added, twists, past, change, ends, clock, foreseen, error,
     loads, applied, base, written, matrix, x, slopes,
 ):  # fmt: skip
     """Newton's correction of the loads, from the rates v (m,) at the end of a step of the engine with those written.
 
     matrix (m, m): how the engine's forces grow with its accelerations, to which the added inertia comes; change
-    (bodies, 6) is filled with how the correction changes the twists at the end of the step, slopes as of
-    `extrapolated`.
+    (bodies, 6) is filled with how the correction changes the twists at the end of the step, ends (bodies, 6) with what
+    they gain in it, slopes as of `extrapolated`.
     """
     gather_twists(last, parents, axes, v, change)
     for b in range(twists.shape[0]):
         for k in range(6):
             change[b, k] -= twists[b, k]
+    copy(ends, change)
     step = clock[STEP]
     load_error(numbers, tops, inertial, centres, added, change, foreseen, step, loads, error)
     to_freedoms(last, parents, axes, error, x)
@@ -104,6 +107,30 @@ def correct(
     solve_symmetric(matrix, x)
     x *= step
     gather_twists(last, parents, axes, x, change)
+    for b in range(ends.shape[0]):
+        for k in range(6):
+            ends[b, k] += change[b, k]
     correct_loads(numbers, tops, inertial, centres, added, change, step, error, loads)
     write_loads(applied, numbers, base, loads, written)
     extrapolated(numbers, tops, inertial, centres, added, past, foreseen, step, loads, slopes)
+
+
+@kernel(nogil=True)
+def again(
+    numbers, tops, positions, rotations, centres, turn, sizes, close, clock, twists, ends, past, later, then, arms,
+    wrench, added,
+):  # fmt: skip
+    """Foresee a step to end as it did, if some body came farther than `close` (m) from where it was foreseen; whether.
+
+    Arguments as of `begin` and `correct`; sizes (bodies,): how far bodies reach from their reference points (m).
+    """
+    if not farthest(sizes, arms, ends, past) * clock[STEP] > close:
+        return False
+    for b in range(ends.shape[0]):
+        for k in range(6):
+            past[b, k] = ends[b, k]
+            later[b, k] = twists[b, k] + ends[b, k]
+    clear(wrench)
+    clear(added)
+    place_bodies(numbers, tops, positions, rotations, centres, later, turn, then, arms)
+    return True
