@@ -288,7 +288,7 @@ class GranularBed:
         rotation : (3, 3) array, optional
             Axes of the frame of the shape as columns, in the frame of the body.
         facet_size : float, optional
-            Greatest edge of its facets (m); an eighth of its diagonal unless given.
+            Greatest edge of its facets (m); for an error of about 0.3 % of the path unless given.
         name : str, optional
             Under which the forces on the body are kept; that of the body unless given.
 

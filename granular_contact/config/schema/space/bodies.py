@@ -109,7 +109,7 @@ class SpatialLink(Strict):
     flexible: SpatialFlexible | None = None
     """null: the link is rigid."""
     facet_size_m: Positive | None = None
-    """Greatest edge of its facets, for laws of surfaces; null: an eighth of its diagonal, of a link that bends a fourth
+    """Greatest edge of its facets, for laws of surfaces; null: by its error, of a link that bends a fourth
     of an element, or its thickness if that is more."""
 
     def _faults(self) -> Faults:

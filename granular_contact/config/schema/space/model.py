@@ -25,7 +25,7 @@ class SpatialChainLink(Strict):
     flexible: SpatialFlexible | None = None
     """null: the links are rigid."""
     facet_size_m: Positive | None = None
-    """Greatest edge of its facets, for laws of surfaces; null: an eighth of its diagonal, of links that bend a fourth
+    """Greatest edge of its facets, for laws of surfaces; null: by its error, of links that bend a fourth
     of an element, or their thickness if that is more."""
 
 
