@@ -35,6 +35,7 @@ if TYPE_CHECKING:
         interval_s: float | None
         figures: bool
         bodies: str
+        travel: str | Sequence[float]
 
     class LoadChanges(TypedDict, total=False):
         """Keys of `load`."""
