@@ -162,7 +162,7 @@ class MujocoBed:
         pattern : str
             Regular expression that the whole name of a geom fits, or that of its body if it has none.
         facet_size : float, optional
-            Greatest edge of facets (m); an eighth of a geom's diagonal unless given.
+            Greatest edge of facets (m); for an error of about 0.3 % of the path unless given.
         hull : bool
             Whether the convex hull of a mesh counts, as in MuJoCo's contacts.
 

@@ -35,7 +35,7 @@ class _Shape(Oriented):
     in_sand: bool = True
     """Whether the medium acts on it; false: it only has mass and is drawn."""
     facet_size_m: Positive | None = None
-    """Greatest edge of the facets on which the medium acts; null: an eighth of the shape's diagonal."""
+    """Greatest edge of the facets on which the medium acts; null: by the error of the motion."""
     center_m: Point3 = ORIGIN
     """Origin of the shape's own frame, in the frame of the body."""
 
