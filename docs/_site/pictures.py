@@ -279,6 +279,17 @@ DRAWINGS: dict[str, list[str]] = {
         text(0, -50, "width_m: along y, centred"),
         axes(-120, -60, "z"),
     ],
+    "SpatialWheel": [
+        path(*((r * math.cos(a), r * math.sin(a)) for a, r in TEETH), closed=True),
+        circle(0, 0, 2, "dot"),
+        text(-4, -12, "center_m"),
+        arrow((0, 0), (36, 31)),
+        text(14, 34, "radius_m", "end"),
+        text(66, 30, "grousers: count, height_m,", "start"),
+        text(66, 14, "thickness_m", "start"),
+        text(0, -76, "width_m: along y, centred"),
+        axes(-120, -60, "z"),
+    ],
     "SpatialBar": [
         path((-100, -20), (-40, 35), (40, 10), (95, 45), kind="bar"),
         *(circle(x, y, 3, "dot") for x, y in ((-100, -20), (-40, 35), (40, 10), (95, 45))),
