@@ -65,12 +65,13 @@ def test_members_differ_in_their_seed_alone() -> None:
 
 
 def test_one_seed_has_one_motion_by_steps_of_any_accuracy() -> None:
-    # Finer steps asked for shorter strips once, and with them another draw: 800 us. The step alone: 2 us.
+    # Finer steps asked for shorter strips once, and with them another draw: 800 us. The steps alone may move the stop
+    # by the accuracy, 1e-3 of the 26 ms.
     stops = []
     for accuracy in (1e-3, 3e-4):
         changes = {"medium.scatter": {"relative": 0.15, "length_m": 0.003}, "solver.accuracy": accuracy}
         stops.append(run(build(scenario_of("pendulum").replace(changes))).summary["stopping_time_s"])
-    assert stops[0] == pytest.approx(stops[1], abs=8e-6)
+    assert stops[0] == pytest.approx(stops[1], abs=2.6e-5)
 
 
 def test_a_run_without_scatter_is_no_ensemble(capsys: pytest.CaptureFixture[str]) -> None:

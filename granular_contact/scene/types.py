@@ -162,11 +162,14 @@ class Scene:
         return next(joint for joint in self.joints if joint.name == name)
 
     def radius(self, body: RigidBody) -> float:
-        """Distance (m) from a rigid body's centre of mass to the farthest point of its shapes and joints."""
+        """Distance (m) from a rigid body's centre of mass to the farthest point of its shapes and joints; without such
+        its radius of gyration, so that its turning counts.
+        """
         joints = [c.child_point for c in self.joints if c.child == body.name]
         joints += [c.parent_point for c in self.joints if c.parent == body.name]
         shapes = [float(np.linalg.norm(shape.points, axis=1).max()) + shape.drop for shape in body.shapes]
-        return max([*shapes, *(float(np.linalg.norm(point)) for point in joints)], default=0.0)
+        farthest = max([*shapes, *(float(np.linalg.norm(point)) for point in joints)], default=0.0)
+        return farthest or math.sqrt(body.inertia / body.mass)
 
     @cached_property
     def tip_position(self) -> Vector:

@@ -39,8 +39,9 @@ def worst(results: Results, column: str) -> float:
 
 
 def test_same_columns_and_same_keys():
-    assert reduced(1).columns == beam().columns
-    assert set(reduced(1).summary) == set(beam().summary) | {"static_turns"}
+    """But for strains and stresses along the link, which the reduced model does not tell."""
+    assert reduced(1).columns == tuple(column for column in beam().columns if not column.name.endswith("strain"))
+    assert set(reduced(1).summary) == set(beam().summary) - {"links"} | {"static_turns"}
     assert set(reduced(1).summary["cost"]) == set(beam().summary["cost"])
     rigid = reduced(0, "elastoplastic", *FINE, "rigid")
     assert rigid.columns == simulate("pendulum_rigid", *FINE).columns

@@ -74,7 +74,8 @@ def around(points: Array, x: float, depth: float) -> Array:
 
 def fixed_points(results: Results) -> Array:
     """Points (k, 2) m that nothing moves: ground hinges; where nothing moved, the first point of a hinged model."""
-    pictures = [*results.snapshots, *results.frames]
+    # In space the outlines of a film have other points than those of snapshots.
+    pictures = [*results.frames] or [*results.snapshots]
     if not pictures:
         return np.zeros((0, 2))
     shots = [np.concatenate([outline.points for outline in one.outlines]) for one in pictures]

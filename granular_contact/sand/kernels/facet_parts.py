@@ -34,7 +34,7 @@ def corner_part(zk, zi, zj, k, i, j):
 @part
 def triangle_part(za, zb, zc, a, b, c):
     """Moments of the immersed part of a triangle; za, zb, zc (m): depths of its corners a, b, c (3,) m."""
-    below = (za > 0.0) + (zb > 0.0) + (zc > 0.0)
+    below = int(za > 0.0) + int(zb > 0.0) + int(zc > 0.0)  # (a sum of truths of numpy is one, in Python)
     if below == 0:
         return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     z = (za + zb + zc) / 12.0

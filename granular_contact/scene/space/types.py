@@ -244,12 +244,14 @@ class SpatialScene(Scene):
         return None if self.bed is None else float(self.bed.height(np.zeros(1), np.zeros(1))[0])
 
     def radius(self, body: SpatialRigidBody) -> float:  # type: ignore[override]
-        """Distance (m) from a body's centre of mass to the farthest point of its parts and joints."""
+        """Distance (m) from a body's centre of mass to the farthest point of its parts and joints; without such its
+        radius of gyration, so that its turning counts.
+        """
         joints = [c.child_point for c in self.joints if c.child == body.name and c.kind != "free"]
         joints += [c.parent_point for c in self.joints if c.parent == body.name]
         far = [float(np.linalg.norm(point)) for point in joints]
         far += [float(np.linalg.norm(part.points, axis=1).max()) + part.drop for part in body.parts]
-        return max(far, default=0.0)
+        return max(far, default=0.0) or math.sqrt(float(np.linalg.norm(body.inertia, 2)) / body.mass)
 
     def link_length(self, name: str) -> float:
         """As of `Scene`."""
