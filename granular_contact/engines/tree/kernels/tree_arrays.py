@@ -58,7 +58,9 @@ from granular_contact.mechanics.kernels.step_choice import CHOICE
 
 # parent: index of the node it hangs on, -1 for the ground; kind: of its joint; on_parent (2,) m: the joint's point in
 # the parent's frame, seen from its centre of mass (in the world, on the ground), of a slider at s = 0; point (2,) m:
-# the XX
+# the same in the node's own frame; axis (2,): of a slider, in the parent's frame; turn (rad): angle of the node in its
+# parent's frame at s = 0; mass kg; inertia kg m2 about the centre of mass; radius m: of the farthest point from the
+# centre of mass.
 NODE = record_dtype(
     [
         *fields("i8", "parent", "kind"),
