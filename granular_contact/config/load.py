@@ -152,17 +152,17 @@ def load(
 
 def _file(source: str | PathLike[str], faults: list[Fault]) -> Path:
     """The file that is meant: that of this path, else the shipped config of this name."""
-    path = Path(source)
-    if path.exists() or path.name != str(source):
-        return path
-    found = examples.config(path.name)
-    if found is None:
+    given = Path(source)
+    path = examples.named(given)
+    if path != given:
+        return shown(path)
+    if path.name == str(source) and not path.exists():
         names = examples.config_names()
         near = did_you_mean(path.stem, names)
         hint = near or ("" if path.suffix else f"there are {', '.join(names)}")
         words = f"no such file, and no config of this name is shipped; {hint}" if hint else "no such file"
         faults.append(Fault(str(path), None, "", words))
-    return path if found is None else shown(found)
+    return path
 
 
 class _Part(NamedTuple):

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import yaml
 
 from granular_contact.errors import ConfigError, Fault
+from granular_contact.values.files import write_whole
 
 if TYPE_CHECKING:
     from granular_contact.config.load import SourceMap
@@ -53,9 +54,7 @@ def write_numbers(sources: SourceMap, numbers: Mapping[str, float]) -> list[str]
     if faults:
         raise ConfigError(faults)
     for file, text in texts.items():
-        making = Path(file).with_suffix(".new")
-        making.write_text(text, encoding="utf-8")
-        making.replace(file)
+        write_whole(Path(file), text)
     return list(texts)
 
 

@@ -1,1 +1,1 @@
-"""Values of all files: `strict` classes, and the meaning of plain YAML `scalars`."""
+"""Values of all files: `strict` classes, the meaning of plain YAML `scalars`; `files` that are written as a whole."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from difflib import get_close_matches
 from functools import lru_cache
@@ -110,6 +111,17 @@ Text = Annotated[str, AfterValidator(_survives_a_file)]
 # A YAML list is a list; frozen values are tuples.
 Point = Annotated[tuple[float, float], StrictnessOf(False)]
 Listed = StrictnessOf(False)
+
+
+def directed(allowed: str) -> AfterValidator:
+    """Validator of a vector that has to point somewhere; allowed: what is, in words."""
+
+    def points_somewhere(axis: tuple[float, ...]) -> tuple[float, ...]:
+        if not 0.0 < math.hypot(*axis) < math.inf:
+            raise refusal([((), f"got {list(axis)}; allowed is {allowed}")])
+        return axis
+
+    return AfterValidator(points_somewhere)
 
 
 def _once(names: tuple[str, ...]) -> tuple[str, ...]:

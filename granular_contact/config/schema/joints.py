@@ -10,13 +10,12 @@ its axis.
 
 from __future__ import annotations
 
-import math
 from typing import Annotated, Any, Literal, get_args
 
-from pydantic import AfterValidator, GetCoreSchemaHandler
+from pydantic import GetCoreSchemaHandler
 from pydantic_core import CoreSchema, core_schema
 
-from granular_contact.values.strict import Faults, NotNegative, Point, Positive, Strict, Tagged, by_type, refusal
+from granular_contact.values.strict import Faults, NotNegative, Point, Positive, Strict, Tagged, by_type, directed
 
 # The words of robotics for types of joints, and ours.
 SYNONYMS = {"revolute": "hinge", "prismatic": "slider", "fixed": "weld", "floating": "free"}
@@ -41,12 +40,6 @@ class OrSynonym:
         (name,) = get_args(source)
         words = [name, *(synonym for synonym, of in (SYNONYMS | IN_SPACE).items() if of == name)]
         return core_schema.no_info_after_validator_function(lambda _: name, core_schema.literal_schema(words))
-
-
-def _points_somewhere(axis: tuple[float, float]) -> tuple[float, float]:
-    if not 0.0 < math.hypot(*axis) < math.inf:
-        raise refusal([((), f"got {list(axis)}; allowed is a direction, as [0, 1] for upward")])
-    return axis
 
 
 class _Ends(Strict):
@@ -149,7 +142,7 @@ class SliderClosure(_Ends):
     """The child moves along an axis that is fixed in the parent, and does not turn."""
 
     type: Annotated[Literal["slider"], OrSynonym()]
-    axis: Annotated[Point, AfterValidator(_points_somewhere)] = (1.0, 0.0)
+    axis: Annotated[Point, directed("a direction, as [0, 1] for upward")] = (1.0, 0.0)
     """Direction of the axis, x and y in the frame of the parent, of any length; [0, 1] on the ground is up."""
     home_deg: float = 0.0
     """The angle of the child, clockwise, from the x axis of the parent, at which it stays."""

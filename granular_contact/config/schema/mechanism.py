@@ -45,6 +45,14 @@ class Rigid(Strict):
         return mass_faults(self)
 
 
+def modulus_faults(bending: float | None, modulus: float | None) -> Faults:
+    """Of a link that bends whose stiffness E I (N m2) and modulus E (Pa) are both given, or neither."""
+    given = (bending is not None) + (modulus is not None)
+    if given != 1:
+        got = "both" if given else "neither"
+        yield (), f"got {got} of bending_stiffness_N_m2 and youngs_modulus_Pa; exactly one is allowed"
+
+
 class Flexible(Strict):
     """Elasticity of a link, discretised with cable elements. Give the bending stiffness or Young's modulus."""
 
@@ -62,10 +70,7 @@ class Flexible(Strict):
     """Stress above which the material stays bent: a run that passes it says so. null: not looked at."""
 
     def _faults(self) -> Faults:
-        given = (self.bending_stiffness_N_m2 is not None) + (self.youngs_modulus_Pa is not None)
-        if given != 1:
-            got = "both" if given else "neither"
-            yield (), f"got {got} of bending_stiffness_N_m2 and youngs_modulus_Pa; exactly one is allowed"
+        return modulus_faults(self.bending_stiffness_N_m2, self.youngs_modulus_Pa)
 
 
 class Link(Strict):

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import yaml
-from pydantic import AfterValidator, Discriminator, Field, Tag
+from pydantic import Discriminator, Field, Tag
 
 from granular_contact.config.schema.bed import Bed, Media
 from granular_contact.config.schema.drives import Drive
@@ -18,7 +18,7 @@ from granular_contact.config.schema.signals import Signal
 from granular_contact.config.schema.wheel import WheelRun, wheel_faults
 from granular_contact.laws.law import Law
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
-from granular_contact.values.strict import Faults, Point, Positive, Strict, Tagged, Text, by_type, form, refusal
+from granular_contact.values.strict import Faults, Point, Positive, Strict, Tagged, Text, by_type, directed, form
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -70,14 +70,9 @@ class Solver(Strict):
             yield ("step_s",), f"got {self.step_s:g}, which exceeds end_time_s, {self.end_time_s:g}"
 
 
-def _points_somewhere(ahead: tuple[float, float]) -> tuple[float, float]:
-    if not 0.0 < math.hypot(*ahead) < math.inf:
-        raise refusal([((), f"got {list(ahead)}; allowed is a direction on the ground, as [0, 1] for y")])
-    return ahead
-
-
 Travel = (
-    Annotated[Literal["x", "y", "path"], Tag("text")] | Annotated[Point, AfterValidator(_points_somewhere), Tag("list")]
+    Annotated[Literal["x", "y", "path"], Tag("text")]
+    | Annotated[Point, directed("a direction on the ground, as [0, 1] for y"), Tag("list")]
 )
 
 

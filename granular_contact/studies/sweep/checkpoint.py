@@ -10,7 +10,6 @@ When the table is written the folder is renamed to DIR, in one step. Nothing of 
 from __future__ import annotations
 
 import json
-import os
 import shutil
 from collections.abc import Callable, Iterator, Set
 from contextlib import contextmanager, suppress
@@ -27,6 +26,7 @@ from granular_contact.errors import GranularContactError
 from granular_contact.report import CASES, JOURNAL
 from granular_contact.results.summary import versions
 from granular_contact.studies.sweep.journal import Journal
+from granular_contact.values.files import sync, write_whole
 
 _BEGUN = "begun.json"
 
@@ -73,7 +73,7 @@ class Checkpoint:
             The disk refuses; the folder stays as it is.
         """
         for path in (self.folder / self.work.file, self.folder / self.work.table):
-            _sync(path)
+            sync(path)
         report.swap(self.folder, self.target)
         _remove(self.folder)  # an earlier result of the same sweep, run again
         _remove(self.target / JOURNAL)
@@ -135,7 +135,7 @@ def open_checkpoint(work: Contents, target: Path, cases: bool = False, restart: 
         if fresh or restart:
             _clear(folder)
             (folder / work.file).write_text(work.text, encoding="utf-8")
-            _write_whole(folder / JOURNAL / _BEGUN, json.dumps(begun) + "\n")
+            write_whole(folder / JOURNAL / _BEGUN, json.dumps(begun) + "\n")
         else:
             _same(work, folder, "--restart throws it away")
             _same_start(folder, begun)
@@ -215,16 +215,3 @@ def _remove(path: Path) -> None:
     else:
         with suppress(OSError):
             path.unlink()
-
-
-def _write_whole(path: Path, text: str) -> None:
-    """Write a file completely or not at all."""
-    making = path.with_suffix(".new")
-    making.write_text(text, encoding="utf-8")
-    _sync(making)
-    making.replace(path)
-
-
-def _sync(path: Path) -> None:
-    with path.open("rb") as file:
-        os.fsync(file.fileno())

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from granular_contact.config.schema.mechanism import mass_faults
+from granular_contact.config.schema.mechanism import mass_faults, modulus_faults
 from granular_contact.config.schema.shapes import section_faults
 from granular_contact.config.schema.space.shapes import SpatialShape
 from granular_contact.config.schema.space.turned import Point3
@@ -88,10 +88,7 @@ class SpatialFlexible(Strict):
     """Stress above which the material stays bent: a run that passes it says so. null: not looked at."""
 
     def _faults(self) -> Faults:
-        given = (self.bending_stiffness_N_m2 is not None) + (self.youngs_modulus_Pa is not None)
-        if given != 1:
-            got = "both" if given else "neither"
-            yield (), f"got {got} of bending_stiffness_N_m2 and youngs_modulus_Pa; exactly one is allowed"
+        return modulus_faults(self.bending_stiffness_N_m2, self.youngs_modulus_Pa)
 
 
 class SpatialLink(Strict):

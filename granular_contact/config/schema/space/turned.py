@@ -5,22 +5,14 @@ from __future__ import annotations
 import math
 from typing import Annotated
 
-from pydantic import AfterValidator
-
-from granular_contact.values.strict import Faults, Listed, Strict, refusal
+from granular_contact.values.strict import Faults, Listed, Strict, directed
 
 Point3 = Annotated[tuple[float, float, float], Listed]
 Quaternion = Annotated[tuple[float, float, float, float], Listed]
 ORIGIN = (0.0, 0.0, 0.0)
 
 
-def _points_somewhere(axis: tuple[float, float, float]) -> tuple[float, float, float]:
-    if not 0.0 < math.hypot(*axis) < math.inf:
-        raise refusal([((), f"got {list(axis)}; allowed is a direction, as [0, 0, 1] for upward")])
-    return axis
-
-
-Axis = Annotated[Point3, AfterValidator(_points_somewhere)]
+Axis = Annotated[Point3, directed("a direction, as [0, 0, 1] for upward")]
 
 
 class Oriented(Strict):
