@@ -64,8 +64,10 @@ def quaternion_of(R: Vector) -> Vector:
 
 
 def quaternion_rates(e: Vector, w: Vector) -> Vector:
-    """Rates (4,) of a unit quaternion (4,) at an angular velocity (3,) rad/s along the axes around the body."""
-    return 0.5 * np.array([-w @ e[1:], *(e[0] * w + np.cross(w, e[1:]))])
+    """Rates (..., 4) of unit quaternions (..., 4) at angular velocities (..., 3) rad/s along the axes around."""
+    e_0, e_1 = e[..., :1], e[..., 1:]
+    along = np.sum(w * e_1, axis=-1, keepdims=True)
+    return np.asarray(0.5 * np.concatenate([-along, e_0 * w + np.cross(w, e_1)], axis=-1))
 
 
 def cross(w: ArrayLike) -> Vector:

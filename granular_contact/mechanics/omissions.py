@@ -26,7 +26,7 @@ def left_out(system: System, trajectory: Trajectory) -> Iterator[str]:
     """Sentences, for people."""
     for name in system.scene.stiff:
         yield f"beam of {name}: it would bend by less than {LEAST_BOW:g} of its length, so it is rigid"
-    if not system.links and not system.scene.stiff and not getattr(system.scene, "beams", ()):
+    if not system.scene.bends and not system.scene.stiff:
         yield "beams: no body is flexible, so there are no cable elements and no elastic energies"
     if system.scene.gravity == 0.0:
         yield "weight: gravity is 0, so no body has a load for it"

@@ -60,6 +60,11 @@ class Joint:
         """Whether it is a hinge or a slider."""
         return self.kind in ("hinge", "slider")
 
+    @property
+    def is_idle(self) -> bool:
+        """Whether nothing acts in it but a drive."""
+        return self.law.is_idle
+
 
 @dataclass(frozen=True)
 class Drive:
@@ -152,6 +157,11 @@ class Scene:
     def body(self, name: str) -> RigidBody | FlexibleLink:
         """Body of this name."""
         return next(body for body in self.bodies if body.name == name)
+
+    @property
+    def bends(self) -> bool:
+        """Whether there are links that bend."""
+        return bool(self.links)
 
     def link_length(self, name: str) -> float:
         """Length (m) of a link that bends."""

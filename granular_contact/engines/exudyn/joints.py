@@ -53,7 +53,7 @@ def let_act(system: System, joint: Any, drive: Drive | None, coordinate: Callabl
         # Markers of nodes have the reference values already.
         system.motions[joint.name] = _add_motion(system, coordinate(whole=True), system.nodes_of(joint), drive)
         drive = None
-    if drive is not None or not joint.law.is_idle or getattr(joint, "elastic", None) is not None:
+    if drive is not None or not joint.is_idle:
         system.loads[joint.name] = JointLoad(coordinate(whole=False), system.nodes_of(joint), joint.law, drive)
 
 

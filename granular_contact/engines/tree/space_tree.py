@@ -62,11 +62,8 @@ class SpatialTree(Tree):
         """As of `Tree`: of Euler parameters G^T w' / 4, which is all of it that turns."""
         count = len(self.bodies)
         e, of = q.reshape(-1, count, POSE)[..., 3:], given.reshape(-1, count, 6)
-        turning, e_0, e_1 = of[..., 3:], e[..., :1], e[..., 1:]
-        second = np.concatenate(
-            [-np.sum(turning * e_1, axis=-1, keepdims=True), e_0 * turning + np.cross(turning, e_1)], axis=-1
-        )
-        found: Vector = np.concatenate([of[..., :3], 0.5 * second], axis=-1).reshape(len(q), -1)
+        second = rotations.quaternion_rates(e, of[..., 3:])
+        found: Vector = np.concatenate([of[..., :3], second], axis=-1).reshape(len(q), -1)
         return found
 
     def senses(self, march: Any) -> TreeSenses:

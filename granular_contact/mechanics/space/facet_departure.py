@@ -59,7 +59,7 @@ def estimate(observer: Any, doubtful: float) -> float:
     A glance at few instants, and where that finds more than what is doubtful a look at more of them. Of links that bend
     there is no estimate: their springs would be needed.
     """
-    if observer.scene.beams:
+    if observer.scene.bends:
         return 0.0
     own, other = _load(observer, 1.0), _load(observer, COARSER)
     if _number(other) > FEWER * _number(own):

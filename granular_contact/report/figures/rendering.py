@@ -132,8 +132,11 @@ class Stage:
         """The surface of the sand, with lines of a grid; light changes it where it is not level alone."""
         if self._motion.ground is None:
             return
-        x, y, z = _beyond(*self._motion.ground, BEYOND * self._size)
+        x, y, z = self._motion.ground
         self._height = RegularGridInterpolator((x, y), z.T, bounds_error=False, fill_value=None)
+        reach = BEYOND * self._size  # where it goes on as steep as at its edges
+        x, y = (np.array([at[0] - reach, *at, at[-1] + reach]) for at in (x, y))
+        z = self._height(tuple(np.meshgrid(x, y)))
         ground = self._pv.StructuredGrid(*np.meshgrid(x, y), z)
         uneven = float(np.ptp(z)) > 0.0
         self._plotter.add_mesh(ground, color=SAND, opacity=1.0 - SEEN, lighting=uneven, smooth_shading=uneven)
@@ -217,16 +220,6 @@ class _Words:
 def _font(style: str, size: int) -> Any:
     """A font that matplotlib brings."""
     return ImageFont.truetype(Path(matplotlib.get_data_path()) / f"fonts/ttf/DejaVuSans{style}.ttf", size)
-
-
-def _beyond(x: Array, y: Array, z: Array, reach: float) -> tuple[Array, Array, Array]:
-    """A ground that goes on beyond its edges, by `reach` (m), as steep as it is there."""
-
-    def on(at: Array) -> Array:
-        return np.concatenate([[at[0] - reach], at, [at[-1] + reach]])
-
-    inside = RegularGridInterpolator((x, y), z.T, bounds_error=False, fill_value=None)
-    return on(x), on(y), np.asarray(inside(tuple(np.meshgrid(on(x), on(y)))))
 
 
 def _bounds(motion: Motion) -> tuple[Array, Array]:

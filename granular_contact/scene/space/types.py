@@ -203,6 +203,11 @@ class SpatialJoint:
         return self.kind in ("hinge", "slider")
 
     @property
+    def is_idle(self) -> bool:
+        """As of `Joint`."""
+        return self.law.is_idle and self.elastic is None
+
+    @property
     def is_sprung(self) -> bool:
         """Whether it is a ball joint in which something acts."""
         return self.kind == "ball" and not self.law.is_idle
@@ -252,6 +257,11 @@ class SpatialScene(Scene):
         far = [float(np.linalg.norm(point)) for point in joints]
         far += [float(np.linalg.norm(part.points, axis=1).max()) + part.drop for part in body.parts]
         return max(far, default=0.0) or math.sqrt(float(np.linalg.norm(body.inertia, 2)) / body.mass)
+
+    @property
+    def bends(self) -> bool:
+        """As of `Scene`."""
+        return bool(self.beams)
 
     def link_length(self, name: str) -> float:
         """As of `Scene`."""
