@@ -122,6 +122,15 @@ TEETH = [
 ]
 SECTION = [(-60, -30), (60, -30), (75, 5), (40, 35), (-60, 35)]
 
+WHEEL = [
+    path(*((r * math.cos(a), r * math.sin(a)) for a, r in TEETH), closed=True),
+    circle(0, 0, 2, "dot"),
+    text(-4, -12, "center_m"),
+    arrow((0, 0), (36, 31)),
+    text(14, 34, "radius_m", "end"),
+    text(66, 30, "grousers: count, height_m,", "start"),
+    text(66, 14, "thickness_m", "start"),
+]
 DRAWINGS: dict[str, list[str]] = {
     "DiscShape": [
         circle(0, 0, 55),
@@ -131,13 +140,7 @@ DRAWINGS: dict[str, list[str]] = {
         text(70, 60, "thickness_m: into the page", "middle"),
     ],
     "WheelShape": [
-        path(*((r * math.cos(a), r * math.sin(a)) for a, r in TEETH), closed=True),
-        circle(0, 0, 2, "dot"),
-        text(-4, -12, "center_m"),
-        arrow((0, 0), (36, 31)),
-        text(14, 34, "radius_m", "end"),
-        text(66, 30, "grousers: count, height_m,", "start"),
-        text(66, 14, "thickness_m", "start"),
+        *WHEEL,
         text(0, -76, "width_m: into the page"),
         axes(-130, -50),
     ],
@@ -280,13 +283,7 @@ DRAWINGS: dict[str, list[str]] = {
         axes(-120, -60, "z"),
     ],
     "SpatialWheel": [
-        path(*((r * math.cos(a), r * math.sin(a)) for a, r in TEETH), closed=True),
-        circle(0, 0, 2, "dot"),
-        text(-4, -12, "center_m"),
-        arrow((0, 0), (36, 31)),
-        text(14, 34, "radius_m", "end"),
-        text(66, 30, "grousers: count, height_m,", "start"),
-        text(66, 14, "thickness_m", "start"),
+        *WHEEL,
         text(0, -76, "width_m: along y, centred"),
         axes(-120, -60, "z"),
     ],

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 from support_runs import scene_of
+from support_slopes import slopes_of_what_joints_lack
 
 from granular_contact.engines.tree.kernels import space_fold, space_load, space_rotations, space_tree
 from granular_contact.engines.tree.kernels.space_arrays import NODE, room
@@ -211,19 +212,7 @@ def test_matrix_of_newton_is_the_slope_of_what_joints_lack() -> None:
     c, J, B = w["stiffness"].copy(), jacobian(w, w["s"]), np.zeros((6 * n, 6 * n))
     for i, one in enumerate(w["body"].reshape(-1, 6, 6)):
         B[6 * i : 6 * i + 6, 6 * i : 6 * i + 6] = one
-    slopes, d, start = [], 1e-3, {name: w[name].copy() for name in ("s", "rates", "s2")}
-    for j in range(n):
-        ends = []
-        for sign in (1.0, -1.0):
-            for name, old in start.items():
-                w[name][:] = old
-            w["s"][j] += sign * d * fq
-            w["rates"][j] += sign * d * fv
-            w["s2"][j] += sign * d
-            for part in (space_load.act, space_tree.carry, space_tree.lack):
-                part(march._words)
-            ends.append(w["rest"].copy())
-        slopes.append((ends[0] - ends[1]) / (2.0 * d))
+    slopes = slopes_of_what_joints_lack(march, (space_load.act, space_tree.carry, space_tree.lack), fq, fv, 1e-3)
     matrix, sand = J.T @ B @ J + np.diag(c), J.T @ (B - dense_masses(w)) @ J
     assert np.abs(sand).max() > 0.02 * np.abs(matrix).max()  # the sand counts
-    np.testing.assert_allclose(np.array(slopes).T, matrix, atol=0.1 * np.abs(sand).max())
+    np.testing.assert_allclose(slopes, matrix, atol=0.1 * np.abs(sand).max())

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from support_runs import order, scene_of, simulate
+from support_slopes import slopes_of_what_joints_lack
 
 from granular_contact.engines.tree.kernels import tree, tree_load
 from granular_contact.engines.tree.kernels.tree_arrays import NODE, room, words
@@ -120,25 +121,13 @@ def test_matrix_of_newton_is_the_slope_of_what_joints_lack() -> None:
     B = np.zeros((3 * n, 3 * n))
     for i, one in enumerate(w["body"].reshape(-1, 3, 3)):
         B[3 * i : 3 * i + 3, 3 * i : 3 * i + 3] = one
-    slopes, d = [], 1e-3  # rad/s2: 5e-8 rad/s, so that points move by a tenth of what a bristle yields at, or less
-    start = {name: w[name].copy() for name in ("s", "rates", "s2")}
-    for j in range(n):
-        ends = []
-        for sign in (1.0, -1.0):
-            for name, old in start.items():
-                w[name][:] = old
-            w["s"][j] += sign * d * fq
-            w["rates"][j] += sign * d * fv
-            w["s2"][j] += sign * d
-            for part in (tree_load.act, tree.carry, tree.lack):
-                part(march._words)
-            ends.append(w["rest"].copy())
-        slopes.append((ends[0] - ends[1]) / (2.0 * d))
+    by = 1e-3  # rad/s2: 5e-8 rad/s, so that points move by a tenth of what a bristle yields at, or less
+    slopes = slopes_of_what_joints_lack(march, (tree_load.act, tree.carry, tree.lack), fq, fv, by)
     matrix, sand = J.T @ B @ J + np.diag(c), J.T @ (B - dense_masses(w["nodes"])) @ J
     assert np.abs(sand).max() > 0.1 * np.abs(matrix).max()  # the sand counts
     # What turns with the change is left out: next to nothing at rest. Slopes of the sand are chords, some of them
     # beyond where a bristle yields, so that they are less steep or more.
-    np.testing.assert_allclose(np.array(slopes).T, matrix, atol=0.1 * np.abs(sand).max())
+    np.testing.assert_allclose(slopes, matrix, atol=0.1 * np.abs(sand).max())
 
 
 CHAIN_IN_SAND = """

@@ -1,0 +1,34 @@
+"""The matrix of Newton's method of a tree by differences."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from granular_contact.engines.tree.march import March
+
+
+def slopes_of_what_joints_lack(
+    march: March, parts: Sequence[Callable[[Any], None]], of_q: float, of_v: float, by: float
+) -> np.ndarray:
+    """Slopes (n, n) of R by the accelerations, with s and s' moved by of_q and of_v of them; by: change (rad/s2, m/s2).
+
+    parts: kernels that fill R from coordinates, rates and accelerations.
+    """
+    w = march.arrays
+    start, slopes = {name: w[name].copy() for name in ("s", "rates", "s2")}, []
+    for j in range(len(w["s"])):
+        ends = []
+        for sign in (1.0, -1.0):
+            for name, old in start.items():
+                w[name][:] = old
+            w["s"][j] += sign * by * of_q
+            w["rates"][j] += sign * by * of_v
+            w["s2"][j] += sign * by
+            for part in parts:
+                part(march._words)
+            ends.append(w["rest"].copy())
+        slopes.append((ends[0] - ends[1]) / (2.0 * by))
+    return np.array(slopes).T
