@@ -23,7 +23,8 @@ from granular_contact import preset
 from granular_contact.laws.layer import Layer
 from granular_contact.report.figures.panels import blank
 from granular_contact.report.figures.style import DOUBLE, DPI, FAINT, INK, PALETTE, style
-from validation.braked.candidates import CANDIDATES, Effects, length_of, solve
+from validation.braked import pressed
+from validation.braked.candidates import CANDIDATES, SAND, Effects, Model, length_of, solve
 from validation.braked.wheel import level as level_surface
 from validation.braked.wheel import rim
 from validation.measurements import cmu
@@ -97,13 +98,18 @@ def against_package(bound: str) -> float:
 # ---- tables ----
 
 
+def slip_of(one: cmu.Rolling) -> str:
+    """The slip in words of a table, without the sign of a zero."""
+    return f"{round(one.slip, 2) + 0.0:.2f}"
+
+
 def over_slips(all_found: dict[str, Vector]) -> str:
     """Fx and sinkage of every candidate at every slip."""
     data, scatter = measured()
     cells = [f"{f:.1f} +- {df:.1f}, {s:.1f} +- {ds:.1f}" for (f, s), (df, ds) in zip(data, scatter, strict=True)]
     rows = [["measured", *cells]]
     rows += [[name, *(f"{f:.1f}, {s:.1f}" for f, s in one)] for name, one in all_found.items()]
-    head = ["Fx N, sinkage mm at slip", *(f"{x.slip + 0.0:.2f}" for x in cmu.rolling())]
+    head = ["Fx N, sinkage mm at slip", *(slip_of(x) for x in cmu.rolling())]
     return f"Fx and sinkage of the wheel of {BOUND}.\n\n{markdown(head, rows)}"
 
 
@@ -136,9 +142,22 @@ def at_measured_sinkage() -> tuple[str, Vector]:
         fx, fz = model.force(one.sinkage, level_surface)
         shares.append(fz / one.load)
         row = [f"{x:.1f}" for x in (1e3 * one.sinkage, one.force, fx, one.load, fz)]
-        rows.append([f"{one.slip + 0.0:.2f}", *row, f"{fz / one.load:.2f}"])
-    head = ["slip", "sinkage mm", "Fx N measured", "level surface", "load N measured", "level surface", "of the load"]
+        rows.append([slip_of(one), *row, f"{fz / one.load:.2f}"])
+    head = ["slip", "sinkage mm", "Fx N, measured", "Fx N, level surface", "load N, measured", "load N, level surface"]
+    head += ["share of the load"]
     return f"The level surface at the measured sinkage ({BOUND}).\n\n{markdown(head, rows)}", np.array(shares)
+
+
+def of_the_locked_wheel() -> str:
+    """How much sand the candidates move before the locked wheel at its measured sinkage."""
+    one = cmu.rolling()[0]
+    model = rim(*cmu.BOUNDS[BOUND], 0.0)
+    heaps = [Model(Effects(heap=kind), model, one.slip).heap(one.sinkage) for kind in ("plane", "sides")]
+    area = Model(Effects(), model, one.slip).area(one.sinkage, model.front(one.sinkage))
+    words = (
+        f"Before the locked wheel at its measured sinkage: the heap of B1 is {1e3 * heaps[0]:.0f} mm high, that of B2 "
+    )
+    return f"{words}{1e3 * heaps[1]:.0f} mm; the wedge of C weighs {SAND.weight * model.width * area:.2f} N."
 
 
 def figure(all_found: dict[str, Vector]) -> str:
@@ -154,7 +173,7 @@ def figure(all_found: dict[str, Vector]) -> str:
                 line = ("-", "--", "-.", ":", "--", "-.")[i]
                 panel.plot(slip, all_found[name][:, k], color=PALETTE[i], linestyle=line, label=name)
             panel.errorbar(slip, data[:, k], scatter[:, k], fmt="o", color=INK, capsize=2, label="measured")
-            panel.set_xlabel("slip")
+            panel.set_xlabel("slip (-1 locked, 0 rolling, 0.9 spinning)")
         panels[0].axhline(0.0, color=FAINT, linewidth=0.5)
         panels[0].set_ylabel("forward force on the wheel (N)")
         panels[1].set(ylabel="sinkage (mm)", ylim=(0, None))
@@ -166,6 +185,17 @@ def figure(all_found: dict[str, Vector]) -> str:
 
 
 # ---- claims ----
+
+
+def pressed_claim(errors: dict[str, list[float]]) -> Claim:
+    """Whether growth betters what it was not fitted to: the other plate, and the wheel pressed in."""
+    level, grown = (np.array(errors[name][1:]) for name in ("level surface", "E1 growth with depth"))
+    pairs = ", ".join(f"{100 * a:.0f} to {100 * b:.0f} %" for a, b in zip(level, grown, strict=True))
+    return Claim(
+        "braked_wheel.growth with depth betters the other plate and the wheel pressed in",
+        bool(np.all(grown < level)),
+        f"rms, plate of 80 mm and the wheel's two sizes: {pairs}",
+    )
 
 
 def claims(
@@ -221,10 +251,11 @@ def study(quick: bool) -> Outcome:
     bearing, shares = at_measured_sinkage()
     z0, d0 = (1e3 * length_of(kind) for kind in ("depth", "size"))
     one = f"The one number from the plate of 60 mm: z0 {z0:.1f} mm (growth with depth) or D0 {d0:.1f} mm (with size)."
-    text = [one, over_slips(values[BOUND]), rule, bearing]
+    down, errors = pressed.compared()
+    text = [one, over_slips(values[BOUND]), rule, bearing, of_the_locked_wheel(), down]
     if not quick:
         text.append(figure(values[BOUND]))
-    return Outcome("\n\n".join(text), tuple(claims(verdicts, values, shares)))
+    return Outcome("\n\n".join(text), (*claims(verdicts, values, shares), pressed_claim(errors)))
 
 
 if __name__ == "__main__":

@@ -6,8 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.optimize import minimize_scalar
 
+from granular_contact import preset
 from validation import braked_wheel
+from validation.braked import pressed
 from validation.braked.candidates import CANDIDATES, SAND, Effects, Model, passive, solve
 from validation.braked.wheel import rim
 from validation.measurements import cmu
@@ -53,15 +56,50 @@ def test_a_wedge_is_passive_earth_pressure_and_its_area_that_before_the_rim() ->
     phi = np.arctan(SAND.mu)
     under_root = np.sin(2 * phi) * np.sin(phi) / np.cos(phi)
     coulomb = np.cos(phi) / (1 - np.sqrt(under_root)) ** 2
-    plane = passive(1.0, 0.03, crescents=False)
+    plane = passive(1.0, 0.03, "plane")
     assert plane == pytest.approx(0.5 * SAND.weight * coulomb * 0.03**2, rel=2e-3)
-    wide = passive(100.0, 0.03, crescents=True) / 100.0
-    assert wide == pytest.approx(plane, rel=2e-3)
-    assert passive(0.05, 0.03, crescents=True) / 0.05 > 1.5 * wide
+    # The balance of forces on the plane wedge, W sin(beta + phi) = P cos(beta + 2 phi): its plane, so m of Godwin's.
+    found = minimize_scalar(
+        lambda beta: np.sin(beta + phi) / np.cos(beta + 2 * phi) / np.tan(beta), bounds=(0.1, 0.5), method="bounded"
+    )
+    m = 1.0 / np.tan(found.x)
+    for kind in ("crescents", "godwin"):
+        wide = passive(100.0, 0.03, kind) / 100.0
+        assert wide == pytest.approx(plane, rel=2e-3)
+        assert passive(0.05, 0.03, kind) / 0.05 > 1.5 * wide
+    # The grid is 0.5 degrees apart, so m is off by at most half of it times m'(beta) = 1 / sin^2(beta).
+    share = passive(0.05, 0.03, "godwin") / 0.05 / plane
+    off = 0.6 * np.radians(0.25) / np.sin(found.x) ** 2 * 2 / 3 + 2e-3 * share
+    assert share == pytest.approx(1 + 0.6 * (m - (m - 1) / 3), abs=off)
     one = rim(*BOUND, 0.0)
     x = np.linspace(0.0, one.front(0.03), 20001)
     under = np.trapezoid(one.radius - np.sqrt(one.radius**2 - x**2), x)
     assert Model(LEVEL, one, -1.0).area(0.03, float(x[-1])) == pytest.approx(under, rel=1e-4)
+
+
+def test_what_is_pressed_straight_down() -> None:
+    depth = np.array([0.01, 0.03])
+    want = cmu.pressed_wheel(preset("cmu_dry_sand"), braked_wheel.BOUND, depth)
+    got = [pressed.wheel(LEVEL, BOUND, float(z)) for z in depth]
+    assert got == pytest.approx(want, rel=3e-3)  # 48 chords over the lower half: a share of 1e-3 of the pressure
+    assert pressed.plate(LEVEL, 0.06, 0.02) == pytest.approx(2.0 * pressed.plate(LEVEL, 0.08, 0.01))
+    for name, effects in pressed.NAMES.items():
+        none = replace(effects, strength=0.0)
+        assert pressed.wheel(none, BOUND, 0.03) == pytest.approx(got[1], rel=1e-6)
+        assert name == "level surface" or pressed.wheel(effects, BOUND, 0.03) > 1.001 * got[1]
+    # Friction of both sides: mu (1 - sin phi) gamma times the first moment of the circle's segment below the surface.
+    r, low = BOUND[0], 0.028
+    area = r**2 * np.arccos(low / r) - low * np.sqrt(r**2 - low**2)
+    moment = 2 / 3 * (r**2 - low**2) ** 1.5 - low * area
+    friction = 2 * SAND.mu * (1 - np.sin(np.arctan(SAND.mu))) * SAND.weight * moment
+    assert pressed.wheel(Effects(sides="rest"), BOUND, 0.03) - got[1] == pytest.approx(friction, rel=1e-3)
+    # The one number is a mean in logarithms: over the depths of its plate, growth is neither too strong nor too weak.
+    rows = cmu.table("plates_large_box")
+    rows = rows[rows["diameter_mm"] == 60]
+    for name in ("E1 growth with depth", "E2 growth with depth and size"):
+        found = [1e-3 * pressed.plate(CANDIDATES[name], 0.06, 1e-3 * z) for z in rows["depth_mm"]]
+        assert np.mean(np.log(found / rows["pressure_kPa"])) == pytest.approx(0.0, abs=1e-9)
+    assert braked_wheel.pressed_claim(pressed.compared()[1]).held
 
 
 def test_the_verdict_of_the_rule() -> None:

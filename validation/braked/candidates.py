@@ -17,7 +17,9 @@ from validation.measurements.cmu import Rolling, table
 
 Vector = NDArray[np.float64]
 
-TRAVEL = 0.05  # m, over which the forces of the data are means; as far a heap is gathered [ours]
+TRAVEL = (
+    0.5  # m, from the touch of the sand to the mean, at the least (raw files of the data); a heap is gathered so far
+)
 EXPONENT = 1.4  # of pressure over depth: the middle of 1.25 to 1.55, as the issue has it [ours]
 COHESION = 1000.0  # Pa, by the authors of the data, set by hand to their runs of wheels
 PLATE = 0.06  # m, the plate that the one number is taken from
@@ -30,9 +32,9 @@ class Effects:
 
     floor: of the rut at the wheel's lowest point, over the sinkage; by_slip: the floor times |slip|; heap: "", "plane"
     (all that was swept over TRAVEL) or "sides" (as high as it can be before it flows off); tilted: the surface falls
-    from the heap to the floor, else the heap lifts all of it; wedge: "", "rft", "plane" or "crescents"; cohesion: Pa;
-    growth: "", "depth" or "size"; sides: "", "rest" or "passive", the earth pressure on both
-    sides; slip_sinkage: the factor of Lyasko instead of a balance; strength: 0 to 1.
+    from the heap to the floor, else the heap lifts all of it; wedge: "", "rft", "plane", "crescents" or "godwin";
+    cohesion: Pa; growth: "", "depth" or "size"; sides: "", "rest" or "passive", the earth pressure on both sides;
+    slip_sinkage: the factor of Lyasko instead of a balance; strength: 0 to 1.
     """
 
     floor: float = 0.0
@@ -60,6 +62,7 @@ CANDIDATES = {
     "C3 wedge, passive pressure, crescents": Effects(wedge="crescents"),
     "C4 C3 and the heap B2": Effects(wedge="crescents", heap="sides"),
     "C5 C3 and cohesion 1 kPa (not allowed)": Effects(wedge="crescents", cohesion=COHESION),
+    "C6 wedge, passive pressure, crescents of Godwin and Spoor": Effects(wedge="godwin"),
     "D1 slip sinkage": Effects(slip_sinkage=True),
     "E1 growth with depth": Effects(growth="depth"),
     "E2 growth with depth and size": Effects(growth="size"),
@@ -79,11 +82,12 @@ CANDIDATES = {
 }
 
 
-def passive(width: float, depth: float, crescents: bool, cohesion: float = 0.0) -> float:
+def passive(width: float, depth: float, kind: str, cohesion: float = 0.0) -> float:
     """Force (N) on an upright face of a width and depth (m) that is pushed ahead, with the friction of sand on sand.
 
-    N_gamma and N_c of a plane wedge (McKyes), the failure plane where the force is least; crescents: both sides fail,
-    too, which takes for the weight 1 + 2 r / (3 b) times as much and for cohesion 1 + r / b (McKyes and Ali).
+    N_gamma and N_c of a plane wedge (McKyes), the failure plane where the force is least. Both sides fail, too, by
+    "crescents", 1 + 2 r / (3 b) times as much for the weight and 1 + r / b for cohesion (McKyes and Ali), before the
+    least is taken; or by "godwin", 1 + (d / b) (m - (m - 1) / 3) times the least, m = r / d (Godwin and Spoor).
     """
     if depth <= 0.0:
         return 0.0
@@ -91,11 +95,15 @@ def passive(width: float, depth: float, crescents: bool, cohesion: float = 0.0) 
     beta = np.radians(np.linspace(5.0, 85.0, 161))
     cot, cut = 1.0 / np.tan(beta), 1.0 / np.tan(beta + phi)
     below = -np.sin(phi) + np.cos(phi) * cut  # cos(rho + delta) + sin(rho + delta) cot(beta + phi), rho = 90 degrees
-    reach = depth * cot if crescents else 0.0 * cot
+    reach = depth * cot if kind == "crescents" else 0.0 * cot
     of_weight = 0.5 * SAND.weight * depth**2 * cot * (1.0 + 2.0 * reach / (3.0 * width))
     of_cohesion = cohesion * depth * (1.0 + cot * cut) * (1.0 + reach / width)
     able = below > 1e-3
-    return float(width * np.min((of_weight + of_cohesion)[able] / below[able]))
+    forces = (of_weight + of_cohesion)[able] / below[able]
+    least = int(np.argmin(forces))
+    m = cot[able][least]
+    share = 1.0 + depth / width * (m - (m - 1.0) / 3.0) if kind == "godwin" else 1.0
+    return float(width * forces[least] * share)
 
 
 @cache
@@ -112,6 +120,29 @@ def length_of(growth: str) -> float:
     return float(np.exp(np.log(PLATE) + power * np.mean(np.log(z / PLATE)) - mean))
 
 
+def size_of(area: float) -> float:
+    """Diameter (m) of the round plate of an area (m2)."""
+    return float(np.sqrt(4.0 * area / np.pi))
+
+
+def grown(effects: Effects, depth: Vector, size: float) -> Vector:
+    """Depth g (m), or what takes its place where pressure grows faster; size: D (m) of the contact."""
+    z = np.maximum(depth, 0.0)
+    if not effects.growth:
+        return z
+    power, length = (EXPONENT - 1.0) * effects.strength, length_of(effects.growth)
+    if effects.growth == "depth":
+        return z * (z / length) ** power
+    return z * (size / length) ** effects.strength * (z / size) ** power
+
+
+def side_pressure(effects: Effects) -> float:
+    """Friction of the sides over the depth (Pa/m)."""
+    sine = SAND.mu / np.hypot(1.0, SAND.mu)
+    ratio = 1.0 - sine if effects.sides == "rest" else (1.0 + sine) / (1.0 - sine)
+    return float(effects.strength * SAND.mu * ratio * SAND.weight)
+
+
 @dataclass(frozen=True)
 class Model:
     """A candidate for one wheel at one slip."""
@@ -126,23 +157,15 @@ class Model:
         return max(0.0, 1.0 - self.rim.ratio) * self.effects.strength
 
     def heap(self, sinkage: float) -> float:
-        """Geight (m) of the heap before the wheel."""
+        """Height (m) of the heap before the wheel."""
         phi, chi = SAND.mu, self.swept
         if self.effects.heap == "plane":
             return float(np.sqrt(2.0 * phi * chi * max(0.0, sinkage) * TRAVEL))
         return chi * phi * self.rim.width / 4.0 if self.effects.heap == "sides" else 0.0
 
     def grown(self, depth: Vector, sinkage: float) -> Vector:
-        """Depth g (m), or what takes its place where pressure grows faster."""
-        z = np.maximum(depth, 0.0)
-        if not self.effects.growth:
-            return z
-        power, length = (EXPONENT - 1.0) * self.effects.strength, length_of(self.effects.growth)
-        if self.effects.growth == "depth":
-            return z * (z / length) ** power
-        area = self.rim.width * max(1e-4, self.rim.front(sinkage))
-        size = np.sqrt(4.0 * area / np.pi)
-        return z * (size / length) ** self.effects.strength * (z / size) ** power
+        """Depth g (m) of the points of a rim, whose contact is its front."""
+        return grown(self.effects, depth, size_of(self.rim.width * max(1e-4, self.rim.front(sinkage))))
 
     def on_rim(self, sinkage: float) -> Vector:
         """(Fx, Fz) N of the rim below the surface of the candidate."""
@@ -158,9 +181,7 @@ class Model:
 
         found = self.rim.force(sinkage, effective)
         if one.sides:
-            sine = SAND.mu / np.hypot(1.0, SAND.mu)
-            ratio = 1.0 - sine if one.sides == "rest" else (1.0 + sine) / (1.0 - sine)
-            found = found + one.strength * SAND.mu * ratio * SAND.weight * self.rim.sides(sinkage)
+            found = found + side_pressure(one) * self.rim.sides(sinkage)
         return found
 
     def on_wedge(self, sinkage: float) -> Vector:
@@ -173,7 +194,7 @@ class Model:
             face = width * g * AHEAD
         else:
             phi = np.arctan(SAND.mu)
-            force = passive(width, depth, one.wedge == "crescents", one.cohesion)
+            force = passive(width, depth, one.wedge, one.cohesion)
             face = force * np.array([-np.cos(phi), np.sin(phi)])
         g = float(self.grown(np.array([depth]), sinkage)[0])
         base = width * length * g * BASE
