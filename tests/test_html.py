@@ -410,6 +410,20 @@ def test_another_file_can_be_named_and_no_foreign_one_is_overwritten(
     assert cli.main(["report", str(tmp_path / "r"), "--out", str(tmp_path / "nowhere" / "page.html")]) == 2
 
 
+@pytest.mark.parametrize("method", ["engine", "minimal"])
+def test_a_run_is_viewed_in_the_browser_by_any_method(
+    method: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    shown: list[str] = []
+    monkeypatch.setattr("webbrowser.open", lambda address: bool(shown.append(address)))  # there is none
+    line = ["run", "pendulum_rigid", "--method", method, "--view", "--no-plots", "--out", str(tmp_path / "r")]
+    assert cli.main([*line, "--set", "medium=null", "--set", "solver.end_time_s=0.02"]) == 0
+    page = tmp_path / "r" / "report.html"
+    assert shown == [page.as_uri()]
+    assert 'id="motion"' in page.read_text(encoding="utf-8")
+    assert capsys.readouterr().err.endswith(f"--view: no browser can be opened here; the page is {page}\n")
+
+
 def broken(folder: Path) -> Iterator[str]:
     """Ways in which a folder can be no results, and what is said then."""
     yield "is not there"

@@ -89,6 +89,20 @@ def add_output(parser: argparse.ArgumentParser, default: str) -> None:
     parser.add_argument("--quiet", action="store_true", help="print faults only")
 
 
+def view(directory: Path, file: Path | None = None) -> None:
+    """Write the page of a results folder, unless `file` is it, and open it in the browser; say where it is if none."""
+    import webbrowser
+
+    from granular_contact.report import pages
+
+    try:
+        page = file or pages.write(directory)
+    except (pages.FolderError, OSError) as error:
+        raise Refusal(f"--view: {reason(error)}") from None
+    if not webbrowser.open(page.resolve().as_uri()):
+        complain(f"--view: no browser can be opened here; the page is {page}")
+
+
 def add_comparison(parser: argparse.ArgumentParser, default: str, example: str = "medium.eta_h=9") -> None:
     """Add what comparisons of several runs of one config take beside what they compare; as `add_output`, `add_set`."""
     parser.add_argument("config", metavar="CONFIG", help="YAML file of the run")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from granular_contact.cli.common import FINE, Refusal
+from granular_contact.cli.common import FINE, Refusal, view
 
 HELP = "make one HTML file of a results folder, to read, print and pass on"
 
@@ -17,6 +17,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--out", metavar="FILE", help="file to write (DIR/report.html; of several gallery.html beside them)"
     )
+    parser.add_argument("--view", action="store_true", help="open it in the browser")
 
 
 def execute(chosen: argparse.Namespace) -> int:
@@ -33,4 +34,6 @@ def execute(chosen: argparse.Namespace) -> int:
         why = error.strerror or error
         raise Refusal(f"report: {file or chosen.directory[0]} can't be written: {why}") from None
     print(f"saved in {written}")
+    if chosen.view:
+        view(folders[0], written)
     return FINE

@@ -23,6 +23,7 @@ from granular_contact.cli.common import (
     output_folder,
     read,
     say,
+    view,
 )
 from granular_contact.errors import ConfigError, Fault
 
@@ -52,7 +53,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     films.add_argument("--animate-mp4", dest="film", action="store_const", const="mp4", help=words)
     words = "say which steps are taken and what is left out, and why"
     parser.add_argument("--explain", action="store_true", help=words)
-    parser.add_argument("--view", action="store_true", help="play the run in Exudyn's viewer afterwards")
+    viewers = parser.add_mutually_exclusive_group()
+    words = "write the report of the run, and open it in the browser: its player shows the motion"
+    viewers.add_argument("--view", action="store_true", help=words)
+    words = "play the run in Exudyn's own viewer afterwards; it needs a display"
+    viewers.add_argument("--exudyn-viewer", dest="viewer", action="store_true", help=words)
     add_output(parser, "results/NAME_OF_CONFIG")
 
 
@@ -87,13 +92,13 @@ def execute(chosen: argparse.Namespace) -> int:
     scenario, scene = read(chosen.config, [*_method(chosen), *chosen.set])
     if chosen.film == "mp4" and shutil.which("ffmpeg") is None:
         raise Refusal("--animate-mp4: there is no ffmpeg on the path; --animate saves a GIF, which needs none")
-    if chosen.view:
+    if chosen.viewer:
         if scenario.method.name == "auto":
             from granular_contact.scene import build
 
             scenario = scenario.replace(method="engine")
             scene = build(scenario)
-        _refuse_view(scene)
+        _refuse_viewer(scene)
     folder = output_folder(chosen.out, Path(chosen.config).stem)
 
     from granular_contact import report
@@ -115,10 +120,12 @@ def execute(chosen: argparse.Namespace) -> int:
         complain(f"the result is not usable, see its warnings; saved in {folder}")
     if explained:
         say("\n".join(explained))
-    for solved in kept if chosen.view else ():
-        from granular_contact.engines.exudyn import view
+    if chosen.view:
+        view(folder)
+    for solved in kept if chosen.viewer else ():
+        from granular_contact.engines.exudyn import viewer
 
-        view.show(*solved)
+        viewer.show(*solved)
     return ENDS.get(results.status.code, FINE if results.summary.get("usable", True) else NOT_USABLE)
 
 
@@ -138,7 +145,7 @@ def _simulate(
             scenario,
             progress=progress,
             most_frames=MOST,
-            inspect=(lambda *solved: kept.append(solved)) if chosen.view or chosen.explain else None,
+            inspect=(lambda *solved: kept.append(solved)) if chosen.viewer or chosen.explain else None,
             compiling=None if chosen.quiet else announce,
         )
     compiled = seconds() - compiled
@@ -170,14 +177,14 @@ def _surface_follows(scenario: Scenario) -> bool:
     return any(start.height is not None for start in (scenario.initial.joints or {}).values())
 
 
-def _refuse_view(scene: Scene) -> None:
-    """Raise if the run can't be viewed."""
+def _refuse_viewer(scene: Scene) -> None:
+    """Raise if the engine's viewer can't show the run."""
     if scene.method is not None:
-        raise Refusal("--view: the viewer is the engine's, which this method does not run in; --animate shows both")
-    from granular_contact.engines.exudyn import view
+        raise Refusal("--exudyn-viewer: it is the engine's, which this method does not run in; --view shows both")
+    from granular_contact.engines.exudyn import viewer
 
-    if (problem := view.problem()) is not None:
-        raise Refusal(f"--view: {problem}; --animate saves an animation, which needs none")
+    if (problem := viewer.problem()) is not None:
+        raise Refusal(f"--exudyn-viewer: {problem}; --view shows the run in the browser, --animate saves a film")
 
 
 @contextmanager

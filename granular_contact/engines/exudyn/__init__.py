@@ -10,5 +10,5 @@ solve, recorder                   the steps; what is kept of each, and when it e
 engine_checks                     what the engine lets us do, tried once
 settle, balance                   static equilibrium before the start
 state, tangent, views             pauses and going back; the engine's Jacobian; its vectors
-view                              Exudyn's own viewer
+viewer                            Exudyn's own viewer
 """

@@ -15,7 +15,7 @@ from exudyn.basicUtilities import SetSolutionState
 from support_runs import CONFIGS, ROOT, scene_of
 
 from granular_contact import cli
-from granular_contact.engines.exudyn import view
+from granular_contact.engines.exudyn import viewer
 from granular_contact.engines.exudyn.build import System, build
 from granular_contact.engines.exudyn.solve import solve
 from granular_contact.mechanics.kinematics import Kinematics
@@ -40,21 +40,21 @@ def test_without_a_display_it_is_refused_before_the_run(
     monkeypatch.delenv("DISPLAY", raising=False)
     if display is not None:
         monkeypatch.setenv("DISPLAY", display)
-    assert cli.main(["run", CONFIG, "--view", "--out", str(tmp_path / "r")]) == 2
+    assert cli.main(["run", CONFIG, "--exudyn-viewer", "--out", str(tmp_path / "r")]) == 2
     told = capsys.readouterr().err
-    assert told.startswith("--view: ")
+    assert told.startswith("--exudyn-viewer: ")
     assert told.count("\n") == 1
     assert not (tmp_path / "r").exists()
 
 
 def test_a_reduced_model_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.main(["run", CONFIG, "--view", "--modes", "0", "--out", str(tmp_path / "r")]) == 2
+    assert cli.main(["run", CONFIG, "--exudyn-viewer", "--modes", "0", "--out", str(tmp_path / "r")]) == 2
     assert "which this method does not run in" in capsys.readouterr().err
 
 
 def test_what_is_played_is_the_trajectory(solved: tuple[System, Trajectory]) -> None:
     system, trajectory = solved
-    solution = view.playable(system, trajectory.time, trajectory.q, trajectory.v)
+    solution = viewer.playable(system, trajectory.time, trajectory.q, trajectory.v)
     observer = Kinematics(system, trajectory)
     tip = system.links["link"].nodes[-1]
     for row in (0, 100, len(trajectory.time) - 1):
@@ -73,7 +73,7 @@ def test_bodies_and_medium_get_a_look(solved: tuple[System, Trajectory]) -> None
     system, trajectory = solved
     (body,) = system.rigid.values()
     assert not looks(system, body.object)  # lean until it is looked at
-    view.dress(system, Kinematics(system, trajectory))
+    viewer.dress(system, Kinematics(system, trajectory))
     points = np.concatenate(looks(system, body.object))  # in the body's frame, along the link
     # From the rim of the disc, of 48 tiles (0.2 %), to the end of the collar.
     assert np.ptp(points[:, 0]) == pytest.approx(0.01905 / 2 + 0.024765, rel=5e-3)
@@ -87,21 +87,21 @@ def test_bodies_and_medium_get_a_look(solved: tuple[System, Trajectory]) -> None
 def test_areas_and_bent_bars_are_solids_in_the_frame_of_their_body() -> None:
     motion = InitialMotion(np.array([1.0, 2.0]), np.pi / 2, np.zeros(2), 0.0)
     corners = np.array([[1.0, 2.0], [1.0, 2.2], [0.9, 2.2], [0.9, 2.0], [1.0, 2.0]])
-    (solid,) = view._solids(Outline("foot", corners, 0.0), motion)
+    (solid,) = viewer._solids(Outline("foot", corners, 0.0), motion)
     points = np.array(solid["points"]).reshape(-1, 3)
     np.testing.assert_allclose([points[:, 0].min(), points[:, 0].max()], [0.0, 0.2], atol=1e-7)
     np.testing.assert_allclose([points[:, 1].min(), points[:, 1].max()], [0.0, 0.1], atol=1e-7)
-    assert len(view._solids(Outline("boom", corners[:3], 0.01), motion)) == 2
+    assert len(viewer._solids(Outline("boom", corners[:3], 0.01), motion)) == 2
 
 
 SCRIPT = """
 import threading, time
 from granular_contact import config
-from granular_contact.engines.exudyn import view
+from granular_contact.engines.exudyn import viewer
 from granular_contact.engines.exudyn.build import build
 from granular_contact.engines.exudyn.solve import solve
 from granular_contact.scene import build as scene
-assert view.problem() is None
+assert viewer.problem() is None
 system = build(scene(config.load({config!r}).scenario))
 trajectory = solve(system)
 def close():
@@ -110,7 +110,7 @@ def close():
     print(system.container.renderer.GetRenderCount(), "pictures")
     system.mbs.SetRenderEngineStopFlag(True)
 threading.Thread(target=close, daemon=True).start()
-view.show(system, trajectory)
+viewer.show(system, trajectory)
 print("closed")
 """
 
