@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from inspect import signature
 from typing import Any
 
 import exudyn as exu
@@ -14,6 +15,7 @@ from exudyn.rigidBodyUtilities import RigidBodyInertia, RotationMatrixX, Rotatio
 from support_runs import order
 
 from granular_contact import preset
+from granular_contact.engines.exudyn import created
 from granular_contact.engines.exudyn.bed import GranularBed
 from granular_contact.errors import SceneError
 from granular_contact.laws.layer import Layer
@@ -725,3 +727,44 @@ def test_numbers_read_in_every_step_are_those_of_the_history() -> None:
     expected = np.column_stack([history.work, history.terms[:, :, :2].sum(axis=1)])[-len(seen) :]
     # Sums of the same numbers in another order.
     np.testing.assert_allclose(seen, expected, rtol=1e-12, atol=1e-12 * np.abs(expected).max())
+
+
+# ---- as a method of Exudyn's systems ----
+
+
+def test_the_method_of_systems_is_the_bed() -> None:
+    import granular_contact.exudyn  # noqa: F401
+
+    pushes = []
+    for create in (
+        lambda mbs: GranularBed(mbs, preset("play_sand"), 0.01),
+        lambda mbs: mbs.CreateGranularBed("play_sand", 0.01),
+    ):
+        model = script(1)
+        bed = create(model.mbs)
+        bed.add_rigid(model.first, [-HALF, 0], [HALF, 0], DIAMETER)
+        bed.attach()
+        model.mbs.Assemble()
+        model.mbs.SolveDynamic(settings(1e-3))
+        pushes.append(bed.force)
+    assert np.linalg.norm(pushes[0]) > 0.1
+    np.testing.assert_array_equal(*pushes)
+    created.bind()  # once more is nothing
+    assert "CreateGranularBed" in dir(exu.MainSystem)
+    arguments = list(signature(exu.MainSystem.CreateGranularBed).parameters)
+    assert arguments == list(signature(GranularBed).parameters)
+
+
+@pytest.mark.parametrize("how", ["taken", "absent", "idle"])
+def test_an_exudyn_without_that_door_is_refused_with_the_other(how: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    class System:
+        """As those of Exudyn."""
+
+    if how == "taken":
+        System.CreateGranularBed = lambda _: None  # type: ignore[attr-defined]
+    elif how == "absent":
+        monkeypatch.delattr("exudyn.misc.extensionRegistry.extends")
+    else:
+        monkeypatch.setattr("exudyn.misc.extensionRegistry.install", lambda: None)
+    with pytest.raises(ImportError, match=r"GranularBed\(mbs, \.\.\.\) is the same"):
+        created.bind(System)

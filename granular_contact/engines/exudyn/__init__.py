@@ -1,6 +1,7 @@
 """The engine Exudyn: the only room that imports it.
 
 bed                               `GranularBed`, for Exudyn scripts of any kind
+created                           the same as a method of Exudyn's systems: `mbs.CreateGranularBed`
 bodies, coupling, overlay         which bodies can carry a bed; how its forces get into a system, and when
 build, build_in_space, joints     Scene -> System
 joint_actions                     what joints do at an instant

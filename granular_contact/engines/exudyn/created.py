@@ -1,0 +1,91 @@
+"""`mbs.CreateGranularBed(...)`: the bed among the functions `Create...` that Exudyn gives its systems.
+
+Exudyn binds these itself, by the decorator `extends` of `exudyn.misc.extensionRegistry`, which also refuses a name that
+is taken. `misc` is not among what Exudyn documents: where it is not there, or does not bind, importing this is refused.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from importlib import metadata
+from typing import Any
+
+import exudyn as exu
+from numpy.typing import ArrayLike
+
+from granular_contact.engines.exudyn.bed import GranularBed
+from granular_contact.laws.floor import Floor
+from granular_contact.laws.law import Law
+from granular_contact.laws.layer import Layer
+from granular_contact.laws.static_friction import Elastoplastic, Smooth
+from granular_contact.scene.media import preset
+
+NAME = "CreateGranularBed"
+
+
+def create_granular_bed(
+    mbs: Any,
+    medium: str | Law | Layer | Sequence[Law | Layer],
+    surface: ArrayLike = 0.0,
+    *,
+    slope: ArrayLike = 0.0,
+    up: ArrayLike | None = None,
+    gravity: float = 9.81,
+    static: Elastoplastic | Smooth | None = None,
+    form: str = "distributed",
+    end_cap: bool = False,
+    floor: Floor | None = None,
+) -> GranularBed:
+    """Create a bed of a granular medium: name bodies to it, and attach it before `mbs.Assemble()`.
+
+    Parameters
+    ----------
+    mbs : exudyn.MainSystem
+        The system.
+    medium : str, Law, Layer, or sequence of these
+        The name of a shipped medium, as "play_sand", or as of `GranularBed`.
+    surface, slope, up, gravity, static, form, end_cap, floor
+        As of `GranularBed`; lengths in m, gravity in m/s2.
+
+    Returns
+    -------
+    GranularBed
+        With `add_rigid`, `add_line`, `add_outline`, `add_ball` and `add_cables` for bodies in the plane, `add_body` for
+        those in space (`up`), and `attach`.
+
+    Raises
+    ------
+    ConfigError, ValueError
+        There is no shipped medium of that name; as of `GranularBed`.
+    """
+    of = preset(medium) if isinstance(medium, str) else medium
+    options: dict[str, Any] = {"gravity": gravity, "static": static, "form": form, "end_cap": end_cap, "floor": floor}
+    return GranularBed(mbs, of, surface, slope=slope, up=up, **options)
+
+
+def bind(system: Any = exu.MainSystem) -> None:
+    """Make the function a method of Exudyn's systems; once more is nothing.
+
+    Raises
+    ------
+    ImportError
+        This Exudyn does not offer it.
+    """
+    if getattr(system, NAME, create_granular_bed) is not create_granular_bed:
+        raise ImportError(_refusal("the name is taken"))
+    try:
+        from exudyn.misc.extensionRegistry import extends, install
+
+        extends(system, NAME)(create_granular_bed)
+        install()
+    except (ImportError, AttributeError, TypeError) as error:
+        raise ImportError(_refusal(str(error))) from error
+    if getattr(system, NAME, None) is not create_granular_bed:
+        raise ImportError(_refusal("exudyn.misc.extensionRegistry binds nothing"))
+
+
+def _refusal(why: str) -> str:
+    return (
+        f"Exudyn {metadata.version('exudyn')} takes no mbs.{NAME} ({why}): "
+        "from granular_contact import GranularBed, and GranularBed(mbs, ...) is the same"
+    )
