@@ -11,7 +11,7 @@ what is seen    observe, mechanism, wheels, depths    Trajectory -> Observation
                 joint_history, beam_energy            energies and works
                 strains                               strains and stresses of links that bend
                 accuracy, drive_error, strip_error    warnings about steps, drives and strips
-                strip_departure                       what strips of another length would change
+                departure, strip_departure            what strips of another length would change
                 omissions                             what a run leaves out
 kernels   compiled code
 space     the same names in space, where they differ

@@ -1,21 +1,25 @@
-"""What a motion departs by with strips of another length (`sand.strip_error`), and the error that this stands for."""
+"""What a motion in the plane departs by with strips of another length, and the error that this stands for.
+
+Forces converge with the square of the strip: a motion is off by a third of what it departs by with strips joined in
+pairs, and by four thirds of what it departs by with strips of half the length. Where strips are far too long either may
+be a tenth of the error or less, rarely both (`validation/strip_estimates.py`). The departure: `mechanics.departure`.
+"""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from granular_contact.mechanics.departure import Flat, Motion, greatest, instants
 from granular_contact.mechanics.freedoms import freedoms
 from granular_contact.mechanics.kinematics import Kinematics
 from granular_contact.sand.contact_lines import ELEMENTS_PER_LINE, Body, ContactLine, beam, coarser
-from granular_contact.sand.kernels.departure import Motion
 from granular_contact.sand.load import GranularLoad
 from granular_contact.sand.of_scene import lines_of, load_of, section
-from granular_contact.sand.strip_error import OF_HALVED, OF_JOINED, departure
 from granular_contact.scene.workspace import immersible
 
+OF_JOINED, OF_HALVED = 1.0 / 3.0, 4.0 / 3.0
 GLANCE, LOOK = 24, 160  # instants of the motion at which its departure is followed
 
 
@@ -38,27 +42,7 @@ def _departure(observer: Kinematics, own: GranularLoad, other: GranularLoad, cou
     t, at = observer.trajectory, instants(observer, count)
     part = replace(t, time=t.time[at], q=t.q[at], v=t.v[at], load=None, a=None, multipliers={}, set_to={})
     motion = _motion(type(observer)(observer.system, part))
-    if motion.W.shape[2] == 0:
-        return 0.0
-    speed = observer.path_length / (t.time[-1] - t.time[0])
-    off = np.abs(departure(own, other, motion, speed)) * observer.lever
-    return float(off.max()) / max(observer.path_length, observer.scene.least_path)
-
-
-def instants(observer: Kinematics, count: int) -> NDArray[np.int64]:
-    """Indices from the touch to the end, so that little passes in between: of the time, the way, changes of speed."""
-    t = observer.trajectory
-    assert t.load is not None
-    first = max(0, int(np.argmax(t.load.depth > 0.0)) - 1)
-    steps = np.diff(t.time[first:])
-    way, change = (
-        steps * observer.speeds[first + 1 :],
-        np.abs(np.diff(t.v[first:], axis=0) * observer.lever).max(axis=1),
-    )
-    passed = sum(part / max(float(part.sum()), 1e-300) for part in (steps, way, change))
-    sums = np.concatenate([[0.0], np.cumsum(passed)])
-    at = np.searchsorted(sums, np.linspace(0.0, sums[-1], count + 1)).clip(0, len(steps))
-    return first + np.unique([0, *at, len(steps)])
+    return greatest(observer, motion, own, other, Flat())
 
 
 def _motion(motion: Kinematics) -> Motion:

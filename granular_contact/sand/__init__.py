@@ -25,7 +25,6 @@ batch           lines of one kind in one compiled call; other elements (facets i
 load            all batches: force, tangent, accepted steps
 history, state  what was done, step by step; all that a later step depends on
 work            what steps leave open, from a history and the motion
-strip_error     what a motion departs by with strips of another length
 given, of_scene     what a bed is made of, from arguments and from a scene
 steady          the force on a body that moves steadily, without a run
 rolling         the start of a single-wheel test, in steady motion

@@ -1,15 +1,10 @@
 """What a motion in space departs by with larger facets, and the error that this stands for.
 
-The twin of `mechanics.strip_departure`, by the same equation (see `sand.kernels.departure`): with the forces Q of its
-own facets along a motion, and Q* of larger ones, the departure W x has
-
-    M x'' = W^T [Q*(q + W x, v + W x') - Q(q, v)] - K x - D x'.
-
-Rates are those of `SpatialKinematics`, six of each body; W spans what the joints leave of them. Backward Euler in a
-few long steps and Newton's method with a line search, in plain numpy: what takes time are the forces. An error goes
-with the square of facets, and so with one over their number: of N facets and N* others it is |N* / (N* - N)| of what
-the motion departs by. Where there are hardly larger ones, on a mesh with triangles of its own, smaller ones are taken.
-Of a run that was repeated with smaller facets the error follows from both, see `estimate_of_two`.
+As `strip_departure` in the plane, by `mechanics.departure`. Rates are those of `SpatialKinematics`, six of each body; W
+spans what the joints leave of them. An error goes with the square of facets, and so with one over their number: of N
+facets and N* others it is |N* / (N* - N)| of what the motion departs by. Where there are hardly larger ones, on a mesh
+with triangles of its own, smaller ones are taken. Of a run that was repeated with smaller facets the error follows from
+both, see `estimate_of_two`.
 
 Left out: how W changes with x, inertial forces of the departure beside M x'', and how springs turn with their bodies.
 """
@@ -22,10 +17,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from granular_contact.mechanics.constraints import together
+from granular_contact.mechanics.departure import Flat, Motion, greatest, instants
 from granular_contact.mechanics.freedoms import left_by, slopes
 from granular_contact.mechanics.space.kinematics import SpatialKinematics
-from granular_contact.mechanics.strip_departure import instants
 from granular_contact.sand.contact_lines import Body
+from granular_contact.sand.load import GranularLoad
 from granular_contact.sand.space.load import SpatialLoad
 from granular_contact.sand.space.of_scene import add_part, load_of
 from granular_contact.scene.space.types import Vector
@@ -33,24 +29,6 @@ from granular_contact.scene.space.types import Vector
 GLANCE, LOOK = 16, 96  # instants of the motion at which its departure is followed
 COARSER = np.sqrt(2.0)  # edges of the other facets over those of the motion's
 FEWER = 0.8  # of the number of facets: with more of them left smaller ones are taken
-ITERATIONS, SHORTENED, SHARE, CLOSE, RENEW = 10, 4, 0.4, 1e-4, 0.3  # as of `sand.kernels.departure`
-
-
-class _Motion(NamedTuple):
-    """A motion at n instants with d freedoms.
-
-    time (n,) s; q (n, 7 b): places and Euler parameters of the b bodies; v (n, 6 b); W (n, 6 b, d), A (n, d, 6 b): of
-    any rates the freedoms that have their momentum; M, K, D (n, d, d).
-    """
-
-    time: Vector
-    q: Vector
-    v: Vector
-    W: Vector
-    A: Vector
-    M: Vector
-    K: Vector
-    D: Vector
 
 
 def estimate(observer: Any, doubtful: float) -> float:
@@ -66,10 +44,12 @@ def estimate(observer: Any, doubtful: float) -> float:
         other = _load(observer, 1.0 / COARSER)
     if _number(other) == _number(own):  # there are none: bars and balls alone
         return 0.0
-    of_departure = abs(_number(other) / (_number(other) - _number(own)))
-    error = of_departure * _departure(observer, own, other, GLANCE)
-    if error > doubtful:
-        error = max(error, of_departure * _departure(observer, own, other, LOOK))
+    error, of_departure = 0.0, abs(_number(other) / (_number(other) - _number(own)))
+    for count in (GLANCE, LOOK):
+        motion = _motion(observer, instants(observer, count))
+        error = max(error, of_departure * greatest(observer, motion, own, other, Poses()))
+        if not error > doubtful:
+            break
     return error
 
 
@@ -122,18 +102,7 @@ def _load(observer: SpatialKinematics, share: float) -> SpatialLoad:
     return load
 
 
-def _departure(observer: SpatialKinematics, own: SpatialLoad, other: SpatialLoad, count: int) -> float:
-    """Greatest departure of any point with another load, as a part of the distance that the fastest one travels."""
-    motion = _motion(observer, instants(observer, count))
-    if motion.W.shape[2] == 0:
-        return 0.0
-    t = observer.trajectory
-    speed = observer.path_length / (t.time[-1] - t.time[0])
-    off = np.abs(_depart(motion, own, other, speed, observer.lever)) * observer.lever
-    return float(off.max()) / max(observer.path_length, observer.scene.least_path)
-
-
-def _motion(observer: SpatialKinematics, at: Any) -> _Motion:
+def _motion(observer: SpatialKinematics, at: Any) -> Motion:
     """The motion at some of its instants, with its freedoms there."""
     t = observer.engine
     part = replace(t, time=t.time[at], q=t.q[at], v=t.v[at], load=None, a=None, multipliers={}, set_to={})
@@ -159,87 +128,30 @@ def _motion(observer: SpatialKinematics, at: Any) -> _Motion:
     A = np.linalg.solve(M, momenta) if M.shape[1] else momenta
     places = [part for name in seen.system.rigid for part in (seen.center(name)[0], seen.quaternion(name))]
     q = np.concatenate(places, axis=1)
-    return _Motion(t.time[at], q, seen.trajectory.v, W, A, M, turned @ K @ W, turned @ D @ W)
-
-
-def _depart(motion: _Motion, own: SpatialLoad, other: SpatialLoad, speed: float, lever: Vector) -> Vector:
-    """Departure (n, 6 b) of all bodies at the instants of a motion; speed (m/s): of the motion."""
-    time, W, A = motion.time, motion.W, motion.A
-    out, last = np.zeros(motion.v.shape), np.zeros(motion.v.shape[1])
-    for load in (own, other):
-        load.start(motion.q[0])
-    for i in range(1, len(time)):
-        step = _Step(motion, i, A[i] @ out[i - 1], A[i] @ last, _forces(own, motion.q[i], motion.v[i])[0], other)
-        x, rate = step.end(CLOSE * speed, lever)
-        out[i], last = W[i] @ x, W[i] @ rate
-        own.accept(time[i], motion.q[i], _rates(motion.q[i], motion.v[i]))
-        there = _moved(motion.q[i], out[i])
-        other.accept(time[i], there, _rates(there, motion.v[i] + last))
-    return out
-
-
-class _Step:
-    """A step of backward Euler that ends at an instant i, from x and x' before it."""
-
-    def __init__(self, motion: _Motion, i: int, x: Vector, rate: Vector, own: Vector, other: SpatialLoad) -> None:
-        self.q, self.v, self.W, self.M, self.K, self.D = (
-            getattr(motion, name)[i] for name in ("q", "v", "W", "M", "K", "D")
-        )
-        self.h, self.x, self.rate, self.own, self.other = motion.time[i] - motion.time[i - 1], x, rate, own, other
-
-    def missing(self, rate: Vector) -> tuple[Vector, float, Vector]:
-        """Impulses (d,) that are missing at a rate, their square over the masses, and where that is."""
-        x = self.x + self.h * rate
-        there = _moved(self.q, self.W @ x)
-        force, _ = _forces(self.other, there, self.v + self.W @ rate)
-        left: Vector = self.M @ (rate - self.rate) + self.h * (self.K @ x + self.D @ rate)
-        left -= self.h * (self.W.T @ (force - self.own))
-        return left, float(np.sum(left**2 / np.diag(self.M))), there
-
-    def matrix(self, there: Vector, rate: Vector) -> Vector:
-        """Derivative (d, d) of the missing impulses by the rate."""
-        S = self.M + self.h * (self.h * self.K + self.D)
-        T = _turns(there)
-        rates = np.einsum("bij,bj->bi", T, (self.v + self.W @ rate).reshape(-1, 6)).ravel()
-        TW = np.einsum("bij,bjd->bid", T, self.W.reshape(len(T), 6, -1)).reshape(7 * len(T), -1)
-        found, slopes_there = self.other.tangent(there, rates, self.h, 1.0), np.zeros((len(there), len(there)))
-        np.add.at(slopes_there, (found[:, 0].astype(int), found[:, 1].astype(int)), found[:, 2])
-        return np.asarray(S - self.h * (TW.T @ slopes_there @ TW))
-
-    def end(self, close: float, lever: Vector) -> tuple[Vector, Vector]:
-        """X and x' at the end: Newton's method, to a change of speed (m/s) of any point."""
-        rate, old = self.rate.copy(), False
-        left, size, there = self.missing(rate)
-        for _ in range(ITERATIONS):
-            if not old:
-                matrix = self.matrix(there, rate)
-            try:
-                change = -np.linalg.solve(matrix, left)
-            except np.linalg.LinAlgError:
-                break
-            share = 1.0
-            for _ in range(SHORTENED):
-                now = self.missing(rate + share * change)
-                if now[1] < size:
-                    break
-                share *= SHARE
-            else:
-                if not old:
-                    break
-                old = False
-                continue
-            rate, old = rate + share * change, share == 1.0 and now[1] < RENEW**2 * size
-            left, size, there = now
-            if float(np.abs(lever * (self.W @ change)).max()) * share <= close:
-                break
-        return self.x + self.h * rate, rate
-
-
-# ---- between the rates of bodies and the coordinates of a load ----
+    return Motion(t.time[at], q, seen.trajectory.v, W, A, M, turned @ K @ W, turned @ D @ W)
 
 
 _ENTRIES = np.array([[1, 2, 3], [0, 3, 2], [3, 0, 1], [2, 1, 0]])  # of e in the matrix of e (0, w) / 2
 _SIGNS = 0.5 * np.array([[-1, -1, -1], [1, -1, 1], [1, 1, -1], [-1, 1, 1]])
+
+
+class Poses(Flat):
+    """Places and Euler parameters of bodies, seven coordinates each, whose rates are six: as of `SpatialKinematics`."""
+
+    def moved(self, q: Vector, off: Vector) -> Vector:
+        """As of `Flat`."""
+        there = (q + self.rates(q, off)).reshape(-1, 7)
+        there[:, 3:] /= np.linalg.norm(there[:, 3:], axis=1, keepdims=True)
+        return there.ravel()
+
+    def rates(self, q: Vector, v: Vector) -> Vector:
+        """As of `Flat`."""
+        return np.asarray((_turns(q) @ v.reshape(-1, 6, v[0].size)).reshape(len(q), *v.shape[1:]))
+
+    def forces(self, load: GranularLoad, q: Vector, v: Vector) -> Vector:
+        """As of `Flat`."""
+        found = load.force(q, self.rates(q, v), np.zeros_like(q)).reshape(-1, 1, 7)
+        return np.asarray((found @ _turns(q)).ravel())
 
 
 def _turns(q: Vector) -> Vector:
@@ -249,21 +161,3 @@ def _turns(q: Vector) -> Vector:
     T[:, [0, 1, 2], [0, 1, 2]] = 1.0
     T[:, 3:, 3:] = _SIGNS * e[:, _ENTRIES]
     return T
-
-
-def _rates(q: Vector, v: Vector) -> Vector:
-    return np.asarray(np.einsum("bij,bj->bi", _turns(q), v.reshape(-1, 6)).ravel())
-
-
-def _moved(q: Vector, off: Vector) -> Vector:
-    """Coordinates of bodies that have moved and turned by off (6 b,)."""
-    there = (q + _rates(q, off)).reshape(-1, 7)
-    there[:, 3:] /= np.linalg.norm(there[:, 3:], axis=1, keepdims=True)
-    return there.ravel()
-
-
-def _forces(load: SpatialLoad, q: Vector, v: Vector) -> tuple[Vector, Vector]:
-    """Forces (6 b,) that belong to the rates of bodies, and these in the coordinates of the load."""
-    rates = _rates(q, v)
-    found = load.force(q, rates, np.zeros_like(q))
-    return np.asarray(np.einsum("bij,bi->bj", _turns(q), found.reshape(-1, 7)).ravel()), rates

@@ -9,7 +9,6 @@ friction state      friction, planar_friction, space_friction
                     scatter, path_length, wheels scatter of grains, shear displacement, the surface behind a wheel
 a bed in the plane  planar_sand, batches, lines  all media; one; one contact line
                     kinematics, spatial          how bodies move stations
-                    departure                    how far a motion departs from one that is known, with other strips
 a bed in space      space_law, space_joining     as `law` and `joining`
                     space_sand, space_bodies     all media; one, with rigid bodies and all elements on them
                     facets, facet_parts, slices, facet_layers, facet_paths, space_balls    elements; bars: in `bars`
