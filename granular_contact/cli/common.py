@@ -147,7 +147,10 @@ def print_numbers(heads: Sequence[str], shown: Shown, rows: Iterable[tuple[Seque
     """Print a table of the shown numbers, a dash for None, behind columns of words, whose heads are given."""
 
     def cell(value: float | None, factor: float, form: str) -> str:
-        return "-" if value is None else format(factor * value, form)
+        if value is None:
+            return "-"
+        words = format(factor * value, form)
+        return words if float(words) or not value else format(factor * value, ".3g")  # too small for its digits
 
     cells = ([*words, *(cell(row.get(key), factor, form) for key, _, factor, form in shown)] for words, row in rows)
     print_table(heads[0], [*heads[1:], *(heading for _, heading, _, _ in shown)], cells)

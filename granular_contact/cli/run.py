@@ -223,29 +223,31 @@ def _progress(shown: bool, end_time: float) -> Iterator[tuple[Progress | None, C
         yield update, announce
 
 
-_LINES = (
-    ("penetration_time_s", 1e3, "  sinking         {:.2f} ms, from touch until the lower end sinks no deeper"),
-    ("angle_at_stop_deg", 1.0, "  angle at stop   {:.3f} deg"),
-    ("max_depth_m", 1e3, "  largest depth   {:.2f} mm"),
-    ("max_deflection_m", 1e3, "  deflection      {:.4f} mm at most"),
-    ("forward_speed_second_half_m_s", 1.0, "  forward speed   {:.4f} m/s in the second half"),
+_LINES = (  # key, unit that gets a prefix if it is a length or a time, digits, and words
+    ("penetration_time_s", "s", "#.4g", "  sinking         {}, from touch until the lower end sinks no deeper"),
+    ("angle_at_stop_deg", "deg", "#.5g", "  angle at stop   {}"),
+    ("max_depth_m", "m", "#.4g", "  largest depth   {}"),
+    ("max_deflection_m", "m", "#.4g", "  deflection      {} at most"),
+    ("forward_speed_second_half_m_s", "m/s", "#.4g", "  forward speed   {} in the second half"),
 )
 
 
 def _summary(results: Results, surface_follows: bool, elapsed: str, folder: Path) -> Iterator[str]:
     """Lines that summarise a run; quantities that it does not have are left out."""
+    from granular_contact.report.units import sized
+
     found: dict[str, Any] = results.summary
     yield f"{results.name}: {results.status.message}"
     if surface_follows:
         yield "  surface         where it touches the mechanism at the start, as surface_height_m is not given"
     if (stop := found.get("stopping_time_s")) is not None:
-        yield f"  stopping time   {1e3 * stop:.2f} ms, {found['stopping_time_measure']}"
-    for key, factor, line in _LINES:
+        yield f"  stopping time   {sized(stop, 's', '#.4g')}, {found['stopping_time_measure']}"
+    for key, unit, form, line in _LINES:
         value = found.get(key)
         if value is not None and not (key == "max_depth_m" and value < 0.0):
-            yield line.format(factor * value)
+            yield line.format(sized(value, unit, form) if unit in ("s", "m") else f"{value:{form}} {unit}")
     if wheel := found.get("wheel"):
-        sinkage = f"sinkage {1e3 * wheel['sinkage_m']:.2f} mm"
+        sinkage = f"sinkage {sized(wheel['sinkage_m'], 'm', '#.4g')}"
         yield f"  wheel           slip {wheel['slip']:.3f}, {sinkage}, means of the last half"
         yield f"                  pull {wheel['drawbar_pull_N']:.3g} N, torque {wheel['torque_Nm']:.3g} N m"
     if (cost := found.get("cost_of_transport")) is not None:

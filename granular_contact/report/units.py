@@ -17,7 +17,7 @@ from granular_contact.results import Results
 
 Array = NDArray[np.float64]
 
-_PREFIXES = {-18: "a", -15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
+_PREFIXES = {-24: "y", -21: "z", -18: "a", -15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 # What the last words of a key say of its unit; those with prefixes (mm, ms) are taken at their best size.
 _SCALED = {"s": "s", "m": "m", "N": "N", "J": "J", "Nm": "N\N{MIDDLE DOT}m", "W": "W"}
 _FIXED = {

@@ -103,7 +103,7 @@ class Panel {
     return this.curves.map((values, c) => {
       const rows = rowsToDraw(this.time, values, ...this.range);
       const x = this.spec.along ? this.along(c) : this.time;
-      const factor = this.spec.along ? 1e3 : 1; // depths in mm
+      const factor = this.spec.along ? this.depthUnit()[1] : 1;
       return {
         x: rows.map((i) => x[i] * factor), y: rows.map((i) => values[i]), mode: "lines", type: "scatter",
         line: { color: colourOf(this.runs[c]), width: 1.6 }, visible: this.visible(c),
@@ -115,6 +115,11 @@ class Panel {
     return this.columns[this.spec.curves[c].along || this.spec.along];
   }
 
+  depthUnit() { // its name and factor, by the greatest depth
+    const most = this.curves.reduce((sofar, _, c) => this.along(c).reduce((m, x) => Math.max(m, Math.abs(x) || 0), sofar), 0);
+    return [["m", 1], ["mm", 1e3], ["µm", 1e6]].find(([, factor]) => factor * most >= 1) || ["nm", 1e9];
+  }
+
   visible(c) {
     return !(data.runs && shown.hidden.has(this.runs[c]));
   }
@@ -123,7 +128,7 @@ class Panel {
     if (this.drawn) return;
     this.drawn = true;
     const along = this.spec.along;
-    const layout = look(along ? "depth (mm)" : "time (s)");
+    const layout = look(along ? `depth (${this.depthUnit()[0]})` : "time (s)");
     if (along) layout.xaxis.fixedrange = true;
     else layout.xaxis.range = [...this.range];
     const traces = this.traces();
@@ -172,7 +177,7 @@ class Panel {
     if (!this.drawn) return;
     if (this.spec.along) {
       const seen = this.curves.map((_, c) => c).filter((c) => this.visible(c));
-      const x = seen.map((c) => 1e3 * mix(this.along(c)[i], this.along(c)[next], share));
+      const factor = this.depthUnit()[1], x = seen.map((c) => factor * mix(this.along(c)[i], this.along(c)[next], share));
       const y = seen.map((c) => mix(this.curves[c][i], this.curves[c][next], share));
       Plotly.restyle(this.plot, { x: [x], y: [y] }, [this.curves.length]);
       return;

@@ -1,5 +1,5 @@
 // The player: play, scrub, speed, moments; in the plane it moves the parts of the drawing.
-const SECONDS = [0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10];
+const SECONDS = [...Array(16).keys()].flatMap((k) => [1, 2, 5].map((one) => Number(`${one}e${k - 12}`)));
 
 function controls(motion) {
   const place = $("#player .controls");

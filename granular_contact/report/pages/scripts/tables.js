@@ -11,14 +11,14 @@ function make(tag, attributes = {}, ...children) {
   return element;
 }
 
-const PREFIXES = { n: 1e-9, "µ": 1e-6, m: 1e-3, k: 1e3, M: 1e6, G: 1e9 };
+const PREFIXES = { y: 1e-24, z: 1e-21, a: 1e-18, f: 1e-15, p: 1e-12, n: 1e-9, "µ": 1e-6, m: 1e-3, k: 1e3, M: 1e6, G: 1e9 };
 
 // The number that a cell begins with, in the unit without prefix ("25.4 ms" is 0.0254), or NaN.
 function numberIn(text) {
   const found = text.trim().replace(/−/g, "-").match(/^([-+]?\d[\d.]*(?:e[-+]?\d+)?)(?: (\S+))?/);
   if (!found) return NaN;
   const unit = found[2] || "";
-  const scaled = unit.length > 1 && /^[nµmkMG](s|m|N|J|W|N·m)$/.test(unit);
+  const scaled = unit.length > 1 && /^[yzafpnµmkMG](s|m|N|J|W|N·m)$/.test(unit);
   return parseFloat(found[1]) * (scaled ? PREFIXES[unit[0]] : 1);
 }
 
