@@ -78,9 +78,43 @@ def groups(names: Sequence[str], terms: Sequence[str], column: Values) -> list[G
     """Groups of panels of a table with these columns and terms of force, as far as there is something to see."""
     found = _Names(names, terms)
     scales = _scales(names, column)
-    made = [_travel(found), _joints(found), _forces(found), _depths(found), _energy(found)]
+    made = [_wheels(found), _travel(found), _joints(found), _forces(found), _depths(found), _energy(found)]
     kept = [replace(one, panels=tuple(_seen(one.panels, column, scales))) for one in made]
     return [one for one in kept if one.panels]
+
+
+def distinct(found: Sequence[Group], column: Values, *, compared: bool = False) -> list[Group]:
+    """Groups without panels whose curves others show: the force on a single body is the sum, a carriage is on its rail.
+
+    A length or an energy of the other sign is the same: a post goes up as far as its wheel sinks less. compared: of
+    several runs, where a panel on which all runs stand still at one value tells nothing either.
+    """
+    shown: list[tuple[str, Array]] = []
+    left = set()
+    for group in sorted(found, key=lambda one: _TELLING.index(one.name) if one.name in _TELLING else len(_TELLING)):
+        for place, one in enumerate(group.panels):
+            curves = [] if one.along else [curve.values(column) for curve in one.curves]
+            if curves and (
+                all(_is_shown(one.base, values, shown) for values in curves) or (compared and _still(curves))
+            ):
+                left.add((group.name, place))
+            shown += [(one.base, values) for values in curves]
+    kept = [
+        replace(one, panels=tuple(p for i, p in enumerate(one.panels) if (one.name, i) not in left)) for one in found
+    ]
+    return [one for one in kept if one.panels]
+
+
+_TELLING = ("wheel", "travel", "path", "depth", "forces", "joints", "energy")  # what stays of two that are the same
+
+
+def _is_shown(base: str, values: Array, shown: Sequence[tuple[str, Array]]) -> bool:
+    signs = (1.0, -1.0) if base in ("m", "J") else (1.0,)
+    return any(base == other and _alike(values, sign * one) for other, one in shown for sign in signs)
+
+
+def _still(curves: Sequence[Array]) -> bool:
+    return float(np.nanmax(curves) - np.nanmin(curves)) <= SAME * greatest(curves)
 
 
 def _scales(names: Iterable[str], column: Values) -> dict[str, float]:
@@ -149,6 +183,7 @@ class _Names:
         self.met = stems("_granular_x_N")
         self.deep = [one for one in stems("_depth_m") if one in self.bodies]
         self.bending = stems("_deflection_y_m", "_deflection_z_m")  # in space
+        self.wheels = stems("_slip", "_sinkage_m")
         self.in_space = any(f"{one}_vz_m_s" in has for one in self.bodies)
         self.up = "z" if self.in_space else "y"
 
@@ -156,6 +191,21 @@ class _Names:
         """A panel of single columns, given by label and name."""
         kept = tuple(Curve(words, ((name, 1.0),)) for words, name in curves if name in self.has)
         return Panel(title, base, kept, along=along)
+
+
+def _wheels(found: _Names) -> Group:
+    """What terramechanics asks of wheels, along and across the surface below their axle."""
+    quantities = (
+        *(("slip", "", "slip"), ("sinkage", "m", "sinkage_m"), ("drawbar pull", "N", "drawbar_pull_N")),
+        *(("load", "N", "load_N"), ("torque", "N·m", "torque_Nm"), ("side force", "N", "side_force_N")),
+        *(("slip angle", "deg", "slip_angle_deg"),),
+    )
+    panels = [
+        found.panel(title, base, [(wheel, f"{wheel}_{end}") for wheel in found.wheels])
+        for title, base, end in quantities
+    ]
+    words = "Slip, sinkage, pull, load and torque, along and across the surface below the axle."
+    return Group("wheel", "Wheel" if len(found.wheels) == 1 else "Wheels", words, tuple(panels))
 
 
 def _travel(found: _Names) -> Group:
@@ -236,10 +286,11 @@ def _terms(found: _Names, end: str) -> tuple[Curve, ...]:
 
 
 def _depths(found: _Names) -> Group:
-    """How deep bodies are, and the vertical force against depth."""
-    depths = [(name, f"{name}_depth_m") for name in found.deep]
-    panels = [found.panel("depth", "m", depths or [("deepest point", "depth_m")])]
-    for name in found.deep[:MOST_BODIES]:
+    """How deep bodies are, and the vertical force against depth; wheels have their sinkage."""
+    deep = [name for name in found.deep if name not in found.wheels]
+    depths = [(name, f"{name}_depth_m") for name in deep]
+    panels = [found.panel("depth", "m", depths or [("deepest point", "depth_m")])] if deep or not found.wheels else []
+    for name in deep[:MOST_BODIES]:
         title, forces = f"vertical force on {name} against its depth", [(name, f"{name}_granular_{found.up}_N")]
         panels.append(found.panel(title, "N", forces, along=f"{name}_depth_m"))
     upward = tuple((f"{t}_force_{found.up}_N", 1.0) for t in found.terms if f"{t}_force_{found.up}_N" in found.has)

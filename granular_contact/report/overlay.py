@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from granular_contact.report import MOTION, OVERLAY, motion_text
-from granular_contact.report.histories import ROUND_OFF, Group, Panel, groups, in_unit
+from granular_contact.report.histories import ROUND_OFF, Group, Panel, distinct, groups, in_unit
 from granular_contact.report.units import Array, greatest, split
 from granular_contact.results import Results
 from granular_contact.results.frames import MOST
@@ -146,7 +146,7 @@ def panels(names: Sequence[str], columns: Mapping[str, Array], reference: str = 
     for name, group in found.items():
         mine = [of_runs for (of, _), of_runs in quantities.items() if of == name]
         made.append(replace(group, panels=tuple(p for one in mine for p in _drawn(one, columns, base, reference))))
-    return [group for group in made if group.panels]
+    return distinct(made, columns.__getitem__, compared=True)
 
 
 def _quantities(group: Group, key: str, name: str) -> Iterator[Panel]:
@@ -159,7 +159,7 @@ def _quantities(group: Group, key: str, name: str) -> Iterator[Panel]:
             curves = curves[:1]
         elif len(curves) > MOST_CURVES:
             curves = curves[:2]
-        single = group.name in ("forces", "depth") and len(curves) == 1
+        single = group.name in ("wheel", "forces", "depth") and len(curves) == 1
         for curve in curves:
             for words in curve.label.split(", "):  # those of curves that are the same
                 title = panel.title if single else words if group.name == "energy" else f"{panel.title}: {words}"

@@ -120,26 +120,46 @@ def residuals(runs: Sequence[RunPicture], misfit: bool) -> Figure:
     """Residuals in units of the noise: of all runs over their relative time, and their distribution."""
     figure = blank(DOUBLE, 62.0, layout="constrained")
     left, right = figure.subplots(1, 2, width_ratios=(2.2, 1.0), sharey=True)
-    everything = []
+    values = np.concatenate([(run.residuals / run.noise).ravel() for run in runs])
+    most, bins = _histogram(values)
     for run in runs:
         share = np.linspace(0.0, 1.0, len(run.time))
         if run.unit == "s":
             share = (run.time - run.time[0]) / (run.time[-1] - run.time[0])
-        for values in (run.residuals / run.noise).T:
-            everything.append(values)
-            left.plot(share, values, ".", color=BLUE, markersize=1.5, alpha=0.6)
+        for one in (run.residuals / run.noise).T:
+            left.plot(share, one, ".", color=BLUE, markersize=1.5 if len(values) > FEW else 5.0, alpha=0.6)
+            beyond = np.abs(one) > most
+            left.plot(share[beyond], 0.97 * most * np.sign(one[beyond]), "x", color=VERMILION, markersize=3)
     left.axhline(0.0, color=FAINT, linewidth=0.5)
     timed = all(run.unit == "s" for run in runs)
     left.set(xlabel=f"share of the {'time' if timed else 'rows'} of each run", ylabel="residual / noise", xlim=(0, 1))
-    left.set_title("misfit: see fit.json" if misfit else "all runs", loc="left")
-    values = np.concatenate(everything)
-    edges = np.linspace(-1, 1, 41) * max(4.5, min(float(np.max(np.abs(values))), 50.0))
-    right.hist(values, edges, orientation="horizontal", density=True, color=SKY)
-    normal = np.linspace(edges[0], edges[-1], 301)
+    left.set_ylim(-most, most)
+    beyond = int(np.sum(np.abs(values) > most))
+    words = "misfit: see fit.json" if misfit else "all runs"
+    left.set_title(f"{words}; crosses: {beyond} beyond these axes" if beyond else words, loc="left")
+    right.hist(values, bins, orientation="horizontal", density=True, color=SKY)
+    normal = np.linspace(-most, most, 301)
     right.plot(np.exp(-(normal**2) / 2) / np.sqrt(2 * np.pi), normal, color=INK, linewidth=0.7, label="normal")
     right.set_xlabel("density")
     right.legend(loc="upper right")
     return figure
+
+
+FEW = 100  # residuals, below which each is drawn so large that it is seen
+LEAST, TIMES = 4.5, 2.0  # of the axis, in units of the noise; and in quantiles of 99 % of the residuals
+MOST_BINS = 60
+
+
+def _histogram(values: Array) -> tuple[float, Array]:
+    """Half the length of the axis of residuals, and edges of bins, by quantiles: single ones far off change neither.
+
+    Bins are as wide as Freedman and Diaconis (1981) have them, 2 IQR / n^(1/3).
+    """
+    quarter, three, far = np.quantile(np.append(values, -values), [0.25, 0.75, 0.99])
+    most = max(LEAST, TIMES * float(far))
+    width = 2.0 * float(three - quarter) / len(values) ** (1 / 3)
+    count = 2.0 * most / width if width > 0.0 else MOST_BINS
+    return most, np.linspace(-most, most, int(np.clip(count, 8, MOST_BINS)) + 1)
 
 
 def correlations(estimates: Sequence[Estimate], correlation: Array) -> Figure:

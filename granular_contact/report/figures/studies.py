@@ -148,7 +148,10 @@ MOST = 3  # panels, and figures of a sweep
 
 
 def draw(varied: Mapping[str, Array], found: tuple[str, Array], file: Path) -> None:
-    """Draw what was found, a key and its values (n,), over each of the varied quantities (n,), into a PNG."""
+    """Draw what was found, a key and its values (n,), over each of the varied quantities (n,), into a PNG.
+
+    Over a single one points are joined.
+    """
     words, values = scaled(*found)
     shown = [scaled(*one) for one in list(varied.items())[:MOST]]
     with saved_figure(file, 58.0, SINGLE * (1 if len(shown) < 3 else 1.5)) as figure:
@@ -156,27 +159,31 @@ def draw(varied: Mapping[str, Array], found: tuple[str, Array], file: Path) -> N
         size = float(np.clip(60.0 / np.sqrt(len(values)), 0.5, 14.0))
         for axes, (name, along) in zip(panels, shown, strict=True):
             axes.scatter(along, values, s=size, color=BLUE, alpha=0.75, linewidths=0)
+            if len(varied) == 1:
+                order = np.argsort(along)
+                axes.plot(along[order], values[order], color=BLUE, linewidth=0.8)
             axes.set_xlabel(name)
             axes.locator_params(axis="x", nbins=5)
         panels[0].set_ylabel(words)
 
 
 def draw_slip(curves: Mapping[str, Array], file: Path) -> None:
-    """Draw curves by their labels (one label may be empty) into a PNG; sinkage grows downward.
+    """Draw curves by their labels (one label may be empty) into a PNG.
 
     Each (4, n) is of one wheel: slip in rising order, pull (N), torque (N m) and sinkage (m).
     """
+    unit = unit_for(np.concatenate([sinkage for *_, sinkage in curves.values()]), "m")
     with saved_figure(file, 62.0, DOUBLE) as figure:
         panels = figure.subplots(1, 3)
         for i, (label, (slip, pull, torque, sinkage)) in enumerate(curves.items()):
-            for axes, values in zip(panels, (pull, torque, 1e3 * sinkage), strict=True):
+            for axes, values in zip(panels, (pull, torque, unit.factor * sinkage), strict=True):
                 axes.plot(slip, values, "o-", color=PALETTE[i % len(PALETTE)], label=label)
-        for axes, words in zip(panels, ("drawbar pull (N)", "torque (N\N{MIDDLE DOT}m)", "sinkage (mm)"), strict=True):
+        heads = ("drawbar pull (N)", "torque (N\N{MIDDLE DOT}m)", f"sinkage ({unit.name})")
+        for axes, words in zip(panels, heads, strict=True):
             axes.set_xlabel("slip")
             axes.set_ylabel(words)
             axes.axvline(0.0, color=INK, linewidth=0.4)
         for axes in panels[:2]:
             axes.axhline(0.0, color=INK, linewidth=0.4)
-        panels[2].invert_yaxis()
         if len(curves) > 1:
             figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper left", ncols=min(4, len(curves)))

@@ -11,7 +11,9 @@ from granular_contact.report.units import column, is_number
 MOST_POINTS = 20_000  # of a longer table every second row, or third, and so on
 
 
-def chart(names: Sequence[str], columns: Mapping[str, Sequence[Any]], x: str, y: str) -> dict[str, Any]:
+def chart(
+    names: Sequence[str], columns: Mapping[str, Sequence[Any]], x: str, y: str, *, joined: bool = False
+) -> dict[str, Any]:
     """Data for the script: what each row is called, and the columns of which numbers differ; empty without x or y.
 
     Parameters
@@ -22,13 +24,16 @@ def chart(names: Sequence[str], columns: Mapping[str, Sequence[Any]], x: str, y:
         Cells of each column, by its key; its unit is that of the key.
     x, y
         Keys of the columns that are shown at first.
+    joined
+        Whether points are joined along x, where that is shown: of rows in which nothing else was varied.
     """
     every = max(1, -(-len(names) // MOST_POINTS))
     differ = [key for key, cells in columns.items() if len({one for one in cells if _is_finite(one)}) > 1]
     if x not in differ or y not in differ:
         return {}
     shown = [_column(key, columns[key][::every]) for key in differ]
-    return {"names": list(names[::every]), "columns": shown, "x": differ.index(x), "y": differ.index(y)}
+    places = {"x": differ.index(x), "y": differ.index(y)}
+    return {"names": list(names[::every]), "columns": shown, **places, "joined": joined}
 
 
 def _column(key: str, cells: Sequence[Any]) -> dict[str, Any]:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from granular_contact.report import OVERLAY, SERIES
-from granular_contact.report.histories import Curve, Group, groups, others
+from granular_contact.report.histories import Curve, Group, distinct, groups, others
 from granular_contact.report.overlay import keys, panels
 from granular_contact.report.pages.folder import Bed, Folder
 from granular_contact.report.pages.rendering import packed
@@ -113,7 +113,7 @@ def _page(
 
 def _groups(columns: dict[str, Array]) -> list[Group]:
     terms = [n.removesuffix(_TERM) for n in columns if n.endswith(_TERM)]
-    return groups(list(columns), terms, columns.__getitem__)
+    return distinct(groups(list(columns), terms, columns.__getitem__), columns.__getitem__)
 
 
 def _packed(names: list[str], table: Array) -> dict[str, Any]:

@@ -26,6 +26,7 @@ def content(folder: Folder) -> dict[str, Any]:
     known = {key: value for key, value in summary.items() if key not in _ELSEWHERE and is_number(value)}
     if known.get("touch_time_s", 1.0) < NOW:  # it starts in the medium, or on it
         del known["touch_time_s"]
+    wheel = {key: value for key, value in (summary.get("wheel") or {}).items() if is_number(value)}
     return {
         "title": summary.get("name") or folder.path.name,
         "version": (summary.get("versions") or {}).get(PROGRAM, ""),
@@ -35,7 +36,9 @@ def content(folder: Folder) -> dict[str, Any]:
         "measure": measure,
         "of_all": measure == REST_MEASURE,
         "imbalance": imbalance,
-        "numbers": known | {"energy.imbalance_relative": imbalance},
+        "numbers": {f"wheel.{key}": value for key, value in wheel.items()}
+        | known
+        | {"energy.imbalance_relative": imbalance},
         "pictures": pictures,
         "energy": energy,
         "drives": list(_drives(summary.get("drives") or {})),

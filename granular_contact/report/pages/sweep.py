@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -12,13 +12,13 @@ import numpy as np
 
 from granular_contact.report import BANDS, CASES, SENSITIVITY, SERIES, SWEEP, TABLE
 from granular_contact.report.drawn import drawn
-from granular_contact.report.histories import Curve, Group, panel
+from granular_contact.report.histories import SAME, Curve, Group, panel
 from granular_contact.report.overlay import History, motion
 from granular_contact.report.overlay import table as overlaid
 from granular_contact.report.pages.chart import chart
 from granular_contact.report.pages.folder import Array, Folder, Rows, Table
 from granular_contact.report.pages.live import live_curves, live_overlay, nothing_live
-from granular_contact.report.units import label, quantity
+from granular_contact.report.units import greatest, label, quantity
 from granular_contact.results import FINISHED
 
 MOST_RUNS = 6  # of cases that were kept, side by side
@@ -31,6 +31,7 @@ _FIRST = (
     *("cost_of_transport", "penetration_time_s", "stopping_time_s", "max_depth_m", "max_deflection_m"),
 )
 _NOT_DRAWN = ("hub_stopping_time_s",)
+OVER_SLIP = ("wheel.drawbar_pull_N", "wheel.torque_Nm", "wheel.sinkage_m", "max_depth_m", "largest_torque_Nm")
 MOST_WARNINGS = 10  # kinds
 _NUMBER = re.compile(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?", re.IGNORECASE)
 
@@ -52,7 +53,9 @@ def content(folder: Folder, place: Path) -> dict[str, Any]:
     cases = _read(folder)
     table = cases.table
     counts = Counter(str(status) for status in table.column("status"))
-    names = [table.head[0], *cases.varied, "status", *_ordered(cases.found)[:6]]
+    names = [table.head[0], *cases.varied, "status", *_drawn(cases)[:6]]
+    pictures = folder.figures()
+    shown = OVER_SLIP if any(path.stem == "wheel_over_slip" for path in pictures) else ()
     return {
         "title": folder.path.name,
         "version": next(iter(_distinct(table, "versions.granular-contact")), ""),
@@ -62,7 +65,7 @@ def content(folder: Folder, place: Path) -> dict[str, Any]:
         "varied": cases.varied,
         "warnings": [*_warnings(table), *_vague(folder)],
         "statistics": list(_statistics(cases)),
-        "pictures": [*((path, _caption(path.stem)) for path in folder.figures()), *_overviews(cases, place)],
+        "pictures": [*((path, _caption(path.stem)) for path in pictures), *_overviews(cases, place, shown)],
         "sensitivity": folder.table(SENSITIVITY) if folder.has(SENSITIVITY) else None,
         "failures": _failures(table),
         "audit": _audit(cases.ended),
@@ -83,7 +86,8 @@ def _chart(cases: _Cases) -> dict[str, Any]:
     if not drawn or not along:
         return {}
     columns = {name: table.numbers(name).tolist() for name in (*cases.varied, *cases.found)}
-    return chart([str(name) for name in table.column(table.head[0])], columns, along[0], drawn[0])
+    names = [str(name) for name in table.column(table.head[0])]
+    return chart(names, columns, along[0], drawn[0], joined=len(along) == 1)
 
 
 def _live(folder: Folder) -> dict[str, Any]:
@@ -177,14 +181,14 @@ def _statistics(cases: _Cases) -> Iterator[list[Any]]:
         yield [label(name), len(values), *(quantity(name, float(value)) for value in spread)]
 
 
-def _overviews(cases: _Cases, place: Path) -> Iterator[tuple[Path, str]]:
-    """Drawings of key numbers against the varied quantities, and their captions."""
+def _overviews(cases: _Cases, place: Path, shown: Collection[str]) -> Iterator[tuple[Path, str]]:
+    """Drawings of key numbers against the varied quantities, and their captions; shown: what other figures show."""
     varied = _differing(cases, cases.varied)
     if not varied or not cases.found:
         return
     from granular_contact.report.figures.studies import MOST, draw
 
-    for i, name in enumerate(_drawn(cases)[:MOST]):
+    for i, name in enumerate([name for name in _drawn(cases) if name not in shown][:MOST]):
         path = place / f"overview_{i}.png"
         with drawn(path) as file:
             draw({key: cases.ended.numbers(key) for key in varied}, (name, cases.ended.numbers(name)), file)
@@ -201,9 +205,10 @@ def _caption(stem: str) -> str:
 
 
 def _differing(cases: _Cases, names: Sequence[str]) -> list[str]:
-    """Those of the numbers that differ between cases."""
+    """Those of the numbers that differ between cases by more than round-off."""
     columns = ((name, cases.ended.numbers(name)) for name in names)
-    return [name for name, values in columns if len(set(values[np.isfinite(values)])) > 1]
+    known = [(name, values[np.isfinite(values)]) for name, values in columns]
+    return [name for name, values in known if len(values) and np.ptp(values) > SAME * greatest(values)]
 
 
 def _drawn(cases: _Cases) -> list[str]:

@@ -18,7 +18,15 @@ function caseChart() {
     const layout = look(a.label, { text: b.label });
     Object.assign(layout, { height: 380, hovermode: "closest" });
     const text = data.cases.names.map((name, i) => `${name}: ${number(a.values[i])}, ${number(b.values[i])}`);
-    Plotly.react(place, [{ x: a.values, y: b.values, text, hoverinfo: "text", mode: "markers", type: "scatter", marker }], layout, CONFIG);
+    const traces = [{ x: a.values, y: b.values, text, hoverinfo: "text", mode: "markers", type: "scatter", marker }];
+    if (data.cases.joined && +x.value === data.cases.x) {
+      const order = a.values.map((_, i) => i).filter((i) => a.values[i] !== null && b.values[i] !== null);
+      order.sort((i, k) => a.values[i] - a.values[k]);
+      const [along, upward] = [a, b].map((column) => order.map((i) => column.values[i]));
+      const line = { color: colourOf(0), width: 1 };
+      traces.push({ x: along, y: upward, hoverinfo: "skip", mode: "lines", type: "scatter", line, showlegend: false });
+    }
+    Plotly.react(place, traces, layout, CONFIG);
   };
   // What is pointed at, in the chart or in the table of cases, is marked in both.
   const rows = new Map($$("tbody tr").map((row) => [row.cells[0].textContent, row]));

@@ -1,0 +1,165 @@
+"""What pages show of several runs is shown once and in one sense; no number is zero to the eye that is none."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from granular_contact.cli.common import print_numbers
+from granular_contact.cli.run import _summary
+from granular_contact.report.figures import fits, studies
+from granular_contact.report.figures.style import style
+from granular_contact.report.histories import Curve, Group, Panel, distinct, groups
+from granular_contact.report.overlay import History, panels, table
+from granular_contact.report.pages.folder import Folder
+from granular_contact.report.pages.sweep import content
+from granular_contact.results import Results, Status
+
+TIME = np.linspace(0.0, 1.0, 21)
+
+
+def wheel(slip: float, speed: float = 0.02) -> dict[str, np.ndarray]:
+    """Columns of a wheel on a rail and a post: the same motion is told by carriage, rail, post, wheel and sand."""
+    wave = np.sin(20.0 * TIME)
+    sinkage, pull, load = 0.02 + 0.01 * slip + 1e-3 * wave, slip + 0.1 * wave, 24.0 + 0.2 * wave
+    still = np.zeros_like(TIME)
+    return {
+        "time_s": TIME,
+        "rail_position_m": speed * TIME,
+        "rail_speed_m_s": still + speed,
+        "post_position_m": -sinkage,
+        "post_speed_m_s": -0.02 * np.cos(20.0 * TIME),
+        "carriage_x_m": speed * TIME,
+        "carriage_y_m": still,
+        "carriage_vx_m_s": still + speed,
+        "carriage_vy_m_s": still,
+        "wheel_granular_x_N": pull,
+        "wheel_granular_y_N": load,
+        "wheel_depth_m": sinkage,
+        "wheel_x_m": speed * TIME,
+        "wheel_vx_m_s": still + speed,
+        "wheel_slip": still + slip,
+        "wheel_sinkage_m": sinkage,
+        "wheel_drawbar_pull_N": pull,
+        "wheel_load_N": load,
+        "wheel_torque_Nm": still + 0.1 * slip,
+        "static_force_x_N": pull,
+        "static_force_y_N": load,
+        "depth_m": sinkage,
+    }
+
+
+def test_what_several_columns_tell_is_shown_once_and_sinkage_in_one_sense() -> None:
+    runs = [History(name, wheel(slip)) for name, slip in (("a", 0.2), ("b", 0.5))]
+    columns = table(runs)
+    shown = {group.name: [one.title for one in group.panels] for group in panels(["a", "b"], columns)}
+    assert shown["wheel"] == ["slip", "sinkage", "drawbar pull", "load", "torque"]
+    assert shown["travel"] == ["carriage, ahead: x"]  # at a constant speed, the same for both
+    assert shown["joints"] == ["speed of sliders: post"]
+    assert set(shown) == {"wheel", "travel", "joints"}
+
+
+def test_a_run_keeps_what_stands_still_and_a_panel_with_anything_new() -> None:
+    own = wheel(0.2)
+    column = own.__getitem__
+    every = groups(list(own), ["static"], column)
+    titles = [one.title for group in distinct(every, column) for one in group.panels]
+    assert titles == [
+        "slip",
+        "sinkage",
+        "drawbar pull",
+        "load",
+        "torque",
+        "carriage, ahead",
+        "carriage, speed",
+        "speed of sliders",
+    ]
+    two = Panel("two", "m", tuple(Curve(name, ((name, 1.0),)) for name in ("wheel_sinkage_m", "carriage_x_m")))
+    one = Panel("one", "m", two.curves[:1])
+    assert [p.title for p in distinct([Group("x", "", "", (one, two))], column)[0].panels] == ["one", "two"]
+    assert [p.title for p in distinct([Group("x", "", "", (two, one))], column)[0].panels] == ["two"]
+
+
+def sweep(folder: Path, slips: np.ndarray) -> Folder:
+    """A folder of a sweep of a wheel, whose speed is given."""
+    found = "max_depth_m,forward_speed_m_s,cost_of_transport,wheel.drawbar_pull_N,wheel.sinkage_m"
+    head = f"case,wheel.slip,name,status,message,{found}"
+    rows = [
+        f"c{i},{slip},w,end_time,ended,{0.02 + slip**2},{0.02 * (1 + 1e-15 * i)!r},{1 + slip},{slip},{0.02 + slip**2}"
+        for i, slip in enumerate(slips)
+    ]
+    (folder / "table.csv").write_text("\n".join([head, *rows]) + "\n")
+    return Folder(folder, "sweep")
+
+
+def test_the_page_of_a_wheel_over_slip_draws_nothing_twice_and_nothing_constant(tmp_path: Path) -> None:
+    folder = sweep(tmp_path, np.array([-0.5, 0.0, 0.5]))
+    (tmp_path / "figures").mkdir()
+    studies.draw_slip(
+        {"": np.array([[-0.5, 0, 0.5], [-1, 0, 1], [0, 1, 2], [0.02, 0.01, 0.02]])},
+        tmp_path / "figures" / "wheel_over_slip.png",
+    )
+    made = content(folder, tmp_path)
+    words = [caption.partition(" of every case")[0] for _, caption in made["pictures"][1:]]
+    assert words == ["Cost of transport"]
+    assert [column["label"] for column in made["cases"]["columns"]][:2] == ["slip", "largest depth (mm)"]
+    assert made["cases"]["joined"]
+
+
+def drawn(monkeypatch: pytest.MonkeyPatch, draw, *given):  # type: ignore[no-untyped-def]
+    """The figure that a drawing saves."""
+    kept = []
+    monkeypatch.setattr("granular_contact.report.figures.panels.save", lambda figure, _: kept.append(figure))
+    draw(*given, Path("none.png"))
+    return kept[0]
+
+
+def test_sinkage_grows_upward_in_a_unit_that_suits_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    points = np.array([[0.0, 0.5], [1.0, 2.0], [0.1, 0.2], [2e-6, 4e-6]])
+    axes = drawn(monkeypatch, studies.draw_slip, {"": points}).axes[2]
+    assert axes.get_ylabel() == "sinkage (µm)"
+    assert not axes.yaxis_inverted()
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_points_over_one_quantity_are_joined_in_its_order(count: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    along = np.array([3.0, 1.0, 2.0])
+    varied = {f"bed.x{i}": along for i in range(count)}
+    axes = drawn(monkeypatch, studies.draw, varied, ("max_depth_m", along)).axes[0]
+    assert [line.get_xdata().tolist() for line in axes.lines] == ([[1.0, 2.0, 3.0]] if count == 1 else [])
+
+
+@pytest.mark.parametrize("outliers", [0, 3])
+def test_single_residuals_far_off_change_neither_axis_nor_bins(outliers: int) -> None:
+    values = np.random.default_rng(1).normal(size=(400, 1))
+    values[:outliers] = 40.0
+    zero = np.zeros_like(values)
+    time = np.linspace(0.0, 1.0, len(values))
+    run = fits.RunPicture("a", ("x_m",), np.ones(1), 1.96, values, values, zero, zero, time, time, "time", "s")
+    with style():
+        left, right = fits.residuals([run], misfit=False).axes
+    assert left.get_ylim()[1] == pytest.approx(4.5, rel=0.2)
+    assert 15 <= len(right.patches) <= 60  # Freedman and Diaconis: 2 * 1.35 / 400^(1/3) = 0.37 wide, on 9
+    assert left.get_title(loc="left") == ("all runs; crosses: 3 beyond these axes" if outliers else "all runs")
+
+
+def test_no_number_is_zero_to_the_eye(capsys: pytest.CaptureFixture[str]) -> None:
+    """A rod of 1 µm."""
+    summary = {
+        "max_depth_m": 2.6e-7,
+        "stopping_time_s": 4e-6,
+        "stopping_time_measure": "mean rate",
+        "forward_speed_second_half_m_s": 1e-7,
+    }
+    results = Results("rod", Status("rest", "at rest"), (), np.zeros((0, 0)), summary, {}, (), None)
+    said = "\n".join(_summary(results, False, "1 s", Path("r")))
+    for words in ("largest depth   260.0 nm", "stopping time   4.000 µs", "forward speed   1.000e-07 m/s"):
+        assert words in said
+    print_numbers(
+        ["case"],
+        [("max_depth_m", "depth mm", 1e3, ".2f"), ("x", "x", 1.0, ".1f")],
+        [(["a"], {"max_depth_m": 2.6e-7, "x": 0.0})],
+    )
+    assert capsys.readouterr().out.split()[-2:] == ["0.00026", "0.0"]
