@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from numbers import Integral
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,6 +15,9 @@ from granular_contact.geometry.polygon import crossing, doubled_area, extent
 from granular_contact.laws.kinds import Kind
 from granular_contact.sand.kernels import kinematics, spatial
 from granular_contact.sand.kernels.law import LINE
+
+if TYPE_CHECKING:
+    from granular_contact.sand.space.cables import CablePiece
 
 Vector = NDArray[np.float64]
 
@@ -27,11 +30,17 @@ class Body:
     """A rigid body, and where its coordinates stand among those of the bed.
 
     coordinates: the places of x, y (m) and the angle (rad, counter-clockwise), or of x, y, z (m) and four Euler
-    parameters. name: under which the medium's wrench on it is kept.
+    parameters. name: under which the medium's wrench on it is kept. piece: of a cable in space, if it is one.
     """
 
     name: str
     coordinates: Sequence[int] | NDArray[np.int64]
+    piece: CablePiece | None = None
+
+    @property
+    def which(self) -> tuple[Any, ...]:
+        """The same for all shapes on one body: several may have one name."""
+        return self.name, tuple(self.coordinates), self.piece
 
 
 @dataclass(frozen=True)

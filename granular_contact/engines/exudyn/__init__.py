@@ -2,7 +2,7 @@
 
 bed                               `GranularBed`, for Exudyn scripts of any kind
 created                           the same as a method of Exudyn's systems: `mbs.CreateGranularBed`
-bodies, coupling, overlay         which bodies can carry a bed; how its forces get into a system, and when
+bodies, beams, coupling, overlay  which bodies can carry a bed; how its forces get into a system, and when
 build, build_in_space, joints     Scene -> System
 joint_actions                     what joints do at an instant
 settings, step_control            tolerances; steps that are chosen

@@ -236,18 +236,21 @@ class GranularBed:
         diameter: float | None = None,
         *,
         width: float | None = None,
+        section: ArrayLike | None = None,
         strips_per_element: int = 4,
         free_end: bool = True,
         name: str | None = None,
     ) -> None:
-        """Let the medium act on ANCFCable2D elements that follow one another: a round beam, or a flat one.
+        """Let the medium act on elements of a beam that follow one another; `beams` says how each kind is met.
 
         Parameters
         ----------
         elements : sequence of ObjectIndex
-            The elements, each of which shares a node with the one before.
-        diameter, width : float
-            Diameter of a round beam, or width of a flat one normal to the plane of motion (m); give one of the two.
+            ANCFCable2D or BeamGeometricallyExact2D, in space ANCFCable or BeamGeometricallyExact, of two nodes, each of
+            which shares a node with the one before.
+        diameter, width, section : float, float, (2,) array
+            One of these (m): diameter of a round beam; in the plane the width of a flat one normal to it; in space the
+            sides of a geometrically exact one along y and z of its nodes.
         strips_per_element : int
             How finely depth, velocity and friction state are resolved along an element.
         free_end, name
@@ -256,12 +259,12 @@ class GranularBed:
         Raises
         ------
         SceneError
-            There is no item, one is no ANCFCable2D, two neighbours in the list share no node, or no medium here takes
+            There is no item, one is of another kind, two neighbours in the list share no node, or no medium here takes
             such shapes.
         """
-        with self._call("add_cables"):
-            given = {"diameter": diameter, "width": width, "strips_per_element": strips_per_element}
-            self.load.add(self.coupling.cables(list(elements), name, **given, free_end=free_end))
+        with self._call("add_cables", in_space=self.in_space):
+            size = {"diameter": diameter, "width": width, "section": section}
+            self.coupling.cables(list(elements), name, strips_per_element, free_end, in_space=self.in_space, **size)
 
     def add_body(
         self,
@@ -326,8 +329,8 @@ class GranularBed:
         try:
             self.load.check_open()
             if in_space != self.in_space:
-                what = "in space (with up): use add_body" if self.in_space else "in the plane: give it up=(x, y, z)"
-                raise scene_error("bed", f"the bed is one {what}")
+                in_plane, there = "in the plane: give it up=(x, y, z)", "in space (with up): use add_body or add_cables"
+                raise scene_error("bed", f"the bed is one {there if self.in_space else in_plane}")
             yield
         except SceneError as error:
             raise SceneError([replace(fault, key=f"bed.{name}") for fault in error.faults]) from None

@@ -1,13 +1,12 @@
-"""Bodies of an Exudyn system that can carry contact lines."""
+"""Rigid bodies of an Exudyn system that can carry contact lines; beams: `beams`."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from granular_contact.errors import scene_error
+from granular_contact.errors import SceneError, scene_error
 from granular_contact.sand.kernels.spatial import SIZE
 
 NODES_IN_SPACE = {"RigidBodyEP": SIZE, "RigidBodyRxyz": 6}
@@ -26,8 +25,7 @@ def rigid_node(mbs: Any, body: Any) -> tuple[int, int]:
     if item["objectType"] == "RigidBody2D":
         return int(item["nodeNumber"]), 3
     if item["objectType"] != "RigidBody":
-        allowed = "allowed are RigidBody2D and RigidBody"
-        raise scene_error("bed", f"object {item['name']} is a {item['objectType']}, {allowed}")
+        raise refused(item, "allowed are RigidBody2D and RigidBody")
     node = mbs.GetNode(item["nodeNumber"])
     if node["nodeType"] != "RigidBodyEP":
         raise scene_error("bed", f"the node of {item['name']} is a {node['nodeType']}, allowed is RigidBodyEP")
@@ -45,12 +43,20 @@ def spatial_node(mbs: Any, body: Any) -> tuple[int, int]:
     """
     item = mbs.GetObject(body)
     if item["objectType"] != "RigidBody":
-        raise scene_error("bed", f"object {item['name']} is a {item['objectType']}, allowed in space is RigidBody")
+        raise refused(item, "allowed in space is RigidBody")
     kind = mbs.GetNode(item["nodeNumber"])["nodeType"]
     if kind not in NODES_IN_SPACE:
         allowed = " and ".join(NODES_IN_SPACE)
         raise scene_error("bed", f"the node of {item['name']} is a {kind}, allowed are {allowed}")
     return int(item["nodeNumber"]), NODES_IN_SPACE[kind]
+
+
+def refused(item: Any, allowed: str) -> SceneError:
+    """What is wrong with an object of another kind, and what to do with a link of a tree."""
+    kind = item["objectType"]
+    if kind == "KinematicTree":
+        allowed += "; weld a rigid body to a MarkerKinematicTreeRigid on its link, see docs/tutorials/exudyn.md"
+    return scene_error("bed", f"object {item['name']} is a {kind}, {allowed}")
 
 
 def _stays_in_plane(name: str, node: Any) -> None:
@@ -61,27 +67,3 @@ def _stays_in_plane(name: str, node: Any) -> None:
     rates = np.abs(np.asarray(node["initialVelocities"])[[2, 4, 5] if upright else [2, 3, 6]])
     if leaning > OUT_OF_PLANE or rates.max() > OUT_OF_PLANE:
         raise scene_error("bed", f"{name} does not move in the x-y plane: its z axis leans or it has a speed out of it")
-
-
-def cable_nodes(mbs: Any, elements: Sequence[Any]) -> tuple[list[int], list[float]]:
-    """Nodes (k + 1) of ANCFCable2D elements that follow one another, and their lengths (k,) m.
-
-    Raises
-    ------
-    SceneError
-        There is no element, one is no ANCFCable2D, or two neighbours share no node.
-    """
-    nodes: list[int] = []
-    lengths = []
-    for element in elements:
-        item = mbs.GetObject(element)
-        if item["objectType"] != "ANCFCable2D":
-            raise scene_error("bed", f"object {item['name']} is a {item['objectType']}, allowed is ANCFCable2D")
-        first, second = (int(node) for node in item["nodeNumbers"])
-        if nodes and nodes[-1] != first:
-            raise scene_error("bed", f"{item['name']} does not start at the node where its neighbour ends")
-        nodes += [second] if nodes else [first, second]
-        lengths.append(item["length"])
-    if not nodes:
-        raise scene_error("bed", "got no elements; allowed is at least one")
-    return nodes, lengths

@@ -151,8 +151,7 @@ def _granular_load(system: System) -> Coupling | None:
     for handle, elements in cables:
         if elements:
             link, each = handle.link, strips.strips_per_element
-            options = {**section(link), "strips_per_element": each, "free_end": link.free}
-            load.add(coupling.cables(elements, link.name, **options))
+            coupling.cables(elements, link.name, each, link.free, in_space=False, **section(link))
     return coupling
 
 

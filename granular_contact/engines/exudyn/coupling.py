@@ -17,13 +17,14 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from granular_contact.engines.exudyn.bodies import cable_nodes, rigid_node, spatial_node
+from granular_contact.engines.exudyn import beams
+from granular_contact.engines.exudyn.bodies import rigid_node, spatial_node
 from granular_contact.engines.exudyn.engine_checks import abilities, of_vectors
 from granular_contact.engines.exudyn.overlay import Overlay
 from granular_contact.engines.exudyn.views import START, Views, reference
 from granular_contact.errors import scene_error
 from granular_contact.sand import state
-from granular_contact.sand.contact_lines import Body, ContactLine, beam
+from granular_contact.sand.contact_lines import Body
 from granular_contact.sand.kernels.lines import DEPTH
 from granular_contact.sand.load import AHEAD, TOUCHES, GranularLoad
 
@@ -75,13 +76,17 @@ class Coupling:
         own = self.mbs.GetObject(number)["name"]
         return Body(own if name is None else name, self._coordinates([node], size)[0])
 
-    def cables(self, elements: Sequence[Any], name: str | None = None, **options: Any) -> list[ContactLine]:
-        """Lines on ANCFCable2D elements, by the name of the first unless given; options and errors as of `beam`."""
-        nodes, lengths = cable_nodes(self.mbs, elements)
-        own = self.mbs.GetObject(elements[0])["name"]
-        if self.load.resultant:
-            options["elements_per_line"] = len(lengths)
-        return beam(own if name is None else name, self._coordinates(nodes, 4), lengths, **options)
+    def cables(
+        self, elements: Sequence[Any], name: str | None, strips: int, free_end: bool, *, in_space: bool, **size: Any
+    ) -> None:
+        """Let the load act on elements of a beam, by the name of the first unless given; see `beams` for the rest."""
+        made = beams.row(self.mbs, elements, beams.IN_SPACE if in_space else beams.IN_PLANE)
+        self.nodes += tuple(node for node in made.nodes if node not in self.nodes)
+        given = (made, made.name if name is None else name, self.load, self.overlay, strips, free_end)
+        if in_space:
+            beams.in_space(*given, **size)
+        else:
+            self.load.add(beams.in_plane(*given, **size))
 
     def _coordinates(self, nodes: Sequence[int], each: int) -> NDArray[np.int64]:
         self.nodes += tuple(node for node in nodes if node not in self.nodes)

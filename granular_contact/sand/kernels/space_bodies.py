@@ -23,7 +23,9 @@ These arrays are:
                         the history, six numbers each: force (N) and moment about the world origin (N m), world frame
 
 A body has seven coordinates, its position and Euler parameters, or six, its position and Tait-Bryan angles with
-R = R_x R_y R_z. Its angular velocity is w = G(q) q', so a moment M gives the generalised forces G^T M.
+R = R_x R_y R_z. Its angular velocity is w = G(q) q', so a moment M gives the generalised forces G^T M. A piece of a
+cubic cable element has the position and the slope r' = dr/ds at its middle, y = S q of the 12 coordinates q of the
+element (`BODY`), and acts on them by S^T.
 """
 
 from __future__ import annotations
@@ -79,8 +81,38 @@ def _by_axis(i, j, k, a, x, y, z, R, G):
 
 
 @part
+def by_six(q, body, R, G):
+    """As `by_parameters`, of bodies with six coordinates; compiled for beds that have such alone."""
+    if body.places > body.size:
+        by_slope(q, body, R, G)
+    else:
+        by_angles(q, R, G)
+
+
+@part
+def by_slope(q, body, R, G):
+    """As `by_parameters`, from a place and a slope y (6,), with w = y x y' / |y|^2: a cable does not turn about itself.
+
+    R is the least rotation from the direction of the slope in the reference configuration, where it is the unit matrix.
+    """
+    x, y, z = q[3], q[4], q[5]
+    square = x * x + y * y + z * z
+    long = math.sqrt(square)
+    a, b, c = body.axis[0], body.axis[1], body.axis[2]
+    u, v, w = (b * z - c * y) / long, (c * x - a * z) / long, (a * y - b * x) / long
+    cosine = (a * x + b * y + c * z) / long
+    k = 1.0 / max(1.0 + cosine, 1e-12)
+    R[0, 0], R[1, 1], R[2, 2] = cosine + k * u * u, cosine + k * v * v, cosine + k * w * w
+    R[0, 1], R[0, 2], R[1, 2] = k * u * v - w, k * u * w + v, k * v * w - u
+    R[1, 0], R[2, 0], R[2, 1] = k * u * v + w, k * u * w - v, k * v * w + u
+    clear(G)
+    G[0, 1], G[0, 2], G[1, 2] = -z / square, y / square, -x / square
+    G[1, 0], G[2, 0], G[2, 1] = z / square, -y / square, x / square
+
+
+@part
 def by_angles(q, R, G):
-    """As `by_parameters`, from coordinates (6,) with Tait-Bryan angles; compiled for bodies that have such alone."""
+    """As `by_parameters`, from coordinates (6,) with Tait-Bryan angles."""
     sa, ca, sb, cb = math.sin(q[3]), math.cos(q[3]), math.sin(q[4]), math.cos(q[4])
     sc, cc = math.sin(q[5]), math.cos(q[5])
     R[0, 0], R[0, 1], R[0, 2] = cb * cc, -cb * sc, sb
@@ -93,13 +125,27 @@ def by_angles(q, R, G):
 
 
 @part
-def place(q, v, size, turn, medium, pose, G):
+def read(system_q, system_v, reference, at, body, q, v):
+    """Fill q and v with the coordinates of a body, at these places of the system."""
+    if body.places == body.size:
+        gather(system_q, system_v, reference, at, q, v)
+        return
+    for j in range(6):
+        q[j], v[j] = 0.0, 0.0
+        for k in range(4):
+            place, share = at[3 * k + j % 3, 0], body.shape[4 * (j // 3) + k]
+            q[j] += share * (system_q[place] + reference[place])
+            v[j] += share * system_v[place]
+
+
+@part
+def place(q, v, body, turn, medium, pose, G):
     """Fill the pose of a body in the frame of the bed, and its G (3, 4) in the world's."""
-    R = room2(3, 3)
+    R, size = room2(3, 3), body.size
     if size == 7:
         by_parameters(q, R, G)
     else:
-        law.by_angles(medium, (q, R, G))
+        law.by_six(medium, (q, body, R, G))
     for i in range(3):
         for j in range(3):
             pose[i, j] = turn[i, 0] * R[0, j] + turn[i, 1] * R[1, j] + turn[i, 2] * R[2, j]
@@ -142,7 +188,7 @@ def body_forces(q, v, body, sand, medium, pose, W, out):
         _rows(sand, ANCHORS),
     )
     active, ground, G, plane, some = _marks(sand, ACTIVE), _row(sand, GROUND), room2(3, 4), room1(PLANE), 0.0
-    place(q, v, body.size, turn, medium, pose, G)
+    place(q, v, body, turn, medium, pose, G)
     clear(W)
     for c in range(body.first, body.last):
         if active[c]:
@@ -173,11 +219,19 @@ def force(sand, system_q, system_v, out):
         body = bodies[b]
         if not acts(body, active):
             continue
-        at = rows(_numbers(sand, PLACES), body.start, body.size)
-        gather(system_q, system_v, _row(sand, REFERENCE), at, q, v)
+        at = rows(_numbers(sand, PLACES), body.start, body.places)
+        read(system_q, system_v, _row(sand, REFERENCE), at, body, q, v)
         law.body_forces(medium, (q, v, body, sand, pose, W, f))
-        for i in range(body.size):
-            out[at[i, 1]] += f[i]
+        for i in range(body.places):
+            out[at[i, 1]] += spread(f, body, i)
+
+
+@part
+def spread(f, body, i):
+    """Generalised force on the coordinate i of a body's places, from those on its own coordinates."""
+    if body.places == body.size:
+        return f[i]
+    return body.shape[i // 3] * f[i % 3] + body.shape[4 + i // 3] * f[3 + i % 3]
 
 
 @part
@@ -196,14 +250,14 @@ def tangent(sand, system_q, system_v, fq, fv, triplets, count):
     By differences, see `lines.differences`.
     """
     q, v, there, moved = room1(7), room1(7), room1(7), room1(7)
-    pose, W = room2(6, 3), room2(TERMS, 6)
+    pose, W, K = room2(6, 3), room2(TERMS, 6), room2(7, 7)
     bodies, active, medium = _bodies(sand, BODIES), _marks(sand, ACTIVE), _media(sand, MEDIUM)[0]
     for b in range(bodies.shape[0]):
         body = bodies[b]
         if not acts(body, active):
             continue
-        at = rows(_numbers(sand, PLACES), body.start, body.size)
-        gather(system_q, system_v, _row(sand, REFERENCE), at, q, v)
+        at = rows(_numbers(sand, PLACES), body.start, body.places)
+        read(system_q, system_v, _row(sand, REFERENCE), at, body, q, v)
         if not law.body_forces(medium, (q, v, body, sand, pose, W, there)):
             continue
         d = difference(rows(q, 0, body.size), fq, fv)
@@ -214,10 +268,31 @@ def tangent(sand, system_q, system_v, fq, fv, triplets, count):
             law.body_forces(medium, (q, v, body, sand, pose, W, moved))
             q[j], v[j] = at_q, at_v
             for i in range(body.size):
-                if moved[i] != there[i]:
-                    triplets[count, 0], triplets[count, 1] = at[i, 1], at[j, 1]
-                    triplets[count, 2] = (moved[i] - there[i]) / d
-                    count += 1
+                K[i, j] = (moved[i] - there[i]) / d
+        count = append(K, body, at, triplets, count)
+    return count
+
+
+@part
+def append(K, body, at, triplets, count):
+    """Append the tangent K of a body's own coordinates, on its places, to the first `count`; how many there are then.
+
+    Where these are more, it is S^T K S.
+    """
+    whole = body.places == body.size
+    for i in range(body.places):
+        for j in range(body.places):
+            value = 0.0
+            if whole:
+                value = K[i, j]
+            else:
+                for a in range(2):
+                    for b in range(2):
+                        both = body.shape[4 * a + i // 3] * body.shape[4 * b + j // 3]
+                        value += both * K[3 * a + i % 3, 3 * b + j % 3]
+            if value != 0.0:
+                triplets[count, 0], triplets[count, 1], triplets[count, 2] = at[i, 1], at[j, 1], value
+                count += 1
     return count
 
 
@@ -232,8 +307,8 @@ def accept(sand, system_q, system_v, row, begins):
     bodies, medium, columns = _bodies(sand, BODIES), _media(sand, MEDIUM)[0], _numbers(sand, COLUMNS)
     for b in range(bodies.shape[0]):
         body, pose, near = bodies[b], _poses(sand, POSES)[b], _rows(sand, PROXIMITY)[b]
-        at = rows(_numbers(sand, PLACES), body.start, body.size)
-        gather(system_q, system_v, _row(sand, REFERENCE), at, q, v)
+        at = rows(_numbers(sand, PLACES), body.start, body.places)
+        read(system_q, system_v, _row(sand, REFERENCE), at, body, q, v)
         law.body_forces(medium, (q, v, body, sand, pose, W, f))
         if begins:
             for c in range(body.first, body.last):

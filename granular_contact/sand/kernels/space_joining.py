@@ -18,7 +18,7 @@ from granular_contact.sand.kernels import bars, facet_paths, facets, slices, spa
 from granular_contact.sand.kernels.facet_layers import between
 from granular_contact.sand.kernels.ground import tangent_plane
 from granular_contact.sand.kernels.joining import PARTS, compiled, let_call_others, record_type
-from granular_contact.sand.kernels.space_bodies import body_forces, by_angles
+from granular_contact.sand.kernels.space_bodies import body_forces, by_six
 from granular_contact.sand.kernels.space_friction import parted_return, whole_return
 
 # What a medium meets, by the kernels of its clusters and the functions of a law that it takes.
@@ -55,13 +55,13 @@ def space_record(
     paths: bool = False,
     heights: bool = False,
     bodies: bool = False,
-    angles: bool = False,
+    six: bool = False,
 ) -> NDArray[np.void]:
     """Record (1,) of `space_law.SPACE_LAW` for what a law does to elements of a kind.
 
     own: the law's record (1,); layer: depths (m) that the medium lies between, None if it fills the bed; paths: whether
     paths of facets are counted; heights: whether the bed has a map of heights; bodies: whether elements are on bodies
-    that `space_bodies` moves by their coordinates; angles: whether some of these have six coordinates.
+    that `space_bodies` moves by their coordinates; six: whether some of these have six coordinates.
     """
     forces, follow = KINDS[kind]
     found = {"forces": forces, "follow": follow, **_functions(owner, kind)}
@@ -71,8 +71,8 @@ def space_record(
         found["heights"] = tangent_plane
     if bodies:
         found["body"] = body_forces
-    if angles:
-        found["angles"] = by_angles
+    if six:
+        found["six"] = by_six
     if layer is not None and kind == "surface":
         found["layer"] = between
     medium = space_law.record_of(own, found)

@@ -34,15 +34,23 @@ CLUSTER = record_dtype(
         *fields("i8", "seed", "static"),
     ]
 )
-# size: number of coordinates, from `start` on; first, last: clusters; x, y, z, radius (m): sphere around all of them.
-BODY = record_dtype([*fields("i8", "size", "start", "first", "last"), *fields("f8", "x", "y", "z", "radius")])
+# size: number of coordinates; places: of those of the system that they are, from `start` on; first, last: clusters;
+# x, y, z, radius (m): sphere around all of them. Of a piece of a cable 6 coordinates are at 12 places: shape (8,) are
+# the Hermite polynomials of its middle, then their derivatives, and axis (3,) the direction there in the reference.
+BODY = record_dtype(
+    [
+        *fields("i8", "size", "places", "start", "first", "last"),
+        *fields("f8", "x", "y", "z", "radius"),
+        *(("shape", "f8", (8,)), ("axis", "f8", (3,))),
+    ]
+)
 # Of a row that `follow` fills: depth of the deepest point (m), greatest speed (m/s) and least height (m) of what is
 # immersed.
 DEPTH, SPEED, LOWEST = 0, 1, 2
 
 FUNCTIONS = (
     *("forces", "follow", "gather", "facets", "layer", "bar", "cap", "ball", "anchor", "body"),
-    *("note", "count", "begin", "heights", "angles", "lead"),
+    *("note", "count", "begin", "heights", "six", "lead"),
 )
 # layered: the medium lies between the depths top and bottom (m) only. Of friction there is a copy of what the law's own
 # record has, so that what needs nothing else of a law is compiled once for all of them.
@@ -70,7 +78,7 @@ SIGNATURES: dict[str, tuple[tuple[Any, ...], Any]] = {  # arguments, result
     "note": ((_ROWS, types.intp, _ROWS, _ROWS, _CLUSTER), types.none),
     "count": ((_ROWS, types.intp, *[_NUMBER] * 9, types.boolean), types.none),
     "begin": ((_ROWS, types.intp, types.intp, types.boolean), types.none),
-    "angles": ((_ROW, _ROWS, _ROWS), types.none),
+    "six": ((_ROW, from_dtype(BODY), _ROWS, _ROWS), types.none),
     "heights": ((_ROW, _NUMBER, _NUMBER, _ROW), types.none),
     "body": ((_ROW, _ROW, from_dtype(BODY), _WORDS, from_dtype(SPACE_LAW), _ROWS, _ROWS, _ROW), types.boolean),
 }
@@ -95,11 +103,11 @@ SIGNATURES: dict[str, tuple[tuple[Any, ...], Any]] = {  # arguments, result
 # body      `space_bodies.body_forces`, which several kernels call
 # note, count, begin    those of `facet_paths`, of media whose facets have paths
 # heights   `ground.tangent_plane`, of a bed with a map of heights
-# angles    `space_bodies.by_angles`, where bodies have six coordinates
+# six       `space_bodies.by_six`, where bodies have six coordinates
 forces, follow, gather, facets, in_layer, bar_force, cap_force, ball_force, drag_anchor, body_forces, *_others = (
     caller(name, *SIGNATURES[name], SPACE_LAW) for name in FUNCTIONS
 )
-note, count, begin, tangent_plane, by_angles, lead = _others
+note, count, begin, tangent_plane, by_six, lead = _others
 
 
 def record_of(own: np.ndarray, functions: dict[str, Any]) -> np.ndarray:

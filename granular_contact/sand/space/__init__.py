@@ -20,7 +20,7 @@ A cube of 0.1 m of steel, pressed 30 mm deep into sand at 0.1 m/s:
     force 246.19 N, work -3.6929 J
 
 shapes      primitives -> triangles to draw, facets, bars, balls; a new shape is a class here; mesh_shape: meshes
-beam_shape  pieces of links that bend
+beam_shape  pieces of links that bend; cables: of an engine's beams
 facets      triangles, parallelograms, patches of round surfaces, and how large they are
 triangles   cutting triangles; clusters of neighbours (what is wrong with a mesh, and mesh files: `geometry`)
 batch       all elements of a kind in one medium, in one compiled call

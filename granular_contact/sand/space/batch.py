@@ -47,12 +47,12 @@ class SpatialBatch:
         self.ground, self.turn = ground, turn
         mapped = len(ground) > PLANE
         self._record = partial(space_record, law, own, sets[0].meets, layer, paths=paths > 0, heights=mapped)
-        grouped: dict[str, list[Elements]] = {}
+        grouped: dict[Any, list[Elements]] = {}
         of_bodies = []
         for one, at in zip(sets, columns, strict=True):
-            if one.body.name not in grouped:
+            if one.body.which not in grouped:
                 of_bodies.append(at)
-            grouped.setdefault(one.body.name, []).append(one)
+            grouped.setdefault(one.body.which, []).append(one)
         self.columns = np.array(of_bodies)
         self._groups = list(grouped.values())
         ordered = [one for group in self._groups for one in group]
@@ -65,7 +65,7 @@ class SpatialBatch:
         self.active = np.ones(len(self.clusters), dtype=bool)
         self.poses = np.zeros((len(self.bodies), 6, 3))
         self.proximity = np.zeros((len(self.bodies), 3))
-        self.entries = int(np.sum(self.bodies["size"] ** 2))  # most that a tangent has
+        self.entries = int(np.sum(self.bodies["places"] ** 2))  # most that a tangent has
         self._compiled = False
 
     @cached_property
@@ -76,7 +76,7 @@ class SpatialBatch:
     @cached_property
     def _for_bodies(self) -> NDArray[np.void]:
         """The medium for the kernels of `space_bodies`."""
-        return self._record(bodies=True, angles=bool((self.bodies["size"] < 7).any()))
+        return self._record(bodies=True, six=bool((self.bodies["size"] == 6).any()))
 
     def begin(self, where: NDArray[np.int64] | None, reference: Vector) -> NDArray[np.int64]:
         """Forget all motion; where the arrays are, see `kernels.space_bodies`; arguments as of `GranularLoad.start`."""
@@ -168,8 +168,12 @@ def _bodies(groups: Sequence[Sequence[Elements]]) -> NDArray[np.void]:
     coordinate = cluster = 0
     for body, group in zip(bodies, groups, strict=True):
         clusters = np.concatenate([one.clusters for one in group])
-        body["size"], body["start"] = len(group[0].body.coordinates), coordinate
+        on = group[0].body
+        body["size"] = body["places"] = len(on.coordinates)
+        body["start"] = coordinate
+        if on.piece is not None:
+            body["size"], body["shape"], body["axis"] = 6, on.piece.shape, on.piece.axis
         body["first"], body["last"] = cluster, cluster + len(clusters)
         around(body, np.column_stack([clusters[name] for name in "xyz"]), clusters["radius"])
-        coordinate, cluster = coordinate + body["size"], cluster + len(clusters)
+        coordinate, cluster = coordinate + body["places"], cluster + len(clusters)
     return bodies
