@@ -81,6 +81,10 @@ class ResultsError(GranularContactError):
     """Results that can't be opened or shown as asked; the message is one line."""
 
 
+class WorkerPoolError(GranularContactError):
+    """The workers can't be reached, or can't do this work; the message is one line."""
+
+
 class MissingPackageError(GranularContactError, ImportError):
     """A package that only this call needs is not installed; the message is one line, with how to install it."""
 

@@ -51,11 +51,14 @@ print(len(list(sweep(rigid, {"initial.impact_speed_rad_s": [3.0, 4.0]}, workers=
 """
 
 
-def test_a_script_that_does_not_ask_whether_it_is_the_main_program_is_read_once(tmp_path):
+def test_a_script_that_does_not_ask_whether_it_is_the_main_program_is_told_so(tmp_path):
     (tmp_path / "script.py").write_text(PLAIN)
     line = [sys.executable, str(tmp_path / "script.py")]
     done = subprocess.run(line, env=ENVIRONMENT, capture_output=True, text=True, check=False)
-    assert (done.returncode, done.stdout, done.stderr) == (0, "read\n2\n", "")
+    assert done.returncode == 1
+    assert "WorkerPoolError: a worker process ended before its first task" in done.stderr.splitlines()[-1]
+    assert 'if __name__ == "__main__":' in done.stderr.splitlines()[-1]
+    assert "2" not in done.stdout  # no worker swept on its own
 
 
 @pytest.fixture(scope="module")

@@ -225,11 +225,7 @@ ENDS = ("accepted", "warned", "failed", "refused", "time_limit")
 def unexplained(found: Sequence[Found]) -> list[Found]:
     """Failures and ends by the time limit without a sentence that says what to change."""
     said = ("take a smaller", "take a larger", "allowed", "no rest", "needs", "can")
-    return [
-        one
-        for one in found
-        if one.status not in GOOD and not any(word in one.message for word in said)
-    ]
+    return [one for one in found if one.status not in GOOD and not any(word in one.message for word in said)]
 
 
 def claims(found: Sequence[Found], seconds: float, quick: bool) -> tuple[Claim, ...]:

@@ -63,7 +63,7 @@ def with_checkpoint(
     count: runs in all; finished: gives the exit code of work that is done already; interrupted: what is written besides
     after Ctrl-C; cases: whether cases have folders.
     """
-    from granular_contact.studies.sweep import WorkerPoolError
+    from granular_contact.errors import WorkerPoolError
     from granular_contact.studies.sweep.checkpoint import is_finished, open_checkpoint
 
     if is_finished(work, folder, cases and not chosen.restart) and not chosen.restart:
@@ -141,7 +141,7 @@ def take(
     look: Callable[[Row], None] = lambda _: None,
 ) -> None:
     """Take all rows of a sweep, the first good one of which is looked at; the journal must have them in the end."""
-    from granular_contact.studies.sweep import WorkerPoolError
+    from granular_contact.errors import WorkerPoolError
 
     looked = False
     with advancing(chosen, checkpoint, count) as advance, closing(rows):

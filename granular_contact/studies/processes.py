@@ -18,15 +18,18 @@ import sysconfig
 import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager
 from multiprocessing.connection import Connection
 from multiprocessing.connection import wait as await_any
 from pathlib import Path
 from typing import Any
 
+from granular_contact.errors import WorkerPoolError
+
 # Workers print nothing of their own, and `import exudyn` would where it finds settings in ~/.exudyn; nor do results
 # depend on these.
 _QUIET = {"EXUDYN_NO_USER_SETTINGS": "1"}
+_UNGUARDED = 'a script that starts worker processes is read by each of them: put it below `if __name__ == "__main__":`'
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 # What a worker needs anyway; where workers are forked from a server, it is imported once for all of them. numba and
 # pydantic import most of themselves only when they are first used.
@@ -65,7 +68,7 @@ def prepare() -> None:
         # A folder of installed packages is on the path anyway, behind the standard library.
         first = "" if sysconfig.get_path("purelib") == _FOLDER else _FOLDER
         path = os.pathsep.join(filter(None, [first, os.environ.get("PYTHONPATH")]))
-        with _as_workers(PYTHONSAFEPATH="1", PYTHONPATH=path), _without_script():
+        with _as_workers(PYTHONSAFEPATH="1", PYTHONPATH=path):
             forkserver.ensure_running()
 
 
@@ -79,7 +82,9 @@ class _Processes(Executor):
         self._started: list[tuple[Any, Connection]] = []
 
     def submit(self, function: Callable[..., Any], /, *arguments: Any, **keywords: Any) -> Future[Any]:
-        """As of any executor; BrokenExecutor is the exception of a task whose process died."""
+        """As of any executor; a task whose process died has the exception BrokenExecutor, WorkerPoolError if it did
+        before it could begin.
+        """
         return self._threads.submit(self._call, function, arguments, keywords)
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
@@ -104,7 +109,7 @@ class _Processes(Executor):
         task = pickle.dumps(call)
         try:
             if not hasattr(self._own, "pipe"):
-                self._own.pipe = self._start(of_script=b"__main__" in task)
+                self._own.pipe = self._start()
             self._own.pipe.send_bytes(task)
             answer = self._own.pipe.recv_bytes()
         except (EOFError, OSError):
@@ -115,31 +120,26 @@ class _Processes(Executor):
             return outcome
         raise outcome
 
-    def _start(self, of_script: bool) -> Connection:
-        """The pipe to a new process; of_script: whether what it is to do stands in the script that runs here."""
-        with self._lock, _as_workers(), nullcontext() if of_script else _without_script():
+    def _start(self) -> Connection:
+        """The pipe to a new process, which is ready."""
+        with self._lock, _as_workers():
             if self._ended:
                 raise BrokenExecutor("the work was ended")
             here, there = self._context.Pipe()
             process = self._context.Process(target=_serve, args=(there,), daemon=True)
-            process.start()
+            try:
+                process.start()
+            except RuntimeError as error:  # this is a worker that reads the script
+                raise WorkerPoolError(_UNGUARDED) from error
             there.close()  # so that the process alone can write to it
             self._started.append((process, here))
-            return here  # type: ignore[no-any-return]
-
-
-@contextmanager
-def _without_script() -> Iterator[None]:
-    """Processes that start now do not read the script that runs here: one that asks for a sweep without the question
-    whether it is the main program would ask for it again in each of them.
-    """
-    script = vars(sys.modules["__main__"])
-    before: dict[str, Any] = {name: script[name] for name in ("__file__", "__spec__") if name in script}
-    script.update(dict.fromkeys(before))
-    try:
-        yield
-    finally:
-        script.update(before)
+        try:
+            here.recv_bytes()
+        except (EOFError, OSError):
+            if self._ended:
+                raise BrokenExecutor("the work was ended") from None
+            raise WorkerPoolError(f"a worker process ended before its first task; {_UNGUARDED}") from None
+        return here  # type: ignore[no-any-return]
 
 
 def _serve(pipe: Connection) -> None:
@@ -153,6 +153,7 @@ def _serve(pipe: Connection) -> None:
     else:
         signal.signal(signal.SIGINT, signal.SIG_IGN)
     gc.freeze()  # what is imported stays, and need not be looked through again and again
+    pipe.send_bytes(b"")
     while True:
         try:
             task = pipe.recv_bytes()

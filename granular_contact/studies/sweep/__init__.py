@@ -12,9 +12,10 @@ sensitivity  rows -> Sobol indices
 slip         rows of a wheel -> its forces against slip
 """
 
+from granular_contact.errors import WorkerPoolError
 from granular_contact.studies.processes import local_processes
 from granular_contact.studies.sweep.checkpoint import FolderRefused
-from granular_contact.studies.sweep.executor import WorkerPool, WorkerPoolError
+from granular_contact.studies.sweep.executor import WorkerPool
 from granular_contact.studies.sweep.journal import Journal, Row
 from granular_contact.studies.sweep.runner import run
 

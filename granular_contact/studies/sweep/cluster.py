@@ -20,8 +20,9 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
+from granular_contact.errors import WorkerPoolError
 from granular_contact.results.summary import versions
-from granular_contact.studies.sweep.executor import WorkerPool, WorkerPoolError
+from granular_contact.studies.sweep.executor import WorkerPool
 
 ANSWER_SECONDS = 8.0  # until a scheduler counts as silent
 MISSING = "--scheduler needs distributed: pip install 'granular-contact[cluster]'"

@@ -6,14 +6,9 @@ from collections.abc import Callable
 from concurrent.futures import Executor
 from types import TracebackType
 
-from granular_contact.errors import GranularContactError
 from granular_contact.studies.processes import cores, local_processes
 
 ExecutorFactory = Callable[[int], Executor]
-
-
-class WorkerPoolError(GranularContactError):
-    """The workers can't be reached, or can't do this work; the message is one line."""
 
 
 class WorkerPool:

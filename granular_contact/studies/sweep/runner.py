@@ -10,8 +10,8 @@ from pathlib import Path
 
 from granular_contact.config import Case, Sweep
 from granular_contact.config.sweep import Probe, case_faults
-from granular_contact.errors import Fault
-from granular_contact.studies.sweep.executor import WorkerPool, WorkerPoolError
+from granular_contact.errors import Fault, WorkerPoolError
+from granular_contact.studies.sweep.executor import WorkerPool
 from granular_contact.studies.sweep.journal import Journal, Row
 from granular_contact.studies.sweep.worker import Job, Simulate, Task, check, error_row, simulate, work
 
