@@ -17,7 +17,7 @@ from gymnasium.utils.env_checker import check_env  # noqa: E402
 
 import granular_contact.gym  # noqa: E402
 from granular_contact.errors import ControlError  # noqa: E402
-from granular_contact.gym import RUNNER, GranularEnv  # noqa: E402
+from granular_contact.gym import CONFIG, RUNNER, GranularEnv  # noqa: E402
 
 BAR = "type: link, length_m: 0.1, diameter_m: 0.01, density_kg_m3: 2700"
 DRIVE = "{type: external, torque_Nm: 0, range: [-0.1, 0.3]}"
@@ -74,6 +74,18 @@ def test_an_episode_is_cut_at_the_end_and_rewarded_by_the_way() -> None:
     *_, ended, cut, _ = fallen.step(np.ones(1))
     assert ended
     assert not cut
+
+
+def test_the_name_of_an_observation_is_rewarded_by_its_increase() -> None:
+    """As the function of the other tests, by the id that makes an environment of any config."""
+    options = {"observation": NAMES, "control_rate_Hz": 100}
+    named = gymnasium.make(CONFIG, config=scenario_of(ARM), reward="depth_m", **options)
+    for env in (named, arm()):
+        env.reset(seed=1)
+    action = np.array([1.0], np.float32)
+    assert [named.step(action)[1] for _ in range(3)] == [env.step(action)[1] for _ in range(3)]
+    with pytest.raises(KeyError, match="no observation 'depht_m'"):
+        arm(reward="depht_m")
 
 
 def test_seeds_hold_for_what_is_drawn_at_resets() -> None:

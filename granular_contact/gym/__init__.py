@@ -3,7 +3,8 @@
 environment   `GranularEnv`
 runner        the runner, as far to the right as it gets
 
-Importing this registers `granular_contact/Runner-v0`; `gymnasium.make` imports it by itself where it is asked for
+Importing this registers `granular_contact/Runner-v0`, and `granular_contact/Config-v0`, a `GranularEnv` of the config
+that `gymnasium.make` is given; it imports this by itself where it is asked for
 `granular_contact.gym:granular_contact/Runner-v0`.
 """
 
@@ -17,9 +18,10 @@ except ImportError as error:
 from granular_contact.gym.environment import GranularEnv
 from granular_contact.gym.runner import runner_env
 
-RUNNER = "granular_contact/Runner-v0"
+RUNNER, CONFIG = "granular_contact/Runner-v0", "granular_contact/Config-v0"
 
-__all__ = ["RUNNER", "GranularEnv", "runner_env"]
+__all__ = ["CONFIG", "RUNNER", "GranularEnv", "runner_env"]
 
-if RUNNER not in gymnasium.registry:
-    gymnasium.register(id=RUNNER, entry_point="granular_contact.gym.runner:runner_env")
+for _id, _entry in ((RUNNER, "runner:runner_env"), (CONFIG, "environment:GranularEnv")):
+    if _id not in gymnasium.registry:
+        gymnasium.register(id=_id, entry_point=f"granular_contact.gym.{_entry}")

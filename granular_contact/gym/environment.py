@@ -47,8 +47,9 @@ class GranularEnv(gymnasium.Env[Array, Array]):
         What to simulate.
     observation : sequence of str, or callable
         Names of observations (see `granular_contact.results.observed`), or a function of them that gives numbers.
-    reward : callable
-        `reward(before, after)`: of a step, from what is seen before and after it.
+    reward : str or callable
+        The name of an observation, whose increase is the reward, as `trunk_x_m`; or `reward(before, after)`: of a
+        step, from what is seen before and after it.
     terminated : callable, optional
         `terminated(seen)`: whether the episode ends there for good, as where a walker has fallen.
     control_rate_Hz : float
@@ -63,6 +64,8 @@ class GranularEnv(gymnasium.Env[Array, Array]):
     ------
     ControlError
         There is nothing to set, or a drive has no range; the rate is no number above 0; what to vary is no range.
+    KeyError
+        An observation is not there.
     ConfigError, SceneError, SolveError
         As of `load` and `Simulation`.
     """
@@ -74,7 +77,7 @@ class GranularEnv(gymnasium.Env[Array, Array]):
         config: str | Path | Scenario | Loaded,
         *,
         observation: Observe,
-        reward: Reward,
+        reward: str | Reward,
         terminated: Callable[[Observations], bool] | None = None,
         control_rate_Hz: float = 50.0,
         vary: Mapping[str, Draw] | None = None,
@@ -89,7 +92,7 @@ class GranularEnv(gymnasium.Env[Array, Array]):
         scenario = config if isinstance(config, Scenario | Loaded) else load(config)
         self.simulation = Simulation(scenario)
         self.render_mode, self.metadata = render_mode, self.metadata | {"render_fps": control_rate_Hz}
-        self._observation, self._reward, self._terminated = observation, reward, terminated
+        self._observation, self._terminated = observation, terminated
         self._pause, self._vary = pause, dict(vary or {})
         bounds = self.simulation.bounds
         if not len(bounds) or not np.isfinite(bounds).all():
@@ -98,6 +101,7 @@ class GranularEnv(gymnasium.Env[Array, Array]):
             raise ControlError(f"drives that an agent sets need {{type: external, range: [..., ...]}}; {without}")
         self._middle, self._half = bounds.mean(axis=1), 0.5 * np.ptp(bounds, axis=1)
         self._seen = self.simulation.observe()
+        self._reward = _increase(self._seen, reward) if isinstance(reward, str) else reward
         self.action_space = spaces.Box(-1.0, 1.0, (len(bounds),), np.float32)
         self.observation_space = spaces.Box(-np.inf, np.inf, self._observed().shape, np.float32)
 
@@ -222,6 +226,12 @@ class GranularEnv(gymnasium.Env[Array, Array]):
         self._seen = self.simulation.restore(state.simulation)
         self.np_random.bit_generator.state = state.random
         return self._observed()
+
+
+def _increase(seen: Observations, name: str) -> Reward:
+    """The reward by how much an observation grows in a step; KeyError where there is none of that name."""
+    seen[name]
+    return lambda before, after: after[name] - before[name]
 
 
 WIDE = 2.5  # times the length of the mechanism is what a picture shows

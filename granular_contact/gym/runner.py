@@ -47,11 +47,6 @@ def see(seen: Observations) -> NDArray[np.float64]:
     return np.concatenate([trunk, [spin], np.sin(angles), np.cos(angles), 0.1 * rates, contacts])
 
 
-def distance(before: Observations, after: Observations) -> float:
-    """How far (m) the trunk got to the right."""
-    return after["trunk_x_m"] - before["trunk_x_m"]
-
-
 def fell(seen: Observations) -> bool:
     """Whether the trunk stands on its end."""
     return abs(seen["trunk_orientation_deg"]) > OVER
@@ -62,5 +57,5 @@ def runner_env(*, end_time_s: float = 2.0, **options: Any) -> GranularEnv:
 
     options: as of `GranularEnv`, for example `vary={"medium.zeta": (0.4, 0.6)}`.
     """
-    given = {"observation": see, "reward": distance, "terminated": fell}
+    given: dict[str, Any] = {"observation": see, "reward": "trunk_x_m", "terminated": fell}
     return GranularEnv(scenario(end_time_s), **(given | options))
