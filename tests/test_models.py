@@ -108,6 +108,29 @@ def test_the_stepping_leg_draws_its_carriage_along_within_the_torque_that_it_has
     assert len(results.summary["contacts"]["shank"]) >= 1
 
 
+def test_the_soft_walker_bends_its_shanks_both_ways_and_falls_behind() -> None:
+    soft = simulate("soft_walker")
+    stiff = simulate("walker_in_space")
+    assert 0.8 * stiff["trunk_x_m"][-1] < soft["trunk_x_m"][-1] < stiff["trunk_x_m"][-1]
+    for side in ("left", "right"):
+        for axis, least in (("y", 1e-3), ("z", 3e-3)):
+            assert np.abs(soft[f"shank_front_{side}_deflection_{axis}_m"]).max() > least
+    assert 0.3 < soft.summary["links"]["shank_front_left"]["stress_Pa"] / 5e7 < 1.0  # of the yield stress
+
+
+def test_a_tail_turns_its_body_the_farther_the_stiffer_it_is() -> None:
+    """Nothing turns before the tail beats; it beats to the left, so the body turns to the right."""
+    yaws = []
+    for modulus in (4e7, 2e8, 2e9):
+        sets = (f"model.bodies.tail.flexible.youngs_modulus_Pa={modulus}", "model.bodies.tail.flexible.elements=12")
+        found = simulate("tail", *sets)
+        before = found["time_s"] < 0.3
+        assert np.abs(found["body_yaw_deg"][before]).max() < 1e-6
+        yaws.append(found["body_yaw_deg"][-1])
+    soft, shipped, stiff = yaws
+    assert -35.0 < stiff < 1.1 * shipped < 1.2 * soft < -10.0
+
+
 def test_a_flexible_leg_of_rising_stiffness_becomes_the_rigid_one() -> None:
     short = "solver.end_time_s=0.6"
     rigid = simulate("flexible_leg_rigid", short)["carriage_x_m"][-1]

@@ -30,9 +30,11 @@ NUMBERS = (
     ("forward_speed_m_s", "forward speed", 1.0, "m/s"),
     ("penetration_time_s", "penetration time", 1e3, "ms"),
     ("stopping_time_s", "stopping time", 1e3, "ms"),
+    ("max_deflection_m", "largest deflection", 1e3, "mm"),
     ("max_depth_m", "largest depth", 1e3, "mm"),
     ("energy.final_J", "energy at the end", 1e3, "mJ"),
 )
+STAYS = 0.01  # m/s: what is slower does not get ahead
 EDITORS = "# yaml-language-server:"  # begins the line for editors, which is no comment on the config
 PANELS, WIDTH, FRAMES = 4, 1200, 151  # of a picture
 INTRODUCTION = """# Configs
@@ -80,6 +82,8 @@ def number(summary: dict[str, Any]) -> str:
     """The most telling number of a run, in words."""
     energy = {f"energy.{key}": value for key, value in summary.get("energy", {}).items()}
     flat = summary | energy | {f"wheel.{key}": value for key, value in summary.get("wheel", {}).items()}
+    if abs(flat.get("forward_speed_m_s") or 0.0) < STAYS:
+        flat["forward_speed_m_s"] = None
     key, words, factor, unit = next(one for one in NUMBERS if flat.get(one[0]) is not None)
     return f"{words} {factor * flat[key]:.4g} {unit}"
 
