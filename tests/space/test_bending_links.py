@@ -90,9 +90,10 @@ def test_saint_venants_constant_of_torsion() -> None:
 # ---- against the plane ----
 
 
-def pendulum(bending: float, elements: int) -> Config:
-    """The source's link on a heavy hub, that strikes sand, in the plane."""
-    link = {"type": "link", "length_m": 0.23876, "diameter_m": 0.00635, "density_kg_m3": 7700}
+def pendulum(bending: float, elements: int, slender: float = 1.0) -> Config:
+    """The source's link on a heavy hub, that strikes sand, in the plane; slender: by which it is thinner, as heavy."""
+    section = {"diameter_m": 0.00635 / slender, "density_kg_m3": 7700 * slender**2}
+    link = {"type": "link", "length_m": 0.23876, **section}
     flexible = {"bending_stiffness_N_m2": bending, "elements": elements}
     hub = {"type": "rigid", "mass_kg": 0.06, "inertia_kg_m2": 5e-6}
     joints = {
@@ -115,20 +116,25 @@ def into_space(flat: Config, azimuth: float) -> Config:
     return deep
 
 
-@pytest.mark.parametrize(("bending", "elements", "share"), [(15.1642, 8, 1e-4), (0.15, 16, 3e-4)])
-def test_a_pendulum_in_space_moves_as_in_the_plane(bending: float, elements: int, share: float) -> None:
-    """Two different beams, cables of cubic elements and rigid elements with springs, each by steps of its own."""
-    flat, deep = pendulum(bending, elements), into_space(pendulum(bending, elements), 130.0)
+@pytest.mark.parametrize(("bending", "elements", "slender"), [(15.1642, 8, 1.0), (0.15, 16, 4.0)])
+def test_a_pendulum_in_space_moves_as_in_the_plane(bending: float, elements: int, slender: float) -> None:
+    """Two different beams, cables of cubic elements and rigid elements with springs, each by steps of its own.
+
+    Cables have no rotary inertia of their section, which in one of a hundredth of the stiffness changes waves of
+    bending by 1.5e-4 of the way at the source's diameter; so that one is a fourth as thick. Both hardly stretch.
+    """
+    flat, deep = pendulum(bending, elements, slender), into_space(pendulum(bending, elements, slender), 130.0)
+    flat["model"]["bodies"]["link"]["flexible"]["axial_stiffness_N"] = 6e6
     one, other = simulate(load(flat)), simulate(load(deep))
     times = np.linspace(0.0, 0.025, 200)
     x, y = (np.interp(times, one["time_s"], one[name]) for name in ("tip_x_m", "tip_y_m"))
     turned = np.array([np.cos(np.radians(130.0)), np.sin(np.radians(130.0)), 0.0])
     along, up = (np.interp(times, other["time_s"], values) for values in (tip(other) @ turned, other["tip_z_m"]))
     way = float(np.sum(np.hypot(np.diff(x), np.diff(y))))
-    assert np.hypot(along - x, up - y).max() < share * way
+    assert np.hypot(along - x, up - y).max() < 1e-4 * way
     assert other.summary["max_deflection_m"] == pytest.approx(one.summary["max_deflection_m"], rel=0.02)
     assert other.summary["max_depth_m"] == pytest.approx(one.summary["max_depth_m"], rel=2e-3)
-    assert not other.warnings
+    assert not [one for one in other.warnings if "measured in" not in one]  # of the diameter
     panels = [
         panel.title for group in groups(other.names, other.terms, lambda name: other[name]) for panel in group.panels
     ]
