@@ -4,6 +4,7 @@ style    style                      sizes, colours, matplotlib's settings; the u
 series   panels                     panels over time, and what is marked in them
          motion, series, chosen     their figures
          robots, space_views        figures of what travels: first body, joints, contacts; views in space
+         depth_buffer               bodies as they are seen from one side
 picture  outlines                   edges and depths, and what the hinges are called
          mechanism                  windows on the plane, and their figure
 film     stage, animation           a view to scale, pictures on it

@@ -6,11 +6,12 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from granular_contact.report.figures.depth_buffer import seen
 from granular_contact.report.figures.panels import blank
 from granular_contact.report.figures.robots import in_contact
 from granular_contact.report.figures.style import DOUBLE, FLOOR, PALETTE, SAND, SAND_EDGE
@@ -20,40 +21,62 @@ from granular_contact.results.motion import Motion, Part, coarser
 
 # Name, axes across and upward in the picture, axis towards the eye with its sign.
 VIEWS = (("side", 0, 2, 1, -1.0), ("front", 1, 2, 0, 1.0), ("top", 0, 1, 2, 1.0))
-LIGHT = np.array([-0.3, -0.5, 0.81])
-POSES = (("start", "#BDBDBD", 0.55), ("deepest", "#F0A66B", 0.7), ("end", "#6FA8CC", 0.95))  # colour and opacity
-MOST = 3000  # triangles drawn of a pose
+MOST_NAMED = 6  # bodies whose way in the medium has a name
+POSES = (("start", "#BDBDBD", 0.6), ("deepest", "#F0A66B", 1.0), ("end", "#6FA8CC", 1.0))  # colour and opacity
+APART = 0.25  # of the extent of the mechanism: poses that are nearer hide each other, and the middle one is left out
+MOST = 2000  # triangles drawn of a pose
+PIXELS = 5.0  # of a picture, for each mm of its panel's width
 
 
 def views(results: Results, motion: Motion) -> Figure:
     """Three views of the mechanism, to scale; in the one from above where bodies are in the medium."""
     parts = [coarser(part, max(60, MOST // len(motion.parts))) for part in motion.parts]
-    poses = ((_when(results, motion, name), colour, alpha, name) for name, colour, alpha in POSES)
-    shown = [(k, colour, alpha, name) for k, colour, alpha, name in poses if k is not None]
-    drawn = [_triangles(motion, parts, k) for k, *_ in shown]
+    named = [(name, colour, alpha, _when(results, motion, name)) for name, colour, alpha in POSES]
+    shown = [(name, colour, alpha, k) for name, colour, alpha, k in named if k is not None]
+    drawn = [_triangles(motion, parts, k) for *_, k in shown]
+    if len(shown) == len(POSES) and _hidden(drawn):
+        del shown[1], drawn[1]
     low = np.min([one.min(axis=(0, 1)) for one in drawn], axis=0)
     high = np.max([one.max(axis=(0, 1)) for one in drawn], axis=0)
     margin = 0.08 * float(np.max(high - low))
     low, high = low - margin, high + margin
     unit = unit_for(high - low, "m")
-    figure, panels = _panels(high - low)
-    for axes, (name, across, up, eye, sign) in zip(panels, VIEWS, strict=True):
+    figure, panels, words = _panels(high - low)
+    numbers = np.repeat(np.arange(len(parts)), [0 if one.faces is None else len(one.faces) for one in parts])
+    for axes, view in zip(panels, VIEWS, strict=True):
+        name, across, up, eye, sign = view
         if up == 2:
             _ground(axes, motion, across, low, high, unit)
+        order = [across, up, eye]
+        corners = low[order[:2]], high[order[:2]]
+        left, right, bottom, top = (unit.factor * np.column_stack(corners)).ravel().tolist()
+        pixels = round(PIXELS * DOUBLE * (corners[1] - corners[0])[0] / (high[0] - low[0] + high[1] - low[1]))
         for triangles, (_, colour, alpha, _) in zip(drawn, shown, strict=True):
-            _draw(axes, triangles * unit.factor, (across, up, eye, sign), colour, alpha)
-        axes.set_xlim(low[across] * unit.factor, high[across] * unit.factor)
-        axes.set_ylim(low[up] * unit.factor, high[up] * unit.factor)
-        axes.set(aspect="equal", xlabel=f"{'xyz'[across]} ({unit.name})", ylabel=f"{'xyz'[up]} ({unit.name})")
+            turned = triangles[:, :, order] * (1.0, 1.0, sign)
+            picture = seen(turned, numbers, np.array(to_rgb(colour)), *corners, max(pixels, 60))
+            axes.imshow(
+                picture * (1.0, 1.0, 1.0, alpha),
+                extent=(left, right, bottom, top),
+                zorder=2,
+                interpolation="antialiased",
+            )
+        axes.set(xlim=(left, right), ylim=(bottom, top), aspect="equal")
+        axes.set(xlabel=f"{'xyz'[across]} ({unit.name})", ylabel=f"{'xyz'[up]} ({unit.name})")
         axes.set_title(name, loc="left")
         axes.locator_params(nbins=5)
-    _footprints(panels[2], results, unit)
     handles: list[Any] = [
         Patch(color=colour, alpha=alpha, label=f"{name}: {instant(results, float(motion.time[k]))}")
-        for k, colour, alpha, name in shown
+        for name, colour, alpha, k in shown
     ]
-    figure.legend(handles=handles, loc="outside lower center", ncols=len(handles))
+    words.legend(handles=handles + _footprints(panels[2], results, unit), loc="upper left", borderaxespad=0.0)
     return figure
+
+
+def _hidden(drawn: list[Array]) -> bool:
+    """Whether the pose in the middle is too near to the first or the last to be seen beside it."""
+    centres = [one.mean(axis=(0, 1)) for one in drawn]
+    size = APART * float(np.max(np.ptp(drawn[0], axis=(0, 1))))
+    return bool(min(np.linalg.norm(centres[1] - centres[i]) for i in (0, 2)) < size)
 
 
 def _when(results: Results, motion: Motion, name: str) -> int | None:
@@ -79,15 +102,15 @@ def _triangles(motion: Motion, parts: list[Part], k: int) -> Array:
     return np.concatenate(found) if found else np.zeros((1, 3, 3))
 
 
-def _panels(size: Array) -> tuple[Figure, list[Axes]]:
-    """Side and front view beside each other, the one from above below the first."""
+def _panels(size: Array) -> tuple[Figure, list[Axes], Axes]:
+    """Side and front view beside each other, the one from above below the first, and room for words beside that."""
     tall = [max(size[2], 0.15 * size[0]), max(size[1], 0.15 * size[0])]
     wide = [size[0], max(size[1], 0.25 * size[0])]
     height = float(np.clip((DOUBLE - 40.0) * sum(tall) / sum(wide) + 34.0, 70.0, 190.0))
     figure = blank(DOUBLE, height, layout="constrained")
     grid = figure.subplots(2, 2, width_ratios=wide, height_ratios=tall, squeeze=False)
     grid[1, 1].set_axis_off()
-    return figure, [grid[0, 0], grid[0, 1], grid[1, 0]]
+    return figure, [grid[0, 0], grid[0, 1], grid[1, 0]], grid[1, 1]
 
 
 def _ground(axes: Axes, motion: Motion, across: int, low: Array, high: Array, unit: Unit) -> None:
@@ -111,25 +134,18 @@ def _ground(axes: Axes, motion: Motion, across: int, low: Array, high: Array, un
             axes.axvline(place * unit.factor, color=FLOOR, linewidth=1.6, zorder=1)
 
 
-def _draw(axes: Axes, triangles: Array, view: tuple[int, int, int, float], colour: str, alpha: float) -> None:
-    """Triangles (n, 3, 3), the farthest first, lit from above."""
-    across, up, eye, sign = view
-    normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
-    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
-    shade = 0.72 + 0.28 * np.abs(normal @ LIGHT)
-    order = np.argsort(sign * triangles[:, :, eye].mean(axis=1))
-    colours = np.clip(shade[order, None] * np.array(to_rgb(colour)), 0.0, 1.0)
-    flat = triangles[order][:, :, [across, up]]
-    axes.add_collection(PolyCollection(list(flat), facecolors=colours, edgecolors=colours, linewidths=0.2, alpha=alpha))
-
-
-def _footprints(axes: Axes, results: Results, unit: Unit) -> None:
-    """Where the centre of each body was, from above, while it was in the medium."""
-    time = results["time_s"]
-    for i, (body, spans) in enumerate(in_contact(results).items()):
-        if f"{body}_x_m" not in results.names or len(in_contact(results)) < 2:
+def _footprints(axes: Axes, results: Results, unit: Unit) -> list[Any]:
+    """Where the centre of each body was, from above, while it was in the medium; lines for a legend."""
+    time, handles = results["time_s"], []
+    spans_of = in_contact(results)
+    for i, (body, spans) in enumerate(spans_of.items()):
+        if f"{body}_x_m" not in results.names or len(spans_of) < 2:
             continue
+        colour = PALETTE[i % len(PALETTE)]
         for on, off in spans:
             inside = (time >= on) & (time <= off)
             x, y = (results[f"{body}_{axis}_m"][inside] * unit.factor for axis in "xy")
-            axes.plot(x, y, color=PALETTE[i % len(PALETTE)], linewidth=2.0, solid_capstyle="round", zorder=5)
+            axes.plot(x, y, color=colour, linewidth=2.0, solid_capstyle="round", zorder=5)
+        if spans and i < MOST_NAMED:
+            handles.append(Line2D([], [], color=colour, linewidth=2.0, label=f"{body} in the medium".replace("_", " ")))
+    return handles
