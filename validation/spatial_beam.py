@@ -2,11 +2,11 @@
 
     python validation/spatial_beam.py [--quick]
 
-Two cases. The strip of Dowell and Traybar's experiment in Princeton (1975) carries a weight at its end, its section
-turned about its axis by 0, 45 and 90 degrees; the reference is Kirchhoff's rod, solved as a boundary value problem. A
-rod that is clamped to a wall is let go and falls; the reference is 48 of the engine's cable elements in steps of a
-quarter of the length. The engine's elements are put together here, as its own examples do it; rigid
-elements are those of production.
+The strip of Dowell and Traybar's experiment in Princeton (1975) carries a weight at its end, its section turned about
+its axis by 0, 45 and 90 degrees; the reference is Kirchhoff's rod, solved as a boundary value problem. A rod that is
+clamped to a wall is let go and falls; the reference is 48 of the engine's cable elements in steps of a quarter of the
+length. The engine's elements are put together here, as its own examples do it; rigid elements are those of production.
+With these alone: Kane's spin-up (`spin_up`), and links from soft to stiff in sand (`soft_and_stiff`).
 """
 
 from __future__ import annotations
@@ -31,6 +31,7 @@ from support_bending import LENGTH, MODULUS, POISSON, THICKNESS, WIDTH, kirchhof
 
 from granular_contact import load, simulate
 from granular_contact.scene.space.section import Section
+from validation import soft_and_stiff, spin_up
 from validation.study import Claim, Outcome, script
 from validation.tables import markdown
 
@@ -235,7 +236,34 @@ def study(quick: bool) -> Outcome:
         ),
     )
     text = f"Strip with a weight of {WEIGHT} N at its end: error of the deflection, relative.\n\n{strip}\n\n"
-    return Outcome(f"{text}Rod that falls for {DURATION} s, in steps of 0.5 ms.\n\n{fall}", claims)
+    text += f"Rod that falls for {DURATION} s, in steps of 0.5 ms.\n\n{fall}\n\n"
+    more = [_spin_up([4, 8, 16]), _soft_and_stiff(quick)]
+    return Outcome(text + "\n\n".join(table for table, _ in more), (*claims, *(one for _, one in more)))
+
+
+def _spin_up(counts: list[int]) -> tuple[str, Claim]:
+    """Table and claim of Kane's manoeuvre."""
+    rows = spin_up.rows(counts)
+    cells = [[n, f"{1e3 * most:.1f}", f"{off:.1e}", f"{took:.2f}"] for n, most, off, took in rows]
+    table = markdown(["elements", "greatest deflection, mm", "farthest from the theory, of that", "s"], cells)
+    off = rows[-1][2]
+    detail = (
+        f"with {counts[-1]} elements {100 * off:.2f} % of the greatest deflection from the linear theory (asked: 1)"
+    )
+    words = "Spin-up of Kane, Ryan and Banerjee, rigid elements in minimal coordinates."
+    return f"{words}\n\n{table}", claim("spin-up", off < 0.01, detail)
+
+
+def _soft_and_stiff(quick: bool) -> tuple[str, Claim]:
+    """Table and claim of links from a rope to a rod that hardly bends."""
+    cases = soft_and_stiff.cases((1e-4, 1.0, 1e6) if quick else soft_and_stiff.FACTORS, 64 if quick else 256)
+    header = ["stiffness, times", "elements", "error of the tip, of its way", "told", "imbalance of energy", "s"]
+    silent = max(case.error for case in cases if not case.told)
+    worst = max(case.imbalance for case in cases)
+    held = silent < 0.01 and worst < 1e-3
+    detail = f"greatest error without a warning {100 * silent:.2f} % (asked: 1), imbalance {worst:.1e} (asked: 1e-3)"
+    words = "The source's link on a hub strikes play sand at 31 deg, its stiffness multiplied; `solver.accuracy: 1e-3`."
+    return f"{words}\n\n{markdown(header, [case.cells for case in cases])}", claim("soft and stiff", held, detail)
 
 
 if __name__ == "__main__":

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from typing import Any
 
 import numpy as np
@@ -63,6 +64,33 @@ def kirchhoff(weight: float, angle: float, stiffness: Array) -> Array:
     found = solve_bvp(slope, ends, s, guess, tol=1e-8)
     assert found.success
     return np.asarray(rotations.of_quaternion(root).T @ found.y[4:7, -1] - [LENGTH, 0.0, 0.0])
+
+
+def pendulum(bending: float, elements: int, slender: float = 1.0) -> dict[str, Any]:
+    """The source's link on a heavy hub, that strikes sand, in the plane; slender: by which it is thinner, as heavy."""
+    section = {"diameter_m": 0.00635 / slender, "density_kg_m3": 7700 * slender**2}
+    link = {"type": "link", "length_m": 0.23876, **section}
+    flexible = {"bending_stiffness_N_m2": bending, "elements": elements}
+    hub = {"type": "rigid", "mass_kg": 0.06, "inertia_kg_m2": 5e-6}
+    joints = {
+        "pivot": {"type": "hinge", "parent": "ground", "child": "hub", "home_deg": 31},
+        "clamp": {"type": "weld", "parent": "hub", "child": "link", "parent_point_m": [0.02, 0.0]},
+    }
+    model = {"name": "pendulum", "bodies": {"hub": hub, "link": link | {"flexible": flexible}}, "joints": joints}
+    solver = {"end_time_s": 0.025, "accuracy": 1e-4}
+    start = {"joints": {"pivot": {"rate_rad_s": 6.24}}}
+    return {"model": model, "medium": "play_sand", "initial": start, "solver": solver}
+
+
+def into_space(flat: dict[str, Any], azimuth: float) -> dict[str, Any]:
+    """The same in space, turned about the vertical (deg)."""
+    deep = copy.deepcopy(flat)
+    model = deep["model"]
+    model["in_space"] = True
+    model["bodies"]["hub"]["inertia_kg_m2"] = dict.fromkeys(("xx", "yy", "zz"), 5e-6)
+    model["joints"]["pivot"] |= {"axis": [0, 1, 0], "rpy_deg": [0, 0, azimuth]}
+    model["joints"]["clamp"]["parent_point_m"] = [0.02, 0.0, 0.0]
+    return deep
 
 
 def order(numbers: list[int], errors: list[float]) -> float:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from support_bending import MODULUS, POISSON, THICKNESS, WIDTH, kirchhoff, order, princeton
+from support_bending import MODULUS, POISSON, THICKNESS, WIDTH, into_space, kirchhoff, order, pendulum, princeton
 from support_runs import ROOT
 
 from granular_contact import Results, Simulation, load, simulate
@@ -88,32 +88,6 @@ def test_saint_venants_constant_of_torsion() -> None:
 
 
 # ---- against the plane ----
-
-
-def pendulum(bending: float, elements: int, slender: float = 1.0) -> Config:
-    """The source's link on a heavy hub, that strikes sand, in the plane; slender: by which it is thinner, as heavy."""
-    section = {"diameter_m": 0.00635 / slender, "density_kg_m3": 7700 * slender**2}
-    link = {"type": "link", "length_m": 0.23876, **section}
-    flexible = {"bending_stiffness_N_m2": bending, "elements": elements}
-    hub = {"type": "rigid", "mass_kg": 0.06, "inertia_kg_m2": 5e-6}
-    joints = {
-        "pivot": {"type": "hinge", "parent": "ground", "child": "hub", "home_deg": 31},
-        "clamp": {"type": "weld", "parent": "hub", "child": "link", "parent_point_m": [0.02, 0.0]},
-    }
-    model = {"name": "pendulum", "bodies": {"hub": hub, "link": link | {"flexible": flexible}}, "joints": joints}
-    solver = {"end_time_s": 0.025, "accuracy": 1e-4}
-    start = {"joints": {"pivot": {"rate_rad_s": 6.24}}}
-    return {"model": model, "medium": "play_sand", "initial": start, "solver": solver}
-
-
-def into_space(flat: Config, azimuth: float) -> Config:
-    deep = copy.deepcopy(flat)
-    model = deep["model"]
-    model["in_space"] = True
-    model["bodies"]["hub"]["inertia_kg_m2"] = dict.fromkeys(("xx", "yy", "zz"), 5e-6)
-    model["joints"]["pivot"] |= {"axis": [0, 1, 0], "rpy_deg": [0, 0, azimuth]}
-    model["joints"]["clamp"]["parent_point_m"] = [0.02, 0.0, 0.0]
-    return deep
 
 
 @pytest.mark.parametrize(("bending", "elements", "slender"), [(15.1642, 8, 1.0), (0.15, 16, 4.0)])
