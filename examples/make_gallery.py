@@ -20,7 +20,7 @@ kernels are compiled, the fit some seconds. What needs a config alone is in the 
 page is written by `python examples/make_gallery.py`; the tests run every script, and compare what it prints.
 """
 MUJOCO = """
-## In MuJoCo
+## More in MuJoCo
 
 `python examples/mujoco/ball.py`, `wheel.py` and `hexapod.py` put sand into models of MuJoCo; `--video film.gif` draws
 them ([tutorial](../docs/tutorials/mujoco.md)).

@@ -211,6 +211,12 @@ def test_a_failed_run_is_shown_as_failed(tmp_path: Path) -> None:
     assert "Newton&#39;s method did not converge" in page
 
 
+def test_a_run_that_is_not_usable_is_shown_as_such(tmp_path: Path) -> None:
+    one = make()
+    report.write(dataclasses.replace(one, summary=one.summary | {"usable": False}), tmp_path / "r", figures=False)
+    assert '<span class="status bad">came to rest, not usable</span>' in html(tmp_path / "r")
+
+
 def test_failed_cases_of_a_sweep_are_named(tmp_path: Path) -> None:
     lines = [
         "case,initial.impact_speed_rad_s,status,message,stopping_time_s",

@@ -237,7 +237,8 @@ def _summary(results: Results, surface_follows: bool, elapsed: str, folder: Path
     from granular_contact.report.units import sized
 
     found: dict[str, Any] = results.summary
-    yield f"{results.name}: {results.status.message}"
+    doubt = "" if found.get("usable", True) else "; the result is not usable, see its warnings"
+    yield f"{results.name}: {results.status.message}{doubt}"
     if surface_follows:
         yield "  surface         where it touches the mechanism at the start, as surface_height_m is not given"
     if (stop := found.get("stopping_time_s")) is not None:

@@ -13,7 +13,7 @@ from support_blocks import ROOT, assert_told, forget
 EXAMPLES = ROOT / "examples"
 PAGE = (EXAMPLES / "README.md").read_text(encoding="utf-8")
 SCRIPTS = sorted(path.stem for path in EXAMPLES.glob("*.py") if path.stem not in ("common", "make_gallery"))
-NEEDS = {"custom_environment": "gymnasium", "train_runner": "gymnasium"}
+NEEDS = {"custom_environment": "gymnasium", "mujoco_model": "mujoco", "train_runner": "gymnasium"}
 # What chooses the better of two runs may choose another one on another processor: only its words are compared.
 CHOOSES = {"train_runner"}
 LAWS = {"law_of_balls": "example_power", "law_of_bars": "example_viscous", "law_of_surfaces": "example_winkler"}

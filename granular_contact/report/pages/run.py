@@ -32,7 +32,7 @@ def content(folder: Folder) -> dict[str, Any]:
         "version": (summary.get("versions") or {}).get(PROGRAM, ""),
         "summary": summary,
         "status": status,
-        "finished": status in FINISHED,
+        "finished": status in FINISHED and summary.get("usable", True),
         "measure": measure,
         "of_all": measure == REST_MEASURE,
         "imbalance": imbalance,
