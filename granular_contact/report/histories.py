@@ -183,6 +183,7 @@ class _Names:
         self.met = stems("_granular_x_N")
         self.deep = [one for one in stems("_depth_m") if one in self.bodies]
         self.bending = stems("_deflection_y_m", "_deflection_z_m")  # in space
+        self.strained = stems("_strain", "_root_strain")
         self.wheels = stems("_slip", "_sinkage_m")
         self.in_space = any(f"{one}_vz_m_s" in has for one in self.bodies)
         self.up = "z" if self.in_space else "y"
@@ -258,6 +259,7 @@ def _joints(found: _Names) -> Group:
             for link in found.bending
         ),
         found.panel("twist of links", "deg", [(link, f"{link}_twist_deg") for link in found.bending]),
+        found.panel("greatest strain of links", "", [(link, f"{link}_strain") for link in found.strained]),
     ]
     words = "Angle, rate, torque, power and work of joints." if driven else "Angle and rate of joints."
     return Group("joints", "Joints", words, tuple(panels))

@@ -112,8 +112,11 @@ def test_a_pendulum_in_space_moves_as_in_the_plane(bending: float, elements: int
     panels = [
         panel.title for group in groups(other.names, other.terms, lambda name: other[name]) for panel in group.panels
     ]
-    assert "deflection of link" in panels
-    assert set(other.figures()) >= {"deflection", "views", "energy"}
+    assert {"deflection of link", "greatest strain of links"} <= set(panels)
+    figures = other.figures()
+    assert set(figures) >= {"deflection", "views", "energy"}
+    labels = [line.get_label() for line in figures["deflection"].axes[0].lines]
+    assert {"distance from the axis", "along y of the root", "along z of the root"} <= set(labels)
 
 
 # ---- in sand ----

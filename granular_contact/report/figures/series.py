@@ -36,19 +36,24 @@ _ENERGIES = {
 
 
 def deflection(results: Results) -> Figure:
-    """Deflection of the flexible link's tip over time, its greatest value marked."""
+    """Deflection of the flexible link's tip over time, its greatest value marked; in space in both planes too."""
     figure, (axes,), time = stacked(results, 55.0, (1,))
     values = cleared(results["deflection_m"], 1e-2 * size_of(results))  # links bend by 1e-7 of their length and more
     unit = unit_for(values, "m")
     axes.axhline(0, color=FAINT, linewidth=0.5)
-    curve(axes, time, values * unit.factor, BLUE)
+    end = "_deflection_y_m"
+    links = [name.removesuffix(end) for name in results.names if name.endswith(end)]  # in space
+    curve(axes, time, values * unit.factor, BLUE, "distance from the axis" if links else "")
+    for axis, colour, line in (("y", GREEN, _DASHED), ("z", ORANGE, _DOTTED)) if links else ():
+        bent = results[f"{links[-1]}_deflection_{axis}_m"]
+        curve(axes, time, bent * unit.factor, colour, f"along {axis} of the root", linestyle=line)
     peak, at = results.summary.get("max_deflection_m"), results.summary.get("max_deflection_time_s")
     if peak is not None and at is not None and len(time) and np.isfinite(values).any():
         # Between the rows of the table, of which there may be few; on the side where they are.
         peak *= np.sign(values[np.nanargmax(np.abs(values))]) * unit.factor
         words = f"largest: {peak:.3g} {unit.name} at {instant(results, at)}"
         axes.plot(at * time_unit(results).factor, peak, "o", color=VERMILION, label=minus(words), linestyle="none")
-    finish(axes, f"tip deflection ({unit.name})", columns=1)
+    finish(axes, f"tip deflection ({unit.name})", columns=2 if links else 1)
     mark_events(results, [axes])
     return figure
 
