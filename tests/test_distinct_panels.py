@@ -108,11 +108,11 @@ def test_the_page_of_a_wheel_over_slip_draws_nothing_twice_and_nothing_constant(
     assert made["cases"]["joined"]
 
 
-def drawn(monkeypatch: pytest.MonkeyPatch, draw, *given):  # type: ignore[no-untyped-def]
+def drawn(monkeypatch: pytest.MonkeyPatch, draw, *given, **options):  # type: ignore[no-untyped-def]
     """The figure that a drawing saves."""
     kept = []
     monkeypatch.setattr("granular_contact.report.figures.panels.save", lambda figure, _: kept.append(figure))
-    draw(*given, Path("none.png"))
+    draw(*given, Path("none.png"), **options)
     return kept[0]
 
 
@@ -123,12 +123,20 @@ def test_sinkage_grows_upward_in_a_unit_that_suits_it(monkeypatch: pytest.Monkey
     assert not axes.yaxis_inverted()
 
 
-@pytest.mark.parametrize("count", [1, 2])
-def test_points_over_one_quantity_are_joined_in_its_order(count: int, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("joined", [False, True])
+def test_points_are_joined_in_the_order_of_what_was_varied(joined: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     along = np.array([3.0, 1.0, 2.0])
-    varied = {f"bed.x{i}": along for i in range(count)}
-    axes = drawn(monkeypatch, studies.draw, varied, ("max_depth_m", along)).axes[0]
-    assert [line.get_xdata().tolist() for line in axes.lines] == ([[1.0, 2.0, 3.0]] if count == 1 else [])
+    axes = drawn(monkeypatch, studies.draw, {"bed.x": along}, ("max_depth_m", along), joined=joined).axes[0]
+    assert [line.get_xdata().tolist() for line in axes.lines] == ([[1.0, 2.0, 3.0]] if joined else [])
+
+
+@pytest.mark.parametrize(
+    ("varied", "joined"), [("wheel.slip", True), ("wheel.slip,medium.zeta", False), ("medium.scatter.seed", False)]
+)
+def test_a_page_joins_points_over_one_quantity_that_is_no_seed(varied: str, joined: bool, tmp_path: Path) -> None:
+    rows = [f"c{i},{','.join(str(i + k) for k in range(varied.count(',') + 1))},w,end_time,e,{i}" for i in range(3)]
+    (tmp_path / "table.csv").write_text("\n".join([f"case,{varied},name,status,message,max_depth_m", *rows]) + "\n")
+    assert content(Folder(tmp_path, "sweep"), tmp_path)["cases"]["joined"] is joined
 
 
 @pytest.mark.parametrize("outliers", [0, 3])

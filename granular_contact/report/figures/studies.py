@@ -147,10 +147,10 @@ def draw_sensitivity(output: str, inputs: Sequence[str], first: Bars, total: Bar
 MOST = 3  # panels, and figures of a sweep
 
 
-def draw(varied: Mapping[str, Array], found: tuple[str, Array], file: Path) -> None:
+def draw(varied: Mapping[str, Array], found: tuple[str, Array], file: Path, *, joined: bool = False) -> None:
     """Draw what was found, a key and its values (n,), over each of the varied quantities (n,), into a PNG.
 
-    Over a single one points are joined.
+    joined: whether points are, in the order of what was varied.
     """
     words, values = scaled(*found)
     shown = [scaled(*one) for one in list(varied.items())[:MOST]]
@@ -159,7 +159,7 @@ def draw(varied: Mapping[str, Array], found: tuple[str, Array], file: Path) -> N
         size = float(np.clip(60.0 / np.sqrt(len(values)), 0.5, 14.0))
         for axes, (name, along) in zip(panels, shown, strict=True):
             axes.scatter(along, values, s=size, color=BLUE, alpha=0.75, linewidths=0)
-            if len(varied) == 1:
+            if joined:
                 order = np.argsort(along)
                 axes.plot(along[order], values[order], color=BLUE, linewidth=0.8)
             axes.set_xlabel(name)

@@ -87,7 +87,7 @@ def _chart(cases: _Cases) -> dict[str, Any]:
         return {}
     columns = {name: table.numbers(name).tolist() for name in (*cases.varied, *cases.found)}
     names = [str(name) for name in table.column(table.head[0])]
-    return chart(names, columns, along[0], drawn[0], joined=len(along) == 1)
+    return chart(names, columns, along[0], drawn[0], joined=_joined(along))
 
 
 def _live(folder: Folder) -> dict[str, Any]:
@@ -191,7 +191,8 @@ def _overviews(cases: _Cases, place: Path, shown: Collection[str]) -> Iterator[t
     for i, name in enumerate([name for name in _drawn(cases) if name not in shown][:MOST]):
         path = place / f"overview_{i}.png"
         with drawn(path) as file:
-            draw({key: cases.ended.numbers(key) for key in varied}, (name, cases.ended.numbers(name)), file)
+            found = name, cases.ended.numbers(name)
+            draw({key: cases.ended.numbers(key) for key in varied}, found, file, joined=_joined(varied))
         if not path.exists():
             continue
         yield path, f"{label(name).capitalize()} of every case that came to an end against what varies."
@@ -209,6 +210,11 @@ def _differing(cases: _Cases, names: Sequence[str]) -> list[str]:
     columns = ((name, cases.ended.numbers(name)) for name in names)
     known = [(name, values[np.isfinite(values)]) for name, values in columns]
     return [name for name, values in known if len(values) and np.ptp(values) > SAME * greatest(values)]
+
+
+def _joined(varied: Sequence[str]) -> bool:
+    """Whether points over what varies are joined: over a single quantity, and a seed is none."""
+    return len(varied) == 1 and not varied[0].endswith("seed")
 
 
 def _drawn(cases: _Cases) -> list[str]:
