@@ -73,6 +73,7 @@ STUDIES = (
     Entry("laws"),
     Entry("beam_against_theory"),
     Entry("spatial_beam"),
+    Entry("oblique_modes"),
     Entry("single_mode_vs_fe"),
     Entry("sensitivity"),
     Entry("fit_recovery"),

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
+from validation import oblique_modes
 from validation import spatial_beam as study
 
 
@@ -28,3 +30,18 @@ def test_links_from_soft_to_stiff_are_right_or_told_of() -> None:
     for case in cases:
         assert (case.error > 0.01) == case.told
         assert case.imbalance < 1e-3
+
+
+def test_modes_are_told_apart() -> None:
+    """A motion in the first mode of one plane and the second of the other, of half the amplitude.
+
+    Its energies are as 1 to 1/4, since the squares of these curvatures are the same.
+    """
+    place = (np.arange(400) + 0.5) / 400
+    first, second = (oblique_modes.curvature(root, place) for root in oblique_modes.ROOTS[:2])
+    theta = np.sin(np.arange(20.0))[:, None, None] * np.stack([first, 0.5 * second], axis=1)
+    energy, tip = oblique_modes.left(theta, 1)
+    assert energy == pytest.approx(0.2, abs=1e-3)
+    lever = [abs((one * (1.0 - place)).sum()) for one in (first, 0.5 * second)]
+    assert tip == pytest.approx(lever[1] / np.hypot(*lever), rel=1e-3)
+    assert oblique_modes.left(theta, 2) == pytest.approx((0.0, 0.0), abs=1e-6)
