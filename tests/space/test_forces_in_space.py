@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import doctest
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -12,12 +13,15 @@ from scipy.spatial.transform import Rotation
 from support_space import FLAT, PAIRS, SAND, Array, Motion, both, driven, load_on, prism, state
 
 import granular_contact.sand.space
-from granular_contact import Bar, Box, Drft, Mesh, Plate, Rft, Rft3d, Sphere
+from granular_contact import Bar, Box, Cone, Drft, Mesh, Plate, Rft, Rft3d, Sphere
 from granular_contact.laws.rft3d import C
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
 from granular_contact.sand.contact_lines import Body, outline, polyline
 from granular_contact.sand.load import GranularLoad
+from granular_contact.sand.space.facets import sides
 from granular_contact.sand.space.load import SpatialLoad
+from granular_contact.sand.space.shapes import Shape
+from granular_contact.sand.space.triangles import clusters_of
 
 DISC = 0.05 * np.column_stack([np.cos(a := np.linspace(0, 2 * np.pi, 48, endpoint=False)), np.sin(a)])
 
@@ -315,6 +319,46 @@ def test_what_is_out_of_reach_costs_nothing_and_changes_nothing() -> None:
     assert max(seen[:55]) > 0
     np.testing.assert_array_equal(loads[0].history.bodies, loads[1].history.bodies)
     assert np.abs(loads[0].history.bodies).max() > 0.1
+
+
+@pytest.mark.parametrize("shape", [Box((0.3, 0.2, 0.02)), Sphere(0.1), Cone(0.08, 0.06)], ids=["box", "sphere", "cone"])
+def test_how_facets_are_kept_together_changes_nothing(shape: Shape) -> None:
+    # In one cluster all facets are looked at, in clusters of eight those alone that may touch the surface.
+    random, loads = np.random.default_rng(3), []
+    for each in (10**6, 8):
+        load = load_on(SAND, shape, 0.012, surface=0.01, slope=(0.2, -0.1, 0.0))
+        rows = load.lines[0].rows
+        together = clusters_of(rows[:, :3], rows[:, 3], sides(rows), each)
+        load.lines[0] = replace(load.lines[0], clusters=together)
+        loads.append(load)
+    q = state(np.array([0.0, 0.0, -0.01]), Rotation.from_rotvec([0.3, -0.2, 0.4]), np.zeros(3), np.zeros(3))[0]
+    for load in loads:
+        load.start(q)
+    for i in range(40):
+        place, spin = np.append(random.normal(size=2), random.uniform(-0.06, 0.06)), random.normal(size=3)
+        q, v = state(place, Rotation.random(random_state=i), random.normal(size=3), spin)
+        for load in loads:
+            load.accept(1e-3 * i, q, v)
+    one, many = (load.history for load in loads)
+    scale = np.abs(one.bodies).max()
+    np.testing.assert_allclose(many.bodies, one.bodies, atol=1e-12 * scale)  # sums in another order
+    np.testing.assert_allclose(many.depth, one.depth, rtol=1e-12)
+    np.testing.assert_allclose(loads[1].batches[0].anchors, loads[0].batches[0].anchors, atol=1e-15)
+    assert (one.bodies[:, 0, 2] == 0.0).any()
+    assert scale > 1.0
+
+
+def test_a_flat_body_close_above_the_surface_is_out_of_reach() -> None:
+    # Its clusters are flat: spheres around them would reach 30 mm and more below it.
+    load = load_on(SAND, Box((0.3, 0.2, 0.02)), 0.02)
+    q, v = state(np.array([0.0, 0.0, 0.015]), Rotation.identity(), np.array([0.1, 0.0, 0.0]), np.zeros(3))
+    load.start(q)
+    load.accept(0.0, q, v)
+    assert load.batches[0].proximity[0, 0] > 0.1  # (the sphere around the body, in the sand)
+    assert not load.update_active(2e-3)
+    q[2] = 0.0105
+    load.accept(1e-3, q, v)
+    assert load.update_active(2e-3)
 
 
 def test_the_example_in_the_package() -> None:

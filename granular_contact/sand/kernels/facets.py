@@ -348,8 +348,8 @@ def add_up(B, n, W):
 
 @part
 def follow_facets(elements, anchors, cluster, pose, ground, medium, row):
-    """`space_law.follow` of facets."""
-    R, x, v, w = axes(pose), pose[3], pose[4], pose[5]
+    """`space_law.follow` of facets, of which most are above the surface and no deeper than one before them."""
+    R, x, v, w, steep = axes(pose), pose[3], pose[4], pose[5], ground[3]
     dx, dy, dz = seen(R, ground[1], ground[2], -1.0)
     for i in range(elements.shape[0]):
         E = elements[i]
@@ -357,6 +357,9 @@ def follow_facets(elements, anchors, cluster, pose, ground, medium, row):
         px, py, pz = x[0] + rx, x[1] + ry, x[2] + rz
         ax, ay, az = px, py, pz
         z = ground[0] + ground[1] * px + ground[2] * py - pz
+        if z + E[3] * steep <= min(0.0, row[law.DEPTH]) and medium.count == 0:
+            anchors[i, 0], anchors[i, 1], anchors[i, 2] = ax, ay, az
+            continue
         lowest = beyond_centre(E, dx, dy, dz)
         deepest = z + lowest
         if E[FORM] != PATCH:

@@ -191,10 +191,9 @@ def body_forces(q, v, body, sand, medium, pose, W, out):
     place(q, v, body, turn, medium, pose, G)
     clear(W)
     for c in range(body.first, body.last):
-        if active[c]:
+        if active[c] and reach_below(clusters[c], pose, ground, medium, plane) > 0.0:
             one = clusters[c]
             s, n = one.first, one.last - one.first
-            below(one.x, one.y, one.z, pose, ground, medium, plane)
             law.forces(medium, (rows(elements, s, n), rows(anchors, s, n), one, pose, plane, W))
     clear(out)
     for i in range(3):
@@ -358,8 +357,7 @@ def deepest_cluster(body, sand, medium, pose):
     """Bound for the depth (m) of all clusters of a body."""
     clusters, near, depth = _clusters(sand, CLUSTERS), room1(2), -np.inf
     for c in range(body.first, body.last):
-        one = clusters[c]
-        bound(one.x, one.y, one.z, one.radius, pose, _row(sand, GROUND), medium, near)
+        bound_cluster(clusters[c], pose, _row(sand, GROUND), medium, near)
         depth = max(depth, near[DEEPEST])
     return depth
 
@@ -396,6 +394,29 @@ def bound(x, y, z, radius, pose, ground, medium, near):
 
 
 @part
+def bound_cluster(one, pose, ground, medium, near):
+    """`bound` for all that lies in a cluster, whose box may reach less deep than its sphere."""
+    plane = room1(PLANE)
+    bound(one.x, one.y, one.z, one.radius, pose, ground, medium, near)
+    near[DEEPEST] = min(near[DEEPEST], reach_below(one, pose, ground, medium, plane))
+
+
+@part
+def reach_below(one, pose, ground, medium, plane):
+    """Bound for the depth (m) of a cluster; fills plane as `below` does.
+
+    Of a plane surface that of the deepest corner of its box; of a map of heights that of its sphere, where the surface
+    is steepest.
+    """
+    x, y, z = below(one.x, one.y, one.z, pose, ground, medium, plane)
+    depth = plane[0] + plane[1] * (pose[3, 0] + x) + plane[2] * (pose[3, 1] + y) - pose[3, 2] - z
+    if medium.heights != 0:
+        return depth + one.radius * ground[3]
+    dx, dy, dz = seen(axes(pose), ground[1], ground[2], -1.0)
+    return depth + abs(dx) * one.along_x + abs(dy) * one.along_y + abs(dz) * one.along_z
+
+
+@part
 def may_touch(near, step):
     """Whether what is bounded so may touch the surface within a step (s), at four times its speed."""
     return near[DEEPEST] + 4.0 * step * (near[APPROACH] + 10.0 * step) > -1e-3
@@ -419,7 +440,7 @@ def update_active(sand, step):
         for c in range(body.first, body.last):
             one, now = clusters[c], within
             if now:
-                bound(one.x, one.y, one.z, one.radius, pose, _row(sand, GROUND), medium, near)
+                bound_cluster(one, pose, _row(sand, GROUND), medium, near)
                 now = may_touch(near, step)
             if now and not active[c]:
                 release(_rows(sand, ELEMENTS), _rows(sand, ANCHORS), one, pose, medium, False)

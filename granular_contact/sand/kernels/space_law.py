@@ -21,12 +21,13 @@ from granular_contact.jit.calls import OWN, caller
 from granular_contact.jit.records import fields, record_dtype
 from granular_contact.sand.kernels.law import FRICTION, SIZE, filled
 
-# A cluster: sphere around it in the frame of its body (m), its first element and the one after its last, its body;
-# width (m): diameter of a bar or a ball; mass (kg) of a ball; cap: whether the end of a bar is a free face. scatter,
-# grain (m), seed, static: of the medium, see `scatter`; static has a bit for each term that scatters.
+# A cluster: sphere around it in the frame of its body (m), and half the sides of a box around the same centre, along
+# the axes of that frame (m); its first element and the one after its last, its body; width (m): diameter of a bar or a
+# ball; mass (kg) of a ball; cap: whether the end of a bar is a free face. scatter, grain (m), seed, static: of the
+# medium, see `scatter`; static has a bit for each term that scatters.
 CLUSTER = record_dtype(
     [
-        *fields("f8", "x", "y", "z", "radius"),
+        *fields("f8", "x", "y", "z", "radius", "along_x", "along_y", "along_z"),
         *fields("i8", "first", "last", "body"),
         *fields("f8", "width", "mass"),
         ("cap", "?"),

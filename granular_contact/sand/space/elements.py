@@ -52,7 +52,7 @@ def surface(
     made, rims = facets.moved(shape.facets(size, accuracy, share), place, turn), shape.rims()
     rims[:, :3], rims[:, 3:6] = rims[:, :3] @ turn.T + place, rims[:, 3:6] @ turn.T
     rows = facets.rows(made, rims, shape.thin)
-    clusters = triangles.clusters_of(rows[:, :3], rows[:, 3])
+    clusters = triangles.clusters_of(rows[:, :3], rows[:, 3], facets.sides(rows))
     least = float(np.ptp(shape.corners(np.inf).reshape(-1, 3) @ turn.T, axis=0).min())
     return Elements(body, "surface", "flat" if shape.thin else "outline", rows, clusters, least)
 
@@ -60,7 +60,7 @@ def surface(
 def bar(body: Body, shape: Bar, place: Vector, turn: Vector) -> Elements:
     """Strips along a bar."""
     rows = np.ascontiguousarray(shape.stations() @ turn.T + place)
-    clusters = triangles.clusters_of(rows, 0.0, len(rows))
+    clusters = triangles.clusters_of(rows, 0.0, 0.0, len(rows))
     clusters["width"], clusters["cap"] = shape.diameter, shape.free_end
     return Elements(body, "bar", "round", rows, clusters, shape.diameter)
 
@@ -70,7 +70,7 @@ def ball(body: Body, shape: Sphere, place: Vector, mass: float | None) -> Elemen
     own = mass if shape.mass is None else shape.mass
     if own is None or not (np.isfinite(own) and own > 0.0):
         raise scene_error("Sphere", f"mass: got {own}, allowed is a number above 0 (kg)")
-    clusters = triangles.clusters_of(place[None], 0.5 * shape.diameter)
+    clusters = triangles.clusters_of(place[None], 0.5 * shape.diameter, 0.5 * shape.diameter)
     clusters["width"], clusters["mass"] = shape.diameter, own
     return Elements(body, "ball", "ball", place[None].copy(), clusters, shape.diameter)
 

@@ -118,6 +118,14 @@ def rows(facets: Facets, rims: Vector, thin: bool) -> Vector:
     return np.ascontiguousarray(made[triangles.neighbours(made[:, :3])])
 
 
+def sides(rows: Vector) -> Vector:
+    """Half the sides (n, 3) m of boxes around the centroids of facets as `rows` has them, along the axes of a frame."""
+    a, b, form = rows[:, 8:11], rows[:, 11:14], rows[:, [FORM]]
+    corners = np.max(np.abs([a, b, a + b]), axis=0)
+    found = np.where(form == TRIANGLE, corners, np.abs(a) + np.abs(b))
+    return np.asarray(np.where(form == RIM, rows[:, [3]], found))
+
+
 def moved(facets: Facets, place: Vector, turn: Vector) -> Facets:
     """The same in a frame in which theirs lies at a place (3,) m, turned by (3, 3)."""
     at, normal, a, b = (v @ turn.T for v in (facets.place, facets.normal, facets.a, facets.b))

@@ -12,6 +12,7 @@ from granular_contact.geometry.mesh import areas
 from granular_contact.sand.kernels.space_law import CLUSTER
 
 Vector = NDArray[np.float64]
+Clusters = NDArray[np.void]
 CLUSTER_SIZE = 64  # facets
 # Of one bed, with what they cost [measured on boxes of 20 000 to 350 000 facets, with rft3d on one core].
 MOST_FACETS = 1_000_000
@@ -72,31 +73,47 @@ def _refused(what: str, cure: str) -> SceneError:
     return scene_error(FACET_SIZE, f"{what} takes more than {MOST_FACETS:,} facets, {COST}; {cure}")
 
 
-def neighbours(points: Vector) -> NDArray[np.int64]:
-    """Order of points (n, 3) along a curve through cells of space (Morton's), in which neighbours stay together."""
-    low = points.min(axis=0)
-    cells = ((points - low) / max(1e-30, float((points - low).max())) * 1023).astype(np.int64)
-    code = np.zeros(len(points), np.int64)
-    for bit in range(10):
-        for axis in range(3):
-            code |= ((cells[:, axis] >> bit) & 1) << (3 * bit + axis)
-    return np.argsort(code, kind="stable")
+def neighbours(points: Vector, each: int = CLUSTER_SIZE) -> NDArray[np.int64]:
+    """Order of points (n, 3) in which every `each` from the first on are close together.
+
+    By halves along the longest side of the box around them, again and again.
+    """
+    done, waiting = [], [np.arange(len(points))]
+    while waiting:
+        part = waiting.pop()
+        if len(part) <= each:
+            done.append(part)
+            continue
+        axis = int(np.ptp(points[part], axis=0).argmax())
+        part = part[np.argsort(points[part, axis], kind="stable")]
+        half = each * ((len(part) + each) // (2 * each))
+        waiting += [part[half:], part[:half]]
+    return np.concatenate(done)
 
 
-def clusters_of(places: Vector, reach: Vector | float, each: int = CLUSTER_SIZE) -> NDArray[np.void]:
-    """Records of clusters of at most `each` rows at places (n, 3) m, each of which reaches so far around (m)."""
+def clusters_of(places: Vector, reach: Vector | float, sides: Vector | float, each: int = CLUSTER_SIZE) -> Clusters:
+    """Records of clusters of at most `each` rows at places (n, 3) m.
+
+    Each row reaches so far around (m), and as far as half the sides (n, 3) m of a box around it.
+    """
     starts = np.arange(0, len(places), each)
     made = np.zeros(len(starts), CLUSTER)
     made["first"], made["last"] = starts, np.append(starts[1:], len(places))
-    reaches = np.broadcast_to(reach, len(places))
+    reaches, boxes = np.broadcast_to(reach, len(places)), np.broadcast_to(sides, places.shape)
     for cluster in made:
         part = slice(cluster["first"], cluster["last"])
-        around(cluster, places[part], reaches[part])
+        centre = around(cluster, places[part], reaches[part])
+        half = (np.abs(places[part] - centre) + boxes[part]).max(axis=0)
+        cluster["along_x"], cluster["along_y"], cluster["along_z"] = half
     return made
 
 
-def around(record: np.void, places: Vector, reach: Vector) -> None:
-    """Write a sphere around places (n, 3) m, which reach so far (n,) m, into a record with x, y, z and radius."""
-    centre = 0.5 * (places.min(axis=0) + places.max(axis=0))
+def around(record: np.void, places: Vector, reach: Vector) -> Vector:
+    """Write a sphere around places (n, 3) m, which reach so far (n,) m, into a record with x, y, z and radius.
+
+    Returns its centre (3,) m.
+    """
+    centre: Vector = 0.5 * (places.min(axis=0) + places.max(axis=0))
     record["x"], record["y"], record["z"] = centre
     record["radius"] = float((np.linalg.norm(places - centre, axis=1) + reach).max())
+    return centre

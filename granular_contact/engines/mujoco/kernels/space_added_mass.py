@@ -20,7 +20,15 @@ from granular_contact.sand.kernels.friction import SMOOTH
 from granular_contact.sand.kernels.friction import drive as drive_along
 from granular_contact.sand.kernels.law import TERMS
 from granular_contact.sand.kernels.planar_friction import drive as drive_across
-from granular_contact.sand.kernels.space_bodies import DEEPEST, below, bound, may_touch, release
+from granular_contact.sand.kernels.space_bodies import (
+    DEEPEST,
+    below,
+    bound,
+    bound_cluster,
+    may_touch,
+    reach_below,
+    release,
+)
 from granular_contact.sand.kernels.space_friction import drive
 
 
@@ -63,7 +71,7 @@ def follow(bodies, of_bed, clusters, elements, anchors, active, ground, medium, 
         for c in range(body.first, body.last):
             one, now = clusters[c], within
             if within:
-                bound(one.x, one.y, one.z, one.radius, pose, ground, medium[0], near)
+                bound_cluster(one, pose, ground, medium[0], near)
                 now = may_touch(near, step)
             s, e = one.first, one.last
             if now and active[c]:
@@ -86,7 +94,7 @@ def begin(bodies, of_bed, clusters, elements, anchors, active, ground, medium, p
         for c in range(body.first, body.last):
             one = clusters[c]
             release(elements, anchors, one, pose, medium[0], True)
-            bound(one.x, one.y, one.z, one.radius, pose, ground, medium[0], near)
+            bound_cluster(one, pose, ground, medium[0], near)
             saw[law.DEPTH] = max(saw[law.DEPTH], near[DEEPEST])
             active[c] = may_touch(near, step)
 
@@ -101,7 +109,7 @@ def resist(
     Both are about the reference point of a body where it starts. then (bodies, 6, 3): poses with the velocities at the
     end of the step; turn (3, 3) as of `space_bodies`.
     """
-    W, ahead, near, plane, inertia = room2(TERMS, 6), room2(6, 3), room1(2), room1(4), room2(6, 6)
+    W, ahead, plane, inertia = room2(TERMS, 6), room2(6, 3), room1(4), room2(6, 6)
     for b in range(bodies.shape[0]):
         body, at, some = bodies[b], of_bed[b], False
         for c in range(body.first, body.last):
@@ -112,11 +120,9 @@ def resist(
                 advance(poses[at], then[at], step, ahead)
                 clear(inertia)
                 some = True
-            bound(one.x, one.y, one.z, one.radius, ahead, ground, medium[0], near)
-            if near[DEEPEST] <= 0.0:
+            if reach_below(one, ahead, ground, medium[0], plane) <= 0.0:
                 continue
             s, e = one.first, one.last
-            below(one.x, one.y, one.z, ahead, ground, medium[0], plane)
             if elements.shape[1] == COLUMNS:
                 E, A = rows_of(elements, s, e - s), rows_of(anchors, s, e - s)
                 held_facets(E, A, one, ahead, plane, medium[0], step, bristle[0], wrench[at], inertia)
