@@ -30,7 +30,7 @@ Vibration that moves nothing visibly does not count: of a flexible link velociti
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,7 +73,7 @@ def choice(scene: Scene, accuracy: float) -> Choice:
     record, size = np.zeros(1, CHOICE), max(scene.length, 1e-3)
     record["accuracy"], record["size"], record["longest"] = accuracy, size, longest_step(scene, accuracy)
     record["rolls"] = scene.in_space and not scene.drives
-    ways = {joint.name: 1.0 if joint.kind == "slider" else size for joint in scene.joints}
+    ways = {joint.name: 1.0 if joint.kind == "slider" else arm(scene, joint) for joint in scene.joints}
     arms: dict[Signal, float] = {}  # a signal that several follow is looked at once, by the longest arm
     for drive in scene.drives:
         if drive.kind == "motion":
@@ -82,6 +82,21 @@ def choice(scene: Scene, accuracy: float) -> Choice:
     bent = np.array(corners(drive.signal for drive in scene.drives))
     speed = max(scene.speed, SLOWEST * size / _swing(scene))
     return Choice(record, speed, bent, np.array(places, np.int64), np.array([*arms.values()]))
+
+
+def arm(scene: Scene, joint: Any) -> float:
+    """How far (m) what a hinge turns reaches from it at the start: the lesser of its two sides, which moves more."""
+    size = max(scene.length, 1e-3)
+    if scene.bends or any(one.closes for one in scene.joints):
+        return size
+    carried = {joint.child}
+    for _ in scene.joints:
+        carried |= {one.child for one in scene.joints if one.parent in carried}
+    at, reaches = scene.body(joint.child).motion.world(joint.child_point), {True: 0.0, False: 0.0}
+    for body in scene.rigid:
+        far = float(np.linalg.norm(body.motion.position - at)) + scene.radius(body)
+        reaches[body.name in carried] = max(reaches[body.name in carried], far)
+    return min(size, reaches[True], reaches[False] or size)
 
 
 def longest_step(scene: Scene, accuracy: float) -> float:
@@ -121,7 +136,7 @@ def _swing(scene: Scene) -> float:
 def learn(record: NDArray[np.void], scene: Scene, beta: float, least: float) -> None:
     """Complete the choice of steps of a scene by the coefficient beta of its scheme, and the shortest step (s)."""
     tumbles = scene.floating is not None and not scene.drives
-    coarse = COARSE_TUMBLING if tumbles or scene.in_space else COARSE
+    coarse = COARSE_TUMBLING if tumbles or (scene.in_space and not scene.drives) else COARSE
     record["least"], record["excess"] = least, abs(beta - 1.0 / 6.0)
     record["both"] = (1.0 + coarse * record["accuracy"]) * (record["excess"] + 1.0 / 12.0)
 

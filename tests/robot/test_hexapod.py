@@ -16,6 +16,7 @@ from support_runs import ROOT
 
 from granular_contact import config
 from granular_contact.geometry.mesh import read
+from granular_contact.mechanics.stepping import arm
 from granular_contact.results import Results
 from granular_contact.run import run
 from granular_contact.scene import build
@@ -133,3 +134,30 @@ def test_its_mirror_image_walks_in_mirrored_steps() -> None:
         found, wanted = (np.interp(t, each["time_s"], each[column]) for each in (one, other))
         assert np.ptp(found) > (0.2 if column.endswith("deg") else 1e-3)
         np.testing.assert_allclose(found, sign * wanted, atol=1e-2 if column.endswith("deg") else 2e-5)
+
+
+def test_a_looser_accuracy_takes_fewer_steps_and_keeps_its_promise() -> None:
+    # By order two steps are sqrt(100) times as long for a hundredth of the accuracy; where feet strike and signals bend
+    # they are no longer than they were.
+    runs = {}
+    for accuracy in (1e-1, 1e-3):
+        path = ROOT / "configs" / "hexapod.yaml"
+        overrides = [f"solver.accuracy={accuracy}", "solver.end_time_s=0.5"]
+        runs[accuracy] = run(build(config.load(path, overrides)))
+    coarse, fine = (runs[accuracy] for accuracy in (1e-1, 1e-3))
+    assert coarse.summary["cost"]["steps"] < 0.25 * fine.summary["cost"]["steps"]
+    path = np.column_stack([fine[f"tip_{axis}_m"] for axis in "xyz"])
+    way = np.linalg.norm(np.diff(path, axis=0), axis=1).sum()
+    t = coarse["time_s"]
+    there = np.column_stack([np.interp(t, fine["time_s"], column) for column in path.T])
+    found = np.column_stack([coarse[f"tip_{axis}_m"] for axis in "xyz"])
+    assert np.linalg.norm(found - there, axis=1).max() < 0.1 * way
+
+
+def test_a_hip_counts_as_far_as_its_leg_reaches() -> None:
+    scene = build(config.load(ROOT / "configs" / "hexapod.yaml"))
+    for joint in scene.joints:
+        if joint.kind == "hinge":
+            assert (
+                0.06 < arm(scene, joint) < 0.1 < scene.length
+            )  # half a circle of radius 30 mm, around its centre of mass
