@@ -99,6 +99,7 @@ STUDIES = (
     Entry("runner"),
     _script("gaits", quick=("--quick",)),
     Entry("runner_policy"),
+    Entry("hexapod_policy"),
     # Cost
     Entry("numerics"),
     Entry("mechanism_cost"),

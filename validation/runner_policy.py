@@ -86,18 +86,20 @@ def score(weights: Vector) -> float:
     return walked(policy(weights))
 
 
-def evolved(generations: int, population: int, seed: int = 1) -> tuple[Vector, list[float], float]:
-    """Best weights, the best way (m) so far after each generation, and the time (s) it took.
+def evolved(
+    generations: int, population: int, seed: int = 1, *, score: Callable[[Vector], float] = score, size: int = SIZE
+) -> tuple[Vector, list[float], float]:
+    """Best weights (size,), the best score so far after each generation, and the time (s) it took.
 
     Pairs of opposite steps around a mean; the better half draws the mean after it, by ranks; the spread shrinks slowly.
     """
-    random, mean, spread = np.random.default_rng(seed), np.zeros(SIZE), SPREAD
+    random, mean, spread = np.random.default_rng(seed), np.zeros(size), SPREAD
     ranks = np.log(0.5 * population + 0.5) - np.log(np.arange(1, population // 2 + 1))
     best, history = (-np.inf, mean), list[float]()
     began = time.perf_counter()
     with multiprocessing.get_context("spawn").Pool(PROCESSES) as pool:
         for _ in range(generations):
-            steps = random.normal(size=(population // 2, SIZE))
+            steps = random.normal(size=(population // 2, size))
             tried = mean + spread * np.concatenate([steps, -steps])
             found = np.array(pool.map(score, tried, chunksize=1))
             order = np.argsort(-found)

@@ -131,7 +131,8 @@ class Senses:
         now = Instant(
             lambda: self.joints(q, v),
             lambda: self.bodies(q, v),
-            lambda poses: self.medium(poses, row, depths),
+            lambda poses: self.forces(poses, row),
+            lambda: self.depths(depths),
         )
         found = Observations(self.seen, time, now)
         return found.computed() if self._turning else found  # turns are counted on, later there are others
@@ -160,16 +161,20 @@ class Senses:
         angle, rate = _root_angle(last, *q[places][2:], *v[places][2:])
         return np.array([*(shares @ q), angle]), np.array([*(shares @ v), rate])
 
-    def medium(self, poses: Vector, row: Vector | None, depths: list[Vector]) -> tuple[Vector, Vector]:
-        """Forces and depths of bodies at their poses; depths: of the lines of each batch."""
+    def forces(self, poses: Vector, row: Vector | None) -> Vector:
+        """Forces of the medium on bodies at their poses (met, 3)."""
         if self.load is None or row is None:
-            return np.zeros((0, 3)), np.zeros(0)
+            return np.zeros((0, 3))
         forces = self.load.table.wrenches(row)
         forces[:, 2] = clockwise_moment(forces, poses[self._met, :2])
+        return forces
+
+    def depths(self, of_lines: list[Vector]) -> Vector:
+        """Depths of bodies (met,) m, by those of the lines of each batch."""
         deepest = self._above.copy()
-        for of_lines, (order, starts, bodies) in zip(depths, self._lines, strict=True):
-            deepest[bodies] = np.maximum(deepest[bodies], np.maximum.reduceat(of_lines[order], starts))
-        return forces, deepest
+        for depths, (order, starts, bodies) in zip(of_lines, self._lines, strict=True):
+            deepest[bodies] = np.maximum(deepest[bodies], np.maximum.reduceat(depths[order], starts))
+        return deepest
 
 
 def _root_angle(last: Vector, x: float, y: float, x_rate: float, y_rate: float) -> tuple[float, float]:

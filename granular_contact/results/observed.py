@@ -73,12 +73,13 @@ def angle(name: str, array: int, row: int, column: int) -> dict[str, Place]:
 class Instant(NamedTuple):
     """One instant of a solve, each part of which is computed when it is asked for; arrays as of `Observations`.
 
-    joints: coordinates and rates; bodies: poses and velocities; medium: forces and depths, of the poses.
+    joints: coordinates and rates; bodies: poses and velocities; forces: of the medium, of the poses; depths.
     """
 
     joints: Callable[[], Pair]
     bodies: Callable[[], Pair]
-    medium: Callable[[Vector], Pair]
+    forces: Callable[[Vector], Vector]
+    depths: Callable[[], Vector]
 
 
 class Observations(Mapping[str, float]):
@@ -108,10 +109,6 @@ class Observations(Mapping[str, float]):
     def _bodies(self) -> tuple[Vector, Vector]:
         return self._instant.bodies()
 
-    @cached_property
-    def _medium(self) -> tuple[Vector, Vector]:
-        return self._instant.medium(self.poses)
-
     @property
     def coordinates(self) -> Vector:
         """Of hinges (rad) and sliders (m), (joints,)."""
@@ -138,18 +135,18 @@ class Observations(Mapping[str, float]):
         """
         return self._bodies[1]
 
-    @property
+    @cached_property
     def forces(self) -> Vector:
         """Of the medium on bodies: x, y (N) and moment about the centre of mass (N m), (met, 3).
 
         In space x, y, z (N), then the moment about the same axes (N m), (met, 6).
         """
-        return self._medium[0]
+        return self._instant.forces(self.poses)
 
-    @property
+    @cached_property
     def depths(self) -> Vector:
         """Of the deepest point of bodies that can meet the medium (m), negative above the surface, (met,)."""
-        return self._medium[1]
+        return self._instant.depths()
 
     @property
     def contacts(self) -> NDArray[np.bool_]:
@@ -158,7 +155,7 @@ class Observations(Mapping[str, float]):
 
     def computed(self) -> Observations:
         """The same, with all of it computed now."""
-        _ = self._joints, self._bodies, self._medium
+        _ = self._joints, self._bodies, self.forces, self.depths
         return self
 
     def __getstate__(self) -> dict[str, Any]:
@@ -171,7 +168,10 @@ class Observations(Mapping[str, float]):
         if place is None:
             return self._other(name)
         array, row, column, factor = place
-        held = (self._joints, self._bodies, self._medium)[array // 2][array % 2]
+        if array >= FORCES:
+            held = self.forces if array == FORCES else self.depths
+        else:
+            held = (self._joints, self._bodies)[array // 2][array % 2]
         return float(held[row, column] if held.ndim == 2 else held[row]) * factor
 
     def _other(self, name: str) -> float:

@@ -65,10 +65,9 @@ def now(model: Model, trajectory: Trajectory) -> Observations:
     met = ("all",) if depth is not None and scene.media else ()
     who = Seen((pin.name,), (True,), (root.name.split("+")[0],), met)
     bodies = np.array([[*place, angle[0]]]), np.array([[*velocity, rate[0]]])
-    medium = forces[: len(met)], depth if depth is not None and met else np.zeros(0)
-    return Observations(
-        who, float(trajectory.time[0]), Instant(lambda: (angle, rate), lambda: bodies, lambda _: medium)
-    )
+    depths = depth if depth is not None and met else np.zeros(0)
+    seen_now = Instant(lambda: (angle, rate), lambda: bodies, lambda _: forces[: len(met)], lambda: depths)
+    return Observations(who, float(trajectory.time[0]), seen_now)
 
 
 def stop(model: Model, found: tuple[float, float, float]) -> Stop | None:

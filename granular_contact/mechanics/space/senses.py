@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,7 @@ from granular_contact.mechanics.system import Trajectory
 from granular_contact.results.in_space import SpatialSeen
 from granular_contact.results.observed import Instant, Observations
 from granular_contact.sand.work import about
-from granular_contact.scene.space.types import SpatialBeam, link_of
+from granular_contact.scene.space.types import SpatialBeam, link_of, reach
 from granular_contact.scene.types import Vector
 
 
@@ -39,6 +40,7 @@ class SpatialSenses(Senses):
         # Of each body of the load: its row among what is reported, and its number.
         self._loaded = [(met.index(link_of(name)), self._number[name]) for name in links]
         self._find_joints(joints)
+        self._find_points()
 
     def _find_joints(self, joints: list[Any]) -> None:
         """Where the coordinates of joints are."""
@@ -70,10 +72,12 @@ class SpatialSenses(Senses):
         """As of `Senses`."""
         v, row = v.copy(), None if row is None else row.copy()
         joints = self.joints(q, v)  # at once, as a hinge counts its turns on
+        axes = cache(lambda: rotations.of_quaternion(q[self._at[:, 3:]]))  # of bodies
         now = Instant(
             lambda: joints,
-            lambda: self.bodies(q, v),
-            lambda poses: (self.forces(poses, row), self.depths(q)),
+            lambda: self.placed(q, v, axes()),
+            lambda poses: self.forces(poses, row),
+            lambda: self.deepest(q, axes()),
         )
         return Observations(self.seen, time, now)
 
@@ -83,10 +87,10 @@ class SpatialSenses(Senses):
         coordinates, rates = np.array(found).reshape(-1, 2).T
         return coordinates, rates
 
-    def bodies(self, q: Vector, v: Vector) -> tuple[Vector, Vector]:
-        """Poses and velocities of bodies, (bodies, 6) each."""
+    def placed(self, q: Vector, v: Vector, R: Vector) -> tuple[Vector, Vector]:
+        """Poses and velocities of bodies, (bodies, 6) each, from their axes R (bodies, 3, 3)."""
         places, rates = q[self._at], v[self._at]
-        R, spin = rotations.of_quaternion(places[:, 3:]), angular(places[:, 3:], rates[:, 3:])
+        spin = angular(places[:, 3:], rates[:, 3:])
         poses = np.concatenate([places[:, :3], rotations.rpy_of(R)], axis=1)[self._whole]
         velocities = np.concatenate([rates[:, :3], spin], axis=1)[self._whole]
         for beam in self.system.scene.beams:
@@ -119,16 +123,29 @@ class SpatialSenses(Senses):
             wrenches[i] += wrench
         return about(wrenches, poses[self._met, :3])
 
-    def depths(self, q: Vector) -> Vector:
-        """Depths (met,) m of the deepest points of bodies."""
-        bodies, deepest = self.system.scene.rigid, np.full(len(self._met), -np.inf)
-        bed: Any = self.system.scene.bed  # there is one where something is in sand
-        for k, i in self._loaded:
-            at = q[self._at[i]]
-            R = rotations.of_quaternion(at[None, 3:])[0]
+    def _find_points(self) -> None:
+        """Outermost points of what the medium meets: their bodies, places and reach, what is reported as one together.
+
+        They are ordered by what is reported, of which each begins at one of `_firsts`.
+        """
+        bodies, found = self.system.scene.rigid, []
+        for k, i in sorted(self._loaded):
             for part in bodies[i].parts:
                 if part.in_sand:
-                    x, y, z = (part.points @ R.T + at[:3]).T
-                    beyond = part.reach(*bed.slope(x, y))
-                    deepest[k] = max(deepest[k], float((bed.height(x, y) - z + beyond).max()))
-        return deepest
+                    n, as_ball = len(part.points), float(part.meets == ("ball",))
+                    numbers = np.tile([k, i, part.drop, as_ball], (n, 1))
+                    found.append(np.column_stack([numbers, part.points]))
+        table = np.concatenate(found) if found else np.zeros((0, 7))
+        self._of_points, self._points = table[:, 1].astype(int), table[:, 4:]
+        self._drops, self._as_balls = table[:, 2], table[:, 3] > 0.0
+        self._firsts = np.searchsorted(table[:, 0], np.arange(len(self._met)))
+
+    def deepest(self, q: Vector, R: Vector) -> Vector:
+        """Depths (met,) m of the deepest points of bodies, from their axes R (bodies, 3, 3)."""
+        if len(self._met) == 0:
+            return np.zeros(0)
+        bed: Any = self.system.scene.bed  # there is one where something is in sand
+        at = q[self._at[:, :3]][self._of_points]
+        x, y, z = (at + np.einsum("nij,nj->ni", R[self._of_points], self._points)).T
+        beyond = reach(self._drops, self._as_balls, *bed.slope(x, y))
+        return np.maximum.reduceat(bed.height(x, y) - z + beyond, self._firsts)

@@ -60,12 +60,16 @@ class Part:
     wheel: SpatialWheel | None = None
 
     def reach(self, rise_x: Vector, rise_y: Vector) -> Vector:
-        """How much deeper (m) than its points it is below a surface that rises so much per length.
+        """How much deeper (m) than its points it is below a surface that rises so much per length."""
+        return reach(self.drop, self.meets == ("ball",), rise_x, rise_y)
 
-        What is met as a ball counts its depth straight down.
-        """
-        steep = np.sqrt(1.0 + rise_x**2 + rise_y**2)
-        return self.drop * (np.ones_like(steep) if self.meets == ("ball",) else steep)
+
+def reach(drop: Vector | float, as_ball: Any, rise_x: Vector, rise_y: Vector) -> Vector:
+    """How much deeper (m) than points is what reaches `drop` (m) around them, below a surface that rises so.
+
+    What is met as a ball counts its depth straight down.
+    """
+    return np.asarray(drop * np.where(as_ball, 1.0, np.sqrt(1.0 + rise_x**2 + rise_y**2)))
 
 
 @dataclass(frozen=True)
