@@ -4,8 +4,8 @@ environment   `GranularEnv`
 runner        the runner, as far to the right as it gets
 hexapod       the hexapod, as far ahead as it gets
 
-Importing this registers `granular_contact/Runner-v0`, `granular_contact/Hexapod-v0`, and `granular_contact/Config-v0`, a
-`GranularEnv` of the config that `gymnasium.make` is given; it imports this by itself where it is asked for
+Importing this registers `granular_contact/Runner-v0`, `granular_contact/Hexapod-v0` and `granular_contact/Config-v0`,
+a `GranularEnv` of the config that `gymnasium.make` is given; it imports this by itself where it is asked for
 `granular_contact.gym:granular_contact/Runner-v0`.
 """
 
@@ -20,7 +20,9 @@ from granular_contact.gym.environment import GranularEnv
 from granular_contact.gym.hexapod import hexapod_env
 from granular_contact.gym.runner import runner_env
 
-RUNNER, HEXAPOD, CONFIG = (f"granular_contact/{name}-v0" for name in ("Runner", "Hexapod", "Config"))
+RUNNER = "granular_contact/Runner-v0"
+HEXAPOD = "granular_contact/Hexapod-v0"
+CONFIG = "granular_contact/Config-v0"
 
 __all__ = ["CONFIG", "HEXAPOD", "RUNNER", "GranularEnv", "hexapod_env", "runner_env"]
 

@@ -227,7 +227,7 @@ def test_a_robot_stands_on_a_slope() -> None:
     assert np.linalg.norm(path[-1] - path[0]) < 1e-11  # 1 um/s is asked; round-off of positions is 1e-17
     # With bristles exactly at their yield it were 750 iterations and 280 Jacobians in this second, and ever more later.
     cost = results.summary["cost"]
-    assert cost["newton_iterations"] <= 2 * cost["steps"]
+    assert cost["newton_iterations"] <= 2 * cost["steps"] + 2  # (of the first step one or two more)
     assert cost["jacobians"] < 20
     weight = build(load(run)).mass * 9.81
     force = [results[f"static_force_{axis}_N"][-1] for axis in "xyz"]

@@ -69,6 +69,11 @@ class SpatialKinematics(Kinematics):
         return {name: rotations.of_quaternion(self.engine.q[:, at[3:]]) for name, at in self._places.items()}
 
     @cached_property
+    def _spins(self) -> dict[str, Vector]:
+        q, v = self.engine.q, self.engine.v
+        return {name: angular(q[:, at[3:]], v[:, at[3:]]) for name, at in self._places.items()}
+
+    @cached_property
     def beams(self) -> dict[str, BeamMotion]:
         """Links that bend, by name."""
         return {beam.name: BeamMotion(self, beam) for beam in self.scene.beams}
@@ -96,8 +101,7 @@ class SpatialKinematics(Kinematics):
             name = self.beams[name].beam.root[0]
         if name is None:
             return np.zeros((len(self.engine.time), 3))
-        at = self._places[name][3:]
-        return angular(self.engine.q[:, at], self.engine.v[:, at])
+        return self._spins[name]
 
     def position(self, name: str | None, point: Vector) -> tuple[Vector, Vector]:
         """Position and velocity (n, 3) of a body-frame point; None is the ground."""
