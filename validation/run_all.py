@@ -94,6 +94,7 @@ STUDIES = (
     Entry("space_fronts"),
     _script("two_engines", quick=("--quick",)),
     _script("mujoco_cost"),
+    _script("mujoco_versions", by_hand="it needs environments with other versions of MuJoCo"),
     _script("menagerie", by_hand="it needs a copy of MuJoCo Menagerie"),
     # Robots
     Entry("runner"),
