@@ -242,7 +242,7 @@ def gather(elements, anchors, cluster, pose, ground, first, medium, B):
     # Seen from the body: how the depth grows, and the angular velocity.
     d, q = seen(R, ground[1], ground[2], -1.0), seen(R, w[0], w[1], w[2])
     depth = ground[0] + ground[1] * x0 + ground[2] * y0 - z0  # of the reference point
-    n, last = 0, elements.shape[0]
+    n, last = np.intp(0), elements.shape[0]  # (as in `space_sand.tangent`)
     for i in range(first, elements.shape[0]):
         if n == LANES:
             last = i

@@ -25,7 +25,7 @@ def force(sand, system_q, system_v, out):
 @kernel
 def tangent(sand, system_q, system_v, fq, fv, triplets):
     """Fill triplets with the entries of fq df/dq + fv df/dv as rows (row, column, value), and return their number."""
-    count = 0
+    count = np.intp(0)  # (a literal 0 would be a type of its own, and all that takes it be compiled for both)
     for b in range(sand.shape[0]):
         count = one.tangent(piece(sand, b, sand.shape[1]), system_q, system_v, fq, fv, triplets, count)
     return count
