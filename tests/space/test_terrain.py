@@ -9,10 +9,15 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from granular_contact import Results, load, simulate
+from granular_contact import Results, Rft3d, load, simulate
 from granular_contact.errors import SceneError
+from granular_contact.geometry import rotations
+from granular_contact.laws.static_friction import Smooth
+from granular_contact.sand.contact_lines import Body
 from granular_contact.sand.kernels.ground import tangent_plane
 from granular_contact.sand.space.heights import Heights
+from granular_contact.sand.space.load import SpatialLoad
+from granular_contact.sand.space.shapes import Plate
 from granular_contact.scene import build
 
 RISE = (0.12, -0.07)
@@ -107,3 +112,25 @@ def test_a_picture_is_a_map_of_its_grey_levels(tmp_path: Path) -> None:
     Image.fromarray(np.zeros((4, 4, 3), np.uint8)).save(tmp_path / "ground.png")
     with pytest.raises(SceneError, match="the picture is of the kind RGB; allowed is one of grey levels alone"):
         build(load(run(picture)))
+
+
+def test_forces_on_a_map_converge_with_the_square_of_facets() -> None:
+    """Each facet sees the plane at its own middle. With one plane for 64 of them they fell with their size alone."""
+    random = np.random.default_rng(4)
+    heights = Heights(0.006 * random.normal(size=(9, 9)), (-0.2, -0.2), 0.05)
+    turn = rotations.of_rpy([0.3, 0.5, 0.2])
+
+    def force(share: float, clusters: bool = False) -> np.ndarray:
+        bed = SpatialLoad(Rft3d(1600.0, 0.5, 0.3), 0.0, heights=heights, static=Smooth(1e-9))
+        bed.uneven = not clusters
+        bed.add_shape(Body("body", range(7)), Plate((0.2, 0.15)), rotation=turn, share=share)
+        bed.close()
+        start = np.array([0.01, -0.02, -0.01, 1.0, 0.0, 0.0, 0.0])
+        bed.start(start)
+        return np.asarray(bed.force(start, np.array([0.3, 0.1, -0.5, 0.0, 0.0, 0.0, 0.0]), np.zeros(7)))
+
+    fine = force(0.1)
+    errors = [float(np.linalg.norm(force(share) - fine)) for share in (2.0, 1.0, 0.5)]
+    assert errors[0] < 0.02 * np.linalg.norm(fine)
+    assert 1.7 < np.log2(errors[0] / errors[2]) / 2.0 < 2.4, errors
+    assert np.linalg.norm(force(1.0, clusters=True) - fine) > 3.0 * errors[1]
