@@ -1,4 +1,4 @@
-"""Meshes as shapes: closed surfaces of triangles, or thin sheets."""
+"""Meshes as shapes: closed surfaces of triangles, or thin sheets; and what goes along y with one section."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from granular_contact.errors import Fault, SceneError
 from granular_contact.geometry import mesh
 from granular_contact.sand.space import triangles
-from granular_contact.sand.space.facets import Facets, chosen, of_triangles
+from granular_contact.sand.space.facets import Facets, Size, chosen, joined, of_rectangle, of_triangles
 from granular_contact.sand.space.shapes import PARTS, Shape
 
 Vector = NDArray[np.float64]
@@ -107,6 +107,52 @@ class Mesh(Shape):
         if size is None:
             size = 2.0 * chosen(mesh.extent(self.vertices[self.faces]), accuracy).edge
         return of_triangles(self.corners(share * size))
+
+
+class Extrusion(Mesh):
+    """What goes along y with one section: a solid within a polygon, or a thin sheet along a line.
+
+    Parameters
+    ----------
+    line : (k, 2) array
+        Corners x, z of the section (m), of a polygon counter-clockwise.
+    width : float
+        Along y (m), half of it to each side of the origin.
+    ends : (m, 3) array of int, optional
+        Triangles within the polygon by the numbers of its corners, counter-clockwise; a sheet has none.
+    name : str
+        For messages.
+
+    Notes
+    -----
+    Sides are parallelograms, alike to both sides of the middle; to cut them into triangles would not be.
+    """
+
+    def __init__(self, line: Vector, width: float, ends: ArrayLike | None = None, *, name: str) -> None:
+        n, thin = len(line), ends is None
+        i = np.arange(n - 1 if thin else n)
+        j = (i + 1) % n
+        sides = np.concatenate([np.column_stack([i, i + n, j]), np.column_stack([j, i + n, j + n])])
+        self.ends = np.zeros((0, 3), np.int64) if ends is None else np.asarray(ends)
+        self.along = np.column_stack([i, j])
+        right, left = (np.insert(line, 1, y, axis=1) for y in (-0.5 * width, 0.5 * width))
+        # Counter-clockwise in x and z is seen from -y: the first end looks there.
+        faces = np.concatenate([self.ends, self.ends[:, ::-1] + n, sides])
+        super().__init__(np.concatenate([right, left]), faces, scale=1.0, thin=thin, name=name)
+
+    def facets(self, size: float | None = None, accuracy: float | None = None, share: float = 1.0) -> Facets:
+        """As `Shape.facets`; the ends of triangles."""
+        edge, n = size, len(self.vertices) // 2
+        if edge is None:
+            edge = chosen(mesh.extent(self.vertices[self.faces]), accuracy).edge
+        across, made = 0.5 * (self.vertices[0] - self.vertices[n]), []
+        for i, j in self.along:
+            start, end = self.vertices[i] - across, self.vertices[j] - across
+            made.append(of_rectangle(0.5 * (start + end), 0.5 * (end - start), across, Size(share * edge)))
+        if len(self.ends):
+            corners = self.vertices[np.concatenate([self.ends, self.ends[:, ::-1] + n])]
+            made.append(of_triangles(triangles.cut(corners, share * edge * (1.0 if size is not None else 2.0))))
+        return joined(made)
 
 
 def _arrays(points: Vector, faces: NDArray[np.int64]) -> list[str]:

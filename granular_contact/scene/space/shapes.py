@@ -21,7 +21,7 @@ from granular_contact.geometry.mesh_quality import quality_notes
 from granular_contact.geometry.polygon import ears
 from granular_contact.sand.space import shapes as made
 from granular_contact.sand.space.beam_shape import Beam
-from granular_contact.sand.space.mesh_shape import Mesh
+from granular_contact.sand.space.mesh_shape import Extrusion, Mesh
 from granular_contact.scene.shapes import effective_radius, pitch, wheel_outline
 from granular_contact.scene.space.section import Element, Section, section
 from granular_contact.scene.space.types import Meets, Part, SpatialWheel, Vector
@@ -239,13 +239,7 @@ def _extruded(section: Vector, width: float) -> Any:
     corners = [(float(x), float(z)) for x, z in section]
     if np.sum(section[:, 0] * np.roll(section[:, 1], -1) - section[:, 1] * np.roll(section[:, 0], -1)) < 0.0:
         corners.reverse()
-    n, caps = len(corners), np.array(ears(corners))
-    sides = [face for i in range(n) for face in ((i, i + n, (i + 1) % n), ((i + 1) % n, i + n, (i + 1) % n + n))]
-    flat = np.array(corners)
-    ends = [np.column_stack([flat[:, 0], np.full(n, y), flat[:, 1]]) for y in (-0.5 * width, 0.5 * width)]
-    # Counter-clockwise in x and z is seen from -y: the first end looks there.
-    faces = np.concatenate([caps, caps[:, ::-1] + n, np.array(sides)])
-    return Mesh(np.concatenate(ends), faces, scale=1.0, name="polygon")
+    return Extrusion(np.array(corners), width, ears(corners), name="polygon")
 
 
 def _bent(spec: Any) -> Any:
@@ -253,12 +247,8 @@ def _bent(spec: Any) -> Any:
     start, end = math.radians(spec.from_deg), math.radians(spec.to_deg)
     chords = max(2, math.ceil(CHORDS * abs(end - start) / (2.0 * math.pi)))
     angles = np.linspace(start, end, chords + 1)
-    line = spec.radius_m * np.column_stack([np.cos(angles), np.zeros(chords + 1), -np.sin(angles)])
-    side = np.array([0.0, 0.5 * spec.width_m, 0.0])
-    i = np.arange(chords)
-    m = chords + 1
-    faces = np.concatenate([np.stack([i, i + 1, i + m], axis=1), np.stack([i + 1, i + 1 + m, i + m], axis=1)])
-    return Mesh(np.concatenate([line - side, line + side]), faces, scale=1.0, thin=True, name="arc")
+    line = spec.radius_m * np.column_stack([np.cos(angles), -np.sin(angles)])
+    return Extrusion(line, spec.width_m, name="arc")
 
 
 def outermost(points: Vector) -> Vector:
