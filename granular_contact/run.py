@@ -286,7 +286,9 @@ def _observed(
             shorter = finer(_motion(begun.system, trajectory), before)
             if shorter is None:
                 break
-            before, coarser = error, way(_motion(begun.system, trajectory))
+            # An estimate from one run is no measure for one that two have bounded.
+            before = math.inf if scene.in_space and coarser is None else error
+            coarser = way(_motion(begun.system, trajectory))
             again, found = _solved(shorter, progress, compiling)
             spent += found.cost.solve_s
             if scene.in_space and found.status.code in ("time_limit", "failed"):

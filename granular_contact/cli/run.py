@@ -160,6 +160,10 @@ def _explanation(scene: Scene, solved: list[tuple[System, Trajectory]]) -> Itera
     if scene.scenario is not None and scene.scenario.method.name == "auto":
         yield f"computed {reason(scene)}"
     yield f"steps {scene.solver.why}"
+    for both in solved if scene.in_space else ():
+        from granular_contact.mechanics.space.facet_sizes import explained
+
+        yield from explained(*both)
     yield "left out:"
     if scene.method is not None:
         also = "" if "exudyn" in sys.modules else ", and it is not imported"

@@ -42,7 +42,7 @@ def strip_error(observer: Kinematics, allowed: float | None = None, coarser: Any
     """Estimated error of positions by the strips, as a part of the distance that the fastest point travels.
 
     allowed: by default what the steps are asked for, or `ERROR`. Where it is far below that it is less exact. coarser:
-    in space the way of the same run with larger facets.
+    in space the way of the same run with larger facets, which bounds the estimate.
     """
     t, scene = observer.trajectory, observer.scene
     if t.strip_error is not None:
@@ -52,9 +52,11 @@ def strip_error(observer: Kinematics, allowed: float | None = None, coarser: Any
     if scene.in_space:
         from granular_contact.mechanics.space import facet_departure
 
-        if coarser is not None:
-            return facet_departure.estimate_of_two(coarser, observer)
-        return facet_departure.estimate(observer, DOUBTFUL_IN_SPACE * (allowed or asked(scene) or ERROR))
+        doubtful = DOUBTFUL_IN_SPACE * (allowed or asked(scene) or ERROR)
+        least, most = (0.0, math.inf) if coarser is None else facet_departure.bounds_of_two(coarser, observer)
+        if most <= doubtful:
+            return least
+        return min(most, max(least, facet_departure.estimate(observer, doubtful)))
     from granular_contact.mechanics.strip_departure import estimate  # here, as the compiler comes with it
 
     return estimate(observer, DOUBTFUL * (allowed or scene.solver.accuracy or ERROR))

@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 import copy
+import re
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+import yaml
 
-from granular_contact import load, simulate
-from granular_contact.mechanics.space.facet_departure import estimate, estimate_of_two, track
+from granular_contact import Simulation, load, simulate
+from granular_contact.cli.main import main
+from granular_contact.mechanics.space.facet_departure import bounds_of_two, estimate, track
 from granular_contact.mechanics.space.kinematics import SpatialKinematics
-from granular_contact.mechanics.strip_error import ERROR
+from granular_contact.mechanics.strip_error import ERROR, strip_error
 from granular_contact.run import begin
 from granular_contact.scene import build
 
@@ -72,13 +76,34 @@ def test_the_estimate_is_true_within_a_factor_of_five(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", SHAPES)
-def test_the_estimate_of_two_runs_is_true_within_a_factor_of_two(name: str) -> None:
+def test_two_runs_bound_the_error_within_a_factor_of_two(name: str) -> None:
     """Facets of 4 mm after those of 8 mm, at fixed steps, against those of 1.6 mm."""
     tree = thrown(SHAPES[name], 0.008, step_s=2e-4)
     finer = motion_of(tree, 0.5)
     error = apart(finer, motion_of(tree, 0.2))
     assert error > 1e-4
-    assert 0.5 < estimate_of_two(track(motion_of(tree)), finer) / error < 2.0
+    least, most = bounds_of_two(track(motion_of(tree)), finer)
+    assert 0.5 * least < error < 2.0 * most
+    assert most == pytest.approx(3.0 / (2.0**1.5 - 1.0) * least)  # of orders 2 and 1.5, with half the edges
+
+
+def test_a_body_that_never_touches_hides_no_error_of_another() -> None:
+    """A box with one facet a side, which has no larger ones, under a ball in the air, which has: 0 was told."""
+    tree = thrown(SHAPES["box"], 0.06, step_s=2e-4)
+    tree["model"]["bodies"]["far"] = {"type": "rigid", "density_kg_m3": 2000, "shapes": SHAPES["ball"]}
+    tree["model"]["joints"]["g"] = {"type": "free", "parent": "ground", "child": "far"}
+    tree["initial"]["joints"]["g"] = {"z_m": 1.0}
+    motion = motion_of(tree)
+    error = apart(motion, motion_of(tree, 0.05))
+    assert error > 1e-3
+    assert 0.2 < estimate(motion, 0.0) / error < 5.0
+
+
+def test_a_mesh_that_shares_cut_no_finer_is_estimated_from_one_run() -> None:
+    """Two runs with the same triangles differ by nothing, which is no error of nothing."""
+    motion = motion_of(thrown(SHAPES["box"], 0.03, step_s=1e-3))
+    assert bounds_of_two(track(motion), motion) == (0.0, np.inf)
+    assert strip_error(motion, coarser=track(motion)) == strip_error(motion) > 1e-3
 
 
 def test_a_long_body_above_the_sand_is_at_no_depth() -> None:
@@ -91,14 +116,32 @@ def test_a_long_body_above_the_sand_is_at_no_depth() -> None:
 
 
 def test_a_run_with_an_accuracy_is_repeated_until_its_facets_keep_it() -> None:
-    """Facets of 20 mm on a ball of 40 mm, against those of 2 mm; the steps are off by as much as the accuracy, too."""
-    results = simulate(thrown(SHAPES["ball"], 0.02, accuracy=ERROR))
+    """Facets of 10 mm on a ball of 40 mm, against those of 2 mm; the steps are off by as much as the accuracy, too."""
+    results = simulate(thrown(SHAPES["ball"], 0.01, accuracy=ERROR))
     assert not [one for one in results.warnings if "facets" in one]
     fine = motion_of(thrown(SHAPES["ball"], 0.002, accuracy=1e-3))
     found = np.column_stack([results[f"b_{k}_m"] for k in "xyz"])
     at = fine.engine.time
     there = np.column_stack([np.interp(at, results["time_s"], column) for column in found.T])
     assert np.abs(there - fine.center("b")[0]).max() < 3.0 * ERROR * fine.path_length
+
+
+def test_a_run_in_steps_tells_the_error_that_it_cannot_mend(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    """`simulate` repeats the run with facets of half the size at the least; `Simulation` warns, with what it says."""
+    tree = thrown(SHAPES["ball"], 0.01, accuracy=ERROR)
+    told = Simulation(load(tree)).run()
+    facets = told.summary["facets"]
+    assert facets["error"] > ERROR
+    assert 0.005 < facets["bodies"]["b"]["edge_m"] <= 0.01
+    assert [one for one in told.warnings if f"about {facets['error']:.1%} of its path; take facet_size_m" in one]
+    (tmp_path / "ball.yaml").write_text(yaml.safe_dump(tree), encoding="utf-8")
+    folder = ["--out", str(tmp_path / "out"), "--no-plots"]
+    assert main(["run", str(tmp_path / "ball.yaml"), "--quiet", "--explain", *folder]) == 0
+    said = capsys.readouterr().out
+    number = int(re.search(r"facets of b: (\d+), with edges of at most [1-4]\.?\d* mm", said)[1])  # type: ignore[index]
+    assert number > 2 * facets["bodies"]["b"]["number"]
+    of_run = r"for an error of 0.5 % of the path, 0\.\d+ times their first size; .* by them: 0\.\d+ %"
+    assert re.search(of_run, said)
 
 
 def test_a_foot_stands_as_deep_as_by_hand() -> None:

@@ -2,15 +2,16 @@
 
 As `strip_departure` in the plane, by `mechanics.departure`. Rates are those of `SpatialKinematics`, six of each body; W
 spans what the joints leave of them. An error goes with the square of facets, and so with one over their number: of N
-facets and N* others it is |N* / (N* - N)| of what the motion departs by. Where there are hardly larger ones, on a mesh
-with triangles of its own, smaller ones are taken. Of a run that was repeated with smaller facets the error follows from
-both, see `estimate_of_two`.
+facets and N* others it is |N* / (N* - N)| of what the motion departs by. Where a body that touches has hardly fewer
+larger ones, as a mesh with triangles of its own, smaller ones are taken. Of a run that was repeated with smaller facets
+both runs bound the error, see `bounds_of_two`.
 
 Left out: how W changes with x, inertial forces of the departure beside M x'', and how springs turn with their bodies.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -27,8 +28,10 @@ from granular_contact.sand.space.of_scene import add_part, load_of
 from granular_contact.scene.space.types import Vector
 
 GLANCE, LOOK = 16, 96  # instants of the motion at which its departure is followed
-COARSER = np.sqrt(2.0)  # edges of the other facets over those of the motion's
-FEWER = 0.8  # of the number of facets: with more of them left smaller ones are taken
+# Edges of the other facets over those of the motion's: the first of which any body that touches has another number.
+SHARES = 2.0**0.5, 2.0**-0.5, 0.5, 2.0**-1.5, 0.25, 2.0**-2.5, 0.125
+ORDERS = 2.0, 1.5  # of the error of facets [measured: 1.0 to 2.3 where facets are few, 2 where they are many]
+FEWER = 0.7  # of the number of facets, by which it is another one
 
 
 def estimate(observer: Any, doubtful: float) -> float:
@@ -39,12 +42,12 @@ def estimate(observer: Any, doubtful: float) -> float:
     """
     if observer.scene.bends:
         return 0.0
-    own, other = _load(observer, 1.0), _load(observer, COARSER)
-    if _number(other) > FEWER * _number(own):
-        other = _load(observer, 1.0 / COARSER)
-    if _number(other) == _number(own):  # there are none: bars and balls alone
+    own = load_with(observer, 1.0)
+    other = _other(observer, own)
+    if other is None:  # there are none: bars and balls alone
         return 0.0
-    error, of_departure = 0.0, abs(_number(other) / (_number(other) - _number(own)))
+    n, there = (sum(_numbers(observer, load).values()) for load in (own, other))
+    error, of_departure = 0.0, abs(there / (there - n))
     for count in (GLANCE, LOOK):
         motion = _motion(observer, instants(observer, count))
         error = max(error, of_departure * greatest(observer, motion, own, other, Poses()))
@@ -54,11 +57,14 @@ def estimate(observer: Any, doubtful: float) -> float:
 
 
 class Track(NamedTuple):
-    """Where points of all bodies were: time (n,) s, places (n, 12 b) m; share: of the size of facets that was taken."""
+    """Where points of all bodies were: time (n,) s, places (n, 12 b) m; share: of the size of facets;
+    numbers: of facets, of bodies that touch.
+    """
 
     time: Vector
     places: Vector
     share: float
+    numbers: dict[str, int]
 
 
 def track(observer: Any) -> Track:
@@ -66,30 +72,60 @@ def track(observer: Any) -> Track:
     scene, columns = observer.scene, []
     for body in (handle.body for handle in observer.system.rigid.values()):
         columns += [observer.center(body.name)[0], scene.radius(body) * observer.rotation(body.name).reshape(-1, 9)]
-    return Track(observer.trajectory.time, np.column_stack(columns), scene.facet_share)
+    numbers = _numbers(observer, load_with(observer, 1.0))
+    return Track(observer.trajectory.time, np.column_stack(columns), scene.facet_share, numbers)
 
 
-def estimate_of_two(before: Track, observer: Any) -> float:
-    """As `estimate`, from a run with larger facets: Richardson's extrapolation of what the two differ by.
+def bounds_of_two(before: Track, observer: Any) -> tuple[float, float]:
+    """Bounds for the error, as of `estimate`, by a run with larger facets: Richardson's extrapolation.
 
-    An error e of second order, of facets with edges of the share s, was e / s^2 times as large before, so the runs
-    differ by e (1 / s^2 - 1). What else they differ by, the errors of their steps, counts as well.
+    An error e of order k, of facets with edges of the share s of those before, was e / s^k times as large before, so
+    the runs differ by e (1 / s^k - 1). The bounds are those of `ORDERS`: errors of few facets, and of facets that come
+    to lead or to trail, do not go down as smoothly as those of many. What else the runs differ by, the errors of their
+    steps, counts as well. Where there are hardly more facets than before, two runs tell nothing.
     """
     now = track(observer)
-    square = (now.share / before.share) ** 2
+    if not _differ(before.numbers, now.numbers):
+        return 0.0, math.inf
     at = now.time[now.time <= before.time[-1]]
     places = np.column_stack([np.interp(at, before.time, column) for column in before.places.T])
-    apart = float(np.abs(places - now.places[: len(at)]).max()) * square / (1.0 - square)
-    return apart / float(max(observer.path_length, observer.scene.least_path))
+    apart = float(np.abs(places - now.places[: len(at)]).max())
+    apart /= float(max(observer.path_length, observer.scene.least_path))
+    least, most = (apart / ((before.share / now.share) ** order - 1.0) for order in ORDERS)
+    return least, most
 
 
-def _number(load: SpatialLoad) -> int:
-    """Number of facets of a load."""
-    return sum(len(one.rows) for one in load.lines)
+def _other(observer: SpatialKinematics, own: SpatialLoad) -> SpatialLoad | None:
+    """The load of a scene with other facets than its own on every body that touches; None where there are none."""
+    numbers = _numbers(observer, own)
+    for share in SHARES if numbers else ():
+        load = load_with(observer, share)
+        if _differ(numbers, _numbers(observer, load)):
+            return load
+    return None
 
 
-def _load(observer: SpatialKinematics, share: float) -> SpatialLoad:
-    """The load of a scene on bodies whose seven coordinates follow one another, without what scatters."""
+def _numbers(observer: SpatialKinematics, load: SpatialLoad) -> dict[str, int]:
+    """Numbers of facets of bodies that touch the medium."""
+    found: dict[str, int] = {}
+    history: Any = observer.trajectory.load
+    touched = {name for i, name in enumerate(history.body_names) if history.bodies[:, i].any()}
+    for one in (one for one in load.lines if one.meets == "surface" and one.body.name in touched):
+        found[one.body.name] = found.get(one.body.name, 0) + len(one.rows)
+    return found
+
+
+def _differ(one: dict[str, int], other: dict[str, int]) -> bool:
+    """Whether all bodies of both have other numbers of facets."""
+    pairs = [(n, other[name]) for name, n in one.items() if name in other]
+    return all(min(pair) < FEWER * max(pair) for pair in pairs)
+
+
+def load_with(observer: SpatialKinematics, share: float) -> SpatialLoad:
+    """The load of a scene with a share of its size of facets, without what scatters.
+
+    Its bodies have seven coordinates, one body after another.
+    """
     scene: Any = observer.scene
     load = load_of(scene)
     for i, handle in enumerate(observer.system.rigid.values()):

@@ -11,9 +11,11 @@ import numpy as np
 from granular_contact.geometry import rotations
 from granular_contact.mechanics import mechanism
 from granular_contact.mechanics.observe import forces_of, observed
+from granular_contact.mechanics.space import facet_sizes
 from granular_contact.mechanics.space.kinematics import SpatialKinematics
 from granular_contact.mechanics.space.system import SpatialSystem
 from granular_contact.mechanics.space.wheels import wheel_histories, wheels_of
+from granular_contact.mechanics.strip_error import strip_error
 from granular_contact.mechanics.system import Trajectory
 from granular_contact.mechanics.wheels import pitches, wheel_columns, wheel_numbers
 from granular_contact.results import in_space, series
@@ -27,6 +29,9 @@ from granular_contact.scene.space.types import Vector, link_of
 def observe(system: SpatialSystem, trajectory: Trajectory) -> SpatialObservation:
     """What results hold of a run."""
     motion = SpatialKinematics(system, trajectory)
+    # Of a run that is observed on its way nobody has estimated it.
+    error = strip_error(motion)
+    motion = SpatialKinematics(system, replace(trajectory, strip_error=error))
     with np.errstate(over="ignore", invalid="ignore"):  # of a run that failed by running away
         depths, on_bodies = motion.depths(), forces_of(trajectory)
         forces = as_reported(on_bodies)
@@ -34,6 +39,8 @@ def observe(system: SpatialSystem, trajectory: Trajectory) -> SpatialObservation
         wheels = wheel_histories(motion, forces)
         found["motion"] |= body_columns(motion, forces, depths) | wheel_columns(wheels)
         found["more"] |= wheel_numbers(trajectory.time, wheels, pitches(wheels_of(motion)))
+        if trajectory.load is not None and (facets := facet_sizes.numbers(motion, error)):
+            found["more"]["facets"] = facets
         for beam in motion.beams.values():
             found["motion"] |= beam.columns()
             found["deflection"] = beam.bend()

@@ -1,0 +1,51 @@
+"""The sizes of the facets that bodies of a run have, for its summary and for people."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from granular_contact.mechanics import mechanism
+from granular_contact.mechanics.space.facet_departure import load_with
+from granular_contact.mechanics.space.kinematics import SpatialKinematics
+from granular_contact.mechanics.strip_error import asked, strip_error
+from granular_contact.sand.kernels.facets import FORM, RIM, TRIANGLE
+from granular_contact.scene.space.types import Vector, link_of
+
+
+def edges(rows: Vector) -> Vector:
+    """Greatest edge (n,) m of facets, rows of `sand.kernels.facets`."""
+    a, b = rows[:, 8:11], rows[:, 11:14]
+    lengths = [np.linalg.norm(one, axis=1) for one in (2.0 * a, 2.0 * b)]
+    of_triangle = [np.linalg.norm(one, axis=1) for one in (a - b, 2.0 * a + b, a + 2.0 * b)]
+    return np.asarray(np.where(rows[:, FORM] == TRIANGLE, np.max(of_triangle, axis=0), np.max(lengths, axis=0)))
+
+
+def numbers(motion: SpatialKinematics, error: float) -> dict[str, Any]:
+    """Of the summary: the estimated error, which of links that bend is not known; of each body number and edges."""
+    bodies: dict[str, dict[str, float]] = {}
+    for one in (one for one in load_with(motion, 1.0).lines if one.meets == "surface"):
+        rows = one.rows[one.rows[:, FORM] != RIM]
+        body = bodies.setdefault(mechanism.label(link_of(one.body.name)), {"number": 0, "edge_m": 0.0})
+        body["number"] += len(rows)
+        body["edge_m"] = max(body["edge_m"], float(edges(rows).max()))
+    return {"error": None if motion.scene.bends else float(error), "bodies": bodies} if bodies else {}
+
+
+def explained(system: Any, trajectory: Any) -> Iterator[str]:
+    """Sentences for people: the size of facets by body, what they were chosen for, and the error."""
+    if trajectory.load is None:
+        return
+    motion = SpatialKinematics(system, trajectory)
+    found = numbers(motion, strip_error(motion))
+    for name, body in found.get("bodies", {}).items():
+        yield f"facets of {name}: {body['number']}, with edges of at most {1e3 * body['edge_m']:.3g} mm"
+    if not found:
+        return
+    scene, allowed = motion.scene, asked(motion.scene)
+    share = f", {scene.facet_share:.2g} times their first size" if scene.facet_share < 1.0 else ""
+    chosen = "as the config has them" if allowed is None else f"for an error of {100.0 * allowed:g} % of the path"
+    told = "not estimated, as links bend" if found["error"] is None else f"{100.0 * found['error']:.2g} %"
+    yield f"facets are chosen {chosen}{share}; estimated error of the motion by them: {told}"
