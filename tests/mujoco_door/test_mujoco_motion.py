@@ -105,6 +105,27 @@ def test_the_error_of_a_step_is_told_of_a_foot_that_is_let_go_at_the_surface(siz
         assert off - 0.03 < told < 1.5 * off + 0.03, (step, off, told)
 
 
+def test_the_error_of_facets_is_told_of_a_ball_that_is_thrown() -> None:
+    """Facets of 10 mm against those of 2 mm, of a ball of 40 mm: the depth where it stops, over which work is done."""
+
+    def made(size: float) -> tuple[float, Any]:
+        model = model_of('<geom name="ball" type="sphere" size="0.02" density="2000"/>', step=2e-4, place="0 0 0.02")
+        data, bed, lowest = mujoco.MjData(model), MujocoBed(model, preset("rft3d_sand")), 0.02
+        bed.add_geoms("ball", facet_size=size)
+        data.qvel[:] = 0.5, 0.0, -1.0, 0.0, 10.0, 0.0
+        for _ in range(300):
+            go(model, data, bed, 2e-4)
+            lowest = min(lowest, data.qpos[2])
+        return 0.02 - lowest, bed.of(data)
+
+    (fine, kept), (coarse, told) = made(0.002), made(0.01)
+    off = abs(coarse / fine - 1.0)
+    assert off > 2e-3
+    assert off / 5.0 < told.facet_error < 10.0 * off
+    assert kept.facet_error < 0.2 * told.facet_error
+    assert told.error == told.facet_error + told.step_error
+
+
 @pytest.fixture(scope="module")
 def hexapod() -> Any:
     sys.path.insert(0, str(ROOT / "examples" / "mujoco"))

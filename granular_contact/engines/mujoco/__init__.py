@@ -12,6 +12,7 @@ bed         the door: what the sand acts on, `apply`, `install`
 callback    the bed as MuJoCo's passive callback
 of_data     what a bed keeps for one MjData: when its steps begin and end, what is read, state and restore
 step        the forces of one step, implicit in it
+facet_error   what the facets falsify of the work of the sand
 trial       a step of MuJoCo that is taken back, with bodies heavier by what the sand adds
 shared      what is the same for all data of a model
 sand        elements in space and lines in the plane, with the kernels that both doors call

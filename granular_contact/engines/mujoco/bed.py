@@ -5,6 +5,7 @@ from __future__ import annotations
 import warnings
 import weakref
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from granular_contact.engines.mujoco import checks, geoms
 from granular_contact.engines.mujoco.callback import Callback
 from granular_contact.engines.mujoco.engine import mujoco, name_of
+from granular_contact.engines.mujoco.facet_error import Facets
 from granular_contact.engines.mujoco.of_data import BedData
 from granular_contact.engines.mujoco.sand import PlanarSand, Sand, SpatialSand
 from granular_contact.engines.mujoco.shared import Shared
@@ -31,6 +33,7 @@ Vector = NDArray[np.float64]
 # In space the loading of a face that rests is spread over so much more of its bristles' yield than in Exudyn: MuJoCo's
 # steps take its stiffness once, at their start, and with the narrower one a robot of two round legs creeps at 1 ms.
 WIDER = 3.0
+SLIDES = 1e-6  # m/s, from which on all resists where the error of facets is estimated
 
 
 class MujocoBed:
@@ -92,7 +95,10 @@ class MujocoBed:
         self.up = _unit("up", -pull if up is None else up)
         options: dict[str, Any] = {"slope": slope, "static": self._static, "end_cap": end_cap, "floor": floor}
         options["gravity"] = float(np.linalg.norm(pull)) if gravity is None else gravity
-        self.load, self.turn = self._load_of(medium, surface, form, plane, options)
+        self._laid = partial(self._load_of, medium, surface, form, plane)
+        self.load, self.turn = self._laid(options)
+        self._how = options
+        self._shapes: list[tuple[tuple[Any, ...], dict[str, Any]]] = []
         told(self.load)
         self._names, self._geoms = dict[int, Body](), list[int]()
         self._options = {"record": record, "lenient": lenient}
@@ -188,9 +194,21 @@ class MujocoBed:
             if others and "surface" in self._met():
                 shape = geoms.Outside(shape, one, others)
             mass = float(self.model.body_mass[one.body])
-            self.load.add_shape(body, shape, one.place, turn, facet_size=facet_size, mass=mass)
+            self._shapes.append(((body, shape, one.place, turn), {"facet_size": facet_size, "mass": mass}))
+            self.load.add_shape(*self._shapes[-1][0], **self._shapes[-1][1])
         self._geoms += [one.number for one in found]
         return [one.name for one in found]
+
+    def _with_facets(self, share: float) -> Any:
+        """The load with a share of the size of facets, without bristles and what scatters."""
+        load, _ = self._laid(self._how | {"static": Smooth(SLIDES)})
+        for shape, sizes in self._shapes:
+            load.add_shape(*shape, **sizes, share=share)
+        load.close()
+        for batch in load.batches:
+            batch.clusters["scatter"] = 0.0
+        load.start(np.tile([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0], len(self._names)))
+        return load
 
     def _takes_bars(self) -> bool:
         return "bar" in self._met() and "surface" not in self._met()
@@ -285,7 +303,8 @@ class MujocoBed:
             sand = PlanarSand(self.load, self._static, facings)
         else:
             sand = SpatialSand(self.load, self._static)
-        return Shared(self.model, numbers, sand, self.turn, **self._options)
+        facets = None if self.planar else Facets(self._with_facets)
+        return Shared(self.model, numbers, sand, self.turn, facets=facets, **self._options)
 
     def _height(self, place: Vector) -> float:
         """Height of the surface along `up` at a place (3,) m of the world."""
