@@ -9,7 +9,8 @@ of the step (a smaller part where that is too long), eight times the strips and 
 steps where they were fixed, or the other way round. A run is **silent** when it ends well without a warning about its
 own accuracy. Differences are greatest distances of any body (with its turn times its reach) over the way of whatever
 moves most. --store keeps what came of every scene in a file, and runs those alone that have none yet: for a study that
-is stopped and goes on, or several at once. --keep writes every scene that offends as a config.
+is stopped and goes on, or several at once. --keep writes every scene that offends as a config. `properties_in_space.py`
+does the same in space.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ import time
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -36,7 +38,7 @@ from granular_contact.config import load_scenario
 from granular_contact.errors import GranularContactError
 from granular_contact.scene import build
 from granular_contact.studies.processes import cores, local_processes
-from validation.random_scenes import images
+from validation.random_scenes import images, images_in_space, in_space
 from validation.random_scenes.scenes import Drawn, draw, solve, write
 from validation.random_scenes.tracks import Track, apart, summaries_apart, track
 from validation.stability import GOOD, OF_RANGES
@@ -51,6 +53,7 @@ SILENT = 1e-2  # of the way: what a run without a warning may be off by
 BALANCE = 1e-3
 ALIKE = 1e-4  # of the way: images; or the accuracy; or, where round-off grows as the motion diverges, what steps do
 STRIPS, ELEMENTS = 8, 4
+FACETS = 0.25  # of their usual size
 
 
 @dataclass(frozen=True)
@@ -94,35 +97,67 @@ class Found:
         return "steps" if not self.space > 2.0 * self.steps else "strips and elements"
 
 
-def look(seed: int, quick: bool = False) -> Found:
+@dataclass(frozen=True)
+class World:
+    """Scenes of the plane or of space. divided: that image with so many times shorter steps, and finer in space."""
+
+    draw: Callable[[int, Path], Drawn]
+    images: dict[str, images.Image]
+    divided: Callable[[images.Tree, float], images.Tree]
+
+
+WORLDS = {
+    "plane": World(
+        draw,
+        {
+            "mirror image": images.mirrored,
+            "a kilometre away": images.shifted,
+            "parts in another order": images.reordered,
+        },
+        lambda tree, factor: images.divided(images.finer(tree, factor), STRIPS, ELEMENTS),
+    ),
+    "space": World(
+        in_space.draw,
+        {
+            "mirror image": images_in_space.mirrored,
+            "turned about the vertical": images_in_space.turned,
+            "a kilometre away": images_in_space.shifted,
+            "parts in another order": images.reordered,
+        },
+        lambda tree, factor: images_in_space.finer(images.finer(tree, factor), FACETS),
+    ),
+}
+
+
+def look(seed: int, quick: bool = False, world: str = "plane") -> Found:
     """Draw a scene, and run it in all its forms; in a process of a pool. quick: only its beginning."""
     began = time.process_time()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         try:
-            drawn = draw(seed, folder)
+            drawn = WORLDS[world].draw(seed, folder)
         except GranularContactError as error:
             return Found(seed, "-", "-", "-", "refused", str(error).splitlines()[0])
-        found = _judged(drawn, folder, SHARE if quick else 1.0)
+        found = _judged(drawn, folder, SHARE if quick else 1.0, WORLDS[world])
     return Found(**{**vars(found), "seconds": time.process_time() - began})
 
 
-def look_or_read(seed: int, quick: bool = False, store: Path | None = None) -> Found:
+def look_or_read(seed: int, quick: bool = False, store: Path | None = None, world: str = "plane") -> Found:
     """As `look`, once for each store: later what was found is read."""
     if store is None:
-        return look(seed, quick)
-    path = store / f"{seed}{'_quick' * quick}.json"
+        return look(seed, quick, world)
+    path = store / f"{world}_{seed}{'_quick' * quick}.json"
     if path.exists():
         read = json.loads(path.read_text(encoding="utf-8"))
         return Found(**{key: tuple(value) if isinstance(value, list) else value for key, value in read.items()})
-    found = look(seed, quick)
+    found = look(seed, quick, world)
     whole = path.with_suffix(f".{os.getpid()}")  # a file is there as a whole, or not at all
     whole.write_text(json.dumps(vars(found)), encoding="utf-8")
     whole.replace(path)
     return found
 
 
-def _judged(drawn: Drawn, folder: Path, share: float) -> Found:
+def _judged(drawn: Drawn, folder: Path, share: float, world: World) -> Found:
     solver = drawn.tree["solver"]
     tree = drawn.tree | {"solver": solver | {"max_wall_s": WALL, "end_time_s": share * solver["end_time_s"]}}
     try:
@@ -141,13 +176,13 @@ def _judged(drawn: Drawn, folder: Path, share: float) -> Found:
         return Found(**found)
     own = track(results, tree, scene.least_path)
     again = _Again(own, folder, scene.least_path)
-    found["images"] = {name: again.off(image, tree, name == "mirror image") for name, image in IMAGES.items()}
+    found["images"] = {name: again.off(image, tree, name == "mirror image") for name, image in world.images.items()}
     found["half"] = again.off(lambda one: images.finer(one, 2.0), tree, silent=True)
     steps = tree["solver"]["end_time_s"] / tree["solver"].get("step_s", images.STEP)
     most = min(16.0, max(4.0, 2.0 ** math.floor(math.log2(MOST_STEPS / steps))))
     found["steps"] = again.off(lambda one: images.finer(one, most), tree)
     for factor in (4.0, most):  # a reference with steps that are too long itself tells nothing of strips
-        found["space"] = again.off(_divided(factor), tree, silent=factor < most)
+        found["space"] = again.off(partial(world.divided, factor=factor), tree, silent=factor < most)
         if math.isfinite(found["space"]):
             break
     if (other := again.run(images.chosen, tree)) is not None:
@@ -156,11 +191,6 @@ def _judged(drawn: Drawn, folder: Path, share: float) -> Found:
         )
         found["other_warned"] = bool(_doubts(other))
     return Found(**found)
-
-
-def _divided(factor: float) -> images.Image:
-    """Steps divided by a factor, with more strips and elements."""
-    return lambda one: images.divided(images.finer(one, factor), STRIPS, ELEMENTS)
 
 
 def _law(tree: Any) -> str:
@@ -173,13 +203,6 @@ def _law(tree: Any) -> str:
 
 def _doubts(results: Any) -> tuple[str, ...]:
     return tuple(w for w in results.warnings if not any(word in w for word in OF_RANGES))
-
-
-IMAGES: dict[str, images.Image] = {
-    "mirror image": images.mirrored,
-    "a kilometre away": images.shifted,
-    "parts in another order": images.reordered,
-}
 
 
 @dataclass(frozen=True)
@@ -218,13 +241,14 @@ def every(
     quick: bool = False,
     told: Callable[[Found], None] = lambda _: None,
     store: Path | None = None,
+    world: str = "plane",
 ) -> list[Found]:
     """All scenes, on so many processes of one thread each; store: folder of what is known of them."""
     found = []
     if store is not None:
         store.mkdir(parents=True, exist_ok=True)
     with local_processes(jobs) as pool:
-        for one in pool.map(look_or_read, seeds, [quick] * len(seeds), [store] * len(seeds)):
+        for one in pool.map(look_or_read, *zip(*((seed, quick, store, world) for seed in seeds), strict=True)):
             told(one)
             found.append(one)
     return found
@@ -259,7 +283,7 @@ def silent_table(found: Sequence[Found], by: Callable[[Found], str], of: str) ->
 def property_table(found: Sequence[Found]) -> str:
     """Images, half the step, fixed against chosen steps, and energy."""
     rows = []
-    for name in IMAGES:
+    for name in _images(found):
         off = [one.images[name] for one in found if math.isfinite(one.images.get(name, math.nan))]
         rows.append([name, len(off), *_spread(off)])
     for name, off in (
@@ -271,6 +295,10 @@ def property_table(found: Sequence[Found]) -> str:
         known = [value for value in off if math.isfinite(value)]
         rows.append([name, len(known), *_spread(known)])
     return markdown(["property", "scenes", "median", "90 %", "greatest"], rows)
+
+
+def _images(found: Sequence[Found]) -> list[str]:
+    return list(dict.fromkeys(name for one in found for name in one.images))
 
 
 def _spread(values: Sequence[float]) -> list[str]:
@@ -289,7 +317,7 @@ def offenders(found: Sequence[Found]) -> dict[str, list[Found]]:
             one for one in found if one.end not in (*GOOD, "refused") and not _explained(one)
         ],
     }
-    for name in IMAGES:
+    for name in _images(found):
         broken[name] = [one for one in found if one.silent and one.images.get(name, 0.0) > one.alike]
     return broken | {
         "half the step is within 1 % without a warning": [one for one in found if one.silent and one.half > SILENT],
@@ -322,8 +350,8 @@ def _finite(value: float) -> float:
     return value if math.isfinite(value) else 0.0
 
 
-def outcome(found: Sequence[Found]) -> Outcome:
-    """Tables and claims."""
+def outcome(found: Sequence[Found], of: str = "properties") -> Outcome:
+    """Tables and claims of a study."""
     ends = Counter(one.end if one.end not in GOOD else "silent" if one.silent else "warned" for one in found)
     said = ", ".join(f"{count} {end}" for end, count in ends.most_common())
     parts = [f"{len(found)} scenes: {said}."]
@@ -332,12 +360,14 @@ def outcome(found: Sequence[Found]) -> Outcome:
         "Silent errors of the steps, by the kind of mechanism.",
         silent_table(found, lambda one: one.kind, "steps"),
     ]
-    parts += ["The same against a quarter of the step with 8 times the strips and 4 times the elements."]
+    parts += [
+        "The same against a quarter of the step, 8 times the strips and 4 times the elements, or facets of a fourth."
+    ]
     parts += [silent_table(found, lambda one: one.kind, "space")]
     parts += ["The same by solver.", silent_table(found, lambda one: one.solver, "space")]
     parts += ["The largest silent errors.", worst(found)]
     broken = offenders(found)
-    made = [Claim(f"properties.{name}", not bad, _told(name, bad, found)) for name, bad in broken.items()]
+    made = [Claim(f"{of}.{name}", not bad, _told(name, bad, found)) for name, bad in broken.items()]
     return Outcome("\n\n".join(parts), tuple(made))
 
 
@@ -348,7 +378,7 @@ def _told(name: str, bad: Sequence[Found], found: Sequence[Found]) -> str:
     return f"{len(bad)} of {len(found)} scenes break it{seeds}{most}"
 
 
-def keep(found: Sequence[Found], target: Path) -> None:
+def keep(found: Sequence[Found], target: Path, world: str = "plane") -> None:
     """Write the scenes that offend, each with what it broke, into folders named by their seeds."""
     said: dict[int, list[str]] = {}
     for name, bad in offenders(found).items():
@@ -358,7 +388,7 @@ def keep(found: Sequence[Found], target: Path) -> None:
         folder = target / str(seed)
         shutil.rmtree(folder, ignore_errors=True)
         folder.mkdir(parents=True)
-        write(draw(seed, folder).tree, folder)
+        write(WORLDS[world].draw(seed, folder).tree, folder)
         one = next(one for one in found if one.seed == seed)
         (folder / "found.txt").write_text("\n".join([*names, str(one)]) + "\n", encoding="utf-8")
 
@@ -368,7 +398,7 @@ def study(quick: bool = False) -> Outcome:
     return outcome(every(range(SEED, SEED + (QUICK if quick else COUNT)), cores(), quick))
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
+def main(arguments: Sequence[str] | None = None, world: str = "plane", of: str = "properties") -> int:
     """As a script; 0 when every claim held."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--quick", action="store_true", help=f"the beginnings of {QUICK} scenes")
@@ -380,14 +410,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     chosen = parser.parse_args(arguments)
     count = chosen.count or (QUICK if chosen.quick else COUNT)
     began = time.perf_counter()
-    found = every(range(chosen.seed, chosen.seed + count), chosen.jobs, chosen.quick, _progress, chosen.store)
-    made = outcome(found)
+    found = every(range(chosen.seed, chosen.seed + count), chosen.jobs, chosen.quick, _progress, chosen.store, world)
+    made = outcome(found, of)
     spent = f"{time.perf_counter() - began:.0f} s, {sum(one.seconds for one in found):.0f} s of processor time"
     print(f"{machine('exudyn', 'numba')}; {spent}\n\n{made.text}\n")
     for claim in made.claims:
         print(claim)
     if chosen.keep is not None:
-        keep(found, chosen.keep)
+        keep(found, chosen.keep, world)
     return 0 if all(claim.held for claim in made.claims) else 1
 
 

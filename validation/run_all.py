@@ -85,6 +85,7 @@ STUDIES = (
     Entry("error_vs_run_time"),
     Entry("strips"),
     Entry("strip_estimates"),
+    Entry("facet_estimates"),
     _script("space_configs"),
     Entry("settling"),
     _script("standing"),

@@ -48,7 +48,7 @@ def test_the_draws_are_of_every_kind(drawn) -> None:
 def test_images_are_scenes_and_the_mirror_image_of_a_mirror_image_is_the_scene(drawn, tmp_path: Path) -> None:
     made: Counter[str] = Counter()
     for one in drawn[:30]:
-        for name, image in study.IMAGES.items():
+        for name, image in study.WORLDS["plane"].images.items():
             try:
                 tree = image(one.tree)
             except images.NoImage:
@@ -57,7 +57,7 @@ def test_images_are_scenes_and_the_mirror_image_of_a_mirror_image_is_the_scene(d
             made[name] += 1
             if image is images.mirrored:
                 assert _close(image(tree)["model"], one.tree["model"])
-    assert min(made[name] for name in study.IMAGES) >= 8
+    assert min(made[name] for name in study.WORLDS["plane"].images) >= 8
 
 
 @pytest.mark.parametrize("kind", [*SMOOTH, "constant"])

@@ -6,7 +6,7 @@ import copy
 import csv
 import math
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -15,7 +15,8 @@ import yaml
 
 from granular_contact.config import load_scenario
 from granular_contact.errors import GranularContactError
-from granular_contact.run import run
+from granular_contact.results.observation import results
+from granular_contact.run import begin, run
 from granular_contact.scene import build
 from granular_contact.scene.types import Minimal, Reduced
 from validation.fuzzing.media import law
@@ -30,7 +31,9 @@ TIMES, SEEDS = 8, 1_000_003
 
 @dataclass(frozen=True)
 class Drawn:
-    """A scene. kind: of mechanism; solver: its steps, and by what they are taken; tree: with `files`."""
+    """A scene. kind: of mechanism; solver: its steps, and by what they are taken; tree: with `files`, of images also
+    with `aside`, what no config has.
+    """
 
     seed: int
     kind: str
@@ -128,17 +131,21 @@ def _lay(rng: Random, tree: Tree, family: str, buried: float, folder: Path) -> N
 
 
 def touching(tree: Tree, folder: Path) -> float:
-    """Height at x = 0 of the surface that the mechanism touches at its start (m)."""
+    """Height at x = 0 of the surface that the mechanism touches at its start (m); in space of the zero of a map."""
     scene = build(load_scenario(write(tree | {"output": {"figures": False}}, folder)))
-    assert scene.bed is not None
-    height = float(scene.bed.height(0.0))  # type: ignore[arg-type]
+    bed: Any = scene.bed
+    height = float(bed.origin if scene.in_space else bed.height(0.0))
     return height if math.isfinite(height) else 0.0
 
 
 def write(tree: Tree, folder: Path) -> Path:
     """Write a scene and its files into a folder; returns its config."""
     tree = copy.deepcopy(tree)
+    tree.pop("aside", None)
     for name, columns in tree.pop("files", {}).items():
+        if isinstance(columns, str):
+            (folder / name).write_text(columns, encoding="utf-8")
+            continue
         with (folder / name).open("w", encoding="utf-8", newline="") as file:
             rows = csv.writer(file)
             rows.writerow(columns)
@@ -149,6 +156,11 @@ def write(tree: Tree, folder: Path) -> Path:
 
 
 def solve(tree: Tree, folder: Path) -> Any:
-    """Results of a scene, through the loader of the command line."""
-    scenario = load_scenario(write(tree, folder))
-    return run(build(scenario), scenario)
+    """Results of a scene, through the loader of the command line; `aside` may give a share of the size of facets."""
+    scene: Any = build(load_scenario(write(tree, folder)))
+    share = tree.get("aside", {}).get("facet_share")
+    if share is None:
+        return run(scene)
+    begun = begin(replace(scene, facet_share=share), None, None)
+    begun.solving.advance()
+    return results(begun.observe(begun.solving.trajectory()), {}, 0)

@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from granular_contact.geometry import rotations
+
 Tree = dict[str, Any]
 Vector = NDArray[np.float64]
 
@@ -18,8 +20,9 @@ Vector = NDArray[np.float64]
 class Track:
     """Motion since the start of all that moves.
 
-    time (n,) s; place (n, k) m: displacements in x and y of every body, and its turn times how far it reaches; rate
-    (n, k) m/s; signs (k,): of the mirror image; start (k,) m; way: of whatever moves most (m).
+    time (n,) s; place (n, k) m: displacements in x and y of every body, and its turn times how far it reaches, in space
+    of its centre and of the ends of its axes, that long, from there; rate (n, k) m/s; signs (k,): of the mirror image;
+    way: of whatever moves most (m).
     """
 
     time: Vector
@@ -31,12 +34,40 @@ class Track:
 
 def track(results: Any, tree: Tree, least_path: float) -> Track:
     """Track of a run; least_path (m) counts as a way at the least."""
+    if tree["model"].get("in_space"):
+        return _in_space(results, tree, least_path)
     columns = [*_bodies(results, tree)] or [*_pivot(results, tree)]
     place, rate = (np.column_stack([column[i] for column in columns]) for i in (0, 1))
     place = place - place[0]
     ways = [float(np.abs(np.diff(place[:, i])).sum()) for i in range(place.shape[1])]
     bodies = [math.hypot(*ways[i : i + 2]) + sum(ways[i + 2 : i + 3]) for i in range(0, len(ways), 3)]
     return Track(results["time_s"], place, rate, np.array([column[2] for column in columns]), max(least_path, *bodies))
+
+
+def _in_space(results: Any, tree: Tree, least_path: float) -> Track:
+    """Of a run in space, turned back about the vertical by what `images_in_space.turned` noted."""
+    back = rotations.of_rpy([0.0, 0.0, -math.radians(tree.get("aside", {}).get("turned_deg", 0.0))])
+    points, rates, way = [], [], least_path
+    for name, body in sorted(tree["model"]["bodies"].items()):
+        place, velocity, spin = (
+            np.column_stack([results[f"{name}_{column}"] for column in columns]) @ back.T
+            for columns in (
+                ("x_m", "y_m", "z_m"),
+                ("vx_m_s", "vy_m_s", "vz_m_s"),
+                ("spin_x_rad_s", "spin_y_rad_s", "spin_z_rad_s"),
+            )
+        )
+        rpy = np.radians(np.column_stack([results[f"{name}_{one}_deg"] for one in ("roll", "pitch", "yaw")]))
+        axes = reach(body) * np.array([back @ rotations.of_rpy(one) for one in rpy])
+        arms = [axes[:, :, i] for i in range(3)]
+        ends = [place, *(place + arm for arm in arms)]
+        way = max(way, *(float(np.linalg.norm(np.diff(one, axis=0), axis=1).sum()) for one in ends))
+        points += [place, *arms]
+        rates += [velocity, *(np.cross(spin, arm) for arm in arms)]
+    place = np.column_stack(points)
+    signs = np.array([1.0, -1.0, 1.0])
+    mirror = np.tile(np.concatenate([signs, signs, -signs, signs]), len(points) // 4)
+    return Track(results["time_s"], place - place[0], np.column_stack(rates), mirror, way)
 
 
 def _bodies(results: Any, tree: Tree) -> Iterator[tuple[Vector, Vector, float]]:
@@ -64,6 +95,7 @@ def reach(body: Tree) -> float:
     for shape in body["shapes"]:
         points = [shape[key] for key in ("start_m", "end_m", "center_m") if key in shape] + shape.get("points_m", [])
         size = shape.get("radius_m", 0.5 * max(shape.get("length_m", 0.0), shape.get("diameter_m", 0.0)))
+        size = max(size, 0.5 * math.hypot(*shape.get("size_m", ())))
         most = max(most, size + max((math.hypot(*point) for point in points), default=0.0))
     return most
 
