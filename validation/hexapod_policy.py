@@ -5,13 +5,14 @@
 The environment is `granular_contact/Hexapod-v0`: 2 s on sand, six motors with a range of rates and a limit of torque.
 The policy is one formula for all six legs, of twelve numbers: the rate of a leg from its own angle and contact, from
 where the legs of its tripod and those of the other one are, and from the attitude of the trunk. The strategy is that of
-`runner_policy`. The gait set by hand is that of configs/hexapod.yaml: followed exactly, whatever torque that takes, and
+`policies`. The gait set by hand is that of configs/hexapod.yaml: followed exactly, whatever torque that takes, and
 followed by the same motors as the policy has.
 """
 
 from __future__ import annotations
 
 import sys
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -22,7 +23,8 @@ from granular_contact import load, simulate
 from granular_contact.gym.environment import GranularEnv
 from granular_contact.gym.hexapod import RATES, TRIPOD, hexapod_env
 from granular_contact.scene.signals import Buehler
-from validation.runner_policy import PROCESSES, Act, Vector, evolved
+from validation import policies
+from validation.policies import PROCESSES, Act, Vector
 from validation.study import Claim, Outcome, script
 from validation.tables import markdown
 
@@ -31,7 +33,6 @@ SIZE = 12
 PLACE, SIDE = np.repeat([1.0, 0.0, -1.0], 2), np.tile([1.0, -1.0], 3)  # of legs: from front to rear, left and right
 SAME = np.equal.outer(TRIPOD, TRIPOD) / 3.0  # (6, 6): means over the legs of the same tripod
 OTHER = 1.0 / 3.0 - SAME
-_ENV: list[GranularEnv] = []  # of a process
 
 
 def policy(weights: Vector) -> Act:
@@ -53,27 +54,18 @@ def by_hand() -> Act:
     """The clock of configs/hexapod.yaml, followed by the motors: its rate, and what makes up for the angle missed."""
     clocks = [Buehler(1.0, np.radians(60.0), 0.0, 0.55, 0.5 * tripod, 0.05) for tripod in TRIPOD]
 
-    def act(seen: Vector, t: float) -> Vector:
-        wanted = np.array([clock.value(t) for clock in clocks])
-        missed = np.angle(np.exp(1j * wanted) / (seen[16:22] + 1j * seen[10:16]))
-        rates = np.array([clock.rate(t) for clock in clocks]) + 20.0 * missed
-        return np.asarray(2.0 * (rates - RATES[0]) / (RATES[1] - RATES[0]) - 1.0)
+    return policies.following(clocks, RATES, slice(10, 16), slice(16, 22))
 
-    return act
+
+@cache
+def env() -> GranularEnv:
+    """The environment of a process."""
+    return hexapod_env(end_time_s=END)
 
 
 def walked(act: Act, **options: object) -> float:
     """Way ahead (m) of an episode; options: of its reset."""
-    if not _ENV:
-        _ENV.append(hexapod_env(end_time_s=END))
-    env = _ENV[0]
-    seen, info = env.reset(options=dict(options))
-    total = 0.0
-    while True:
-        seen, reward, ended, cut, info = env.step(act(seen.astype(float), info["time_s"]))
-        total += reward
-        if ended or cut:
-            return total
+    return policies.walked(env(), act, **options)
 
 
 def score(weights: Vector) -> float:
@@ -84,7 +76,7 @@ def score(weights: Vector) -> float:
 def study(quick: bool = False) -> Outcome:
     """Ways of the gaits, and how the strategy got on."""
     generations, population = (3, 8) if quick else (20, 16)
-    weights, history, seconds = evolved(generations, population, score=score, size=SIZE)
+    weights, history, seconds = policies.evolved(generations, population, score, SIZE)
     exact = simulate(load("hexapod", [f"solver.end_time_s={END}"])).summary["distance_m"]
     sands = {"as trained": {}, "weaker, mu_int 0.8": {"medium.mu_int": 0.8}}
     gaits: dict[str, Act] = {

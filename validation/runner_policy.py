@@ -10,14 +10,11 @@ configs/runner.yaml: followed exactly, whatever torque that takes, and followed 
 
 from __future__ import annotations
 
-import multiprocessing
 import sys
-import time
-from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
@@ -25,6 +22,8 @@ from granular_contact import load, simulate
 from granular_contact.gym.environment import GranularEnv
 from granular_contact.gym.runner import HIPS, RATES, runner_env
 from granular_contact.scene.signals import Buehler
+from validation import policies
+from validation.policies import PROCESSES, Act, Vector
 from validation.study import Claim, Outcome, script
 from validation.tables import markdown
 
@@ -32,11 +31,7 @@ CONFIG = Path(__file__).parents[1] / "configs" / "runner.yaml"
 END = 2.0  # s
 # Of each leg the other one of its side, and that of the other side at its place; legs as of HIPS.
 SAME_SIDE, OTHER_SIDE = [1, 0, 3, 2], [2, 3, 0, 1]
-SIZE, SPREAD = 11, 0.5
-PROCESSES = 2
-Vector = NDArray[np.float64]
-Act = Callable[[Vector, float], Vector]
-_ENV: list[GranularEnv] = []  # of a process
+SIZE = 11
 
 
 def policy(weights: Vector) -> Act:
@@ -58,27 +53,18 @@ def by_hand() -> Act:
     """The clock of configs/runner.yaml, followed by the motors: its rate, and what makes up for the angle missed."""
     clocks = [Buehler(2.0, np.pi / 2, np.pi / 2, 0.5, 0.0 if hip.endswith("a") else 0.5, 0.05) for hip in HIPS]
 
-    def act(seen: Vector, t: float) -> Vector:
-        wanted = np.array([clock.value(t) for clock in clocks])
-        missed = np.angle(np.exp(1j * wanted) / (seen[9:13] + 1j * seen[5:9]))
-        rates = np.array([clock.rate(t) for clock in clocks]) + 20.0 * missed
-        return np.asarray(2.0 * (rates - RATES[0]) / (RATES[1] - RATES[0]) - 1.0)
+    return policies.following(clocks, RATES, slice(5, 9), slice(9, 13))
 
-    return act
+
+@cache
+def env() -> GranularEnv:
+    """The environment of a process."""
+    return runner_env(end_time_s=END)
 
 
 def walked(act: Act, **options: object) -> float:
     """Way (m) of an episode; options: of its reset."""
-    if not _ENV:
-        _ENV.append(runner_env(end_time_s=END))
-    env = _ENV[0]
-    seen, info = env.reset(options=dict(options))
-    total = 0.0
-    while True:
-        seen, reward, ended, cut, info = env.step(act(seen.astype(float), info["time_s"]))
-        total += reward
-        if ended or cut:
-            return total
+    return policies.walked(env(), act, **options)
 
 
 def score(weights: Vector) -> float:
@@ -86,34 +72,10 @@ def score(weights: Vector) -> float:
     return walked(policy(weights))
 
 
-def evolved(
-    generations: int, population: int, seed: int = 1, *, score: Callable[[Vector], float] = score, size: int = SIZE
-) -> tuple[Vector, list[float], float]:
-    """Best weights (size,), the best score so far after each generation, and the time (s) it took.
-
-    Pairs of opposite steps around a mean; the better half draws the mean after it, by ranks; the spread shrinks slowly.
-    """
-    random, mean, spread = np.random.default_rng(seed), np.zeros(size), SPREAD
-    ranks = np.log(0.5 * population + 0.5) - np.log(np.arange(1, population // 2 + 1))
-    best, history = (-np.inf, mean), list[float]()
-    began = time.perf_counter()
-    with multiprocessing.get_context("spawn").Pool(PROCESSES) as pool:
-        for _ in range(generations):
-            steps = random.normal(size=(population // 2, size))
-            tried = mean + spread * np.concatenate([steps, -steps])
-            found = np.array(pool.map(score, tried, chunksize=1))
-            order = np.argsort(-found)
-            best = max(best, (float(found[order[0]]), tried[order[0]]), key=lambda pair: pair[0])
-            mean = ranks @ tried[order[: population // 2]] / ranks.sum()
-            spread *= 0.97
-            history.append(best[0])
-    return best[1], history, time.perf_counter() - began
-
-
 def study(quick: bool = False) -> Outcome:
     """Ways of the gaits, and how the strategy got on."""
     generations, population = (6, 12) if quick else (20, 16)
-    weights, history, seconds = evolved(generations, population)
+    weights, history, seconds = policies.evolved(generations, population, score, SIZE)
     exact = simulate(load(CONFIG, [f"solver.end_time_s={END}", "solver.accuracy=1e-2"])).summary["distance_m"]
     sands = {"as trained": {}, "looser, zeta 0.4": {"medium.zeta": 0.4}, "denser, zeta 0.7": {"medium.zeta": 0.7}}
     ways = {name: [walked(act, **sand) for sand in sands.values()] for name, act in _acts(weights).items()}
