@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from contextlib import suppress
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -12,13 +11,12 @@ from typing import Any
 import numpy as np
 
 from granular_contact.config import load_scenario
-from granular_contact.errors import GranularContactError
 from granular_contact.scene import build
 from granular_contact.scene.types import Minimal
 from validation.fuzzing.media import law
 from validation.random_scenes.bodies import media
 from validation.random_scenes.images import STEP
-from validation.random_scenes.scenes import SEEDS, TIMES, Drawn, touching, write
+from validation.random_scenes.scenes import Drawn, fitting, touching, write
 from validation.random_scenes.signals import hinge_drive, signal, slider_drive
 
 Tree = dict[str, Any]
@@ -29,10 +27,7 @@ SOLIDS = ("box", "sphere", "cylinder", "capsule", "cone", "plate", "arc", "polyg
 
 def draw(seed: int, folder: Path) -> Drawn:
     """As `scenes.draw`, in space."""
-    for attempt in range(TIMES - 1):
-        with suppress(GranularContactError):
-            return _drawn(seed, Random(seed + SEEDS * attempt), folder)
-    return _drawn(seed, Random(seed + SEEDS * TIMES), folder)
+    return fitting(seed, folder, _drawn)
 
 
 def _drawn(seed: int, rng: Random, folder: Path) -> Drawn:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import csv
 import math
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -51,10 +52,15 @@ def draw(seed: int, folder: Path) -> Drawn:
     GranularContactError
         Nothing fitted.
     """
+    return fitting(seed, folder, _drawn)
+
+
+def fitting(seed: int, folder: Path, make: Callable[[int, Random, Path], Drawn]) -> Drawn:
+    """What is made of a seed, drawn again until it fits together; errors as of `draw`."""
     for attempt in range(TIMES - 1):
         with suppress(GranularContactError):
-            return _drawn(seed, Random(seed + SEEDS * attempt), folder)
-    return _drawn(seed, Random(seed + SEEDS * TIMES), folder)
+            return make(seed, Random(seed + SEEDS * attempt), folder)
+    return make(seed, Random(seed + SEEDS * TIMES), folder)
 
 
 def _drawn(seed: int, rng: Random, folder: Path) -> Drawn:
