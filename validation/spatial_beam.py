@@ -123,6 +123,18 @@ def strip_errors(kind: str, counts: list[int], angle: float) -> list[float]:
 # ---- the rod that falls ----
 
 
+def implicit(end: float, step: float) -> Any:
+    """Settings of Exudyn for a falling beam, whose sensors keep each step (s)."""
+    settings = exu.SimulationSettings()
+    t = settings.timeIntegration
+    t.endTime, t.numberOfSteps, t.verboseMode = end, round(end / step), 0
+    t.newton.useModifiedNewton, t.newton.absoluteTolerance, t.newton.relativeTolerance = True, 1e-5, 1e-8
+    t.generalizedAlpha.spectralRadius = 0.9
+    settings.solution.file.write, settings.solution.sensors.writePeriod = False, step
+    settings.linearSolver.solverType = exu.LinearSolverType.EigenSparse
+    return settings
+
+
 def fallen_by_cables(count: int, step: float) -> tuple[Vector, Vector, float]:
     """Times (n,) s, height of the end (n,) m, and seconds, by cable elements of the engine without torsion."""
     mbs = exu.SystemContainer().AddSystem()
@@ -148,15 +160,8 @@ def fallen_by_cables(count: int, step: float) -> tuple[Vector, Vector, float]:
         items.SensorNode(nodeNumber=nodes[-1], storeInternal=True, outputVariableType=exu.OutputVariableType.Position)
     )
     mbs.Assemble()
-    settings = exu.SimulationSettings()
-    t = settings.timeIntegration
-    t.endTime, t.numberOfSteps, t.verboseMode = DURATION, round(DURATION / step), 0
-    t.newton.useModifiedNewton, t.newton.absoluteTolerance, t.newton.relativeTolerance = True, 1e-5, 1e-8
-    t.generalizedAlpha.spectralRadius = 0.9
-    settings.solution.file.write = False
-    settings.solution.sensors.writePeriod = step
-    settings.linearSolver.solverType = exu.LinearSolverType.EigenSparse
     exu.config.printToConsole = False
+    settings = implicit(DURATION, step)
     began = time.process_time()
     mbs.SolveDynamic(settings)
     seconds = time.process_time() - began

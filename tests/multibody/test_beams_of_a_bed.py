@@ -16,6 +16,7 @@ from granular_contact.geometry import rotations
 from granular_contact.sand.contact_lines import Body
 from granular_contact.sand.space import cables
 from granular_contact.sand.space.load import SpatialLoad
+from validation.spatial_beam import implicit
 
 # A rod of soft plastic, clamped to a wall, falls onto sand.
 LENGTH, DIAMETER, YOUNG, DENSITY, SURFACE, END, STEP = 0.4, 0.006, 2e9, 1200.0, -0.008, 0.1, 5e-4
@@ -76,14 +77,7 @@ def fallen(kind: str, count: int, medium: str, turn: float = 0.0, **options: Any
     what = exu.OutputVariableType.Position
     sensor = mbs.AddSensor(items.SensorNode(nodeNumber=nodes[-1], storeInternal=True, outputVariableType=what))
     mbs.Assemble()
-    settings = exu.SimulationSettings()
-    time = settings.timeIntegration
-    time.endTime, time.numberOfSteps, time.verboseMode = END, round(END / STEP), 0
-    time.newton.useModifiedNewton, time.newton.absoluteTolerance, time.newton.relativeTolerance = True, 1e-5, 1e-8
-    time.generalizedAlpha.spectralRadius = 0.9
-    settings.solution.file.write, settings.solution.sensors.writePeriod = False, STEP
-    settings.linearSolver.solverType = exu.LinearSolverType.EigenSparse
-    mbs.SolveDynamic(settings)
+    mbs.SolveDynamic(implicit(END, STEP))
     kept = mbs.GetSensorStoredData(sensor)
     return np.array([kept[:, 0], kept[:, 2 if kind in PLANAR else 3]]), bed
 
