@@ -281,14 +281,15 @@ def _observed(
 
         spent, before, coarser = trajectory.cost.solve_s, math.inf, None
         while begun.system:
-            error = strip_error(_motion(begun.system, trajectory), coarser=coarser)
+            motion = _motion(begun.system, trajectory)
+            error = strip_error(motion, coarser=coarser)
             trajectory = replace(trajectory, strip_error=error)
-            shorter = finer(_motion(begun.system, trajectory), before)
+            shorter = finer(motion, error, before)
             if shorter is None:
                 break
             # An estimate from one run is no measure for one that two have bounded.
             before = math.inf if scene.in_space and coarser is None else error
-            coarser = way(_motion(begun.system, trajectory))
+            coarser = way(motion)
             again, found = _solved(shorter, progress, compiling)
             spent += found.cost.solve_s
             if scene.in_space and found.status.code in ("time_limit", "failed"):

@@ -17,7 +17,6 @@ from granular_contact.mechanics.kinematics import Kinematics
 from granular_contact.results import FINISHED
 from granular_contact.results.accuracy import AccuracyWarning
 from granular_contact.scene.types import Load, Scene
-from granular_contact.values.scalars import FACET_ERROR
 
 ERROR = 5e-3  # of the distance, that is reported
 DOUBTFUL = 0.1  # of what is allowed: where a first estimate is above it, it is made more exact
@@ -62,10 +61,11 @@ def strip_error(observer: Kinematics, allowed: float | None = None, coarser: Any
     return estimate(observer, DOUBTFUL * (allowed or scene.solver.accuracy or ERROR))
 
 
-def finer(observer: Kinematics, before: float = math.inf) -> Scene | None:
+def finer(observer: Kinematics, found: float, before: float = math.inf) -> Scene | None:
     """The scene with smaller strips or facets, where these are off by more than is allowed.
 
-    before: the error with the strips before; where nearly as much is left, it is not of the strips.
+    found: their error, see `strip_error`; before: that with the strips before; where nearly as much is left, it is not
+    of the strips.
     """
     scene = observer.scene
     accuracy, t = asked(scene), observer.trajectory
@@ -75,7 +75,7 @@ def finer(observer: Kinematics, before: float = math.inf) -> Scene | None:
     # seed no motion that finer steps converge to.
     if any(medium.scatters for medium in scene.media):
         return None
-    found, safe = strip_error(observer), SAFE_IN_SPACE if scene.in_space else SAFE
+    safe = SAFE_IN_SPACE if scene.in_space else SAFE
     smaller = _smaller(scene, safe * found / accuracy)
     if not safe * found > accuracy or smaller == {} or found > STALLED * before:
         return None
@@ -88,6 +88,8 @@ def asked(scene: Any) -> float | None:
     named: float | None = scene.solver.accuracy
     if not scene.in_space or scene.solver.named is not None:
         return named
+    from granular_contact.sand.space.facets import FACET_ERROR
+
     return None if any(part.facet_size for body in scene.rigid for part in body.parts) else FACET_ERROR
 
 

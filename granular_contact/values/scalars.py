@@ -39,6 +39,3 @@ def resolve(text: str) -> ScalarValue:
     if _NOT_FINITE.fullmatch(text):
         return float(text.replace(".", ""))
     return text
-
-
-FACET_ERROR = 3e-3  # of the way: by how much facets in space may put a motion off where no accuracy is asked for

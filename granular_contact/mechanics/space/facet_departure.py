@@ -21,6 +21,7 @@ from granular_contact.mechanics.constraints import together
 from granular_contact.mechanics.departure import Flat, Motion, greatest, instants
 from granular_contact.mechanics.freedoms import left_by, slopes
 from granular_contact.mechanics.space.kinematics import SpatialKinematics
+from granular_contact.mechanics.space.system import SpatialSystem
 from granular_contact.sand.contact_lines import Body
 from granular_contact.sand.load import GranularLoad
 from granular_contact.sand.space.load import SpatialLoad
@@ -42,7 +43,7 @@ def estimate(observer: Any, doubtful: float) -> float:
     """
     if observer.scene.bends:
         return 0.0
-    own = load_with(observer, 1.0)
+    own = observer.system.facets
     other = _other(observer, own)
     if other is None:  # there are none: bars and balls alone
         return 0.0
@@ -72,7 +73,7 @@ def track(observer: Any) -> Track:
     scene, columns = observer.scene, []
     for body in (handle.body for handle in observer.system.rigid.values()):
         columns += [observer.center(body.name)[0], scene.radius(body) * observer.rotation(body.name).reshape(-1, 9)]
-    numbers = _numbers(observer, load_with(observer, 1.0))
+    numbers = _numbers(observer, observer.system.facets)
     return Track(observer.trajectory.time, np.column_stack(columns), scene.facet_share, numbers)
 
 
@@ -99,7 +100,7 @@ def _other(observer: SpatialKinematics, own: SpatialLoad) -> SpatialLoad | None:
     """The load of a scene with other facets than its own on every body that touches; None where there are none."""
     numbers = _numbers(observer, own)
     for share in SHARES if numbers else ():
-        load = load_with(observer, share)
+        load = load_with(observer.system, share)
         if _differ(numbers, _numbers(observer, load)):
             return load
     return None
@@ -121,14 +122,14 @@ def _differ(one: dict[str, int], other: dict[str, int]) -> bool:
     return all(min(pair) < FEWER * max(pair) for pair in pairs)
 
 
-def load_with(observer: SpatialKinematics, share: float) -> SpatialLoad:
+def load_with(system: SpatialSystem, share: float) -> SpatialLoad:
     """The load of a scene with a share of its size of facets, without what scatters.
 
     Its bodies have seven coordinates, one body after another.
     """
-    scene: Any = observer.scene
+    scene = system.scene
     load = load_of(scene)
-    for i, handle in enumerate(observer.system.rigid.values()):
+    for i, handle in enumerate(system.rigid.values()):
         on = Body(handle.body.name, range(7 * i, 7 * i + 7))
         for part in (part for part in handle.body.parts if part.in_sand):
             add_part(load, on, part, scene, handle.body.mass, share)
@@ -182,12 +183,18 @@ class Poses(Flat):
 
     def rates(self, q: Vector, v: Vector) -> Vector:
         """As of `Flat`."""
-        return np.asarray((_turns(q) @ v.reshape(-1, 6, v[0].size)).reshape(len(q), *v.shape[1:]))
+        return _by_turns(_turns(q), v)
 
     def forces(self, load: GranularLoad, q: Vector, v: Vector) -> Vector:
         """As of `Flat`."""
-        found = load.force(q, self.rates(q, v), np.zeros_like(q)).reshape(-1, 1, 7)
-        return np.asarray((found @ _turns(q)).ravel())
+        turns = _turns(q)
+        found = load.force(q, _by_turns(turns, v), np.zeros_like(q)).reshape(-1, 1, 7)
+        return np.asarray((found @ turns).ravel())
+
+
+def _by_turns(turns: Vector, v: Vector) -> Vector:
+    """Rates (7 b, ...) of coordinates by those of bodies (6 b, ...)."""
+    return np.asarray((turns @ v.reshape(len(turns), 6, -1)).reshape(7 * len(turns), *v.shape[1:]))
 
 
 def _turns(q: Vector) -> Vector:

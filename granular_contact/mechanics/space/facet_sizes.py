@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 
 from granular_contact.mechanics import mechanism
-from granular_contact.mechanics.space.facet_departure import load_with
 from granular_contact.mechanics.space.kinematics import SpatialKinematics
 from granular_contact.mechanics.strip_error import asked, strip_error
 from granular_contact.sand.kernels.facets import FORM, RIM, TRIANGLE
@@ -26,7 +25,7 @@ def edges(rows: Vector) -> Vector:
 def numbers(motion: SpatialKinematics, error: float) -> dict[str, Any]:
     """Of the summary: the estimated error, which of links that bend is not known; of each body number and edges."""
     bodies: dict[str, dict[str, float]] = {}
-    for one in (one for one in load_with(motion, 1.0).lines if one.meets == "surface"):
+    for one in (one for one in motion.system.facets.lines if one.meets == "surface"):
         rows = one.rows[one.rows[:, FORM] != RIM]
         body = bodies.setdefault(mechanism.label(link_of(one.body.name)), {"number": 0, "edge_m": 0.0})
         body["number"] += len(rows)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 from granular_contact.mechanics.system import RigidHandle, System
@@ -10,6 +11,7 @@ from granular_contact.scene.space.types import SpatialRigidBody, SpatialScene
 
 if TYPE_CHECKING:
     from granular_contact.mechanics.senses import Senses
+    from granular_contact.sand.space.load import SpatialLoad
 
 
 @dataclass(frozen=True)
@@ -18,6 +20,13 @@ class SpatialSystem(System):
 
     scene: SpatialScene
     rigid: dict[str, RigidHandle[SpatialRigidBody]]  # type: ignore[assignment]
+
+    @cached_property
+    def facets(self) -> SpatialLoad:
+        """The load with the facets of its bodies, by which their error is found: see `facet_departure.load_with`."""
+        from granular_contact.mechanics.space.facet_departure import load_with
+
+        return load_with(self, 1.0)
 
     def senses(self) -> Senses:
         """As of `System`."""
