@@ -20,10 +20,11 @@ import math
 import numpy as np
 
 from granular_contact.jit.compiled import part
-from granular_contact.jit.memory import clear, room2, room3, rows
+from granular_contact.jit.memory import clear, room1, room2, room3, rows
 from granular_contact.sand.kernels import space_law as law
 from granular_contact.sand.kernels.bar_statics import vertical_force as planar_vertical_force
 from granular_contact.sand.kernels.friction import SMOOTH
+from granular_contact.sand.kernels.ground import PLANE, surface_at
 from granular_contact.sand.kernels.immersion import GAUSS_HIGH, GAUSS_LOW, THREE_POINTS, inside
 from granular_contact.sand.kernels.law import TERMS
 from granular_contact.sand.kernels.planar_friction import drive, mobilised
@@ -53,13 +54,13 @@ def add(f, x, y, z, W, term):
 
 
 @part
-def placed(elements, pose, ground):
+def placed(elements, pose, ground, medium):
     """Positions (n, 3) m and velocities (n, 3) m/s of the stations, and their depths (n,) m."""
     n = elements.shape[0]
-    P, V, Z = np.empty((n, 3)), np.empty((n, 3)), np.empty(n)
+    P, V, Z, plane = np.empty((n, 3)), np.empty((n, 3)), np.empty(n), room1(PLANE)
     for i in range(n):
         station(elements[i], pose[3], pose[4], pose[5], rows(pose, 0, 3), P[i], V[i])
-        Z[i] = ground[0] + ground[1] * P[i, 0] + ground[2] * P[i, 1] - P[i, 2]
+        Z[i] = surface_at(P[i, 0], P[i, 1], ground, medium, plane) - P[i, 2]
     return P, V, Z
 
 
@@ -67,7 +68,7 @@ def placed(elements, pose, ground):
 def bar_forces(elements, anchors, cluster, pose, ground, medium, W):
     """`space_law.forces` of a bar."""
     x, n = pose[3], elements.shape[0]
-    P, V, Z = placed(elements, pose, ground)
+    P, V, Z = placed(elements, pose, ground, medium)
     f = room3(TERMS, 2, 3)
     for i in range(n - 1):
         a, b = inside(Z[i], Z[i + 1], medium)
@@ -97,7 +98,7 @@ def bar_forces(elements, anchors, cluster, pose, ground, medium, W):
 def follow_stations(elements, anchors, cluster, pose, ground, medium, row):
     """`space_law.follow` of the stations of bars, whose anchors are free unless a strip at them is immersed."""
     n = elements.shape[0]
-    P, V, Z = placed(elements, pose, ground)
+    P, V, Z = placed(elements, pose, ground, medium)
     for i in range(n):
         row[law.DEPTH] = max(row[law.DEPTH], Z[i])
         if Z[i] > 0.0:

@@ -34,10 +34,11 @@ import numpy as np
 
 from granular_contact.jit.chosen import chosen_by
 from granular_contact.jit.compiled import part
-from granular_contact.jit.memory import room2
+from granular_contact.jit.memory import room1, room2
 from granular_contact.sand.kernels import space_law as law
 from granular_contact.sand.kernels.facet_parts import immersed_part
 from granular_contact.sand.kernels.friction import SMOOTH
+from granular_contact.sand.kernels.ground import PLANE, surface_at
 from granular_contact.sand.kernels.plates import EDGE
 from granular_contact.sand.kernels.space_friction import stretched
 
@@ -235,29 +236,36 @@ def gather(elements, anchors, cluster, pose, ground, first, medium, B):
     """Fill a block with facets that are immersed and may lead; the row after those looked at, and their number.
 
     Looks at the rows of a cluster's elements from `first` on, until the block is full; other arguments as of
-    `space_law.forces`.
+    `space_law.forces`. Of a map of heights each facet that may lead sees the plane at its centroid.
     """
     R, x0, y0, z0, steep = axes(pose), pose[3, 0], pose[3, 1], pose[3, 2], ground[3]
     v, w = (pose[4, 0], pose[4, 1], pose[4, 2]), (pose[5, 0], pose[5, 1], pose[5, 2])
     # Seen from the body: how the depth grows, and the angular velocity.
     d, q = seen(R, ground[1], ground[2], -1.0), seen(R, w[0], w[1], w[2])
     depth = ground[0] + ground[1] * x0 + ground[2] * y0 - z0  # of the reference point
+    mapped, plane = medium.heights != 0, room1(PLANE)
+    high = highest(cluster, R, pose[3], ground, medium, plane) if mapped else 0.0
     n, last = np.intp(0), elements.shape[0]  # (as in `space_sand.tangent`)
     for i in range(first, elements.shape[0]):
         if n == LANES:
             last = i
             break
         bx, by, bz = elements[i, 0], elements[i, 1], elements[i, 2]
-        z = depth + d[0] * bx + d[1] * by + d[2] * bz
+        r = turned(R, bx, by, bz)
+        z = high - z0 - r[2] if mapped else depth + d[0] * bx + d[1] * by + d[2] * bz
         if z + elements[i, 3] * steep <= 0.0 or elements[i, FORM] == RIM:
             continue
-        r, normal = turned(R, bx, by, bz), turned(R, elements[i, 4], elements[i, 5], elements[i, 6])
+        normal = turned(R, elements[i, 4], elements[i, 5], elements[i, 6])
         e = x0 + r[0] - anchors[i, 0], y0 + r[1] - anchors[i, 1], z0 + r[2] - anchors[i, 2]
         note_motion(B, n, r, normal, v, w, e)
         note_spread(B, n, R, elements, i, q)
         if elements[i, SIDE] != 0.0 and trails(B, n):
             continue
-        below = below_surface(elements, i, z, d, medium)
+        deeper = d
+        if mapped:
+            z = surface_at(x0 + r[0], y0 + r[1], ground, medium, plane) - z0 - r[2]
+            deeper = seen(R, plane[1], plane[2], -1.0)
+        below = below_surface(elements, i, z, deeper, medium)
         if below[0] <= 0.0 or below[1] <= 0.0:
             continue
         B[ONE_SIDE, n], B[CENTRE, n], B[ROW, n] = elements[i, SIDE], z, i
@@ -269,6 +277,14 @@ def gather(elements, anchors, cluster, pose, ground, first, medium, B):
     if medium.lead != 0 and n > 0:
         law.lead(medium, (B, n))
     return last, n
+
+
+@part
+def highest(cluster, R, x, ground, medium, plane):
+    """Bound for the height (m) of a surface with a map over a cluster of a body at x (3,) m with the axes R."""
+    cx, cy, _ = turned(R, cluster.x, cluster.y, cluster.z)
+    rise = math.sqrt(ground[3] * ground[3] - 1.0)
+    return surface_at(x[0] + cx, x[1] + cy, ground, medium, plane) + rise * cluster.radius
 
 
 @part(inline=True)
@@ -350,17 +366,21 @@ def add_up(B, n, W):
 def follow_facets(elements, anchors, cluster, pose, ground, medium, row):
     """`space_law.follow` of facets, of which most are above the surface and no deeper than one before them."""
     R, x, v, w, steep = axes(pose), pose[3], pose[4], pose[5], ground[3]
-    dx, dy, dz = seen(R, ground[1], ground[2], -1.0)
+    mapped, plane, d = medium.heights != 0, room1(PLANE), seen(axes(pose), ground[1], ground[2], -1.0)
+    high = highest(cluster, R, x, ground, medium, plane) if mapped else 0.0
     for i in range(elements.shape[0]):
         E = elements[i]
         rx, ry, rz = turned(R, E[0], E[1], E[2])
         px, py, pz = x[0] + rx, x[1] + ry, x[2] + rz
         ax, ay, az = px, py, pz
-        z = ground[0] + ground[1] * px + ground[2] * py - pz
+        z = high - pz if mapped else ground[0] + ground[1] * px + ground[2] * py - pz
+        if mapped and (z + E[3] * steep > min(0.0, row[law.DEPTH]) or medium.count != 0):
+            z = surface_at(px, py, ground, medium, plane) - pz
+            d = seen(R, plane[1], plane[2], -1.0)
         if z + E[3] * steep <= min(0.0, row[law.DEPTH]) and medium.count == 0:
             anchors[i, 0], anchors[i, 1], anchors[i, 2] = ax, ay, az
             continue
-        lowest = beyond_centre(E, dx, dy, dz)
+        lowest = beyond_centre(E, d)
         deepest = z + lowest
         if E[FORM] != PATCH:
             row[law.DEPTH] = max(row[law.DEPTH], deepest)
@@ -376,8 +396,9 @@ def follow_facets(elements, anchors, cluster, pose, ground, medium, row):
 
 
 @part
-def beyond_centre(E, dx, dy, dz):
+def beyond_centre(E, d):
     """By how much the deepest point of a facet (a row) is deeper than its centroid; its depth grows by d (3,)."""
+    dx, dy, dz = d
     if E[FORM] == RIM:
         along, square = dx * E[4] + dy * E[5] + dz * E[6], dx * dx + dy * dy + dz * dz
         return E[8] * math.sqrt(max(0.0, square - along * along)) + E[9] * math.sqrt(square)

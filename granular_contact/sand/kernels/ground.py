@@ -1,4 +1,4 @@
-"""The surface in space: height and rise at a place, as a plane that elements near it see.
+"""The surface in space: height and rise at a place, as the plane that what is there sees.
 
 ground (4,): height (m) of a plane above the origin, its rise per length along x and y, and by how much a depth may grow
 with a distance. A map of heights adds, from MAP on, its cell (m), the place x, y of its first point (m), its numbers of
@@ -10,18 +10,42 @@ compiled for a bed that has one alone, see `space_joining`.
 from __future__ import annotations
 
 from granular_contact.jit.compiled import part
-from granular_contact.jit.memory import room1
+from granular_contact.sand.kernels import space_law as law
 
 PLANE, MAP = 4, 9
 
 
 @part
-def _weights(t, w, dw):
-    """Weights (4,) of four neighbours at a share t of the middle interval, and their derivatives by t."""
-    w[0], dw[0] = 0.5 * t * (-1.0 + t * (2.0 - t)), 0.5 * (-1.0 + t * (4.0 - 3.0 * t))
-    w[1], dw[1] = 1.0 + 0.5 * t * t * (3.0 * t - 5.0), 0.5 * t * (9.0 * t - 10.0)
-    w[2], dw[2] = 0.5 * t * (1.0 + t * (4.0 - 3.0 * t)), 0.5 * (1.0 + t * (8.0 - 9.0 * t))
-    w[3], dw[3] = 0.5 * t * t * (t - 1.0), 0.5 * t * (3.0 * t - 2.0)
+def surface_at(x, y, ground, medium, plane):
+    """Fill plane (4,) with the surface as what is at x, y (m) sees it; its height (m) there."""
+    if medium.heights != 0:
+        law.tangent_plane(medium, (ground, x, y, plane))
+    else:
+        for i in range(PLANE):
+            plane[i] = ground[i]
+    return plane[0] + plane[1] * x + plane[2] * y
+
+
+@part(inline=True)
+def _weights(t):
+    """Weights of four neighbours at a share t of the middle interval."""
+    return (
+        0.5 * t * (-1.0 + t * (2.0 - t)),
+        1.0 + 0.5 * t * t * (3.0 * t - 5.0),
+        0.5 * t * (1.0 + t * (4.0 - 3.0 * t)),
+        0.5 * t * t * (t - 1.0),
+    )
+
+
+@part(inline=True)
+def _slopes(t):
+    """Their derivatives by t."""
+    return (
+        0.5 * (-1.0 + t * (4.0 - 3.0 * t)),
+        0.5 * t * (9.0 * t - 10.0),
+        0.5 * (1.0 + t * (8.0 - 9.0 * t)),
+        0.5 * t * (3.0 * t - 2.0),
+    )
 
 
 @part
@@ -33,17 +57,16 @@ def tangent_plane(ground, x, y, plane):
     u, v = (x - ground[5]) / cell, (y - ground[6]) / cell
     a, b = min(max(u, 0.0), columns - 1.0), min(max(v, 0.0), rows - 1.0)
     i, j = min(int(a), columns - 2), min(int(b), rows - 2)
-    wx, dx, wy, dy = room1(4), room1(4), room1(4), room1(4)
-    _weights(a - i, wx, dx)
-    _weights(b - j, wy, dy)
+    wx, dx, wy, dy = _weights(a - i), _slopes(a - i), _weights(b - j), _slopes(b - j)
+    before, after = max(i - 1, 0), min(i + 2, columns - 1)
     height = along = across = 0.0
     for k in range(4):
         row = MAP + columns * min(max(j + k - 1, 0), rows - 1)
-        for m in range(4):
-            h = ground[row + min(max(i + m - 1, 0), columns - 1)]
-            height += wy[k] * wx[m] * h
-            along += wy[k] * dx[m] * h
-            across += dy[k] * wx[m] * h
+        h0, h1, h2, h3 = ground[row + before], ground[row + i], ground[row + i + 1], ground[row + after]
+        here = wx[0] * h0 + wx[1] * h1 + wx[2] * h2 + wx[3] * h3
+        height += wy[k] * here
+        along += wy[k] * (dx[0] * h0 + dx[1] * h1 + dx[2] * h2 + dx[3] * h3)
+        across += dy[k] * here
     along = along / cell if u == a else 0.0
     across = across / cell if v == b else 0.0
     plane[0] += height - along * x - across * y

@@ -8,6 +8,7 @@ from granular_contact.jit.compiled import part
 from granular_contact.jit.memory import clear, room1, room2, rows
 from granular_contact.sand.kernels import space_law as law
 from granular_contact.sand.kernels.bars import add, station
+from granular_contact.sand.kernels.ground import PLANE, surface_at
 from granular_contact.sand.kernels.law import TERMS
 
 
@@ -18,7 +19,7 @@ def space_ball_forces(elements, anchors, cluster, pose, ground, medium, W):
     p, v, f = room1(3), room1(3), room2(TERMS, 3)
     clear(f)
     station(elements[0], x, pose[4], pose[5], rows(pose, 0, 3), p, v)
-    z = ground[0] + ground[1] * p[0] + ground[2] * p[1] - p[2] + 0.5 * cluster.width
+    z = surface_at(p[0], p[1], ground, medium, room1(PLANE)) - p[2] + 0.5 * cluster.width
     if z <= 0.0:
         return
     ex, ey, ez = p[0] - anchors[0, 0], p[1] - anchors[0, 1], p[2] - anchors[0, 2]
@@ -33,7 +34,7 @@ def follow_ball(elements, anchors, cluster, pose, ground, medium, row):
     p, v = room1(3), room1(3)
     station(elements[0], pose[3], pose[4], pose[5], rows(pose, 0, 3), p, v)
     px, py, pz = p[0], p[1], p[2]
-    z = ground[0] + ground[1] * px + ground[2] * py - pz + 0.5 * cluster.width
+    z = surface_at(px, py, ground, medium, room1(PLANE)) - pz + 0.5 * cluster.width
     row[law.DEPTH] = max(row[law.DEPTH], z)
     if z > 0.0:
         row[law.SPEED] = max(row[law.SPEED], math.sqrt(v[0] ** 2 + v[1] ** 2 + v[2] ** 2))

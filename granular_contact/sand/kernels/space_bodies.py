@@ -16,7 +16,7 @@ These arrays are:
     clusters            (clusters,) records of `space_law`, those of a body one after another
     elements, anchors   rows of all clusters, one after another, see `facets`, `bars`, `space_balls`
     active              (clusters,) whether one may touch the surface in this step; the others are passed over
-    ground              see `ground`; a cluster sees the plane that touches it at its middle
+    ground              see `ground`
     medium              see `space_law`; (1,)
     poses, proximity    (bodies, 6, 3) and (bodies, 3), of the last accepted step
     columns             (bodies, 3) where the power of the medium, its terms and the wrench of a body stand in a row of
@@ -40,7 +40,7 @@ from granular_contact.jit.memory import clear, room1, room2, rows
 from granular_contact.sand.kernels import space_law as law
 from granular_contact.sand.kernels.batches import gather
 from granular_contact.sand.kernels.facets import axes, seen, turned
-from granular_contact.sand.kernels.ground import PLANE
+from granular_contact.sand.kernels.ground import PLANE, surface_at
 from granular_contact.sand.kernels.law import TERMS
 from granular_contact.sand.kernels.lines import difference
 
@@ -161,18 +161,11 @@ def place(q, v, body, turn, medium, pose, G):
 
 
 @part
-def below(x, y, z, pose, ground, medium, plane):
-    """Fill plane (4,) with the surface as what lies around a point (3,) m of a body sees it.
-
-    Returns the point from the body's reference point, frame of the bed.
-    """
-    r = turned(axes(pose), x, y, z)
-    if medium.heights != 0:
-        law.tangent_plane(medium, (ground, pose[3, 0] + r[0], pose[3, 1] + r[1], plane))
-    else:
-        for i in range(PLANE):
-            plane[i] = ground[i]
-    return r
+def depth_of(x, y, z, pose, ground, medium):
+    """Depth (m) of a point (3,) m of a body, and where it is from the body's reference point, frame of the bed."""
+    rx, ry, rz = turned(axes(pose), x, y, z)
+    height = surface_at(pose[3, 0] + rx, pose[3, 1] + ry, ground, medium, room1(PLANE))
+    return height - pose[3, 2] - rz, rx, ry, rz
 
 
 @part
@@ -187,14 +180,14 @@ def body_forces(q, v, body, sand, medium, pose, W, out):
         _rows(sand, ELEMENTS),
         _rows(sand, ANCHORS),
     )
-    active, ground, G, plane, some = _marks(sand, ACTIVE), _row(sand, GROUND), room2(3, 4), room1(PLANE), 0.0
+    active, ground, G, some = _marks(sand, ACTIVE), _row(sand, GROUND), room2(3, 4), 0.0
     place(q, v, body, turn, medium, pose, G)
     clear(W)
     for c in range(body.first, body.last):
-        if active[c] and reach_below(clusters[c], pose, ground, medium, plane) > 0.0:
+        if active[c] and reach_below(clusters[c], pose, ground, medium) > 0.0:
             one = clusters[c]
             s, n = one.first, one.last - one.first
-            law.forces(medium, (rows(elements, s, n), rows(anchors, s, n), one, pose, plane, W))
+            law.forces(medium, (rows(elements, s, n), rows(anchors, s, n), one, pose, ground, W))
     clear(out)
     for i in range(3):
         force, moment = 0.0, 0.0
@@ -336,14 +329,13 @@ def follow(body, sand, medium, pose, near, row):
         _rows(sand, ANCHORS),
         _marks(sand, ACTIVE),
     )
-    seen, plane, some = room1(3), room1(PLANE), False
+    seen, some = room1(3), False
     seen[law.DEPTH], seen[law.SPEED], seen[law.LOWEST] = -np.inf, 0.0, np.inf
     for c in range(body.first, body.last):
         if active[c]:
             one = clusters[c]
             s, n = one.first, one.last - one.first
-            below(one.x, one.y, one.z, pose, _row(sand, GROUND), medium, plane)
-            law.follow(medium, (rows(elements, s, n), rows(anchors, s, n), one, pose, plane, seen))
+            law.follow(medium, (rows(elements, s, n), rows(anchors, s, n), one, pose, _row(sand, GROUND), seen))
             some = True
     depth = seen[law.DEPTH] if some else min(near[DEEPEST], deepest_cluster(body, sand, medium, pose))
     near[EVER] = max(near[EVER], depth)
@@ -382,9 +374,7 @@ def write(W, term, turn, q, row, first):
 @part
 def bound(x, y, z, radius, pose, ground, medium, near):
     """Fill near[DEEPEST] and near[APPROACH] with bounds for all that lies in a sphere (m) of a body."""
-    plane = room1(PLANE)
-    x, y, z = below(x, y, z, pose, ground, medium, plane)
-    depth = plane[0] + plane[1] * (pose[3, 0] + x) + plane[2] * (pose[3, 1] + y) - pose[3, 2] - z
+    depth, x, y, z = depth_of(x, y, z, pose, ground, medium)
     vx = pose[4, 0] + pose[5, 1] * z - pose[5, 2] * y
     vy = pose[4, 1] + pose[5, 2] * x - pose[5, 0] * z
     vz = pose[4, 2] + pose[5, 0] * y - pose[5, 1] * x
@@ -396,20 +386,18 @@ def bound(x, y, z, radius, pose, ground, medium, near):
 @part
 def bound_cluster(one, pose, ground, medium, near):
     """`bound` for all that lies in a cluster, whose box may reach less deep than its sphere."""
-    plane = room1(PLANE)
     bound(one.x, one.y, one.z, one.radius, pose, ground, medium, near)
-    near[DEEPEST] = min(near[DEEPEST], reach_below(one, pose, ground, medium, plane))
+    near[DEEPEST] = min(near[DEEPEST], reach_below(one, pose, ground, medium))
 
 
 @part
-def reach_below(one, pose, ground, medium, plane):
-    """Bound for the depth (m) of a cluster; fills plane as `below` does.
+def reach_below(one, pose, ground, medium):
+    """Bound for the depth (m) of a cluster.
 
     Of a plane surface that of the deepest corner of its box; of a map of heights that of its sphere, where the surface
     is steepest.
     """
-    x, y, z = below(one.x, one.y, one.z, pose, ground, medium, plane)
-    depth = plane[0] + plane[1] * (pose[3, 0] + x) + plane[2] * (pose[3, 1] + y) - pose[3, 2] - z
+    depth = depth_of(one.x, one.y, one.z, pose, ground, medium)[0]
     if medium.heights != 0:
         return depth + one.radius * ground[3]
     dx, dy, dz = seen(axes(pose), ground[1], ground[2], -1.0)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from granular_contact.jit.compiled import kernel, part
 from granular_contact.jit.memory import room1, room2
 from granular_contact.sand.kernels.facets import COLUMNS, FORM, RIM, TRIANGLE
-from granular_contact.sand.kernels.space_bodies import below
+from granular_contact.sand.kernels.ground import PLANE, surface_at
 
 
 @kernel
@@ -15,20 +15,19 @@ def reach(bodies, clusters, elements, active, ground, medium, poses, row):
     Arguments as of `space_bodies`. Of facets the immersed corners count; of bars the stations, half a diameter to all
     sides; of balls their equator.
     """
-    plane, points = room1(4), room2(4, 3)
+    plane, points = room1(PLANE), room2(4, 3)
     for b in range(bodies.shape[0]):
         pose = poses[b]
         for c in range(bodies[b].first, bodies[b].last):
             if not active[c]:
                 continue
             cluster = clusters[c]
-            below(cluster.x, cluster.y, cluster.z, pose, ground, medium[0], plane)
             beside = 0.5 * cluster.width
             drop = beside if cluster.mass > 0.0 else 0.0
             for i in range(cluster.first, cluster.last):
                 for p in range(corners(elements[i], points)):
                     x, y, z = placed(pose, points[p])
-                    if plane[0] + plane[1] * x + plane[2] * y - z + drop > 0.0:
+                    if surface_at(x, y, ground, medium[0], plane) - z + drop > 0.0:
                         row[0], row[1] = min(row[0], x - beside), min(row[1], y - beside)
                         row[2], row[3] = max(row[2], x + beside), max(row[3], y + beside)
 

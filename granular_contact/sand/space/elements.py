@@ -43,28 +43,24 @@ def surface(
     size: float | None,
     accuracy: float | None = None,
     share: float = 1.0,
-    uneven: bool = False,
 ) -> Elements:
     """Facets of a shape at a place (3,) m, turned by (3, 3), with edges of at most `size` (m).
 
     Unless that is given they are as small as the error of the motion that is allowed (of the way) needs; share: of that
-    size, which is taken. uneven: they meet a map of heights, of which a cluster sees the plane at its middle: each is a
-    cluster then, or errors would go with the size of clusters, where these planes meet at edges.
+    size, which is taken.
     """
     made, rims = facets.moved(shape.facets(size, accuracy, share), place, turn), shape.rims()
     rims[:, :3], rims[:, 3:6] = rims[:, :3] @ turn.T + place, rims[:, 3:6] @ turn.T
     rows = facets.rows(made, rims, shape.thin)
-    each = 1 if uneven else triangles.CLUSTER_SIZE
-    clusters = triangles.clusters_of(rows[:, :3], rows[:, 3], facets.sides(rows), each)
+    clusters = triangles.clusters_of(rows[:, :3], rows[:, 3], facets.sides(rows))
     least = float(np.ptp(shape.corners(np.inf).reshape(-1, 3) @ turn.T, axis=0).min())
     return Elements(body, "surface", "flat" if shape.thin else "outline", rows, clusters, least)
 
 
-def bar(body: Body, shape: Bar, place: Vector, turn: Vector, uneven: bool = False) -> Elements:
-    """Strips along a bar; uneven: as of `surface`."""
+def bar(body: Body, shape: Bar, place: Vector, turn: Vector) -> Elements:
+    """Strips along a bar."""
     rows = np.ascontiguousarray(shape.stations() @ turn.T + place)
-    rows = np.repeat(rows, 2, axis=0)[1:-1] if uneven else rows
-    clusters = triangles.clusters_of(rows, 0.0, 0.0, 2 if uneven else len(rows))
+    clusters = triangles.clusters_of(rows, 0.0, 0.0, len(rows))
     clusters["width"], clusters["cap"][-1] = shape.diameter, shape.free_end
     return Elements(body, "bar", "round", rows, clusters, shape.diameter)
 

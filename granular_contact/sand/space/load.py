@@ -85,7 +85,7 @@ class SpatialLoad(GranularLoad):
         for record in self.records:
             record["pressed"] *= spread
         self.turn = turn_to(up)
-        self.ground, self.uneven = _ground(surface, slope, self.turn), heights is not None
+        self.ground = _ground(surface, slope, self.turn)
         check_slope(self.media, math.hypot(*self.ground[1:3]))
         if heights is not None:
             self.ground = np.concatenate([self.ground, heights.numbers])
@@ -125,9 +125,9 @@ class SpatialLoad(GranularLoad):
             if meets == "ball" and layered:
                 raise scene_error("bed", "a ball is met as a whole, but the bed has layers: allowed is one medium")
             if meets == "surface":
-                made.append(elements.surface(body, shape, place, turn, facet_size, accuracy, share, self.uneven))
+                made.append(elements.surface(body, shape, place, turn, facet_size, accuracy, share))
             elif isinstance(shape, Bar):
-                made.append(elements.bar(body, shape, place, turn, self.uneven))
+                made.append(elements.bar(body, shape, place, turn))
                 made[-1].clusters["cap"] &= self.end_cap
             elif isinstance(shape, Sphere):
                 made.append(elements.ball(body, shape, place, mass))

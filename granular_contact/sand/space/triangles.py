@@ -100,11 +100,6 @@ def clusters_of(places: Vector, reach: Vector | float, sides: Vector | float, ea
     made = np.zeros(len(starts), CLUSTER)
     made["first"], made["last"] = starts, np.append(starts[1:], len(places))
     reaches, boxes = np.broadcast_to(reach, len(places)), np.broadcast_to(sides, places.shape)
-    if each == 1:
-        made["x"], made["y"], made["z"] = places.T
-        made["along_x"], made["along_y"], made["along_z"] = boxes.T
-        made["radius"] = reaches
-        return made
     for cluster in made:
         part = slice(cluster["first"], cluster["last"])
         centre = around(cluster, places[part], reaches[part])

@@ -11,7 +11,7 @@ from granular_contact.engines.mujoco.kernels.added_mass import STEP, add_inertia
 from granular_contact.engines.mujoco.kernels.facets_added_mass import add_turned
 from granular_contact.engines.mujoco.kernels.space_added_mass import begin_or_follow, middle
 from granular_contact.jit.compiled import kernel, part
-from granular_contact.jit.memory import clear, copy, room1, room2
+from granular_contact.jit.memory import clear, copy, room2
 from granular_contact.jit.memory import rows as some_of
 from granular_contact.sand.kernels import space_law as law
 from granular_contact.sand.kernels.law import TERMS
@@ -39,7 +39,7 @@ def resist(
     wrench, added,
 ):  # fmt: skip
     """As `space_added_mass.resist`."""
-    W, ahead, lower, plane, inertia = room2(TERMS, 6), room2(6, 3), room2(6, 3), room1(4), room2(6, 6)
+    W, ahead, lower, inertia = room2(TERMS, 6), room2(6, 3), room2(6, 3), room2(6, 6)
     for b in range(bodies.shape[0]):
         at, near_floor, some = of_bed[b], False, False
         for c in range(bodies[b].first, bodies[b].last):
@@ -53,7 +53,7 @@ def resist(
                 clear(inertia)
                 near_floor = True
             one = clusters[c]
-            if reach_below(one, ahead, ground, medium[0], plane) <= 0.0:
+            if reach_below(one, ahead, ground, medium[0]) <= 0.0:
                 continue
             s, e = one.first, one.last
             for i in range(s, e - rows + 1):

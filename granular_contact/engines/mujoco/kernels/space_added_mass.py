@@ -22,7 +22,6 @@ from granular_contact.sand.kernels.law import TERMS
 from granular_contact.sand.kernels.planar_friction import drive as drive_across
 from granular_contact.sand.kernels.space_bodies import (
     DEEPEST,
-    below,
     bound,
     bound_cluster,
     may_touch,
@@ -61,7 +60,7 @@ def follow(bodies, of_bed, clusters, elements, anchors, active, ground, medium, 
     seen (bodies, 3), of `space_law.DEPTH` and its neighbours, is brought up to date; of what is out of reach the depth
     is a bound.
     """
-    near, plane = room1(2), room1(4)
+    near = room1(2)
     for b in range(bodies.shape[0]):
         body, pose, saw = bodies[b], poses[of_bed[b]], seen[of_bed[b]]
         bound(body.x, body.y, body.z, body.radius, pose, ground, medium[0], near)
@@ -75,9 +74,8 @@ def follow(bodies, of_bed, clusters, elements, anchors, active, ground, medium, 
                 now = may_touch(near, step)
             s, e = one.first, one.last
             if now and active[c]:
-                below(one.x, one.y, one.z, pose, ground, medium[0], plane)
                 E, A = rows_of(elements, s, e - s), rows_of(anchors, s, e - s)
-                law.follow(medium[0], (E, A, one, pose, plane, saw))
+                law.follow(medium[0], (E, A, one, pose, ground, saw))
             elif now:
                 release(elements, anchors, one, pose, medium[0], False)
             if within and not (now and active[c]):
@@ -109,7 +107,7 @@ def resist(
     Both are about the reference point of a body where it starts. then (bodies, 6, 3): poses with the velocities at the
     end of the step; turn (3, 3) as of `space_bodies`.
     """
-    W, ahead, plane, inertia = room2(TERMS, 6), room2(6, 3), room1(4), room2(6, 6)
+    W, ahead, inertia = room2(TERMS, 6), room2(6, 3), room2(6, 6)
     for b in range(bodies.shape[0]):
         body, at, some = bodies[b], of_bed[b], False
         for c in range(body.first, body.last):
@@ -120,17 +118,17 @@ def resist(
                 advance(poses[at], then[at], step, ahead)
                 clear(inertia)
                 some = True
-            if reach_below(one, ahead, ground, medium[0], plane) <= 0.0:
+            if reach_below(one, ahead, ground, medium[0]) <= 0.0:
                 continue
             s, e = one.first, one.last
             if elements.shape[1] == COLUMNS:
                 E, A = rows_of(elements, s, e - s), rows_of(anchors, s, e - s)
-                held_facets(E, A, one, ahead, plane, medium[0], step, bristle[0], wrench[at], inertia)
+                held_facets(E, A, one, ahead, ground, medium[0], step, bristle[0], wrench[at], inertia)
                 continue
             for i in range(s, e - rows + 1):
                 clear(W)
                 E, A = rows_of(elements, i, rows), rows_of(anchors, i, rows)
-                law.forces(medium[0], (E, A, one if i == e - rows else inner[c], ahead, plane, W))
+                law.forces(medium[0], (E, A, one if i == e - rows else inner[c], ahead, ground, W))
                 fx, fy, fz = total(W, 0), total(W, 1), total(W, 2)
                 if fx != 0.0 or fy != 0.0 or fz != 0.0:
                     for k in range(6):
