@@ -99,6 +99,19 @@ def test_a_body_that_never_touches_hides_no_error_of_another() -> None:
     assert 0.2 < estimate(motion, 0.0) / error < 5.0
 
 
+def test_a_body_without_other_facets_hides_no_error_of_another() -> None:
+    """A grain whose sides are small facets already, beside a box with one facet a side, both in sand: 0 was told."""
+    tree = thrown(SHAPES["box"], 0.06, step_s=2e-4)
+    grain = {"type": "box", "size_m": [0.005, 0.005, 0.005], "facet_size_m": 0.06}
+    tree["model"]["bodies"]["grain"] = {"type": "rigid", "density_kg_m3": 2000, "shapes": [grain]}
+    tree["model"]["joints"]["g"] = {"type": "free", "parent": "ground", "child": "grain"}
+    tree["initial"]["joints"]["g"] = {"x_m": 0.3, "z_m": 0.005, "vz_m_s": -0.3}
+    motion = motion_of(tree)
+    error = apart(motion, motion_of(tree, 0.05))
+    assert error > 1e-3
+    assert 0.2 < estimate(motion, 0.0) / error < 5.0
+
+
 def test_a_mesh_that_shares_cut_no_finer_is_estimated_from_one_run() -> None:
     """Two runs with the same triangles differ by nothing, which is no error of nothing."""
     motion = motion_of(thrown(SHAPES["box"], 0.03, step_s=1e-3))

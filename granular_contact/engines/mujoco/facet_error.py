@@ -1,50 +1,39 @@
 """What the facets of bodies in space falsify of the work of the sand, in the motion of one MjData.
 
 At instants of the motion, a few hundred at the most, the power of the sand on each body is found with its own facets
-and with others, as sliding has it: the static resistance whole, and in the direction of the motion. Errors go with the
-square of facets, so with one over their number: of N facets and N* others it is |N* / (N* - N)| of what the two differ
-by (Richardson's extrapolation).
+and with others (`sand.space.other_facets`), as sliding has it: the static resistance whole, and in the direction of the
+motion.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.geometry.rotations import quaternion_rates
+from granular_contact.sand.space.load import SpatialLoad
+from granular_contact.sand.space.other_facets import Others, others
 
 Vector = NDArray[np.float64]
 Indices = NDArray[np.int64]
 MOST = 256  # instants that are kept; then every second one of them
-SHARES = 2.0**0.5, 0.5, 0.25  # of the edges of the facets: the first that changes their number by a third
-OTHER = 0.67
 
 
 class Facets:
     """Loads of one bed with other facets, made when they are asked for; load_with: makes one of a share of the size."""
 
-    def __init__(self, load_with: Callable[[float], Any]) -> None:
+    def __init__(self, load_with: Callable[[float], SpatialLoad]) -> None:
         self._load_with = load_with
-        self._pair: tuple[Any, Any, float] | None = None
 
-    def pair(self) -> tuple[Any, Any, float]:
-        """The load with its own facets, with others, and what part of their difference the error is."""
-        if self._pair is None:
-            own = other = self._load_with(1.0)
-            n, m = (_number(one) for one in (own, other))
-            for share in SHARES if n else ():
-                other = self._load_with(share)
-                if min(n, m := _number(other)) < OTHER * max(n, m):
-                    break
-            self._pair = own, other, abs(m / (m - n)) if m != n else 0.0
-        return self._pair
-
-
-def _number(load: Any) -> int:
-    return sum(len(one.rows) for one in load.lines if one.meets == "surface")
+    @cached_property
+    def pair(self) -> tuple[SpatialLoad, Others | None]:
+        """The load with its own facets, and others; None where there are none."""
+        own = self._load_with(1.0)
+        return own, others(own, self._load_with)
 
 
 class Instants:
@@ -80,14 +69,17 @@ class Instants:
         """The work by which facets falsify that of the sand, over all of it."""
         if len(self._kept) < 2:
             return 0.0
-        own, other, part = facets.pair()
-        if part == 0.0:
+        own, other = facets.pair
+        if other is None:
             return 0.0
+        part = np.zeros(len(self._kept[0][1]) // 7)
+        for one in own.lines:
+            part[one.body.coordinates[0] // 7] = other.part_of(one.body.name)
         weights = np.gradient(np.array([time for time, _, _ in self._kept]))
-        powers = np.array([[_powers(load, q, v) for load in (own, other)] for _, q, v in self._kept])
+        powers = np.array([[_powers(load, q, v) for load in (own, other.load)] for _, q, v in self._kept])
         whole = float(weights @ np.abs(powers[:, 0]).sum(axis=1))
-        off = float(weights @ np.abs(powers[:, 1] - powers[:, 0]).sum(axis=1))
-        return part * off / whole if whole > 0.0 else 0.0
+        off = float(weights @ (np.abs(powers[:, 1] - powers[:, 0]) @ part))
+        return off / whole if whole > 0.0 else 0.0
 
 
 def _powers(load: Any, q: Vector, v: Vector) -> Vector:

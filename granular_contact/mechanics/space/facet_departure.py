@@ -1,10 +1,8 @@
 """What a motion in space departs by with larger facets, and the error that this stands for.
 
-As `strip_departure` in the plane, by `mechanics.departure`. Rates are those of `SpatialKinematics`, six of each body; W
-spans what the joints leave of them. An error goes with the square of facets, and so with one over their number: of N
-facets and N* others it is |N* / (N* - N)| of what the motion departs by. Where a body that touches has hardly fewer
-larger ones, as a mesh with triangles of its own, smaller ones are taken. Of a run that was repeated with smaller facets
-both runs bound the error, see `bounds_of_two`.
+As `strip_departure` in the plane, by `mechanics.departure`, with the facets of `sand.space.other_facets` on the bodies
+that touch. Rates are those of `SpatialKinematics`, six of each body; W spans what the joints leave of them. Of a run
+that was repeated with smaller facets both runs bound the error, see `bounds_of_two`.
 
 Left out: how W changes with x, inertial forces of the departure beside M x'', and how springs turn with their bodies.
 """
@@ -13,6 +11,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -26,13 +25,11 @@ from granular_contact.sand.contact_lines import Body
 from granular_contact.sand.load import GranularLoad
 from granular_contact.sand.space.load import SpatialLoad
 from granular_contact.sand.space.of_scene import add_part, load_of
+from granular_contact.sand.space.other_facets import differing, numbers, others
 from granular_contact.scene.space.types import Vector
 
 GLANCE, LOOK = 16, 96  # instants of the motion at which its departure is followed
-# Edges of the other facets over those of the motion's: the first of which any body that touches has another number.
-SHARES = 2.0**0.5, 2.0**-0.5, 0.5, 2.0**-1.5, 0.25, 2.0**-2.5, 0.125
 ORDERS = 2.0, 1.5  # of the error of facets [measured: 1.0 to 2.3 where facets are few, 2 where they are many]
-FEWER = 0.7  # of the number of facets, by which it is another one
 
 
 def estimate(observer: Any, doubtful: float) -> float:
@@ -44,14 +41,13 @@ def estimate(observer: Any, doubtful: float) -> float:
     if observer.scene.bends:
         return 0.0
     own = observer.system.facets
-    other = _other(observer, own)
+    other = others(own, partial(load_with, observer.system), _touching(observer))
     if other is None:  # there are none: bars and balls alone
         return 0.0
-    n, there = (sum(_numbers(observer, load).values()) for load in (own, other))
-    error, of_departure = 0.0, abs(there / (there - n))
+    error = 0.0
     for count in (GLANCE, LOOK):
         motion = _motion(observer, instants(observer, count))
-        error = max(error, of_departure * greatest(observer, motion, own, other, Poses()))
+        error = max(error, other.part * greatest(observer, motion, own, other.load, Poses()))
         if not error > doubtful:
             break
     return error
@@ -73,8 +69,8 @@ def track(observer: Any) -> Track:
     scene, columns = observer.scene, []
     for body in (handle.body for handle in observer.system.rigid.values()):
         columns += [observer.center(body.name)[0], scene.radius(body) * observer.rotation(body.name).reshape(-1, 9)]
-    numbers = _numbers(observer, observer.system.facets)
-    return Track(observer.trajectory.time, np.column_stack(columns), scene.facet_share, numbers)
+    counted = numbers(observer.system.facets, _touching(observer))
+    return Track(observer.trajectory.time, np.column_stack(columns), scene.facet_share, counted)
 
 
 def bounds_of_two(before: Track, observer: Any) -> tuple[float, float]:
@@ -86,7 +82,8 @@ def bounds_of_two(before: Track, observer: Any) -> tuple[float, float]:
     steps, counts as well. Where there are hardly more facets than before, two runs tell nothing.
     """
     now = track(observer)
-    if not _differ(before.numbers, now.numbers):
+    shared = {name: n for name, n in before.numbers.items() if name in now.numbers}
+    if len(differing(shared, now.numbers)) < len(shared):
         return 0.0, math.inf
     at = now.time[now.time <= before.time[-1]]
     places = np.column_stack([np.interp(at, before.time, column) for column in before.places.T])
@@ -96,30 +93,10 @@ def bounds_of_two(before: Track, observer: Any) -> tuple[float, float]:
     return least, most
 
 
-def _other(observer: SpatialKinematics, own: SpatialLoad) -> SpatialLoad | None:
-    """The load of a scene with other facets than its own on every body that touches; None where there are none."""
-    numbers = _numbers(observer, own)
-    for share in SHARES if numbers else ():
-        load = load_with(observer.system, share)
-        if _differ(numbers, _numbers(observer, load)):
-            return load
-    return None
-
-
-def _numbers(observer: SpatialKinematics, load: SpatialLoad) -> dict[str, int]:
-    """Numbers of facets of bodies that touch the medium."""
-    found: dict[str, int] = {}
+def _touching(observer: SpatialKinematics) -> set[str]:
+    """Bodies that touch the medium."""
     history: Any = observer.trajectory.load
-    touched = {name for i, name in enumerate(history.body_names) if history.bodies[:, i].any()}
-    for one in (one for one in load.lines if one.meets == "surface" and one.body.name in touched):
-        found[one.body.name] = found.get(one.body.name, 0) + len(one.rows)
-    return found
-
-
-def _differ(one: dict[str, int], other: dict[str, int]) -> bool:
-    """Whether all bodies of both have other numbers of facets."""
-    pairs = [(n, other[name]) for name, n in one.items() if name in other]
-    return all(min(pair) < FEWER * max(pair) for pair in pairs)
+    return {name for i, name in enumerate(history.body_names) if history.bodies[:, i].any()}
 
 
 def load_with(system: SpatialSystem, share: float) -> SpatialLoad:

@@ -21,7 +21,8 @@ A cube of 0.1 m of steel, pressed 30 mm deep into sand at 0.1 m/s:
 
 shapes      primitives -> triangles to draw, facets, bars, balls; a new shape is a class here; mesh_shape: meshes
 beam_shape  pieces of links that bend; cables: of an engine's beams
-facets      triangles, parallelograms, patches of round surfaces, and how large they are
+facets      triangles, parallelograms, patches of round surfaces, and how large they are; other_facets: the error of
+            a load by them
 triangles   cutting triangles; clusters of neighbours (what is wrong with a mesh, and mesh files: `geometry`)
 batch       all elements of a kind in one medium, in one compiled call
 heights     a surface given by a map of heights
