@@ -28,7 +28,7 @@ class Power(Law):
         return {"k": self.stiffness, "n": self.exponent}
 
     @staticmethod
-    def ball_force(z, vx, vy, ex, ey, run, m, f):  # noqa: ARG004  # compiled: without types
+    def ball_force(z, vx, vy, ex, ey, line, m, f):  # noqa: ARG004  # compiled: without types
         """Add the force at a depth z (m) to f."""
         qx, qy = kernels.planar_friction.drive(ex, ey, vx, vy, m)
         ux, uy, share = kernels.planar_friction.mobilised(qx, qy, m)

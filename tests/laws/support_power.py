@@ -24,7 +24,7 @@ class Power(Law):
         return {"k": self.stiffness, "n": self.exponent}
 
     @staticmethod
-    def ball_force(z, vx, vy, ex, ey, run, m, f):
+    def ball_force(z, vx, vy, ex, ey, line, m, f):
         qx, qy = kernels.planar_friction.drive(ex, ey, vx, vy, m)
         ux, uy, share = kernels.planar_friction.mobilised(qx, qy, m)
         f[0, 0] -= share * size(z, m) * ux
