@@ -1,7 +1,7 @@
 """Strains and stresses on the skin of links that bend, from their motion.
 
 In bending and stretch the strain at the skin is |eps| + c |kappa|, with c the distance of the skin from the axis; of a
-round section in space c |kappa|, of a rectangular one c_y |kappa_z| + c_z |kappa_y|. Torsion adds a shear stress
+rectangular section in space c |kappa| is c_y |kappa_z| + c_z |kappa_y|. Torsion adds a shear stress
 tau = G r kappa_x, with r the radius, or of a rectangle its smaller side: right for a thin strip, a third too large for
 a square. The stress is that of von Mises, sqrt((E eps)^2 + 3 tau^2), as if both were greatest at the same place.
 """

@@ -281,7 +281,7 @@ def test_too_few_elements_are_told_with_their_error() -> None:
         (ROD, SOFT | {"elements": 0}, "flexible.elements", "got the number 0"),
         (ROD | {"width_m": 0.01}, SOFT, "rod.diameter_m", "round or rectangular"),
         (STRIP, {"bending_stiffness_N_m2": 1.0}, "flexible.bending_stiffness_N_m2", "youngs_modulus_Pa"),
-        (STRIP, SOFT | {"axial_stiffness_N": 1.0}, "flexible.axial_stiffness_N", "axial_stiffness_N"),
+        (STRIP, SOFT | {"axial_damping_N_s": 1.0}, "flexible.axial_damping_N_s", "keeps its length"),
     ],
 )
 def test_what_can_not_be_is_refused_with_its_key(link: Config, flexible: Config, key: str, words: str) -> None:

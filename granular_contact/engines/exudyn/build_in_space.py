@@ -27,7 +27,7 @@ WHOLE = {
     "slider": items.ObjectJointPrismaticX,
     "ball": items.ObjectJointSpherical,
     "elastic": items.ObjectJointSpherical,
-}
+}  # of others the constraint has the axes that are held
 
 
 def build(scene: SpatialScene) -> SpatialSystem:

@@ -21,6 +21,7 @@ from granular_contact.mechanics.system import RigidHandle
 from granular_contact.sand.contact_lines import Body
 from granular_contact.sand.space.load import SpatialLoad
 from granular_contact.sand.space.of_scene import add_part, load_of
+from granular_contact.scene.joint_law import JointLaw
 from granular_contact.scene.space.types import SpatialJoint, SpatialMotion, SpatialRigidBody, SpatialScene, Vector
 
 POSE = 7  # coordinates of a body
@@ -75,7 +76,7 @@ class SpatialTree(Tree):
 class _Node:
     """A node as `kernels.space_tree` has it; body: None of a massless frame; joint: whose coordinate it has, if any.
 
-    ball: the ball joint whose last node it is, if something acts in that.
+    ball: the ball joint whose last node it is, if something acts in that. law: of the stretch of a link.
     """
 
     parent: int
@@ -91,6 +92,7 @@ class _Node:
     start: float = 0.0
     rate: float = 0.0
     ball: SpatialJoint | None = None
+    law: JointLaw | None = None
 
 
 def tree(scene: SpatialScene) -> SpatialTree:
@@ -113,6 +115,9 @@ def tree(scene: SpatialScene) -> SpatialTree:
     for i, node in enumerate(nodes):
         if node.ball is not None and node.ball.is_sprung:
             fill(arrays["laws"][i : i + 1], node.ball.law, None)
+        if node.law is not None:
+            fill(arrays["laws"][i : i + 1], node.law, None)
+            arrays["acts"][i] = 1
     arrays["lever"] = levers(records, 6)
     watched = _watched() if load is not None and load.watch else None
     sprung = space_ball_joints if records["acts"].any() else None
@@ -156,8 +161,11 @@ def _nodes(scene: SpatialScene) -> tuple[list[_Node], dict[int, Vector]]:
             held = STILL if joint.parent is None else named[joint.parent].motion
             R, spin = held.rotation, held.rate
             own = rotations.quaternion_of(joint.child_turn @ joint.parent_turn.T)
-            turning = R.T @ (body.motion.rate - spin)
-            nodes += _balls(body, first, parent, joint.parent_point, joint.child_point, turning)
+            turning, at = R.T @ (body.motion.rate - spin), joint.parent_point
+            if joint.kind == "stretching":
+                nodes.append(_stretch(joint, parent))
+                first, parent, at = first + 1, first, np.zeros(3)
+            nodes += _balls(body, first, parent, at, joint.child_point, turning)
             nodes[-1] = replace(
                 nodes[-1],
                 before=rotations.quaternion_of(joint.parent_turn),
@@ -185,6 +193,15 @@ def _carried(joint: SpatialJoint, body: SpatialRigidBody, parent: int) -> _Node:
         start=joint.start,
         rate=joint.rate,
     )
+
+
+def _stretch(joint: SpatialJoint, parent: int) -> _Node:
+    """Massless node that slides along a link, between two of its elements."""
+    assert joint.elastic is not None
+    assert joint.elastic.axial is not None
+    stiffness, damping = joint.elastic.axial
+    law = JointLaw(stiffness=stiffness, damping=damping)
+    return _Node(parent, SLIDER, on_parent=joint.parent_point, axis=joint.parent_turn[:, 0], law=law)
 
 
 def _sliders(body: SpatialRigidBody, first: int) -> Iterator[_Node]:

@@ -17,6 +17,7 @@ along s are those of `joint_laws`; arguments and `state` as of `joint_loads`, wi
               m = -T^-T (K theta + D theta'), theta' = T^-1 (w_C - w_P), theta = s a the rotation vector there,
               T^-1 = 1 - theta^ / 2 + (1 - (s/2) cot(s/2)) (theta^ / s)^2 of the exponential map,
               so that m . (w_C - w_P) = -d/dt (theta . K theta) / 2 - theta' . D theta'
+    stretching   the same, of a link that stretches: with s along the parent's x, a force -(k s + d s') as well
 """
 
 from __future__ import annotations
@@ -37,10 +38,10 @@ from granular_contact.sand.kernels.lines import difference
 from granular_contact.sand.kernels.space_bodies import by_parameters
 
 MOST = 14  # coordinates of two nodes
-BALL, ELASTIC = 2, 3  # kinds of joints, beside HINGE and SLIDER
+BALL, ELASTIC, STRETCHING = 2, 3, 4  # kinds of joints, beside HINGE and SLIDER
 # find: address of what finds the coordinate of its kind; parent, child: how many coordinates their nodes have, none of
-# the ground; points (m) and axes of the joint's frame in
-# the frames of parent and child; reference: values of the coordinates; bends, damps: K and D of an elastic joint.
+# the ground; points (m) and axes of the joint's frame in the frames of parent and child; reference: values of the
+# coordinates; bends, damps, axial: K, D, and k and d of an elastic joint.
 JOINT = record_dtype(
     [
         *((name, "i8") for name in ("kind", "find")),
@@ -53,6 +54,7 @@ JOINT = record_dtype(
         ("reference", "f8", (MOST,)),
         ("bends", "f8", (3,)),
         ("damps", "f8", (3,)),
+        ("axial", "f8", (2,)),
         ("drive", "i8"),
         *((name, "f8") for name in (*LAW, *DRIVE)),
     ]
@@ -110,7 +112,7 @@ def _hinge(joint, last, q, v, slope, R, x, G):
     """`coordinate` of a hinge; R, x, G: room for the frames of both bodies, see `_frames`."""
     _frames(joint, q, R, x, G)
     a, by_turn, s = room1(3), room2(2, 3), _turn_of(joint, R)
-    _axis(joint, R, a)
+    _axis(joint, R, a, 2)
     s += 2.0 * math.pi * round((last[0] - s) / (2.0 * math.pi))
     for i in range(3):
         by_turn[0, i], by_turn[1, i] = -a[i], a[i]
@@ -135,7 +137,7 @@ def _slider(joint, last, q, v, slope, R, x, G):
     """As `_hinge`, of a slider."""
     _frames(joint, q, R, x, G)
     a, by_turn = room1(3), room2(2, 3)
-    _axis(joint, R, a)
+    _axis(joint, R, a, 2)
     clear(slope)
     s = _slide(joint, R, x, a, by_turn, slope)
     return _ended(joint, last, s, by_turn, G, v, slope)
@@ -177,6 +179,20 @@ def _elastic(joint, last, q, v, slope, R, x, G):
 
 
 @part
+def _stretching(joint, last, q, v, slope, R, x, G):
+    """As `_elastic`, of a link that stretches."""
+    _elastic(joint, last, q, v, slope, R, x, G)
+    a, by_turn, along = room1(3), room2(2, 3), room1(MOST)
+    _axis(joint, R, a, 0)
+    clear(along)
+    s, rate = _ended(joint, last, _slide(joint, R, x, a, by_turn, along), by_turn, G, v, along)
+    force = joint.axial[0] * s + joint.axial[1] * rate
+    for i in range(MOST):
+        slope[i] -= force * along[i]
+    return 0.0, 0.0
+
+
+@part
 def _by_map(A, w, t, c, i):
     """Component i of T^-1 w; w (3,) rad/s in the world, A: axes of the joint's frame, t (3,) the rotation vector."""
     j, k, square = (i + 1) % 3, (i + 2) % 3, t[0] * t[0] + t[1] * t[1] + t[2] * t[2]
@@ -188,11 +204,11 @@ def _by_map(A, w, t, c, i):
 
 
 @part
-def _axis(joint, R, a):
-    """Fill a (3,) with the axis of a hinge or a slider."""
+def _axis(joint, R, a, k):
+    """Fill a (3,) with an axis of the parent's frame, of a hinge or a slider its z."""
     P = joint.parent_turn
     for i in range(3):
-        a[i] = R[0, i, 0] * P[0, 2] + R[0, i, 1] * P[1, 2] + R[0, i, 2] * P[2, 2]
+        a[i] = R[0, i, 0] * P[0, k] + R[0, i, 1] * P[1, k] + R[0, i, 2] * P[2, k]
 
 
 @part
@@ -248,7 +264,7 @@ def _act(joint, now, q, v, out):
     """Fill out (14,) with the generalised forces of a joint."""
     R, x, G = room3(2, 3, 3), room2(2, 3), room3(2, 3, 4)
     s, rate = _find(joint, (rows(now, TURNS, 2), q, v, out, R, x, G))
-    if joint.kind == ELASTIC:
+    if joint.kind >= ELASTIC:
         return
     force = total(joint, s, rate, now[ANCHOR], now[VALUE], now[RATE])
     for i in range(MOST):
@@ -338,4 +354,5 @@ def single(joint, last, q, v, slope):
 @cache
 def found_by(kind: int) -> int:
     """Address of what finds the coordinate of joints of a kind, which is compiled where it is not yet."""
-    return address_of({HINGE: _hinge, SLIDER: _slider, BALL: _ball, ELASTIC: _elastic}[kind], _FIND, _FOUND)
+    finds = {HINGE: _hinge, SLIDER: _slider, BALL: _ball, ELASTIC: _elastic, STRETCHING: _stretching}
+    return address_of(finds[kind], _FIND, _FOUND)

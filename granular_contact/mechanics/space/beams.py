@@ -5,7 +5,7 @@ See `scene.space.beams` for the elements, and `mechanics.kernels.space_joints` f
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -104,26 +104,46 @@ class BeamMotion:
     def strains(self) -> Strains:
         """Strains and stresses at the root, the joints between elements and the tip."""
         beam, n = self.beam, self.beam.elements
-        kappa = self.turned()[0] * n / beam.length
+        changes = self.turned()[0]
+        if beam.stretches:
+            changes = np.concatenate([changes, self.stretched()[0][:, :, None]], axis=2)
+        kappa = changes * n / beam.length
         ends = [
             1.5 * kappa[:, k] - 0.5 * kappa[:, k + step] if n > 1 else kappa[:, k] for k, step in ((0, 1), (-1, -1))
         ]
         kappa = np.concatenate([ends[0][:, None], kappa, ends[1][:, None]], axis=1)
         y, z = (0.5 * side for side in beam.section)
-        twist, about_y, about_z = np.moveaxis(np.abs(kappa), 2, 0)
-        strain = y * np.hypot(about_y, about_z) if beam.round else z * about_y + y * about_z
-        (E, G), arm = beam.moduli, y if beam.round else 2.0 * min(y, z)
-        stress = np.sqrt((E * strain) ** 2 + 3.0 * (G * arm * twist) ** 2)
+        twist, about_y, about_z = np.moveaxis(np.abs(kappa[:, :, :3]), 2, 0)
+        bent = y * np.hypot(about_y, about_z) if beam.round else z * about_y + y * about_z
+        along = np.abs(kappa[:, :, 3:]).sum(axis=2)
+        (E, G, axial), arm = beam.moduli, y if beam.round else 2.0 * min(y, z)
+        stress = np.sqrt((E * bent + axial * along) ** 2 + 3.0 * (G * arm * twist) ** 2)
         places = np.array([0.0, *((np.arange(n) + 0.5) * beam.length / n), beam.length])
-        return Strains(places, strain, stress, beam.yield_stress)
+        return Strains(places, bent + along, stress, beam.yield_stress)
+
+    def stretched(self) -> tuple[Vector, Vector]:
+        """How much farther apart (n, joints) m elements are than of the link as it was made; the rates."""
+        found = []
+        for k, name in enumerate(self.beam.joints):
+            joint = self.motion.scene.joint(name)
+            at, speed = self.motion.position(joint.parent, joint.parent_point)
+            to, other = self.motion.position(joint.child, joint.child_point)
+            sign = 1.0 if joint.parent == self.beam.pieces[k][0] else -1.0
+            x = sign * self.motion.rotation(joint.parent) @ joint.parent_turn[:, 0]
+            # What is apart is along x, so that turning with the parent does not change the speed along it.
+            found.append((np.sum(x * (to - at), axis=1), np.sum(x * (other - speed), axis=1)))
+        return np.stack([one for one, _ in found], axis=1), np.stack([rate for _, rate in found], axis=1)
 
     def energy_and_loss(self) -> tuple[Vector, Vector]:
         """Strain energy (n,) J, and the power (n,) W that its damping takes."""
         theta, rate = self.turned()
-        laws = [self.motion.scene.joint(name).elastic for name in self.beam.joints]
+        laws: Any = [self.motion.scene.joint(name).elastic for name in self.beam.joints]
         stiffness, damping = (np.array([getattr(law, name) for law in laws]) for name in ("stiffness", "damping"))
         stored: Vector = 0.5 * np.sum(stiffness * theta**2, axis=(1, 2))
         lost: Vector = np.sum(damping * rate**2, axis=(1, 2))
+        if (axial := laws[0].axial) is not None:
+            (apart, speed), (k, d) = self.stretched(), axial
+            stored, lost = stored + 0.5 * k * np.sum(apart**2, axis=1), lost + d * np.sum(speed**2, axis=1)
         return stored, lost
 
     def columns(self) -> series.Series:
@@ -138,4 +158,7 @@ class BeamMotion:
             f"rotation of the tip of {name} against its root, about its axis",
             np.degrees(twist),
         )
+        if self.beam.stretches:
+            words = f"by how much {name} is longer than it was made"
+            found[f"{name}_stretch_m"] = (words, self.stretched()[0].sum(axis=1))
         return found

@@ -15,7 +15,8 @@ from granular_contact.scene.space.types import SpatialJoint
 if TYPE_CHECKING:
     from granular_contact.mechanics.space.system import SpatialSystem
 
-KINDS = {"hinge": HINGE, "slider": SLIDER, "ball": space_joints.BALL, "elastic": space_joints.ELASTIC}
+KINDS = {"hinge": HINGE, "slider": SLIDER, "ball": space_joints.BALL}
+KINDS |= {"elastic": space_joints.ELASTIC, "stretching": space_joints.STRETCHING}
 
 
 def coordinate(system: SpatialSystem, joint: SpatialJoint, *, whole: bool) -> SpatialCoordinate:
@@ -42,4 +43,5 @@ class SpatialCoordinate(Coordinate):
         record["reference"][: self.size] = references
         if joint.elastic is not None:
             record["bends"], record["damps"] = joint.elastic.stiffness, joint.elastic.damping
+            record["axial"] = joint.elastic.axial or (0.0, 0.0)
         self._slope = np.zeros(space_joints.MOST)

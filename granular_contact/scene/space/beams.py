@@ -32,9 +32,13 @@ class ElasticJoint:
     child: str
     parent_point_m: Point3
     elastic: Elastic
-    type: Literal["elastic"] = "elastic"
     rpy_deg: None = None
     quaternion: None = None
+
+    @property
+    def type(self) -> Literal["elastic", "stretching"]:
+        """As of `SpatialJoint`."""
+        return "elastic" if self.elastic.axial is None else "stretching"
 
     @property
     def child_point_m(self) -> Point3:
@@ -104,7 +108,9 @@ def _elastic_joints(name: str, link: schema.SpatialLink, held: int) -> dict[str,
     assert flexible is not None
     piece = link.length_m / flexible.elements
     damping = np.array([flexible.torsion_damping_N_m2_s, *[flexible.bending_damping_N_m2_s] * 2])
-    law = Elastic(stiffness(link) / piece, damping / piece)
+    stretch, loss = flexible.axial_stiffness_N, flexible.axial_damping_N_s
+    axial = None if stretch is None else (stretch / piece, loss / piece)
+    law = Elastic(stiffness(link) / piece, damping / piece, axial)
     joints = {}
     for k, x in enumerate(_cuts(link).tolist()):
         inner, outer = (k, k + 1) if k >= held else (k + 1, k)
@@ -116,7 +122,9 @@ def beams(model: schema.SpatialModel, placed: Pose, rigid: tuple[SpatialRigidBod
     """Links that bend, once their elements are bodies; model: before it was cut; placed: all elements."""
     homes = {name: body for body in rigid for name in body.members}
     for name, link in bending_links(model).items():
-        own, pieces = section(link), []
+        own, flexible, pieces = section(link), link.flexible, []
+        assert flexible is not None
+        stretch = flexible.axial_stiffness_N
         for k, element in enumerate(_elements(link)):
             frame = _frame(homes.get(f"{name}.{k}"), placed[f"{name}.{k}"])
             mass = link.density_kg_m3 * own.area * (element.end - element.start)
@@ -127,8 +135,13 @@ def beams(model: schema.SpatialModel, placed: Pose, rigid: tuple[SpatialRigidBod
             section=(own.width, own.thickness),
             round=own.diameter is not None,
             stiffness=(K := stiffness(link)),
-            moduli=(float(K[1] / own.second_moments[0]), float(K[0] / own.torsion_constant)),
-            yield_stress=link.flexible.yield_stress_Pa if link.flexible is not None else None,
+            moduli=(
+                float(K[1] / own.second_moments[0]),
+                float(K[0] / own.torsion_constant),
+                (stretch or 0.0) / own.area,
+            ),
+            stretches=stretch is not None,
+            yield_stress=flexible.yield_stress_Pa,
             elements=len(pieces) - 1,
             pieces=tuple((body, at + x * axes[:, 0], mass) for (body, at, axes), x, mass in pieces),
             joints=tuple(f"{name}.{k}-{k + 1}" for k in range(len(pieces) - 1)),

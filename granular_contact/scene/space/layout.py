@@ -52,7 +52,7 @@ class JointState:
 
 
 # Degrees of freedom; links that bend are straight at the start.
-SIZES = {"hinge": 1, "slider": 1, "ball": 3, "free": 6, "weld": 0, "elastic": 0}
+SIZES = {"hinge": 1, "slider": 1, "ball": 3, "free": 6, "weld": 0, "elastic": 0, "stretching": 0}
 
 
 def axis_of(joint: AnyJoint | AnyClosure) -> Vector:
@@ -81,8 +81,10 @@ def _child(joint: AnyJoint, state: JointState | None, parent: SpatialMotion) -> 
     elif state is not None and joint.type == "hinge":
         turn = turn @ rotations.about(axis_of(joint), state.coordinate)
         rate = rate + state.rates[0] * (turn @ axis_of(joint))
-    elif state is not None and joint.type in ("ball", "elastic"):
-        turn, rate = parent.rotation @ state.turn, rate + parent.rotation @ state.rates
+    elif state is not None and joint.type in ("ball", "elastic", "stretching"):
+        turn, rate = parent.rotation @ state.turn, rate + parent.rotation @ state.rates[-3:]
+        if len(state.rates) == 4:
+            speed = state.rates[0] * parent.rotation[:, 0]
     elif state is not None:
         pin, turn, speed, rate = pin + state.position, state.turn, state.rates[:3], rate + state.rates[3:]
     arm = turn @ np.array(joint.child_point_m)

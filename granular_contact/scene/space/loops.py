@@ -16,7 +16,7 @@ from granular_contact.config.schema.space.joints import AnyClosure, AnyJoint
 from granular_contact.errors import Fault, scene_fault
 from granular_contact.geometry import rotations
 from granular_contact.scene.loops import RANK_TOLERANCE, Loops
-from granular_contact.scene.space.layout import SIZES, ZERO, JointState, Pose, axis_of, pose
+from granular_contact.scene.space.layout import SIZES, JointState, Pose, axis_of, pose
 from granular_contact.scene.space.shapes import orientation
 from granular_contact.scene.space.types import Vector
 from granular_contact.scene.types import Drive
@@ -28,16 +28,18 @@ CONSTRAINED = {
     "weld": (True,) * 6,
     "ball": (True, True, True, False, False, False),
     "elastic": (True, True, True, False, False, False),
+    "stretching": (False, True, True, False, False, False),
     "free": (False,) * 6,
 }
+BENDING = {"elastic": 4, "stretching": 4}  # degrees of freedom between elements of links, if these stretched
 
 
 class SpatialLoops(Loops):
     """The loops of a model in space."""
 
     def __init__(self, model: schema.SpatialModel, *, bending: bool = False) -> None:
-        """bending: whether links that bend do; to close loops they do not."""
-        super().__init__(model, SIZES | {"elastic": 3} if bending else SIZES)
+        """bending: whether links that bend do, and stretch; to close loops they do not."""
+        super().__init__(model, SIZES | BENDING if bending else SIZES)
 
     def pose(self, states: Mapping[str, JointState]) -> Pose:
         """Pose of the mechanism."""
@@ -88,31 +90,47 @@ def needed(
 ) -> dict[str, tuple[bool, ...]]:
     """Of each closure which of its six constraints the joints before it do not hold already.
 
-    A fault is appended for a closure of which none is left, and for a prescribed motion that the loops do not allow.
+    A fault is appended for a closure of which none is left, for one that would hold the length of a straight link that
+    can't change, and for a prescribed motion that the loops do not allow.
     """
     if not model.closures:
         return {}
-    loops, found = SpatialLoops(model, bending=True), {}
-    straight = {name: JointState(ZERO) for name, joint in loops.joints.items() if joint.type == "elastic"}
-    held, rank = np.zeros((0, loops.size)), 0
-    for name, slope in loops.jacobian({**states, **straight}).items():
-        keep = [False] * 6
-        for row in np.flatnonzero(CONSTRAINED[model.closures[name].type]):
-            tried = np.vstack([held, slope[row]])
-            if _rank(tried) > rank:
-                held, rank, keep[row] = tried, rank + 1, True
-        found[name] = tuple(keep)
-        if not any(keep):
+    loops = SpatialLoops(model, bending=True)
+    links = {name: joint for name, joint in loops.joints.items() if joint.type in BENDING}
+    straight = {name: JointState(np.zeros(4)) for name in links}
+    slopes, moves = loops.jacobian({**states, **straight}), np.ones(loops.size, bool)
+    freer = _kept(model, slopes)[0]
+    moves[[loops.places[name].start for name, joint in links.items() if joint.type == "elastic"]] = False
+    found, held = _kept(model, {name: slope[:, moves] for name, slope in slopes.items()})
+    for name, keep in found.items():
+        if keep != freer[name]:
+            words = "holds a straight link by both of its ends, which keeps its length: give axial_stiffness_N of links"
+            faults.append(scene_fault(f"model.closures.{name}", f"{name} {words}"))
+        elif not any(keep):
             words = f"all that {name} holds is held by the other joints: leave it out"
             faults.append(scene_fault(f"model.closures.{name}", words))
+    rank = len(held)
     for drive in drives:
         if drive.kind == "motion" and drive.joint in loops.places:
-            tried = np.vstack([held, np.eye(loops.size)[loops.places[drive.joint]]])
+            tried = np.vstack([held, np.eye(loops.size)[loops.places[drive.joint]][:, moves]])
             if _rank(tried) == rank:
                 words = f"the motion of {drive.joint} is redundant with the other joints: leave it out"
                 faults.append(scene_fault(f"drives.{drive.joint}", words))
             held, rank = tried, _rank(tried)
     return found
+
+
+def _kept(model: schema.SpatialModel, slopes: Mapping[str, Vector]) -> tuple[dict[str, tuple[bool, ...]], Vector]:
+    """Of each closure which constraints are not held by those before it, and these rows of the Jacobian."""
+    found, held = {}, np.zeros((0, next(iter(slopes.values())).shape[1]))
+    for name, slope in slopes.items():
+        keep = [False] * 6
+        for row in np.flatnonzero(CONSTRAINED[model.closures[name].type]):
+            tried = np.vstack([held, slope[row]])
+            if _rank(tried) > len(held):
+                held, keep[row] = tried, True
+        found[name] = tuple(keep)
+    return found, held
 
 
 def _rank(rows: Vector) -> int:

@@ -142,11 +142,13 @@ class Elastic:
     """Moments (N m) about x, y, z of a joint's frame, by the rotation vector theta (rad) from parent to child.
 
     stiffness (3,) N m/rad, damping (3,) N m s/rad: its energy is sum(stiffness theta^2) / 2, and dampers take
-    sum(damping theta'^2).
+    sum(damping theta'^2). axial: stiffness (N/m) and damping (N s/m) of one that slides along x of the frame as well,
+    None of one that does not.
     """
 
     stiffness: Vector
     damping: Vector
+    axial: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True)
@@ -154,7 +156,8 @@ class SpatialBeam:
     """A link that bends, made of rigid elements, see `scene.space.beams`; its frame's x axis is along it. m, N m2.
 
     section: width along y and thickness along z, of a round one its diameter twice; stiffness (3,): G J, E I_y, E I_z;
-    moduli (Pa): E of the bending stiffness and G of the torsion; yield_stress (Pa): None where it is not looked at;
+    moduli (Pa): E of the bending stiffness, G of the torsion, and of what stretches it; yield_stress (Pa): None where
+    it is not looked at; stretches: whether it does;
     pieces: its elements from root to tip, each with its body (None: fixed to the ground), its centre of mass (3,) m in
     that and its mass (kg); joints: between these. root, tip: the body of its first and its last element, with the
     origin (3,) m and the axes (3, 3) of the link's frame in it.
@@ -165,8 +168,9 @@ class SpatialBeam:
     section: tuple[float, float]
     round: bool
     stiffness: Vector
-    moduli: tuple[float, float]
+    moduli: tuple[float, float, float]
     yield_stress: float | None
+    stretches: bool
     elements: int
     pieces: tuple[tuple[str | None, Vector, float], ...]
     joints: tuple[str, ...]
@@ -179,7 +183,8 @@ class SpatialJoint:
     """Joint of two bodies; parent None is the ground. Its frame is at a point (3,) m of each, turned by (3, 3) in it.
 
     law: what acts along the coordinate; in a ball joint along the angle of the rotation from home (rad), its damper on
-    the whole relative angular velocity. elastic: of one between two elements of a link that bends.
+    the whole relative angular velocity. elastic: of one between two elements of a link that bends; a joint of the kind
+    `stretching` slides along x of its frame as well.
 
     z of the joint's frame is the axis of a hinge or slider; at coordinate 0 both frames coincide. constrained: which of
     the displacements along x, y, z of the joint's frame and rotations about them are held. start, rate: coordinate of a
@@ -187,7 +192,7 @@ class SpatialJoint:
     """
 
     name: str
-    kind: Literal["hinge", "weld", "slider", "ball", "free", "elastic"]
+    kind: Literal["hinge", "weld", "slider", "ball", "free", "elastic", "stretching"]
     parent: str | None
     parent_point: Vector
     parent_turn: Vector

@@ -68,7 +68,7 @@ class SpatialRigid(Strict):
 
 
 class SpatialFlexible(Strict):
-    """Elasticity of a link, in bending about both axes of its section and in torsion; it does not stretch.
+    """Elasticity of a link, in bending about both axes of its section, in torsion, and along it if that is given.
 
     Give the bending stiffness, of a round link, or Young's modulus.
     """
@@ -79,16 +79,22 @@ class SpatialFlexible(Strict):
     torsion_stiffness_N_m2: Positive | None = None
     """G J; null: of the same material, with poissons_ratio."""
     poissons_ratio: Annotated[float, Field(gt=-1.0, le=0.5)] = 0.3
+    axial_stiffness_N: Positive | None = None
+    """E A; null: it keeps its length, as all but rubber and what is held at both ends nearly does."""
     elements: Annotated[int, Field(ge=1, le=MOST_ELEMENTS)] = 8
     bending_damping_N_m2_s: NotNegative = 0.0
     """Bending moment per rate of curvature, about both axes."""
     torsion_damping_N_m2_s: NotNegative = 0.0
     """Torque per rate of twist."""
+    axial_damping_N_s: NotNegative = 0.0
+    """Axial force per rate of strain, with axial_stiffness_N."""
     yield_stress_Pa: Positive | None = None
     """Stress above which the material stays bent: a run that passes it says so. null: not looked at."""
 
     def _faults(self) -> Faults:
-        return modulus_faults(self.bending_stiffness_N_m2, self.youngs_modulus_Pa)
+        yield from modulus_faults(self.bending_stiffness_N_m2, self.youngs_modulus_Pa)
+        if self.axial_damping_N_s > 0.0 and self.axial_stiffness_N is None:
+            yield ("axial_damping_N_s",), "damps a link that keeps its length: give axial_stiffness_N as well"
 
 
 class SpatialLink(Strict):
