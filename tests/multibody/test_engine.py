@@ -174,7 +174,7 @@ def test_internal_damping_closes_the_balance(kind: str) -> None:
             *VACUUM,
             f"model.bodies.link.flexible.{kind}",
             f"solver.step_s={step}",
-            f"solver.end_time_s={0.05 if bending else 0.003}",
+            f"solver.end_time_s={0.03 if bending else 0.003}",
             f"initial.impact_angle_deg={0 if bending else 90}",
         )
         done.append(run.summary["energy"]["damping_work_J"])

@@ -172,10 +172,10 @@ def test_accuracy_bounds_the_error_of_a_block_that_rolls_over() -> None:
 
 def test_accuracy_bounds_the_error_of_a_slow_rest_of_the_motion() -> None:
     """0.8 of the accuracy when written; 2.7 where the speed of the impact alone says what an error is beside."""
-    reference = simulate(DISC, "solver.step_s=2e-5")
+    reference = simulate(DISC, "solver.step_s=5e-5")
     rim = {"disc_x_m": 1.0, "disc_y_m": 1.0, "disc_orientation_deg": np.radians(0.032)}
     way = 0.032  # m: the centre 18 mm, the rim 14
-    for accuracy in (9e-3, 8e-3, 5e-3, 2e-3):
+    for accuracy in (8e-3, 2e-3):
         chosen = simulate(DISC, f"solver.accuracy={accuracy}")
         for column, lever in rim.items():
             there = np.interp(chosen["time_s"], reference["time_s"], reference[column])
