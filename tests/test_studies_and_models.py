@@ -7,7 +7,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
-from matplotlib.figure import Figure
+from support_figures import sketched
 from support_studies import MODELS, PAGE, REFUSALS, STUDIES, Case, Refused, page
 
 from granular_contact.cli import many
@@ -30,12 +30,6 @@ def folders(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
     return folder
 
 
-def unlaid(figure: Figure) -> Figure:
-    """The figure without a layout, which takes as long as drawing it."""
-    figure.set_layout_engine("none")
-    return figure
-
-
 @pytest.mark.parametrize("model", MODELS)
 @pytest.mark.parametrize("study", STUDIES)
 def test_it_works_or_is_refused_in_a_sentence(
@@ -46,13 +40,12 @@ def test_it_works_or_is_refused_in_a_sentence(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.setattr(many, "pool", lambda *_: WorkerPool(1, ThreadPoolExecutor))  # processes would take seconds
-    monkeypatch.setattr("granular_contact.results.frames.MOST", 4)  # pictures of a film
-    monkeypatch.setattr("granular_contact.report.figures.DPI", 30)
-    monkeypatch.setattr("granular_contact.report.figures._laid_out", unlaid)
+    monkeypatch.setattr("granular_contact.results.frames.MOST", 2)  # pictures of a film
     case = Case(model, folders(model), lambda: capsys.readouterr().err)
     wanted = REFUSALS.get((study, model))
     try:
-        STUDIES[study](case)
+        with sketched():
+            STUDIES[study](case)
         said = None
     except (Refused, GranularContactError) as refused:
         said = str(refused)
