@@ -50,11 +50,12 @@ def about(name: str) -> str:
 
 def text(name: str, file: str) -> str:
     """A config of its own, for a file of a name; KeyError where nothing shipped has the `name`."""
-    config = _read(names()[name.removesuffix(".yaml")])
+    shown = names()[name.removesuffix(".yaml")]
+    config = _read(shown)
     body = "\n".join(line for line in _without_comment(config) if not line.startswith("# yaml-language-server"))
     body = _MODEL.sub(lambda found: _in_place(found[1]), body)
     lines = [
-        f"# {about(names()[name.removesuffix('.yaml')])}",
+        f"# {about(shown)}",
         "#",
         f"#   granular-contact check {file}            what is wrong, with its line",
         f"#   granular-contact run {file} --animate    results and a film in results/{Path(file).stem}/",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
@@ -84,7 +84,7 @@ def ringing(time: Array, case: Case) -> tuple[Array, Array]:
 
 
 def table(case: Case) -> tuple[dict[str, Array], float | None]:
-    time, angle, rate, force, stop = motion(case)
+    time, angle, rate, force, stop = motion(replace(case, rows=0, flexible=False))  # which change none of it
     fine = np.linspace(time[0], time[-1], case.rows) if case.rows > 1 else time[:1]
     angle, rate = np.interp(fine, time, angle), np.interp(fine, time, rate)
     force = np.array([np.interp(fine, time, column) for column in force.T])

@@ -7,6 +7,7 @@ import os
 import re
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -14,7 +15,7 @@ import yaml
 from support_runs import ROOT
 
 from granular_contact import __version__, starter
-from granular_contact.cli import main
+from granular_contact.cli import main, schema
 from granular_contact.cli.schema import SCHEMAS
 from granular_contact.config import json_schema, load, medium_names
 
@@ -30,14 +31,18 @@ def test_the_version_names_the_engine_too(capsys: pytest.CaptureFixture[str]) ->
     assert re.match(rf"granular-contact {re.escape(__version__)}, exudyn \d+\.\d+", capsys.readouterr().out)
 
 
-@pytest.mark.parametrize("name", [*starter.names()])
+NAMES = starter.names()  # which reads all configs
+
+
+@pytest.mark.parametrize("name", NAMES)
 def test_what_new_writes_is_a_run_of_the_shipped_model(
-    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """It stands alone, and does not overwrite; it is the shipped config with its model."""
+    monkeypatch.setattr(starter, "names", lambda: NAMES)
     path = tmp_path / "mine.yaml"
     assert main(["new", name, "--out", str(path)]) == 0
-    made, shipped = load(path).scenario, load(starter.names()[name]).scenario
+    made, shipped = load(path).scenario, load(NAMES[name]).scenario
     assert made.model == shipped.model
     assert made.model_copy(update={"name": None}) == shipped.model_copy(update={"name": None})
     before = path.read_text(encoding="utf-8")
@@ -83,8 +88,9 @@ def test_a_shipped_file_leads_editors_to_the_schema_of_its_kind(path: Path) -> N
     assert schema.stem == kinds.get(path.parent.name, next((kind for kind, key in ways if key in keys), None))
 
 
-def test_the_schemas_that_lines_for_editors_name_are_written(tmp_path: Path) -> None:
+def test_the_schemas_that_lines_for_editors_name_are_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """By `schema --write`; by `examples` beside models and configs: there the line of each leads to a file."""
+    monkeypatch.setattr(schema, "files", cache(schema.files))
     assert main(["schema", "--write", str(tmp_path / "schemas")]) == 0
     assert main(["examples", str(tmp_path / "out")]) == 0
     assert json.loads((tmp_path / "schemas" / "run.json").read_text(encoding="utf-8")) == json_schema("run")

@@ -270,9 +270,14 @@ def test_run_without_figures_loads_no_matplotlib(after: dict[str, set[str]]) -> 
 def test_a_planar_run_loads_nothing_of_space(after: dict[str, set[str]]) -> None:
     names = after["a run without figures"]
     assert "granular_contact.sand.kernels.lines" in names  # the test would see it
-    space = {"facets", "bars", "slices"} | {path.stem for path in MODULES if path.stem.startswith("space_")}
-    assert not names & {f"granular_contact.sand.kernels.{name}" for name in space}
-    assert not [name for name in names if ".space" in name and name.startswith("granular_contact.")]
+    assert of_space(names) == set()
+
+
+def of_space(names: set[str]) -> set[str]:
+    """Those of some modules that only scenes in space need."""
+    kernels = {f"granular_contact.sand.kernels.{name}" for name in ("facets", "bars", "slices")}
+    ours = {name for name in names if name.startswith("granular_contact.")}
+    return (ours & kernels) | {name for name in ours if ".space" in name or "space_" in name}
 
 
 def test_scene_without_medium_and_bed_out_of_reach_load_no_numba(after: dict[str, set[str]]) -> None:
@@ -302,6 +307,7 @@ def test_given_poses_reduced_and_minimal_coordinates_load_no_engine() -> None:
     assert "numba" in after["a bed on given poses"]  # the test would see it
     assert not after["a reduced run"] & {"exudyn", "matplotlib", "scipy.integrate"}
     assert not after["a run in minimal coordinates"] & {"exudyn", "matplotlib"}
+    assert of_space(after["a run in minimal coordinates"]) == set()
 
 
 def test_commands_without_runs_load_nothing_heavy() -> None:

@@ -30,11 +30,11 @@ def simulate(name: str, *sets: str) -> Results:
 
 
 def test_every_model_has_a_config_and_a_comment() -> None:
+    used = [yaml.safe_load(one.read_text(encoding="utf-8")).get("model") for one in CONFIGS.glob("*.yaml")]
     for path in (ROOT / "models").glob("*.yaml"):
         text = path.read_text(encoding="utf-8")
         assert yaml.safe_load(text)["name"] == path.stem
         assert text.startswith("# ")
-        used = [yaml.safe_load(one.read_text(encoding="utf-8")).get("model") for one in CONFIGS.glob("*.yaml")]
         assert any(model == path.stem for model in used), path.stem
 
 
@@ -109,8 +109,7 @@ def test_the_stepping_leg_draws_its_carriage_along_within_the_torque_that_it_has
 
 
 def test_the_soft_walker_bends_its_shanks_both_ways_and_falls_behind() -> None:
-    soft = simulate("soft_walker")
-    stiff = simulate("walker_in_space")
+    soft, stiff = (simulate(name, "solver.end_time_s=1") for name in ("soft_walker", "walker_in_space"))
     assert 0.8 * stiff["trunk_x_m"][-1] < soft["trunk_x_m"][-1] < stiff["trunk_x_m"][-1]
     for side in ("left", "right"):
         for axis, least in (("y", 1e-3), ("z", 3e-3)):
@@ -121,14 +120,14 @@ def test_the_soft_walker_bends_its_shanks_both_ways_and_falls_behind() -> None:
 def test_a_tail_turns_its_body_the_farther_the_stiffer_it_is() -> None:
     """Nothing turns before the tail beats; it beats to the left, so the body turns to the right."""
     yaws = []
-    for modulus in (4e7, 2e8, 2e9):
+    for modulus in (4e7, 2e9):
         sets = (f"model.bodies.tail.flexible.youngs_modulus_Pa={modulus}", "model.bodies.tail.flexible.elements=12")
         found = simulate("tail", *sets)
         before = found["time_s"] < 0.3
         assert np.abs(found["body_yaw_deg"][before]).max() < 1e-6
         yaws.append(found["body_yaw_deg"][-1])
-    soft, shipped, stiff = yaws
-    assert -35.0 < stiff < 1.1 * shipped < 1.2 * soft < -10.0
+    soft, stiff = yaws
+    assert -35.0 < stiff < 1.2 * soft < -10.0
 
 
 def test_a_flexible_leg_of_rising_stiffness_becomes_the_rigid_one() -> None:

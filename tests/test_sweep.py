@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from support_figures import sketched
 from support_sweep import ANGLE, CONFIGS, ENVIRONMENT, ROOT, SPEED, TIME, arguments, dying, of_speed, read, until, write
 
 from granular_contact import report, scene
@@ -296,7 +297,8 @@ def here(monkeypatch):
 @pytest.mark.usefixtures("here")
 def test_plots_give_each_case_its_results(tmp_path, capsys):
     path = write(tmp_path, f"cases:\n  slow: {{{SPEED}: 2}}\n  fast: {{{SPEED}: 9, output.figures: false}}\n")
-    assert ended("sweep", path, "--out", tmp_path / "out", "--plots", "--quiet") == 0
+    with sketched():
+        assert ended("sweep", path, "--out", tmp_path / "out", "--plots", "--quiet") == 0
     assert capsys.readouterr() == ("", "")
     assert sorted(entry.name for entry in (tmp_path / "out").iterdir()) == ["cases", "sweep.yaml", "table.csv"]
     cases = tmp_path / "out" / "cases"

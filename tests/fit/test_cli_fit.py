@@ -87,7 +87,8 @@ def test_what_is_printed(data: Path, tmp_path: Path, capsys) -> None:
 def test_a_misfit_is_printed_even_when_quiet(tmp_path: Path, capsys) -> None:
     file = measure(tmp_path / "other.csv", RIGID, "gravity_m_s2=40")
     out = str(tmp_path / "out")
-    assert main(["fit", str(CONFIG), str(file), "--parameters", "medium.eta_d", *FAST, "--quiet", "--out", out]) == 0
+    words = ("--parameters", "medium.eta_d", *FAST, "--quiet", "--no-plots")
+    assert main(["fit", str(CONFIG), str(file), *words, "--out", out]) == 0
     assert "warning: misfit: residuals" in capsys.readouterr().err
     assert "# misfit" in (tmp_path / "out" / "medium.yaml").read_text(encoding="utf-8")
     assert "does not describe" in yaml.safe_load((tmp_path / "out" / "medium.yaml").read_text())["source"]

@@ -9,7 +9,9 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import cache
 from random import Random
+from typing import Any
 
 import numpy as np
 import pytest
@@ -28,6 +30,11 @@ from validation.fuzzing import media
 EVERY = pytest.mark.parametrize("law", LAWS.values(), ids=list(LAWS))
 MIRROR = np.array([-1.0, 1.0])
 DEPTH = 0.04
+
+
+@cache
+def schema_of_a_run() -> dict[str, Any]:
+    return json_schema()
 
 
 def coefficients(law: type[Coefficients]) -> dict[str, type[Coefficients]]:
@@ -115,7 +122,7 @@ def test_it_says_what_it_is(law: type[Law]) -> None:
     assert law.takes
     assert law.takes <= set(WORDS)
     assert all(law.tag() in laws_for(kind) for kind in law.takes)
-    schema = json_schema()
+    schema = schema_of_a_run()
     assert schema["$defs"][law.__name__]["properties"]["law"]["const"] == law.tag()
     assert "law" in schema["$defs"][law.__name__]["required"]
     for key in coefficients(law):

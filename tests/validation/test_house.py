@@ -5,6 +5,8 @@ from __future__ import annotations
 from contextlib import suppress
 from pathlib import Path
 
+import pytest
+
 from granular_contact.scene import build
 from validation import house
 
@@ -31,14 +33,26 @@ def test_functions_of_more_than_ten_arguments_are_found() -> None:
     assert list(house.many_arguments(SOURCE.replace(", k", ""))) == []
 
 
-def test_readers_are_those_that_import_a_module() -> None:
+def test_readers_are_those_that_import_a_module(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    package = tmp_path / "sand"
+    (package / "room").mkdir(parents=True)
+    (package / "room" / "__init__.py").touch()
+    (package / "__main__.py").touch()
+    (package / "room" / "two.py").write_text("from ..one import f\n", encoding="utf-8")
+    (package / "one.py").write_text("from sand.room import two\n", encoding="utf-8")
+    monkeypatch.setattr(house, "ROOT", tmp_path)
+    monkeypatch.setattr(house, "PACKAGE", package)
     found = house.readers(house.files())
-    assert house.PACKAGE / "simulation.py" in found[house.PACKAGE / "run.py"]
-    assert not found[house.PACKAGE / "__main__.py"]
+    assert found[package / "room" / "two.py"] == {package / "one.py"}
+    assert found[package / "one.py"] == {package / "room" / "two.py"}
+    assert found[package / "room" / "__init__.py"] == {package / "one.py"}
+    assert not found[package / "__main__.py"]
+    assert {file.room for file in house.files()} == {".", "room"}
 
 
 def test_lines_entered_are_those_of_functions_that_were_called() -> None:
-    lines = {str(f.path): f.code for f in house.files()}
+    file = Path(build.__code__.co_filename)
+    lines = {str(file): house.code_lines(file.read_text(encoding="utf-8"))}
 
     def action() -> None:
         with suppress(AttributeError):  # it fails after it is entered
