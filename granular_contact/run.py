@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
@@ -277,26 +276,26 @@ def _observed(
     if begun.system is None:
         return begun, begun.observe(trajectory)
     if trajectory.load is not None:
-        from granular_contact.mechanics.strip_error import finer, strip_error, way
+        from granular_contact.mechanics.strip_error import errors, finer, way
 
-        spent, before, coarser = trajectory.cost.solve_s, math.inf, None
+        spent, before, coarser = trajectory.cost.solve_s, None, None
         while begun.system:
             motion = _motion(begun.system, trajectory)
-            error = strip_error(motion, coarser=coarser)
-            trajectory = replace(trajectory, strip_error=error)
-            shorter = finer(motion, error, before)
+            found = errors(motion, coarser=coarser)
+            trajectory = replace(trajectory, strip_error=max(found.values(), default=0.0))
+            shorter = finer(motion, found, before, coarser is not None)
             if shorter is None:
                 break
-            # An estimate from one run is no measure for one that two have bounded.
-            before = math.inf if scene.in_space and coarser is None else error
-            coarser = way(motion)
-            again, found = _solved(shorter, progress, compiling)
-            spent += found.cost.solve_s
-            if scene.in_space and found.status.code in ("time_limit", "failed"):
+            # An estimate from one run is no measure for one that two runs tell.
+            before = None if scene.in_space and coarser is None else found
+            coarser = way(motion, found)
+            again, longer = _solved(shorter, progress, compiling)
+            spent += longer.cost.solve_s
+            if scene.in_space and longer.status.code in ("time_limit", "failed"):
                 again.solving.close()
                 break  # what ended is kept, with the warning of its error
             begun.solving.close()
-            begun, trajectory = again, found
+            begun, trajectory = again, longer
         trajectory = replace(trajectory, cost=replace(trajectory.cost, solve_s=spent))
     if inspect is not None and begun.system is not None:
         inspect(begun.system, trajectory)

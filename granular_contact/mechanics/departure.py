@@ -76,17 +76,17 @@ def instants(observer: Any, count: int) -> NDArray[np.int64]:
     return first + np.unique([0, *at, len(steps)])
 
 
-def greatest(observer: Any, motion: Motion, own: GranularLoad, other: GranularLoad, chart: Flat) -> float:
-    """Greatest departure of any point with another load, as a part of the distance that the fastest one travels.
+def departures(observer: Any, motion: Motion, own: GranularLoad, other: GranularLoad, chart: Flat) -> Vector:
+    """Greatest departures (m,) of points with another load by rate, as parts of the distance that the fastest travels.
 
     own, other: loads on the motion's coordinates, which begin anew.
     """
     if motion.W.shape[2] == 0:
-        return 0.0
+        return np.zeros(motion.v.shape[1])
     t = observer.trajectory
     speed = observer.path_length / (t.time[-1] - t.time[0])
     off = np.abs(_depart(motion, own, other, chart, CLOSE * speed, observer.lever)) * observer.lever
-    return float(off.max()) / float(max(observer.path_length, observer.scene.least_path))
+    return np.asarray(off.max(axis=0) / max(observer.path_length, observer.scene.least_path))
 
 
 def _depart(motion: Motion, own: GranularLoad, other: GranularLoad, chart: Flat, close: float, lever: Vector) -> Vector:

@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from granular_contact.mechanics.departure import Flat, Motion, greatest, instants
+from granular_contact.mechanics.departure import Flat, Motion, departures, instants
 from granular_contact.mechanics.freedoms import freedoms
 from granular_contact.mechanics.kinematics import Kinematics
 from granular_contact.sand.contact_lines import ELEMENTS_PER_LINE, Body, ContactLine, beam, coarser
@@ -42,7 +42,7 @@ def _departure(observer: Kinematics, own: GranularLoad, other: GranularLoad, cou
     t, at = observer.trajectory, instants(observer, count)
     part = replace(t, time=t.time[at], q=t.q[at], v=t.v[at], load=None, a=None, multipliers={}, set_to={})
     motion = _motion(type(observer)(observer.system, part))
-    return greatest(observer, motion, own, other, Flat())
+    return float(departures(observer, motion, own, other, Flat()).max())
 
 
 def _motion(motion: Kinematics) -> Motion:

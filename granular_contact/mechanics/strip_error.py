@@ -23,49 +23,53 @@ DOUBTFUL = 0.1  # of what is allowed: where a first estimate is above it, it is 
 SAFE = 3.0  # errors near what is asked for are up to four times the estimate
 SAFE_IN_SPACE, DOUBTFUL_IN_SPACE = 1.2, 0.5  # the same of facets
 LEAST_SHARE, LEAST_BY_DEFAULT = 1.0 / 8.0, 1.0 / 4.0  # of the size of facets; the latter where no accuracy is asked for
-STEPS_OF_SHARE = 0.7, 0.5  # that are taken: a few, so that round-off of an estimate changes no facets
+# That are taken: a few, so that round-off of an estimate changes no facets. After one run; and where two tell the
+# error: in their difference the errors of steps count the less, the farther the facets are apart.
+STEPS_OF_SHARE, STEPS_BY_TWO = (0.7, 0.5), (0.5, 0.35, 0.25)
 MOST = 128, 32  # strips of a rigid part and of an element, to which they are chosen
+WHOLE = "all"  # of a scene in the plane, whose strips are chosen together
+Errors = dict[str, float]
 STALLED = 0.8  # part of the error before that is left where it is not of the strips; by theirs of first order 2/3 is
 
 
-def way(observer: Kinematics) -> Any:
-    """What `strip_error` needs of a run in space that is repeated."""
+def way(observer: Kinematics, found: Errors) -> Any:
+    """What `errors` needs of a run in space that is repeated; found: its errors."""
     if not observer.scene.in_space:
         return None
     from granular_contact.mechanics.space import facet_departure
 
-    return facet_departure.track(observer)
+    return facet_departure.track(observer, found)
 
 
-def strip_error(observer: Kinematics, allowed: float | None = None, coarser: Any = None) -> float:
+def strip_error(observer: Kinematics, allowed: float | None = None) -> float:
+    """The greatest of `errors`; as it was found of a run that was estimated before."""
+    known = observer.trajectory.strip_error
+    return max(errors(observer, allowed).values(), default=0.0) if known is None else known
+
+
+def errors(observer: Kinematics, allowed: float | None = None, coarser: Any = None) -> Errors:
     """Estimated error of positions by the strips, as a part of the distance that the fastest point travels.
 
-    allowed: by default what the steps are asked for, or `ERROR`. Where it is far below that it is less exact. coarser:
-    in space the way of the same run with larger facets, which bounds the estimate.
+    In space of each mechanism, by the name of its first body. allowed: by default what the steps are asked for, or
+    `ERROR`. Where it is far below that it is less exact. coarser: in space the way of the same run with larger facets.
     """
     t, scene = observer.trajectory, observer.scene
-    if t.strip_error is not None:
-        return t.strip_error
     if t.load is None or len(t.time) < 3 or not (t.load.depth > 0.0).any():
-        return 0.0
+        return {}
     if scene.in_space:
         from granular_contact.mechanics.space import facet_departure
 
-        doubtful = DOUBTFUL_IN_SPACE * (allowed or asked(scene) or ERROR)
-        least, most = (0.0, math.inf) if coarser is None else facet_departure.bounds_of_two(coarser, observer)
-        if most <= doubtful:
-            return least
-        return min(most, max(least, facet_departure.estimate(observer, doubtful)))
+        return facet_departure.errors(observer, DOUBTFUL_IN_SPACE * (allowed or asked(scene) or ERROR), coarser)
     from granular_contact.mechanics.strip_departure import estimate  # here, as the compiler comes with it
 
-    return estimate(observer, DOUBTFUL * (allowed or scene.solver.accuracy or ERROR))
+    return {WHOLE: estimate(observer, DOUBTFUL * (allowed or scene.solver.accuracy or ERROR))}
 
 
-def finer(observer: Kinematics, found: float, before: float = math.inf) -> Scene | None:
+def finer(observer: Kinematics, found: Errors, before: Errors | None = None, by_two: bool = False) -> Scene | None:
     """The scene with smaller strips or facets, where these are off by more than is allowed.
 
-    found: their error, see `strip_error`; before: that with the strips before; where nearly as much is left, it is not
-    of the strips.
+    found: their errors, see `errors`; before: those with the strips before; where nearly as much is left, it is not of
+    the strips. by_two: whether two runs tell them.
     """
     scene = observer.scene
     accuracy, t = asked(scene), observer.trajectory
@@ -76,8 +80,11 @@ def finer(observer: Kinematics, found: float, before: float = math.inf) -> Scene
     if any(medium.scatters for medium in scene.media):
         return None
     safe = SAFE_IN_SPACE if scene.in_space else SAFE
-    smaller = _smaller(scene, safe * found / accuracy)
-    if not safe * found > accuracy or smaller == {} or found > STALLED * before:
+    stalled = {name: STALLED * error for name, error in (before or {}).items()}
+    able = {name: error for name, error in found.items() if not error > stalled.get(name, math.inf)}
+    large = {name: safe * error / accuracy for name, error in able.items() if safe * error > accuracy}
+    smaller = _smaller(scene, large, by_two) if large else {}
+    if smaller == {}:
         return None
     left = None if scene.solver.max_wall_s is None else max(1e-3, scene.solver.max_wall_s - t.cost.solve_s)
     return replace(scene, **smaller, solver=scene.solver.model_copy(update={"max_wall_s": left}))
@@ -93,15 +100,26 @@ def asked(scene: Any) -> float | None:
     return None if any(part.facet_size for body in scene.rigid for part in body.parts) else FACET_ERROR
 
 
-def _smaller(scene: Any, factor: float) -> dict[str, Any]:
-    """What of a scene changes for an error smaller by twice a factor; nothing where it is as small as can be."""
+def _smaller(scene: Any, factors: dict[str, float], by_two: bool) -> dict[str, Any]:
+    """What of a scene changes for errors smaller by these factors; nothing where it is as small as can be."""
     if scene.in_space:
-        least = LEAST_BY_DEFAULT if scene.solver.named is None else LEAST_SHARE
-        step = next((one for one in STEPS_OF_SHARE if one**2 * factor < 1.0), STEPS_OF_SHARE[-1])
-        share = max(least, scene.facet_share * step)
-        return {"facet_share": share} if share < scene.facet_share else {}
-    load = shorter(scene.load, factor)
+        return _smaller_facets(scene, factors, by_two)
+    load = shorter(scene.load, max(factors.values()))
     return {"load": load} if load != scene.load else {}
+
+
+def _smaller_facets(scene: Any, factors: dict[str, float], by_two: bool) -> dict[str, Any]:
+    """The same in space, by mechanism; by_two: whether two runs tell the errors."""
+    from granular_contact.mechanics.space.facet_departure import ORDER, mechanisms
+
+    least = LEAST_BY_DEFAULT if scene.solver.named is None else LEAST_SHARE
+    steps = STEPS_BY_TWO if by_two else STEPS_OF_SHARE
+    shares = dict(scene.facet_shares)
+    for body, of in mechanisms(scene).items():
+        if of in factors:
+            step = next((one for one in steps if one**ORDER * factors[of] < 1.0), steps[-1])
+            shares[body] = max(least, shares.get(body, 1.0) * step)
+    return {"facet_shares": shares} if shares != scene.facet_shares else {}
 
 
 def shorter(load: Load, factor: float) -> Load:

@@ -7,7 +7,7 @@ import csv
 import math
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -167,6 +167,6 @@ def solve(tree: Tree, folder: Path) -> Any:
     share = tree.get("aside", {}).get("facet_share")
     if share is None:
         return run(scene)
-    begun = begin(replace(scene, facet_share=share), None, None)
+    begun = begin(scene.with_facets(share), None, None)
     begun.solving.advance()
     return results(begun.observe(begun.solving.trajectory()), {}, 0)

@@ -2,7 +2,7 @@
 
 As `strip_departure` in the plane, by `mechanics.departure`, with the facets of `sand.space.other_facets` on the bodies
 that touch. Rates are those of `SpatialKinematics`, six of each body; W spans what the joints leave of them. Of a run
-that was repeated with smaller facets both runs bound the error, see `bounds_of_two`.
+that was repeated with smaller facets both runs tell it, see `of_two`.
 
 Left out: how W changes with x, inertial forces of the departure beside M x'', and how springs turn with their bodies.
 """
@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from granular_contact.mechanics.constraints import together
-from granular_contact.mechanics.departure import Flat, Motion, greatest, instants
+from granular_contact.mechanics.departure import Flat, Motion, departures, instants
 from granular_contact.mechanics.freedoms import left_by, slopes
 from granular_contact.mechanics.space.kinematics import SpatialKinematics
 from granular_contact.mechanics.space.system import SpatialSystem
@@ -25,72 +25,128 @@ from granular_contact.sand.contact_lines import Body
 from granular_contact.sand.load import GranularLoad
 from granular_contact.sand.space.load import SpatialLoad
 from granular_contact.sand.space.of_scene import add_part, load_of
-from granular_contact.sand.space.other_facets import differing, numbers, others
-from granular_contact.scene.space.types import Vector
+from granular_contact.sand.space.other_facets import Others, differing, numbers, others, part
+from granular_contact.scene.space.types import SpatialScene, Vector
 
-GLANCE, LOOK = 16, 96  # instants of the motion at which its departure is followed
-ORDERS = 2.0, 1.5  # of the error of facets [measured: 1.0 to 2.3 where facets are few, 2 where they are many]
+INSTANTS = 16, 48, 96  # of the motion at which its departure is followed: a glance, and looks
+AGREE = 1.5  # factor between two estimates in turn, from which on there is another look
+# Of the error of a motion by facets, which is that of forces, 2, where facets are many [measured: 1.0 to 2.3 where few
+# are loaded, or come to lead or to trail, as under a ball that rolls].
+ORDER = 1.5
+Errors = dict[str, float]  # of positions by mechanism, as parts of the distance that the fastest point travels
 
 
-def estimate(observer: Any, doubtful: float) -> float:
-    """Estimated error of positions, as a part of the distance that the fastest point travels.
+def mechanisms(scene: SpatialScene) -> dict[str, str]:
+    """By body the mechanism that it is of: bodies that joints connect, by the name of the first."""
+    found = {body.name: body.name for body in scene.rigid}
+    for joint in scene.joints:
+        if joint.parent is not None:
+            one, other = found[joint.parent], found[joint.child]
+            found = {body: one if of == other else of for body, of in found.items()}
+    return found
 
-    A glance at few instants, and where that finds more than what is doubtful a look at more of them. Of links that bend
-    there is no estimate: their springs would be needed.
+
+def errors(observer: Any, doubtful: float, coarser: Track | None = None) -> Errors:
+    """Estimated errors; of links that bend there is none, as their springs would be needed.
+
+    coarser: the same run with larger facets of some mechanisms, with which their errors are found; those of others are
+    what they were.
     """
     if observer.scene.bends:
-        return 0.0
+        return {}
+    if coarser is None:
+        return estimate(observer, doubtful)
+    found = of_two(coarser, observer)
+    if math.inf in found.values():
+        told = estimate(observer, doubtful)
+        found = {name: error if error < math.inf else told.get(name, 0.0) for name, error in found.items()}
+    return found
+
+
+def estimate(observer: Any, doubtful: float) -> Errors:
+    """Errors by what the motion departs by with other facets.
+
+    A glance at few instants; where that finds more than what is doubtful looks at more, until two in turn agree, of
+    which the greater counts.
+    """
     own = observer.system.facets
     other = others(own, partial(load_with, observer.system), _touching(observer))
     if other is None:  # there are none: bars and balls alone
-        return 0.0
-    error = 0.0
-    for count in (GLANCE, LOOK):
-        motion = _motion(observer, instants(observer, count))
-        error = max(error, other.part * greatest(observer, motion, own, other.load, Poses()))
-        if not error > doubtful:
+        return {}
+    of, before = mechanisms(observer.scene), Errors()
+    for count in INSTANTS:
+        now = _seen(observer, other, of, count)
+        told = {name: max(error, before.get(name, 0.0)) for name, error in now.items()}
+        if max(now.values()) <= doubtful and not before:
             break
-    return error
+        pairs = [sorted((error, before.get(name, 0.0))) for name, error in now.items() if told[name] > doubtful]
+        if before and all(high <= AGREE * low for low, high in pairs):
+            break
+        before = now
+    return told
+
+
+def _seen(observer: Any, other: Others, of: dict[str, str], count: int) -> Errors:
+    """Errors by the departure that so many instants of the motion show."""
+    motion = _motion(observer, instants(observer, count))
+    far = departures(observer, motion, observer.system.facets, other.load, Poses()).reshape(-1, 6).max(axis=1)
+    found: Errors = {}
+    for name, one in zip(observer.system.rigid, far.tolist(), strict=True):
+        own, there = (sum(n for body, n in each.items() if of[body] == of[name]) for each in (other.own, other.there))
+        if own > 0:
+            found[of[name]] = max(found.get(of[name], 0.0), part(own, there) * one)
+    return found
 
 
 class Track(NamedTuple):
-    """Where points of all bodies were: time (n,) s, places (n, 12 b) m; share: of the size of facets;
-    numbers: of facets, of bodies that touch.
+    """Where points of all bodies were: time (n,) s, places (n, b, 12) m.
+
+    shares: of the size of facets, by mechanism; numbers: of facets, of bodies that touch; errors: as found of it.
     """
 
     time: Vector
     places: Vector
-    share: float
+    shares: dict[str, float]
     numbers: dict[str, int]
+    errors: Errors
 
 
-def track(observer: Any) -> Track:
+def track(observer: Any, found: Errors | None = None) -> Track:
     """The way of the middle of each body, and of the ends of its axes as far out as it reaches."""
-    scene, columns = observer.scene, []
+    scene, places = observer.scene, []
     for body in (handle.body for handle in observer.system.rigid.values()):
-        columns += [observer.center(body.name)[0], scene.radius(body) * observer.rotation(body.name).reshape(-1, 9)]
+        ends = scene.radius(body) * observer.rotation(body.name).reshape(-1, 9)
+        places.append(np.hstack([observer.center(body.name)[0], ends]))
+    shares = {of: scene.facet_shares.get(of, 1.0) for of in mechanisms(scene).values()}
     counted = numbers(observer.system.facets, _touching(observer))
-    return Track(observer.trajectory.time, np.column_stack(columns), scene.facet_share, counted)
+    return Track(observer.trajectory.time, np.stack(places, axis=1), shares, counted, found or {})
 
 
-def bounds_of_two(before: Track, observer: Any) -> tuple[float, float]:
-    """Bounds for the error, as of `estimate`, by a run with larger facets: Richardson's extrapolation.
+def of_two(before: Track, observer: Any) -> Errors:
+    """Errors by a run with larger facets: Richardson's extrapolation.
 
     An error e of order k, of facets with edges of the share s of those before, was e / s^k times as large before, so
-    the runs differ by e (1 / s^k - 1). The bounds are those of `ORDERS`: errors of few facets, and of facets that come
-    to lead or to trail, do not go down as smoothly as those of many. What else the runs differ by, the errors of their
-    steps, counts as well. Where there are hardly more facets than before, two runs tell nothing.
+    the runs differ by e (1 / s^k - 1). What else they differ by, the errors of their steps, counts as well. Where there
+    are hardly more facets than before, two runs tell nothing: infinite. Where they are the same, the error is what it
+    was.
     """
-    now = track(observer)
-    shared = {name: n for name, n in before.numbers.items() if name in now.numbers}
-    if len(differing(shared, now.numbers)) < len(shared):
-        return 0.0, math.inf
+    now, of = track(observer), mechanisms(observer.scene)
     at = now.time[now.time <= before.time[-1]]
-    places = np.column_stack([np.interp(at, before.time, column) for column in before.places.T])
-    apart = float(np.abs(places - now.places[: len(at)]).max())
+    places = before.places.reshape(len(before.time), -1)
+    there = np.column_stack([np.interp(at, before.time, column) for column in places.T]).reshape(len(at), -1, 12)
+    apart = np.abs(there - now.places[: len(at)]).max(axis=(0, 2))
     apart /= float(max(observer.path_length, observer.scene.least_path))
-    least, most = (apart / ((before.share / now.share) ** order - 1.0) for order in ORDERS)
-    return least, most
+    found = {}
+    for name, share in now.shares.items():
+        mine = {body: n for body, n in before.numbers.items() if of[body] == name and body in now.numbers}
+        if share == before.shares[name]:
+            found[name] = before.errors.get(name, 0.0)
+        elif len(differing(mine, now.numbers)) < len(mine):
+            found[name] = math.inf
+        else:
+            far = max(one for body, one in zip(observer.system.rigid, apart.tolist(), strict=True) if of[body] == name)
+            found[name] = far / ((before.shares[name] / share) ** ORDER - 1.0)
+    return found
 
 
 def _touching(observer: SpatialKinematics) -> set[str]:
@@ -108,8 +164,8 @@ def load_with(system: SpatialSystem, share: float) -> SpatialLoad:
     load = load_of(scene)
     for i, handle in enumerate(system.rigid.values()):
         on = Body(handle.body.name, range(7 * i, 7 * i + 7))
-        for part in (part for part in handle.body.parts if part.in_sand):
-            add_part(load, on, part, scene, handle.body.mass, share)
+        for one in (one for one in handle.body.parts if one.in_sand):
+            add_part(load, on, one, scene, handle.body.mass, share)
     load.close()
     for batch in load.batches:
         batch.clusters["scatter"] = 0.0
@@ -119,8 +175,8 @@ def load_with(system: SpatialSystem, share: float) -> SpatialLoad:
 def _motion(observer: SpatialKinematics, at: Any) -> Motion:
     """The motion at some of its instants, with its freedoms there."""
     t = observer.engine
-    part = replace(t, time=t.time[at], q=t.q[at], v=t.v[at], load=None, a=None, multipliers={}, set_to={})
-    seen = SpatialKinematics(observer.system, part)
+    some = replace(t, time=t.time[at], q=t.q[at], v=t.v[at], load=None, a=None, multipliers={}, set_to={})
+    seen = SpatialKinematics(observer.system, some)
     (n, m), scene = seen.trajectory.v.shape, seen.scene
     joints: Any = scene.joints
     moved = {drive.joint for drive in scene.drives if drive.kind == "motion"}
@@ -140,7 +196,7 @@ def _motion(observer: SpatialKinematics, at: Any) -> Motion:
     momenta = turned @ seen.trajectory.mass
     M = momenta @ W
     A = np.linalg.solve(M, momenta) if M.shape[1] else momenta
-    places = [part for name in seen.system.rigid for part in (seen.center(name)[0], seen.quaternion(name))]
+    places = [one for name in seen.system.rigid for one in (seen.center(name)[0], seen.quaternion(name))]
     q = np.concatenate(places, axis=1)
     return Motion(t.time[at], q, seen.trajectory.v, W, A, M, turned @ K @ W, turned @ D @ W)
 

@@ -39,12 +39,14 @@ def explained(system: Any, trajectory: Any) -> Iterator[str]:
         return
     motion = SpatialKinematics(system, trajectory)
     found = numbers(motion, strip_error(motion))
+    shares = {mechanism.label(name): share for name, share in motion.scene.facet_shares.items()}
     for name, body in found.get("bodies", {}).items():
-        yield f"facets of {name}: {body['number']}, with edges of at most {1e3 * body['edge_m']:.3g} mm"
+        share = shares.get(name, 1.0)
+        smaller = f", {share:.2g} times their first size" if share < 1.0 else ""
+        yield f"facets of {name}: {body['number']}, with edges of at most {1e3 * body['edge_m']:.3g} mm{smaller}"
     if not found:
         return
-    scene, allowed = motion.scene, asked(motion.scene)
-    share = f", {scene.facet_share:.2g} times their first size" if scene.facet_share < 1.0 else ""
+    allowed = asked(motion.scene)
     chosen = "as the config has them" if allowed is None else f"for an error of {100.0 * allowed:g} % of the path"
     told = "not estimated, as links bend" if found["error"] is None else f"{100.0 * found['error']:.2g} %"
-    yield f"facets are chosen {chosen}{share}; estimated error of the motion by them: {told}"
+    yield f"facets are chosen {chosen}; estimated error of the motion by them: {told}"

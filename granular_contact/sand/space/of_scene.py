@@ -45,6 +45,6 @@ def add_part(load: SpatialLoad, body: Body, part: Part, scene: SpatialScene, mas
         part.rotation,
         facet_size=part.facet_size,
         accuracy=scene.solver.named,
-        share=share * scene.facet_share,
+        share=share * scene.facet_shares.get(body.name, 1.0),
         mass=mass,
     )

@@ -24,11 +24,6 @@ class Others(NamedTuple):
     own: dict[str, int]
     there: dict[str, int]
 
-    @property
-    def part(self) -> float:
-        """What part of a difference of motions the error is."""
-        return part(sum(self.own.values()), sum(self.there.values()))
-
     def part_of(self, body: str) -> float:
         """What part of a difference of the forces on a body the error is."""
         return part(self.own[body], self.there[body]) if body in self.own else 0.0

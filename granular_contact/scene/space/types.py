@@ -6,7 +6,8 @@ A body's frame has its origin at the centre of mass of all that is welded togeth
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -235,15 +236,15 @@ class SpatialJoint:
 @dataclass(frozen=True, repr=False)
 class SpatialScene(Scene):
     """A scene in space; fields as of `Scene`. tip: body and point (3,) m of what is lowest, or farthest from the joint
-    on the ground. beams: the links that bend, whose elements are among the rigid bodies. facet_share: of the size of
-    facets that its parts have, which is taken.
+    on the ground. beams: the links that bend, whose elements are among the rigid bodies. facet_shares: by body, of
+    the size of facets that its parts have, which is taken; 1 unless it is named.
     """
 
     rigid: tuple[SpatialRigidBody, ...]  # type: ignore[assignment]
     joints: tuple[SpatialJoint, ...]  # type: ignore[assignment]
     bed: SpatialBed | None  # type: ignore[assignment]
     beams: tuple[SpatialBeam, ...] = ()
-    facet_share: float = 1.0
+    facet_shares: Mapping[str, float] = field(default_factory=dict)
 
     in_space = True
 
@@ -256,6 +257,11 @@ class SpatialScene(Scene):
     def surface(self) -> float | None:
         """Height of the free surface at the origin (m); None without one."""
         return None if self.bed is None else float(self.bed.height(np.zeros(1), np.zeros(1))[0])
+
+    def with_facets(self, share: float) -> SpatialScene:
+        """The same with a share of the size of all facets."""
+        shares = {body.name: share * self.facet_shares.get(body.name, 1.0) for body in self.rigid}
+        return replace(self, facet_shares=shares)
 
     def radius(self, body: SpatialRigidBody) -> float:  # type: ignore[override]
         """Distance (m) from a body's centre of mass to the farthest point of its parts and joints; without such its
