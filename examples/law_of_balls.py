@@ -28,12 +28,11 @@ class Power(Law):
         return {"k": self.stiffness, "n": self.exponent}
 
     @staticmethod
-    def ball_force(z, vx, vy, ex, ey, line, m, f):  # noqa: ARG004  # compiled: without types
+    def ball_force(z, v, e, line, m, f):  # noqa: ARG004  # compiled: without types
         """Add the force at a depth z (m) to f."""
-        qx, qy = kernels.planar_friction.drive(ex, ey, vx, vy, m)
-        ux, uy, share = kernels.planar_friction.mobilised(qx, qy, m)
-        f[0, 0] -= share * m.k * z**m.n * ux
-        f[0, 1] -= share * m.k * z**m.n * uy
+        u, share = kernels.planar_friction.mobilised(kernels.planar_friction.drive(e, v, m), m)
+        f[0, 0] -= share * m.k * z**m.n * u[0]
+        f[0, 1] -= share * m.k * z**m.n * u[1]
 
 
 def drop(speed: float) -> Any:

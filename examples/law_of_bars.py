@@ -28,16 +28,16 @@ class Viscous(Law):
         return {"c": self.drag}
 
     @staticmethod
-    def strip_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, line, m, f):  # noqa: ARG004
+    def strip_force(strip, line, m, f):
         """Add the forces on the ends of a strip, of which the part from a to b is in the medium, to f."""
+        a, b, v0, v1 = strip.a, strip.b, strip.v0, strip.v1
         for sign in (-1.0, 1.0):
             s = 0.5 * (a + b) + sign * GAUSS * 0.5 * (b - a)
-            size = m.c * line.width * ((1.0 - s) * z0 + s * z1) * 0.5 * (b - a) * np.sqrt(cx * cx + cy * cy)
-            fx, fy = size * ((1.0 - s) * v0x + s * v1x), size * ((1.0 - s) * v0y + s * v1y)
-            f[0, 0, 0] -= (1.0 - s) * fx
-            f[0, 0, 1] -= (1.0 - s) * fy
-            f[0, 1, 0] -= s * fx
-            f[0, 1, 1] -= s * fy
+            z, length = (1.0 - s) * strip.z0 + s * strip.z1, 0.5 * (b - a) * np.hypot(*strip.c)
+            for i in range(2):
+                force = m.c * line.width * z * length * ((1.0 - s) * v0[i] + s * v1[i])
+                f[0, 0, i] -= (1.0 - s) * force
+                f[0, 1, i] -= s * force
 
 
 DRAG, LENGTH, DIAMETER, DENSITY, SPEED = 2e5, 0.2, 0.01, 7800, 0.5  # N s/m4, m, m, kg/m3, m/s

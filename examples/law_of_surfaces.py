@@ -25,10 +25,10 @@ class Winkler(Law):
         return {"k": self.stiffness}
 
     @staticmethod
-    def stress(tx, ty, ux, uy, m):  # compiled: without types
-        """Stress per depth (N/m3) on an element along (tx, ty) that moves along (ux, uy)."""
-        nx, ny = -ty, tx
-        along = nx * ux + ny * uy
+    def stress(t, u, m):  # compiled: without types
+        """Stress per depth (N/m3) on an element along t that moves along u, unit vectors."""
+        nx, ny = -t[1], t[0]
+        along = nx * u[0] + ny * u[1]
         return -m.k * along * nx, -m.k * along * ny
 
 

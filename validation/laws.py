@@ -201,7 +201,7 @@ def _raw_power(beta: float, u: Vector) -> float:
 
 def _generic(beta: float, u: Vector) -> Vector:
     """Response (2,) of the published polynomials in the plane, at an angle (rad) of the element."""
-    ax, _, az = rft3d_law.alpha(math.sin(beta), 0.0, -math.cos(beta), u[0], 0.0, u[1])
+    ax, _, az = rft3d_law.alpha((math.sin(beta), 0.0, -math.cos(beta)), (u[0], 0.0, u[1]))
     return np.array([ax, az])
 
 

@@ -90,7 +90,7 @@ class Naive:
                 mx, my, mz = (R[i] * nx + R[i + 1] * ny + R[i + 2] * nz for i in (0, 3, 6))
                 if speed == 0.0 or mx * ux + my * uy + mz * uz <= 0.0:
                     continue
-                s = self.medium.facet_stress(mx, my, mz, ux / speed, uy / speed, uz / speed, self.law)
+                s = self.medium.facet_stress((mx, my, mz), (ux / speed, uy / speed, uz / speed), self.law)
                 k = area * depth * math.tanh(speed / 1e-3)
                 fx, fy, fz = k * s[0], k * s[1], k * s[2]
                 force = [force[0] + fx, force[1] + fy, force[2] + fz]

@@ -1,6 +1,6 @@
 """Functions that are chosen by the record type of an argument, as methods are by the class of an object.
 
-Kernels of surfaces call `stress(tx, ty, ux, uy, m)`: each law has one of its own, and gives it for its record type.
+Kernels of surfaces call `stress(t, u, m)`: each law has one of its own, and gives it for its record type.
 Compiled, the choice is made when the caller is compiled (`numba.extending.overload`) and costs nothing; where nothing
 is compiled it is made at each call.
 """

@@ -45,15 +45,11 @@ class Albert(Law):
         return {"eta_h_g_rho": self.eta_h * gravity * self.density}
 
     @staticmethod
-    def strip_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, line, m, f):
+    def strip_force(strip, line, m, f):
         """Add the horizontal term; arguments as in `sand.kernels.law.strip_force`."""
-        k = m.eta_h_g_rho * line.width
-        kernels.bar_statics.horizontal_force(a, b, z0, z1, cy, v0x, v1x, e0x, e1x, k, m, f[0])
+        kernels.bar_statics.horizontal_force(strip, m.eta_h_g_rho * line.width, m, f[0])
 
     @staticmethod
-    def bar_force(a, b, z0, z1, cx, cy, cz, v0x, v0y, v0z, v1x, v1y, v1z, e0x, e0y, e0z, e1x, e1y, e1z, cluster, m, f):
+    def bar_force(strip, cluster, m, f):
         """Add the horizontal term in space; arguments as in `sand.kernels.space_law.bar_force`."""
-        k = m.eta_h_g_rho * cluster.width
-        kernels.bars.horizontal_force(
-            a, b, z0, z1, cx, cy, cz, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, k, m, f[0]
-        )  # fmt: skip
+        kernels.bars.horizontal_force(strip, m.eta_h_g_rho * cluster.width, m, f[0])

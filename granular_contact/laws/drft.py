@@ -11,7 +11,6 @@ points integrate exactly.
 
 from __future__ import annotations
 
-import math
 from typing import Annotated, Literal
 
 from pydantic import Field
@@ -66,23 +65,23 @@ class Drft(Law):
     stress = staticmethod(Rft.stress)
 
     @staticmethod
-    def strip_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, line, m, f):
+    def strip_force(strip, line, m, f):
         """Add the static and the inertial term; arguments as in `sand.kernels.law.strip_force`."""
-        z0, z1 = z0 - m.delta_h, z1 - m.delta_h
+        z0, z1 = strip.z0 - m.delta_h, strip.z1 - m.delta_h
         low, high = kernels.immersion.immersed_interval(z0, z1)
-        a, b = max(a, low), min(b, high)
-        length = math.sqrt(cx * cx + cy * cy)
-        if a >= b or length == 0.0:
+        a, b = max(strip.a, low), min(strip.b, high)
+        if a >= b or kernels.strip.norm(strip.c) == 0.0:
             return
-        kernels.plates.static_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, line, m, f)
-        inertial_force(a, b, cx / length, cy / length, v0x, v0y, v1x, v1y, m.lam_rho * line.width * length, line, f)
+        lowered = kernels.strip.Strip(a, b, z0, z1, strip.c, strip.v0, strip.v1, strip.e0, strip.e1)
+        kernels.plates.static_force(lowered, line, m, f)
+        inertial_force(lowered, m.lam_rho * line.width, line, f)
 
     @staticmethod
-    def facet_inertia(nx, ny, nz, vx, vy, vz, side, m):
+    def facet_inertia(n, v, side, m):
         """Inertial traction; as `sand.kernels.facets.inertia`."""
-        w = nx * vx + ny * vy + nz * vz
+        w = n[0] * v[0] + n[1] * v[1] + n[2] * v[2]
         inertial = 0.0 if side * w < 0.0 else pressure(w, m.lam_rho)
-        return -inertial * nx, -inertial * ny, -inertial * nz
+        return -inertial * n[0], -inertial * n[1], -inertial * n[2]
 
 
 def pressure(w, lam_rho):
@@ -90,12 +89,16 @@ def pressure(w, lam_rho):
     return lam_rho * w * abs(w)
 
 
-def inertial_force(a, b, tx, ty, v0x, v0y, v1x, v1y, k, line, f):
-    """Add the inertial term to f[INERTIAL]; t unit tangent of the chord, k = lam rho b |c| (kg/m)."""
+def inertial_force(strip, k, line, f):
+    """Add the inertial term to f[INERTIAL]; k = lam rho b (kg/m2)."""
+    length = kernels.strip.norm(strip.c)
+    k *= length
+    tx, ty = strip.c[0] / length, strip.c[1] / length
+    (v0x, v0y), (v1x, v1y) = strip.v0, strip.v1
     t0x, t0y = kernels.plates.tangent_at(tx, ty, line.turn, 0.0)
     t1x, t1y = kernels.plates.tangent_at(tx, ty, line.turn, 1.0)
-    c = kernels.immersion.sign_change(a, b, t0x * v0y - t0y * v0x, t1x * v1y - t1y * v1x)
-    for start, end in ((a, c), (c, b)):
+    turn = kernels.immersion.sign_change(strip.a, strip.b, t0x * v0y - t0y * v0x, t1x * v1y - t1y * v1x)
+    for start, end in ((strip.a, turn), (turn, strip.b)):
         if start == end:
             continue
         for gauss in (kernels.immersion.GAUSS_LOW, kernels.immersion.GAUSS_HIGH):

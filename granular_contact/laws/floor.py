@@ -76,18 +76,18 @@ class OnStrips:
     constants = ("stiffness", "damping")  # N/m^2, s/m
 
     @staticmethod
-    def strip_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, line, m, f):
-        """Add the end forces of a strip; z0, z1 are depths below the floor, as `strip_force` of `sand.kernels.law`."""
-        share = max(0.0, 1.0 - m.damping * 0.5 * (v0y + v1y))
-        k = m.stiffness * share * math.sqrt(cx * cx + cy * cy)
-        j0, j1 = kernels.immersion.part_integrals(a, b, z0, z1, 1.0)
+    def strip_force(strip, line, m, f):
+        """Add the end forces of a strip, whose depths are those below the floor; as `sand.kernels.law.strip_force`."""
+        share = max(0.0, 1.0 - m.damping * 0.5 * (strip.v0[1] + strip.v1[1]))
+        k = m.stiffness * share * kernels.strip.norm(strip.c)
+        j0, j1 = kernels.immersion.part_integrals(strip.a, strip.b, strip.z0, strip.z1, 1.0)
         f[0, 0, 1] += k * j0
         f[0, 1, 1] += k * j1
 
     @staticmethod
-    def drag_anchor(px, py, ax, ay, m):
+    def drag_anchor(p, anchor, m):
         """A floor has no bristles."""
-        return ax, ay
+        return anchor
 
 
 class OnBalls:
@@ -97,9 +97,9 @@ class OnBalls:
     drag_anchor = staticmethod(OnStrips.drag_anchor)
 
     @staticmethod
-    def ball_force(z, vx, vy, ex, ey, line, m, f):
+    def ball_force(z, v, e, line, m, f):
         """Add the force of a ball, z the depth of its lowest point below the floor; as in `sand.kernels.law`."""
-        f[0, 1] += m.stiffness * line.width * z * max(0.0, 1.0 - m.damping * vy)
+        f[0, 1] += m.stiffness * line.width * z * max(0.0, 1.0 - m.damping * v[1])
 
 
 class InSpace:
@@ -109,22 +109,22 @@ class InSpace:
     by_component = False
 
     @staticmethod
-    def facet_force(z, nx, ny, nz, vx, vy, vz, ex, ey, ez, spread, side, j, m):
+    def facet_force(z, n, v, e, spread, side, j, m):
         """Traction of the floor, z being the depth below it; as `sand.kernels.facets.force`."""
-        return 0.0, 0.0, m.stiffness * max(0.0, 1.0 - m.damping * vz), 0.0, 0.0, 0.0
+        return (0.0, 0.0, m.stiffness * max(0.0, 1.0 - m.damping * v[2])), (0.0, 0.0, 0.0)
 
     @staticmethod
-    def bar_force(a, b, z0, z1, cx, cy, cz, v0x, v0y, v0z, v1x, v1y, v1z, e0x, e0y, e0z, e1x, e1y, e1z, cluster, m, f):
-        """Add the end forces of a strip, z0, z1 being depths below the floor; as `sand.kernels.space_law`."""
-        share = max(0.0, 1.0 - m.damping * 0.5 * (v0z + v1z))
-        k = m.stiffness * share * cluster.width * math.sqrt(cx * cx + cy * cy + cz * cz)
-        j0, j1 = kernels.immersion.part_integrals(a, b, z0, z1, 1.0)
+    def bar_force(strip, cluster, m, f):
+        """Add the end forces of a strip, whose depths are those below the floor; as `sand.kernels.space_law`."""
+        share = max(0.0, 1.0 - m.damping * 0.5 * (strip.v0[2] + strip.v1[2]))
+        k = m.stiffness * share * cluster.width * kernels.strip.norm(strip.c)
+        j0, j1 = kernels.immersion.part_integrals(strip.a, strip.b, strip.z0, strip.z1, 1.0)
         f[0, 0, 2] += k * j0
         f[0, 1, 2] += k * j1
 
     @staticmethod
-    def space_ball_force(z, vx, vy, vz, ex, ey, ez, cluster, m, f):
+    def space_ball_force(z, v, e, cluster, m, f):
         """Add the force of a ball, z the depth of its lowest point below the floor; as `sand.kernels.space_law`."""
-        k = m.stiffness * math.pi * cluster.width * max(0.0, 1.0 - m.damping * vz)
+        k = m.stiffness * math.pi * cluster.width * max(0.0, 1.0 - m.damping * v[2])
         cap = min(z, cluster.width)  # all of the sphere is below where z is more
         f[0, 2] += k * (0.5 * cap * cap + cluster.width * (z - cap))

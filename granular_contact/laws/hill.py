@@ -60,22 +60,18 @@ class Hill(Law):
         }
 
     @staticmethod
-    def strip_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, line, m, f):
+    def strip_force(strip, line, m, f):
         """Add the vertical term; arguments as in `sand.kernels.law.strip_force`."""
         eta, lam = (m.eta_plunge, m.eta_withdraw), (m.lam_plunge, m.lam_withdraw)
         k, scale = factor(line.width, m)
-        kernels.bar_statics.vertical_force(
-            a, b, z0, z1, cx, cy, v0y, v1y, e0y, e1y, k, eta, lam, scale, m, f[0]
-        )  # fmt: skip
+        kernels.bar_statics.vertical_force(strip, k, eta, lam, scale, m, f[0])
 
     @staticmethod
-    def bar_force(a, b, z0, z1, cx, cy, cz, v0x, v0y, v0z, v1x, v1y, v1z, e0x, e0y, e0z, e1x, e1y, e1z, cluster, m, f):
+    def bar_force(strip, cluster, m, f):
         """Add the vertical term in space; arguments as in `sand.kernels.space_law.bar_force`."""
         eta, lam = (m.eta_plunge, m.eta_withdraw), (m.lam_plunge, m.lam_withdraw)
         k, scale = factor(cluster.width, m)
-        kernels.bars.vertical_force(
-            a, b, z0, z1, cx, cy, cz, v0z, v1z, e0z, e1z, k, eta, lam, scale, m, f[0]
-        )  # fmt: skip
+        kernels.bars.vertical_force(strip, k, eta, lam, scale, m, f[0])
 
 
 def factor(d, m):

@@ -103,55 +103,48 @@ class LeeMarghitu(Law):
         }
 
     @staticmethod
-    def strip_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, line, m, f):
+    def strip_force(strip, line, m, f):
         """Add the three force terms; arguments as in `sand.kernels.law.strip_force`, line.width is the diameter d."""
         d = line.width
         drag, horizontal, vertical = factors(d, m)
         if drag != 0.0:
-            drag_force(a, b, cx, cy, v0x, v0y, v1x, v1y, drag, f[DRAG])
+            drag_force(strip, drag, f[DRAG])
         if horizontal != 0.0:
-            kernels.bar_statics.horizontal_force(a, b, z0, z1, cy, v0x, v1x, e0x, e1x, horizontal, m, f[HORIZONTAL])
+            kernels.bar_statics.horizontal_force(strip, horizontal, m, f[HORIZONTAL])
         eta, lam = (m.eta_plunge, m.eta_withdraw), (m.lam_plunge, m.lam_withdraw)
-        kernels.bar_statics.vertical_force(
-            a, b, z0, z1, cx, cy, v0y, v1y, e0y, e1y, vertical, eta, lam, d, m, f[VERTICAL]
-        )  # fmt: skip
+        kernels.bar_statics.vertical_force(strip, vertical, eta, lam, d, m, f[VERTICAL])
 
     @staticmethod
-    def bar_force(a, b, z0, z1, cx, cy, cz, v0x, v0y, v0z, v1x, v1y, v1z, e0x, e0y, e0z, e1x, e1y, e1z, cluster, m, f):
+    def bar_force(strip, cluster, m, f):
         """Add the three force terms in space; arguments as in `sand.kernels.space_law.bar_force`."""
         d = cluster.width
         drag, horizontal, vertical = factors(d, m)
         if drag != 0.0:
-            kernels.bars.drag_force(a, b, cx, cy, cz, v0x, v0y, v0z, v1x, v1y, v1z, drag, f[DRAG])
+            kernels.bars.drag_force(strip, drag, f[DRAG])
         if horizontal != 0.0:
-            kernels.bars.horizontal_force(
-                a, b, z0, z1, cx, cy, cz, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, horizontal, m, f[HORIZONTAL]
-            )  # fmt: skip
+            kernels.bars.horizontal_force(strip, horizontal, m, f[HORIZONTAL])
         eta, lam = (m.eta_plunge, m.eta_withdraw), (m.lam_plunge, m.lam_withdraw)
-        kernels.bars.vertical_force(
-            a, b, z0, z1, cx, cy, cz, v0z, v1z, e0z, e1z, vertical, eta, lam, d, m, f[VERTICAL]
-        )  # fmt: skip
+        kernels.bars.vertical_force(strip, vertical, eta, lam, d, m, f[VERTICAL])
 
     @staticmethod
-    def cap_force(cx, cy, vx, vy, line, m, f):
+    def cap_force(c, v, line, m, f):
         """Add the drag on the free end face at end 1 of a strip, -eta_d rho A |t . v| v, to f[DRAG, 1] (N)."""
-        length = math.hypot(cx, cy)
+        length = math.hypot(c[0], c[1])
         if length == 0.0:  # has no direction
             return
-        k = face(line.width, m) * abs(cx / length * vx + cy / length * vy)
-        f[DRAG, 1, 0] -= k * vx
-        f[DRAG, 1, 1] -= k * vy
+        k = face(line.width, m) * abs(c[0] / length * v[0] + c[1] / length * v[1])
+        f[DRAG, 1, 0] -= k * v[0]
+        f[DRAG, 1, 1] -= k * v[1]
 
     @staticmethod
-    def bar_cap(cx, cy, cz, vx, vy, vz, cluster, m, f):
+    def bar_cap(c, v, cluster, m, f):
         """As `cap_force`, in space; arguments as in `sand.kernels.space_law.cap_force`."""
-        length = math.sqrt(cx * cx + cy * cy + cz * cz)
+        length = kernels.strip.norm(c)
         if length == 0.0:
             return
-        k = face(cluster.width, m) / length * abs(cx * vx + cy * vy + cz * vz)
-        f[DRAG, 1, 0] -= k * vx
-        f[DRAG, 1, 1] -= k * vy
-        f[DRAG, 1, 2] -= k * vz
+        k = face(cluster.width, m) / length * abs(c[0] * v[0] + c[1] * v[1] + c[2] * v[2])
+        for i in range(3):
+            f[DRAG, 1, i] -= k * v[i]
 
 
 def factors(d, m):
@@ -164,10 +157,11 @@ def face(d, m):
     return m.eta_d * m.rho * 0.25 * math.pi * d * d
 
 
-def drag_force(a, b, cx, cy, v0x, v0y, v1x, v1y, k, f):
+def drag_force(strip, k, f):
     """Add the drag to f[end, xy] (N); k = eta_d rho d. On either side of the zero of c x v it is a cubic in xi."""
-    c = kernels.immersion.sign_change(a, b, cx * v0y - cy * v0x, cx * v1y - cy * v1x)
-    for start, end in ((a, c), (c, b)):
+    (cx, cy), (v0x, v0y), (v1x, v1y) = strip.c, strip.v0, strip.v1
+    turn = kernels.immersion.sign_change(strip.a, strip.b, cx * v0y - cy * v0x, cx * v1y - cy * v1x)
+    for start, end in ((strip.a, turn), (turn, strip.b)):
         if start == end:
             continue
         for gauss in (kernels.immersion.GAUSS_LOW, kernels.immersion.GAUSS_HIGH):

@@ -119,8 +119,9 @@ class Rft(Law):
         return self.coefficients.numbers(self.zeta)
 
     @staticmethod
-    def stress(tx, ty, ux, uy, m):
+    def stress(t, u, m):
         """S (N/m^3) of the law; as `sand.kernels.plates.stress`."""
+        (tx, ty), (ux, uy) = t, u
         c2, s2 = tx * tx - ty * ty, 2.0 * tx * ty
         return (
             -(m.C01 + m.C_sum * c2) * ux - m.C_difference * s2 * uy - m.D10 * s2,

@@ -94,25 +94,25 @@ class Rft3d(Law):
         return {"xi_n": self.stiffness(gravity), "mu_surf": self.mu_surf}
 
     @staticmethod
-    def stress(tx, ty, ux, uy, m):
+    def stress(t, u, m):
         """S (N/m^3) of the law; as `sand.kernels.plates.stress`."""
-        ax, _, ay = response(ty, 0.0, -tx, ux, 0.0, uy)
-        sx, sy = limited_in_plane(ax, ay, tx, ty, ux, uy, m)
+        ax, _, ay = response((t[1], 0.0, -t[0]), (u[0], 0.0, u[1]))
+        sx, sy = limited_in_plane((ax, ay), t, u, m)
         return m.xi_n * sx, m.xi_n * sy
 
     @staticmethod
-    def facet_stress(nx, ny, nz, ux, uy, uz, m):
+    def facet_stress(n, u, m):
         """S (N/m^3) of the law; as `sand.kernels.facets.stress`."""
-        ax, ay, az = response(nx, ny, nz, ux, uy, uz)
-        return limited(ax, ay, az, nx, ny, nz, ux, uy, uz, m)
+        return limited(response(n, u), n, u, m)
 
 
-def response(nx, ny, nz, ux, uy, uz):
+def response(n, u):
     """Generic response (3,) of an element with the normal n, of either sign, that moves in the direction u; z up.
 
     With f_i = even_i + odd_i in n, that of -n is even_i - odd_i: so their mean with the weights (1 + b) / 2 and
     (1 - b) / 2 is (b even_1 + odd_1) n + (even_2 + b odd_2) u + (even_3 + b odd_3) g.
     """
+    (nx, ny, nz), (ux, uy, uz) = n, u
     x1, x2, x3 = -uz, -nz, nx * ux + ny * uy + nz * uz
     b = min(1.0, max(-1.0, x2 / UPRIGHT))
     even1, odd1 = cubic(x1, x2, x3, F1)
@@ -130,15 +130,17 @@ def cubic(x1, x2, x3, c):
     return even, odd + x3 * (x3 * (x3 * c[12] + x2 * c[15]) + x2 * x2 * c[16])
 
 
-def alpha(nx, ny, nz, ux, uy, uz):
+def alpha(n, u):
     """Generic response (3,) by the polynomials as published, of an element with normal n that moves in direction u."""
+    (nx, ny, nz), (ux, uy, uz) = n, u
     x1, x2, x3 = -uz, -nz, nx * ux + ny * uy + nz * uz
     f1, f2, f3 = (sum(cubic(x1, x2, x3, c)) for c in (F1, F2, F3))
     return f1 * nx + f2 * ux, f1 * ny + f2 * uy, f1 * nz + f2 * uz - f3
 
 
-def limited(ax, ay, az, nx, ny, nz, ux, uy, uz, m):
+def limited(alpha, n, u, m):
     """S from alpha: its tangential part limited by the friction of the surface, what would drive dropped."""
+    (ax, ay, az), (nx, ny, nz), (ux, uy, uz) = alpha, n, u
     normal = ax * nx + ay * ny + az * nz
     tx, ty, tz = ax - normal * nx, ay - normal * ny, az - normal * nz
     most, along = m.mu_surf * abs(normal), math.sqrt(tx * tx + ty * ty + tz * tz)
@@ -148,8 +150,9 @@ def limited(ax, ay, az, nx, ny, nz, ux, uy, uz, m):
     return m.xi_n * (ax - power * ux), m.xi_n * (ay - power * uy), m.xi_n * (az - power * uz)
 
 
-def limited_in_plane(ax, ay, tx, ty, ux, uy, m):
+def limited_in_plane(alpha, t, u, m):
     """S / xi_n as in `limited`, where the tangent t is known: without its root, which would cost a tenth of a strip."""
+    (ax, ay), (tx, ty), (ux, uy) = alpha, t, u
     normal, along = ax * ty - ay * tx, ax * tx + ay * ty
     most = m.mu_surf * abs(normal)
     excess = along - min(most, max(-most, along))

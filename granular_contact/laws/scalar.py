@@ -12,8 +12,6 @@ that the force is continuous at the touch.
 
 from __future__ import annotations
 
-import math
-
 from granular_contact.laws.gravity import measured, not_known
 from granular_contact.laws.law import Law
 from granular_contact.sand import kernels
@@ -46,32 +44,27 @@ class ScalarLaw(Law):
         return {"p": 1.0, "quadratic": len(self.terms) - 1.0, **self.own()}
 
     @staticmethod
-    def ball_force(z, vx, vy, ex, ey, line, m, f):
+    def ball_force(z, v, e, line, m, f):
         """Add the force of a ball to f[term, xy]; arguments as in `sand.kernels.law.ball_force`."""
-        static, viscous, quadratic = resistance(z, math.hypot(vx, vy), line, m)
-        qx, qy = kernels.planar_friction.drive(ex, ey, vx, vy, m)
-        ux, uy, share = kernels.planar_friction.mobilised(qx, qy, m)
-        static *= share
-        f[STATIC, 0] -= static * ux
-        f[STATIC, 1] -= static * uy
-        f[VISCOUS, 0] -= viscous * vx
-        f[VISCOUS, 1] -= viscous * vy
-        last = int(m.quadratic)
-        f[last, 0] -= quadratic * vx
-        f[last, 1] -= quadratic * vy
+        u, share = kernels.planar_friction.mobilised(kernels.planar_friction.drive(e, v, m), m)
+        resist(z, u, share, v, line, m, f)
 
     @staticmethod
-    def space_ball_force(z, vx, vy, vz, ex, ey, ez, cluster, m, f):
+    def space_ball_force(z, v, e, cluster, m, f):
         """Add the force of a ball in space to f[term, xyz]; arguments as in `sand.kernels.space_law.ball_force`."""
-        static, viscous, quadratic = resistance(z, math.sqrt(vx * vx + vy * vy + vz * vz), cluster, m)
-        qx, qy, qz, _ = kernels.space_friction.drive(ex, ey, ez, vx, vy, vz, m)
-        ux, uy, uz, share, _ = kernels.space_friction.mobilised(qx, qy, qz, m)
-        static *= share
-        last = int(m.quadratic)
-        for k, u, v in ((0, ux, vx), (1, uy, vy), (2, uz, vz)):
-            f[STATIC, k] -= static * u
-            f[VISCOUS, k] -= viscous * v
-            f[last, k] -= quadratic * v
+        q, _ = kernels.space_friction.drive(e, v, m)
+        u, share = kernels.space_friction.mobilised(q, m)
+        resist(z, u, share, v, cluster, m, f)
+
+
+def resist(z, u, share, v, shape, m, f):
+    """Add the force at a depth z (m) to f[term, axis]: share of the static part against u, the rest against v (m/s)."""
+    static, viscous, quadratic = resistance(z, kernels.strip.norm(v), shape, m)
+    last = int(m.quadratic)
+    for i in range(len(v)):
+        f[STATIC, i] -= share * static * u[i]
+        f[VISCOUS, i] -= viscous * v[i]
+        f[last, i] -= quadratic * v[i]
 
 
 def resistance(z, speed, line, m):

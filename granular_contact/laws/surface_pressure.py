@@ -100,18 +100,20 @@ class SurfacePressure(Law):
         }
 
     @staticmethod
-    def traction(z, tx, ty, ux, uy, width, side, j, m):
+    def traction(z, t, u, width, side, j, m):
         """Pressure and shear; as `sand.kernels.plates.traction`."""
+        (tx, ty), (ux, uy) = t, u
         across, along = tx * uy - ty * ux, tx * ux + ty * uy
         lead = faded(across) if side == 0.0 else math.copysign(1.0, across)
         p = pressure(z, width, m)
         lead *= downward(math.copysign(1.0, across) * tx)
         s = abs(lead) * faded(along) * shear(p, z, width, j, m)
-        return p * lead * ty, -p * lead * tx, -s * tx, -s * ty
+        return (p * lead * ty, -p * lead * tx), (-s * tx, -s * ty)
 
     @staticmethod
-    def facet_traction(z, nx, ny, nz, ux, uy, uz, side, j, m):
+    def facet_traction(z, n, u, side, j, m):
         """Pressure and shear; as `sand.kernels.facets.traction`."""
+        (nx, ny, nz), (ux, uy, uz) = n, u
         across = nx * ux + ny * uy + nz * uz
         lead = faded(across) if side == 0.0 else math.copysign(1.0, across)
         p = pressure(z, 0.0, m)
@@ -119,7 +121,7 @@ class SurfacePressure(Law):
         tx, ty, tz = ux - across * nx, uy - across * ny, uz - across * nz
         s = abs(lead) * shear(p, z, 0.0, j, m) / max(FADE, math.sqrt(tx * tx + ty * ty + tz * tz))
         p *= lead
-        return -p * nx, -p * ny, -p * nz, -s * tx, -s * ty, -s * tz
+        return (-p * nx, -p * ny, -p * nz), (-s * tx, -s * ty, -s * tz)
 
 
 def faded(part):

@@ -91,54 +91,56 @@ class StressTable(Law):
         return {"data": float(held.ctypes.data), **dict(zip(("depths", "betas", "gammas"), sizes, strict=True))}
 
     @staticmethod
-    def traction(z, tx, ty, ux, uy, width, side, j, m):
+    def traction(z, t, u, width, side, j, m):
         """Stress of the table; as `sand.kernels.plates.traction`."""
-        sx, sy = stress(z, tx, ty, ux, uy, m)
-        return sx, sy, 0.0, 0.0
+        return stress(z, t, u, m), (0.0, 0.0)
 
     @staticmethod
-    def facet_traction(z, nx, ny, nz, ux, uy, uz, side, j, m):
+    def facet_traction(z, n, u, side, j, m):
         """Stress on the slices along the motion, as in `sand.kernels.slices`; as `sand.kernels.facets.traction`."""
+        (nx, ny, nz), (ux, uy, uz) = n, u
         level, ahead = math.sqrt(nx * nx + ny * ny), math.sqrt(ux * ux + uy * uy)
         share = 1.0 if ahead >= UPRIGHT * level else ahead / (UPRIGHT * level)
         sx, sy, sz = 0.0, 0.0, 0.0
         if share > 0.0:  # of the plane of the motion
             rx, ry = (ux / ahead, uy / ahead) if ahead > 0.0 else (1.0, 0.0)
-            sx, sy, sz = slice_stress(z, nx * rx + ny * ry, nz, ahead, uz, rx, ry, share, m)
+            sx, sy, sz = slice_stress(z, (nx * rx + ny * ry, nz), (ahead, uz), (rx, ry), share, m)
         if share < 1.0:  # of that of the normal
             rx, ry = nx / level, ny / level
             ur = ux * rx + uy * ry
             one = 1.0 / math.sqrt(ur * ur + uz * uz)
-            x, y, up = slice_stress(z, level, nz, one * ur, one * uz, rx, ry, 1.0 - share, m)
+            x, y, up = slice_stress(z, (level, nz), (one * ur, one * uz), (rx, ry), 1.0 - share, m)
             sx, sy, sz = sx + x, sy + y, sz + up
-        return sx, sy, sz, 0.0, 0.0, 0.0
+        return (sx, sy, sz), (0.0, 0.0, 0.0)
 
 
-def slice_stress(z, nr, nz, ur, uz, rx, ry, share, m):
-    """Share of the stress (3,) Pa on a slice along the horizontal direction r, whose normal is (nr, nz)."""
-    w = math.sqrt(nr * nr + nz * nz)
+def slice_stress(z, n, u, r, share, m):
+    """Share of the stress (3,) Pa on a slice along the horizontal direction r; its normal n and motion u along r, z."""
+    w = math.sqrt(n[0] * n[0] + n[1] * n[1])
     if w == 0.0:
         return 0.0, 0.0, 0.0
-    sr, up = stress(z, -nz / w, nr / w, ur, uz, m)
-    return share * w * sr * rx, share * w * sr * ry, share * w * up
+    sr, up = stress(z, (-n[1] / w, n[0] / w), u, m)
+    return share * w * sr * r[0], share * w * sr * r[1], share * w * up
 
 
-def stress(z, tx, ty, ux, uy, m):
+def stress(z, t, u, m):
     """Stress (2,) Pa at a depth z > 0 (m) on an element along t that moves in the direction u, without what drives."""
+    (tx, ty), (ux, uy) = t, u
     share = min(1.0, max(0.0, 0.5 + 0.5 * ux / UPRIGHT))
     sx, sy = 0.0, 0.0
     if share > 0.0:
-        x, y = looked_up(z, tx, ty, max(0.0, ux), uy, m)
+        x, y = looked_up(z, (tx, ty), (max(0.0, ux), uy), m)
         sx, sy = share * x, share * y
     if share < 1.0:
-        x, y = looked_up(z, -tx, ty, max(0.0, -ux), uy, m)
+        x, y = looked_up(z, (-tx, ty), (max(0.0, -ux), uy), m)
         sx, sy = sx - (1.0 - share) * x, sy + (1.0 - share) * y
     along = max(0.0, sx * ux + sy * uy)
     return sx - along * ux, sy - along * uy
 
 
-def looked_up(z, tx, ty, ux, uy, m):
+def looked_up(z, t, u, m):
     """Stress (2,) Pa for a motion that is not to the left, x to the right."""
+    (tx, ty), (ux, uy) = t, u
     nz, nb, ng = int(m.depths), int(m.betas), int(m.gammas)
     axes, size = nz + nb + ng, nz * nb * ng
     data = kernels.tables.numbers_at(m.data, axes + 2 * size)

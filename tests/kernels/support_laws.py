@@ -23,7 +23,7 @@ from granular_contact.laws.rft import Rft, RftCoefficients
 from granular_contact.laws.rft3d import Rft3d
 from granular_contact.laws.static_friction import Elastoplastic
 from granular_contact.laws.tsimring_volfson import TsimringVolfson
-from granular_contact.sand.kernels import kinematics, law, spatial
+from granular_contact.sand.kernels import kinematics, law, spatial, strip
 from granular_contact.sand.kernels.forces import medium_record
 
 Array = NDArray[np.float64]
@@ -91,20 +91,18 @@ def run_record(width: float, side: int = 0, mass: float = 0.0, turn: float = 0.0
 
 @njit
 def _strip(a, b, z0, z1, c, V, e, run, m, f):
-    law.strip_force(
-        a, b, z0, z1, c[0], c[1], V[0, 0], V[0, 1], V[1, 0], V[1, 1],
-        e[0, 0], e[0, 1], e[1, 0], e[1, 1], run[0], m[0], f,
-    )  # fmt: skip
+    v0, v1, e0, e1 = (V[0, 0], V[0, 1]), (V[1, 0], V[1, 1]), (e[0, 0], e[0, 1]), (e[1, 0], e[1, 1])
+    law.strip_force(strip.Strip(a, b, z0, z1, (c[0], c[1]), v0, v1, e0, e1), run[0], m[0], f)
 
 
 @njit
 def _ball(z, v, e, run, m, f):
-    law.ball_force(z, v[0], v[1], e[0], e[1], run[0], m[0], f)
+    law.ball_force(z, (v[0], v[1]), (e[0], e[1]), run[0], m[0], f)
 
 
 @njit
 def _drag(p, a, m):
-    return law.drag_anchor(p[0], p[1], a[0], a[1], m[0])
+    return law.drag_anchor((p[0], p[1]), (a[0], a[1]), m[0])
 
 
 def stations(q: Array, v: Array, geometry: NDArray[np.void], P: Array, V: Array) -> None:

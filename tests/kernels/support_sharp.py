@@ -21,7 +21,7 @@ def stresses(t: Array, u: Array, record: Any) -> Array:
     """Published stresses (n, 2) N/m3 on many elements."""
     out = np.empty_like(t)
     for i in range(len(t)):
-        out[i, 0], out[i, 1] = published_stress(t[i, 0], t[i, 1], u[i, 0], u[i, 1], record)
+        out[i, 0], out[i, 1] = published_stress((t[i, 0], t[i, 1]), (u[i, 0], u[i, 1]), record)
     return out
 
 

@@ -74,7 +74,8 @@ def test_the_way_of_a_step_does_not_outweigh_the_velocity_at_its_end() -> None:
     """A body that went 1 mm ahead in a step, and at its end goes back or aside at 0.1 m/s, has turned its direction."""
     assert direction(1e-3, -0.1, DAMPED) == -1.0
     # The bristle still leans ahead by u_y, of tau v = 10 u_y.
-    ux, uy, share = planar_friction.mobilised(*planar_friction.drive(1e-3, 0.0, 0.0, 0.1, DAMPED), DAMPED)
+    q = planar_friction.drive((1e-3, 0.0), (0.0, 0.1), DAMPED)
+    (ux, uy), share = planar_friction.mobilised(q, DAMPED)
     assert (ux / uy, share) == pytest.approx((0.1, 1.0), rel=1e-12)
 
 
@@ -82,8 +83,8 @@ def test_planar_direction_is_that_of_a_component_along_an_axis() -> None:
     rng = np.random.default_rng(3)
     for stretch, v in rng.uniform(-2, 2, (100, 2)) * [U_Y, 5e-3]:
         for m in (PLASTIC, DAMPED, SMOOTH):
-            q = planar_friction.drive(0.0, stretch, 0.0, v, m)
-            ux, uy, share = planar_friction.mobilised(*q, m)
+            q = planar_friction.drive((0.0, stretch), (0.0, v), m)
+            (ux, uy), share = planar_friction.mobilised(q, m)
             assert ux == 0.0
             # The share is that of the magnitude: the same operations, but for a quotient and its inverse; round-off.
             assert share * uy == pytest.approx(direction(stretch, v, m), rel=1e-14)

@@ -39,12 +39,12 @@ def test_functions_are_those_of_the_record() -> None:
         own[name] = other[name]
 
     @njit
-    def strip_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, run, m, f):  # noqa: ARG001
-        f[1, 0, 1] += m.pressure * run.width * (b - a) * max(z0, z1)
+    def strip_force(strip, run, m, f):
+        f[1, 0, 1] += m.pressure * run.width * (strip.b - strip.a) * max(strip.z0, strip.z1)
 
     @njit
-    def drag_anchor(px, py, ax, ay, m):  # noqa: ARG001
-        return ax, ay
+    def drag_anchor(p, anchor, m):  # noqa: ARG001
+        return anchor
 
     law.LAWS[own_type] = {"strip_force": strip_force, "drag_anchor": drag_anchor}
     P, F, totals = np.array([[0.0, 0.1], [0.3, -0.3]]), np.zeros((2, 2)), np.zeros((law.TERMS, 3))

@@ -60,7 +60,7 @@ def test_rft_of_a_level_plate_pushed_down(coefficients: object, want: float) -> 
 )
 def test_rft3d_at_the_published_states(beta: float, gamma: float, r: float, z: float) -> None:
     b, g = np.radians([beta, gamma])
-    got = rft3d.alpha(np.sin(b), 0.0, -np.cos(b), np.cos(g), 0.0, -np.sin(g))
+    got = rft3d.alpha((np.sin(b), 0.0, -np.cos(b)), (np.cos(g), 0.0, -np.sin(g)))
     np.testing.assert_allclose(got, [r, 0.0, z], atol=5e-4)  # as printed, three digits
 
 
@@ -69,7 +69,7 @@ def test_rft3d_is_scaled_by_density_and_friction() -> None:
     # Away from the vertical and where nothing would drive, on a surface too rough to slide.
     got = response(ROUGH, element(45, 45))
     np.testing.assert_allclose(
-        got, xi * np.array(rft3d.alpha(0.5**0.5, 0.0, -(0.5**0.5), 0.5**0.5, 0.0, -(0.5**0.5)))[[0, 2]], rtol=1e-9
+        got, xi * np.array(rft3d.alpha((0.5**0.5, 0.0, -(0.5**0.5)), (0.5**0.5, 0.0, -(0.5**0.5))))[[0, 2]], rtol=1e-9
     )
 
 
@@ -128,7 +128,7 @@ def test_an_outline_that_rests_is_loaded_as_its_bristles_are_stretched_along_the
     """Not by their angle, which a hundredth of a micrometre changes: the force would be that stiff a spring."""
     m = Rft(GENERIC).record(Elastoplastic(yield_displacement=1e-5), G).view(np.recarray)[0]
     for along in (0.0, 0.5e-5, 1e-5):
-        got = [leading.py_func(1.0, 0.0, along, -share * PRESSED * 1e-5, -1, m) for share in (-0.5, 0.0, 0.5, 1.0)]
+        got = [leading.py_func((1.0, 0.0), (along, -share * PRESSED * 1e-5), -1, m) for share in (-0.5, 0.0, 0.5, 1.0)]
         np.testing.assert_allclose(got, [0.0, 0.0, 0.5, 1.0], rtol=1e-12)
 
 

@@ -24,11 +24,10 @@ class Power(Law):
         return {"k": self.stiffness, "n": self.exponent}
 
     @staticmethod
-    def ball_force(z, vx, vy, ex, ey, line, m, f):
-        qx, qy = kernels.planar_friction.drive(ex, ey, vx, vy, m)
-        ux, uy, share = kernels.planar_friction.mobilised(qx, qy, m)
-        f[0, 0] -= share * size(z, m) * ux
-        f[0, 1] -= share * size(z, m) * uy
+    def ball_force(z, v, e, line, m, f):
+        u, share = kernels.planar_friction.mobilised(kernels.planar_friction.drive(e, v, m), m)
+        f[0, 0] -= share * size(z, m) * u[0]
+        f[0, 1] -= share * size(z, m) * u[1]
 
 
 def size(z, m):

@@ -150,7 +150,7 @@ def test_what_slides_meets_the_law_on_all_that_leads() -> None:
     for c, weight in zip(0.5 * (cosines + 1.0), 0.5 * weights, strict=True):  # of the angle to the motion
         for n in ((c, np.sqrt(1.0 - c * c) * np.cos(a), np.sqrt(1.0 - c * c) * np.sin(a)) for a in angles):
             area = 2.0 * np.pi * 0.02**2 * weight / len(angles)
-            whole += area * (0.03 - 0.02 * n[2]) * np.array(Rft3d.facet_stress(*n, *u, sand))
+            whole += area * (0.03 - 0.02 * n[2]) * np.array(Rft3d.facet_stress(tuple(n), tuple(u), sand))
     for speed, least in ((1.0, 0.999), (0.01, 0.99), (1e-5, 0.95)):
         load = load_on(SAND, Sphere(0.04, 2.0), 0.001)
         load.start(state(np.array([0.0, 0.0, -0.03]), Rotation.identity(), speed * u, np.zeros(3))[0])

@@ -21,6 +21,7 @@ from granular_contact.laws.static_friction import Elastoplastic
 from granular_contact.sand.kernels.forces import medium_record
 from granular_contact.sand.kernels.immersion import immersed_interval
 from granular_contact.sand.kernels.law import LINE, drag_anchor, strip_force
+from granular_contact.sand.kernels.strip import Strip
 
 GRAVITY = 9.81  # m/s^2
 DENSITY = 7700.0  # kg/m^3
@@ -83,10 +84,9 @@ def sand_on_strip(p0, p1, v0, v1, a0, a1, surface, run, m, f):
     a, b = immersed_interval(z0, z1)
     if a == b:
         return False
-    strip_force(
-        a, b, z0, z1, p1[0] - p0[0], p1[1] - p0[1], v0[0], v0[1], v1[0], v1[1],
-        p0[0] - a0[0], p0[1] - a0[1], p1[0] - a1[0], p1[1] - a1[1], run, m, f,
-    )  # fmt: skip
+    e0, e1 = (p0[0] - a0[0], p0[1] - a0[1]), (p1[0] - a1[0], p1[1] - a1[1])
+    c = p1[0] - p0[0], p1[1] - p0[1]
+    strip_force(Strip(a, b, z0, z1, c, (v0[0], v0[1]), (v1[0], v1[1]), e0, e1), run, m, f)
     return True
 
 
@@ -103,5 +103,5 @@ def follow(points, anchors, surface, m):
             sticks = sticks or points[k, 1] < surface
         x, y = points[i, 0], points[i, 1]
         if sticks:
-            x, y = drag_anchor(x, y, anchors[i, 0], anchors[i, 1], m)
+            x, y = drag_anchor((x, y), (anchors[i, 0], anchors[i, 1]), m)
         anchors[i, 0], anchors[i, 1] = x, y

@@ -24,7 +24,8 @@ def ball_forces(P, V, anchors, line, profile, medium, F, totals):
         return
     f = room2(TERMS, 2)
     clear(f)
-    law.ball_force(z, V[0, 0], V[0, 1], x - anchors[0, 0], y - anchors[0, 1], line, medium, f)
+    v, e = (V[0, 0], V[0, 1]), (x - anchors[0, 0], y - anchors[0, 1])
+    law.ball_force(z, v, e, line, medium, f)
     share = factor(path_length(P, anchors, 0), line.place, line.width, line) if line.scatter > 0.0 else 1.0
     for term in range(TERMS):
         k = share if (line.static >> term) & 1 else 1.0

@@ -16,6 +16,7 @@ import math
 from granular_contact.jit.compiled import part
 from granular_contact.sand.kernels.friction import SMOOTH, direction, drag_component, drive
 from granular_contact.sand.kernels.immersion import THREE_POINTS, moments, part_integrals, sign_change
+from granular_contact.sand.kernels.strip import norm
 
 
 @part
@@ -70,36 +71,42 @@ def smooth_integrals(a, b, z0, z1, lam, s0, s1, m):
 
 
 @part
-def horizontal_force(a, b, z0, z1, cy, v0x, v1x, e0x, e1x, k, m, f):
-    """Add the horizontal term to f[end, xy] (N); k in N/m^2, other arguments as in `law.strip_force`."""
-    s0, s1 = drive(e0x, v0x, m), drive(e1x, v1x, m)
-    k *= 2.0 * abs(cy)
-    c = sign_change(a, b, s0, s1)
-    for start, end in ((a, c), (c, b)):
-        j0, j1 = mobilised_integrals(start, end, z0, z1, 1.0, s0, s1, m)
+def horizontal_force(strip, k, m, f):
+    """Add the horizontal term to f[end, xy] (N); k in N/m^2, strip as in `law.strip_force`."""
+    s0, s1 = drive(strip.e0[0], strip.v0[0], m), drive(strip.e1[0], strip.v1[0], m)
+    k *= 2.0 * abs(strip.c[1])
+    c = sign_change(strip.a, strip.b, s0, s1)
+    for start, end in ((strip.a, c), (c, strip.b)):
+        j0, j1 = mobilised_integrals(start, end, strip.z0, strip.z1, 1.0, s0, s1, m)
         f[0, 0] -= k * j0
         f[1, 0] -= k * j1
 
 
 @part
-def vertical_force(a, b, z0, z1, cx, cy, v0y, v1y, e0y, e1y, k, eta, lam, scale, m, f):
-    """Add the vertical term to f[end, xy] (N); other arguments as in `law.strip_force`.
+def vertical_force(strip, k, eta, lam, scale, m, f):
+    """Add the vertical term to f[end, xy] (N); strip as in `law.strip_force`.
 
     k (N/m) times eta is that of the equation; (eta, lam) are pairs for plunging and withdrawing; scale: length l (m).
     """
-    s0, s1 = drive(e0y, v0y, m), drive(e1y, v1y, m)
-    k *= math.sqrt(cx * cx + cy * cy)
-    c = sign_change(a, b, s0, s1)
-    for start, end in ((a, c), (c, b)):
-        way = 0 if s0 + 0.5 * (start + end) * (s1 - s0) < 0.0 else 1
-        if eta[way] == 0.0:
-            continue
-        j0, j1 = mobilised_integrals(start, end, z0 / scale, z1 / scale, lam[way], s0, s1, m)
-        f[0, 1] -= k * eta[way] * (lam[way] + 1.0) * j0
-        f[1, 1] -= k * eta[way] * (lam[way] + 1.0) * j1
+    add_vertical_force(strip, 1, k, eta, lam, scale, m, f)
 
 
 @part
-def component_return(px, py, ax, ay, m):
-    """Anchor after an accepted step: each component within u_y of the station."""
-    return drag_component(px, ax, m), drag_component(py, ay, m)
+def add_vertical_force(strip, up, k, eta, lam, scale, m, f):
+    """`vertical_force` in the plane and in space; up: which of the components of vectors is upward."""
+    s0, s1 = drive(strip.e0[up], strip.v0[up], m), drive(strip.e1[up], strip.v1[up], m)
+    k *= norm(strip.c)
+    c = sign_change(strip.a, strip.b, s0, s1)
+    for start, end in ((strip.a, c), (c, strip.b)):
+        way = 0 if s0 + 0.5 * (start + end) * (s1 - s0) < 0.0 else 1
+        if eta[way] == 0.0:
+            continue
+        j0, j1 = mobilised_integrals(start, end, strip.z0 / scale, strip.z1 / scale, lam[way], s0, s1, m)
+        f[0, up] -= k * eta[way] * (lam[way] + 1.0) * j0
+        f[1, up] -= k * eta[way] * (lam[way] + 1.0) * j1
+
+
+@part
+def component_return(p, anchor, m):
+    """Anchor after an accepted step that ended at p (2,) m: each component within u_y of the station."""
+    return drag_component(p[0], anchor[0], m), drag_component(p[1], anchor[1], m)

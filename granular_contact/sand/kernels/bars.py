@@ -20,14 +20,15 @@ import math
 import numpy as np
 
 from granular_contact.jit.compiled import part
-from granular_contact.jit.memory import clear, room1, room2, room3, rows
+from granular_contact.jit.memory import clear, room1, room3, rows
 from granular_contact.sand.kernels import space_law as law
-from granular_contact.sand.kernels.bar_statics import vertical_force as planar_vertical_force
+from granular_contact.sand.kernels.bar_statics import add_vertical_force
 from granular_contact.sand.kernels.friction import SMOOTH
 from granular_contact.sand.kernels.ground import PLANE, surface_at
 from granular_contact.sand.kernels.immersion import GAUSS_HIGH, GAUSS_LOW, THREE_POINTS, inside
 from granular_contact.sand.kernels.law import TERMS
 from granular_contact.sand.kernels.planar_friction import drive, mobilised
+from granular_contact.sand.kernels.strip import Strip, norm
 
 
 @part
@@ -65,6 +66,12 @@ def placed(elements, pose, ground, medium):
 
 
 @part
+def between(p, q):
+    """Vector (3,) from one point to another, rows of arrays."""
+    return q[0] - p[0], q[1] - p[1], q[2] - p[2]
+
+
+@part
 def bar_forces(elements, anchors, cluster, pose, ground, medium, W):
     """`space_law.forces` of a bar."""
     x, n = pose[3], elements.shape[0]
@@ -75,12 +82,10 @@ def bar_forces(elements, anchors, cluster, pose, ground, medium, W):
         if a == b:
             continue
         clear(f)
-        p, q, A, B = P[i], P[i + 1], anchors[i], anchors[i + 1]
-        law.bar_force(medium, (
-            a, b, Z[i], Z[i + 1], q[0] - p[0], q[1] - p[1], q[2] - p[2], V[i, 0], V[i, 1], V[i, 2],
-            V[i + 1, 0], V[i + 1, 1], V[i + 1, 2], p[0] - A[0], p[1] - A[1], p[2] - A[2],
-            q[0] - B[0], q[1] - B[1], q[2] - B[2], cluster, f,
-        ))  # fmt: skip
+        p, q = P[i], P[i + 1]
+        v0, v1 = (V[i, 0], V[i, 1], V[i, 2]), (V[i + 1, 0], V[i + 1, 1], V[i + 1, 2])
+        e0, e1 = between(anchors[i], p), between(anchors[i + 1], q)
+        law.bar_force(medium, (Strip(a, b, Z[i], Z[i + 1], between(p, q), v0, v1, e0, e1), cluster, f))
         for term in range(TERMS):
             add(f[term, 0], p[0] - x[0], p[1] - x[1], p[2] - x[2], W, term)
             add(f[term, 1], q[0] - x[0], q[1] - x[1], q[2] - x[2], W, term)
@@ -88,8 +93,7 @@ def bar_forces(elements, anchors, cluster, pose, ground, medium, W):
     if within and cluster.cap and medium.cap != 0:
         clear(f)
         p, q = P[n - 2], P[n - 1]
-        last = V[n - 1]
-        law.cap_force(medium, (q[0] - p[0], q[1] - p[1], q[2] - p[2], last[0], last[1], last[2], cluster, f))
+        law.cap_force(medium, (between(p, q), (V[n - 1, 0], V[n - 1, 1], V[n - 1, 2]), cluster, f))
         for term in range(TERMS):
             add(f[term, 1], q[0] - x[0], q[1] - x[1], q[2] - x[2], W, term)
 
@@ -107,7 +111,7 @@ def follow_stations(elements, anchors, cluster, pose, ground, medium, row):
     for i in range(n):
         px, py, pz = P[i, 0], P[i, 1], P[i, 2]
         if Z[max(0, i - 1)] > 0.0 or Z[i] > 0.0 or Z[min(n - 1, i + 1)] > 0.0:
-            px, py, pz = law.drag_anchor(medium, (px, py, pz, anchors[i, 0], anchors[i, 1], anchors[i, 2]))
+            px, py, pz = law.drag_anchor(medium, ((px, py, pz), (anchors[i, 0], anchors[i, 1], anchors[i, 2])))
         anchors[i, 0], anchors[i, 1], anchors[i, 2] = px, py, pz
 
 
@@ -115,42 +119,54 @@ def follow_stations(elements, anchors, cluster, pose, ground, medium, row):
 
 
 @part
-def nearest(a, b, x0, y0, z0, x1, y1, z1):
-    """Where in [a, b] a vector that varies linearly along a strip is shortest."""
-    dx, dy, dz = x1 - x0, y1 - y0, z1 - z0
+def nearest(a, b, p, q):
+    """Where in [a, b] a vector (3,) that varies linearly from p to q along a strip is shortest."""
+    dx, dy, dz = between(p, q)
     square = dx * dx + dy * dy + dz * dz
     if square == 0.0:
         return b
-    return min(b, max(a, -(x0 * dx + y0 * dy + z0 * dz) / square))
+    return min(b, max(a, -(p[0] * dx + p[1] * dy + p[2] * dz) / square))
 
 
 @part
-def drag_force(a, b, cx, cy, cz, v0x, v0y, v0z, v1x, v1y, v1z, k, f):
+def cross(a, b):
+    """Cross product (3,)."""
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+@part
+def mixed(xi, p, q):
+    """Vector (3,) at xi along a strip, p and q at its ends."""
+    one = 1.0 - xi
+    return one * p[0] + xi * q[0], one * p[1] + xi * q[1], one * p[2] + xi * q[2]
+
+
+@part
+def drag_force(strip, k, f):
     """Add the drag to f[end, xyz] (N); k in kg/m^2."""
-    x0, y0, z0 = cy * v0z - cz * v0y, cz * v0x - cx * v0z, cx * v0y - cy * v0x
-    x1, y1, z1 = cy * v1z - cz * v1y, cz * v1x - cx * v1z, cx * v1y - cy * v1x
-    turn = nearest(a, b, x0, y0, z0, x1, y1, z1)
-    for start, end in ((a, turn), (turn, b)):
+    w0, w1 = cross(strip.c, strip.v0), cross(strip.c, strip.v1)
+    turn = nearest(strip.a, strip.b, w0, w1)
+    for start, end in ((strip.a, turn), (turn, strip.b)):
         if start == end:
             continue
         for gauss in (GAUSS_LOW, GAUSS_HIGH):
             xi = start + (end - start) * gauss
-            one = 1.0 - xi
-            x, y, z = one * x0 + xi * x1, one * y0 + xi * y1, one * z0 + xi * z1
-            kw = k * 0.5 * (end - start) * math.sqrt(x * x + y * y + z * z)
-            vx, vy, vz = one * v0x + xi * v1x, one * v0y + xi * v1y, one * v0z + xi * v1z
-            for e, share in ((0, one * kw), (1, xi * kw)):
+            kw = k * 0.5 * (end - start) * norm(mixed(xi, w0, w1))
+            vx, vy, vz = mixed(xi, strip.v0, strip.v1)
+            for e, share in ((0, (1.0 - xi) * kw), (1, xi * kw)):
                 f[e, 0] -= share * vx
                 f[e, 1] -= share * vy
                 f[e, 2] -= share * vz
 
 
 @part
-def horizontal_force(a, b, z0, z1, cx, cy, cz, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, k, m, f):
-    """Add the horizontal term to f[end, xyz] (N); k in N/m^2, other arguments as in `space_law.bar_force`."""
-    q0x, q0y = drive(e0x, e0y, v0x, v0y, m)
-    q1x, q1y = drive(e1x, e1y, v1x, v1y, m)
-    turn = nearest(a, b, q0x, q0y, 0.0, q1x, q1y, 0.0)
+def horizontal_force(strip, k, m, f):
+    """Add the horizontal term to f[end, xyz] (N); k in N/m^2."""
+    a, b, z0, z1 = strip.a, strip.b, strip.z0, strip.z1
+    cx, cy, cz = strip.c
+    q0x, q0y = drive((strip.e0[0], strip.e0[1]), (strip.v0[0], strip.v0[1]), m)
+    q1x, q1y = drive((strip.e1[0], strip.e1[1]), (strip.v1[0], strip.v1[1]), m)
+    turn = nearest(a, b, (q0x, q0y, 0.0), (q1x, q1y, 0.0))
     first, last = turn, turn  # between them bristles are below their yield
     if m.friction != SMOOTH:
         dx, dy = q1x - q0x, q1y - q0y
@@ -165,7 +181,7 @@ def horizontal_force(a, b, z0, z1, cx, cy, cz, v0x, v0y, v1x, v1y, e0x, e0y, e1x
             continue
         for gauss, weight in THREE_POINTS:
             xi = start + (end - start) * gauss
-            rx, ry, share = mobilised((1.0 - xi) * q0x + xi * q1x, (1.0 - xi) * q0y + xi * q1y, m)
+            (rx, ry), share = mobilised(((1.0 - xi) * q0x + xi * q1x, (1.0 - xi) * q0y + xi * q1y), m)
             across = cx * ry - cy * rx
             seen = math.sqrt(cz * cz + across * across)
             load = 2.0 * k * (end - start) * weight * seen * max(0.0, z0 + xi * (z1 - z0)) * share
@@ -176,11 +192,6 @@ def horizontal_force(a, b, z0, z1, cx, cy, cz, v0x, v0y, v1x, v1y, e0x, e0y, e1x
 
 
 @part
-def vertical_force(a, b, z0, z1, cx, cy, cz, v0z, v1z, e0z, e1z, k, eta, lam, scale, m, f):
-    """Add the vertical term to f[end, xyz] (N); other arguments as in `bar_statics.vertical_force`."""
-    length = math.sqrt(cx * cx + cy * cy + cz * cz)
-    planar = room2(2, 2)
-    clear(planar)
-    planar_vertical_force(a, b, z0, z1, length, 0.0, v0z, v1z, e0z, e1z, k, eta, lam, scale, m, planar)
-    f[0, 2] += planar[0, 1]
-    f[1, 2] += planar[1, 1]
+def vertical_force(strip, k, eta, lam, scale, m, f):
+    """Add the vertical term to f[end, xyz] (N); arguments as of `bar_statics.vertical_force`."""
+    add_vertical_force(strip, 2, k, eta, lam, scale, m, f)

@@ -63,26 +63,26 @@ NOTED = GROWING  # rows that `facet_paths` works in before the law fills them
 
 
 @chosen_by("m")
-def stress(nx, ny, nz, ux, uy, uz, m):
+def stress(n, u, m):
     """Stress per depth (3,) N/m^3 on an element with the normal n that moves in the direction u, z up; even in n."""
 
 
 @chosen_by("m")
-def traction(z, nx, ny, nz, ux, uy, uz, side, j, m):
-    """Stress (6,) Pa of the first and of the second term of a law at a depth z > 0 (m), else as of `stress`.
+def traction(z, n, u, side, j, m):
+    """Stresses (3,) Pa of the first and of the second term of a law at a depth z > 0 (m), else as of `stress`.
 
     side as of `space_law.facets`; j (m): shear displacement.
     """
 
 
 @chosen_by("m")
-def inertia(nx, ny, nz, vx, vy, vz, side, m):
+def inertia(n, v, side, m):
     """Stress (3,) Pa of the second term of a law with a `stress`, which the velocity v (m/s) makes; side as there."""
 
 
 @chosen_by("m")
-def force(z, nx, ny, nz, vx, vy, vz, ex, ey, ez, spread, side, j, m):
-    """Tractions (6,) of a law that says all of them by itself, on one facet; see `space_law.facets`."""
+def force(z, n, v, e, spread, side, j, m):
+    """Tractions, two of (3,), of a law that says all of them by itself, on one facet; see `space_law.facets`."""
 
 
 @part(inline=True)
@@ -96,6 +96,12 @@ def spread(B, k, x, y, z, factor):
     return math.sqrt(a * a + b * b)
 
 
+@part(inline=True)
+def vector(B, row, k):
+    """A vector (3,) of a facet of a block."""
+    return B[row, k], B[row + 1, k], B[row + 2, k]
+
+
 @part
 def lead(B, n, m):
     """Fill rows U and SHARE of a block: the directions u in which a law sees facets move, and the shares g s."""
@@ -107,9 +113,7 @@ def lead(B, n, m):
             Q[0, k], Q[1, k], Q[2, k], Q[3, k] = B[V, k], B[V + 1, k], B[V + 2, k], 1.0
     else:
         for k in range(n):
-            Q[0, k], Q[1, k], Q[2, k], Q[3, k] = stretched(
-                B[E, k], B[E + 1, k], B[E + 2, k], B[V, k], B[V + 1, k], B[V + 2, k], m
-            )
+            (Q[0, k], Q[1, k], Q[2, k]), Q[3, k] = stretched(vector(B, E, k), vector(B, V, k), m)
     for k in range(n):
         x, y, z = Q[0, k], Q[1, k], Q[2, k]
         h = math.sqrt(x * x + y * y + z * z)
@@ -141,10 +145,9 @@ def traction_facets(B, n, m):
     Over a facet the first term counts as growing in proportion to the depth, which errs by the square of its size.
     """
     for k in range(n):
-        share, z, ux, uy, uz = B[SHARE, k], B[Z, k], B[U, k], B[U + 1, k], B[U + 2, k]
-        px, py, pz, sx, sy, sz = traction(
-            z, B[N, k], B[N + 1, k], B[N + 2, k], ux, uy, uz, B[ONE_SIDE, k], B[SHEAR, k], m
-        )
+        share, z = B[SHARE, k], B[Z, k]
+        first, second = traction(z, vector(B, N, k), vector(B, U, k), B[ONE_SIDE, k], B[SHEAR, k], m)
+        (px, py, pz), (sx, sy, sz) = first, second
         one = share / z
         B[GROWING, k], B[GROWING + 1, k], B[GROWING + 2, k] = one * px, one * py, one * pz
         B[CONSTANT, k], B[CONSTANT + 1, k], B[CONSTANT + 2, k] = share * sx, share * sy, share * sz
@@ -156,7 +159,7 @@ def static_facets(B, n, m):
     S = room2(3, LANES)
     for k in range(n):
         share = B[SHARE, k]
-        x, y, z = stress(B[N, k], B[N + 1, k], B[N + 2, k], B[U, k], B[U + 1, k], B[U + 2, k], m)
+        x, y, z = stress(vector(B, N, k), vector(B, U, k), m)
         S[0, k], S[1, k], S[2, k] = share * x, share * y, share * z
     for row in range(3):
         for k in range(n):
@@ -167,12 +170,11 @@ def static_facets(B, n, m):
 def own_facets(B, n, m):
     """Tractions of a law with a `force`; arguments and result as of `space_law.facets`."""
     for k in range(n):
-        nx, ny, nz = B[N, k], B[N + 1, k], B[N + 2, k]
-        vx, vy, vz, ex, ey, ez = B[V, k], B[V + 1, k], B[V + 2, k], B[E, k], B[E + 1, k], B[E + 2, k]
-        s = spread(B, k, vx, vy, vz, 1.0)
-        px, py, pz, sx, sy, sz = force(B[Z, k], nx, ny, nz, vx, vy, vz, ex, ey, ez, s, B[ONE_SIDE, k], B[SHEAR, k], m)
-        B[GROWING, k], B[GROWING + 1, k], B[GROWING + 2, k] = px, py, pz
-        B[CONSTANT, k], B[CONSTANT + 1, k], B[CONSTANT + 2, k] = sx, sy, sz
+        v = vector(B, V, k)
+        s = spread(B, k, v[0], v[1], v[2], 1.0)
+        first, second = force(B[Z, k], vector(B, N, k), v, vector(B, E, k), s, B[ONE_SIDE, k], B[SHEAR, k], m)
+        B[GROWING, k], B[GROWING + 1, k], B[GROWING + 2, k] = first
+        B[CONSTANT, k], B[CONSTANT + 1, k], B[CONSTANT + 2, k] = second
 
 
 @part
@@ -181,7 +183,7 @@ def inertial_facets(B, n, m):
     static_facets(B, n, m)
     for k in range(n):
         B[CONSTANT, k], B[CONSTANT + 1, k], B[CONSTANT + 2, k] = inertia(
-            B[N, k], B[N + 1, k], B[N + 2, k], B[V, k], B[V + 1, k], B[V + 2, k], B[ONE_SIDE, k], m
+            vector(B, N, k), vector(B, V, k), B[ONE_SIDE, k], m
         )
 
 
@@ -388,7 +390,7 @@ def follow_facets(elements, anchors, cluster, pose, ground, medium, row):
             row[law.LOWEST] = min(row[law.LOWEST], pz - lowest)
             vx, vy, vz = v[0] + w[1] * rz - w[2] * ry, v[1] + w[2] * rx - w[0] * rz, v[2] + w[0] * ry - w[1] * rx
             row[law.SPEED] = max(row[law.SPEED], math.sqrt(vx * vx + vy * vy + vz * vz))
-            ax, ay, az = law.drag_anchor(medium, (px, py, pz, anchors[i, 0], anchors[i, 1], anchors[i, 2]))
+            ax, ay, az = law.drag_anchor(medium, ((px, py, pz), (anchors[i, 0], anchors[i, 1], anchors[i, 2])))
         if medium.count != 0:
             nx, ny, nz = turned(R, E[4], E[5], E[6])
             law.count(medium, (anchors, i, px, py, pz, ax, ay, az, nx, ny, nz, deepest > 0.0))

@@ -22,6 +22,7 @@ from granular_contact.jit.calls import OWN, address_of, caller
 from granular_contact.jit.compiled import part
 from granular_contact.jit.records import fields, record_dtype
 from granular_contact.sand.kernels.kinematics import STATION
+from granular_contact.sand.kernels.strip import strip_type
 
 TERMS = 3
 
@@ -62,13 +63,14 @@ LAW = record_dtype([*fields("i8", *FUNCTIONS), ("own", "f8", (SIZE,))])
 
 _LINE, _NUMBER = from_dtype(LINE), types.float64
 _ROW, _VECTORS, _PAIR, _ENDS = (types.Array(_NUMBER, n, "C") for n in (1, 2, 2, 3))
+_VECTOR = types.UniTuple(_NUMBER, 2)
 _STATIONS = types.Array(from_dtype(STATION), 1, "C")
 SIGNATURES: dict[str, tuple[tuple[Any, ...], Any]] = {  # arguments, result
     "forces": ((*[_VECTORS] * 3, _LINE, _VECTORS, from_dtype(LAW), _VECTORS, _VECTORS), types.none),
-    "strip_force": ((*[_NUMBER] * 14, _LINE, OWN, _ENDS), types.none),
-    "cap_force": ((*[_NUMBER] * 4, _LINE, OWN, _ENDS), types.none),
-    "ball_force": ((*[_NUMBER] * 5, _LINE, OWN, _PAIR), types.none),
-    "drag_anchor": ((*[_NUMBER] * 4, OWN), types.UniTuple(_NUMBER, 2)),
+    "strip_force": ((strip_type(2), _LINE, OWN, _ENDS), types.none),
+    "cap_force": ((_VECTOR, _VECTOR, _LINE, OWN, _ENDS), types.none),
+    "ball_force": ((_NUMBER, _VECTOR, _VECTOR, _LINE, OWN, _PAIR), types.none),
+    "drag_anchor": ((_VECTOR, _VECTOR, OWN), _VECTOR),
     "line_force": ((_ROW, _ROW, _STATIONS, _LINE, _VECTORS, from_dtype(LAW), *[_VECTORS] * 5, _ROW), types.none),
     "line_accept": (
         (
@@ -104,37 +106,35 @@ def forces(P, V, anchors, line, profile, medium, F, totals):
 
 
 @part
-def strip_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, line, medium, f):
-    """Add the forces on the part of a strip between xi = a and xi = b, as end forces of the strip, to f[term, end, xy].
+def strip_force(strip, line, medium, f):
+    """Add the forces (N) on what of a `strip.Strip` is in the medium, as end forces of the strip, to f[term, end, xy].
 
-    Forces in N. a < b in [0, 1]: the part that lies in the medium, so that no depth there is negative; z0, z1 end
-    depths (m, positive below); (cx, cy) = p_1 - p_0 (m); end velocities (m/s); stretch of the bristles at both ends
-    (m), see `friction`; line record; medium record. Depth, velocity and stretch vary linearly along the strip.
+    line and medium: records.
     """
-    _strip(medium, (a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, line, f))
+    _strip(medium, (strip, line, f))
 
 
 @part
-def cap_force(cx, cy, vx, vy, line, medium, f):
-    """Add the force on a free end face at end 1 of a strip, which moves with (vx, vy), to f[term, 1, xy] (N)."""
+def cap_force(c, v, line, medium, f):
+    """Add the force on a free end face at end 1 of a strip along c (m), which moves with v (m/s), to f[term, 1, xy]."""
     if medium.cap_force != 0:
-        _cap(medium, (cx, cy, vx, vy, line, f))
+        _cap(medium, (c, v, line, f))
 
 
 @part
-def ball_force(z, vx, vy, ex, ey, line, medium, f):
+def ball_force(z, v, e, line, medium, f):
     """Add the force at the centre of a ball to f[term, xy] (N).
 
-    z depth of its lowest point (m, positive); velocity (m/s) and stretch of the bristle (m) at its centre; line.width
-    is its diameter.
+    z depth of its lowest point (m, positive); velocity v (m/s) and stretch e of the bristle (m) at its centre;
+    line.width is its diameter.
     """
-    _ball(medium, (z, vx, vy, ex, ey, line, f))
+    _ball(medium, (z, v, e, line, f))
 
 
 @part
-def drag_anchor(px, py, ax, ay, medium):
-    """Where an anchor at (ax, ay) m is after an accepted step that ended with its station at (px, py) m."""
-    return _anchor(medium, (px, py, ax, ay))
+def drag_anchor(p, anchor, medium):
+    """Where an anchor (2,) m is after an accepted step that ended with its station at p (2,) m."""
+    return _anchor(medium, (p, anchor))
 
 
 @part

@@ -48,7 +48,7 @@ def drag_anchors(P, anchors, line, profile, m):
         after = i + 1 < n and height(profile, P[i + 1, 0])[0] - P[i + 1, 1] + line.drop > 0.0
         x, y = P[i, 0], P[i, 1]
         if before or here or after:
-            x, y = drag_anchor(x, y, anchors[i, 0], anchors[i, 1], m)
+            x, y = drag_anchor((x, y), (anchors[i, 0], anchors[i, 1]), m)
         if anchors.shape[1] > 2:
             count_path(P, anchors, i, x, y, here, m)
         anchors[i, 0], anchors[i, 1] = x, y

@@ -12,7 +12,7 @@ from numba import from_dtype, types
 from granular_contact.jit.calls import OWN
 from granular_contact.jit.compiled import part
 from granular_contact.sand.kernels import law, space_law
-from granular_contact.sand.kernels.signatures import IN_PLANE, IN_SPACE, arguments, wanted
+from granular_contact.sand.kernels.signatures import IN_PLANE, IN_SPACE, VECTORS, arguments, wanted
 
 _SPACE_NAMES = {"bar_force": "bar", "bar_cap": "cap", "space_ball_force": "ball"}
 _LOCATION = re.compile(r'File "([^"]+)", line (\d+)')
@@ -39,7 +39,7 @@ def _reasons(owner: Any, record: Any) -> Iterator[str]:
             yield f"{name}{_place(error)}: {_of_constant(owner, error) or _first_line(error)}"
             continue
         given = compiled.nopython_signatures[0].return_type
-        if count and getattr(given, "count", None) != count:
+        if count and _shape(given) != ((2,) if count == 2 else ()) + (2 if name in IN_PLANE else 3,):
             yield f"{name} gives {given}, wanted is {wanted(name)}"
 
 
@@ -50,8 +50,16 @@ def _kinds(name: str, record: Any) -> tuple[Any, ...]:
     elif name in law.SIGNATURES:
         found = law.SIGNATURES[name][0]
     else:
-        return (*[types.float64] * (len(arguments(name)) - 1), record)
+        vector = types.UniTuple(types.float64, 2 if name in IN_PLANE else 3)
+        return (*(vector if one in VECTORS else types.float64 for one in arguments(name)[:-1]), record)
     return tuple(record if kind is OWN else kind for kind in found)
+
+
+def _shape(given: Any) -> tuple[int, ...]:
+    """Shape of a tuple of numbers or of such tuples, by its type; empty of anything else."""
+    if not isinstance(given, types.BaseTuple) or len({_shape(one) for one in given}) != 1:
+        return ()
+    return (len(given), *_shape(given[0]))
 
 
 def _of_constant(owner: Any, error: Exception) -> str | None:

@@ -33,10 +33,11 @@ def shortening(ex, ey, m):
 
 
 @part
-def drive(ex, ey, vx, vy, m):
-    """Vector q (2,) along which the law sees the motion: m, or m/s where smooth; p - anchor (m), velocity v (m/s)."""
+def drive(e, v, m):
+    """Vector q (2,) along which a law sees the motion: m, or m/s where smooth; e = p - anchor (2,) m, v (2,) m/s."""
     if m.friction == SMOOTH:
-        return vx, vy
+        return v
+    (ex, ey), (vx, vy) = e, v
     h, k, tau = math.sqrt(ex * ex + ey * ey), shortening(ex, ey, m), m.tau
     along, most = ex * vx + ey * vy, h * math.sqrt(vx * vx + vy * vy)
     if along > 0.0 and most > 0.0:
@@ -45,19 +46,19 @@ def drive(ex, ey, vx, vy, m):
 
 
 @part
-def mobilised(qx, qy, m):
+def mobilised(q, m):
     """Direction u (2,) and mobilised share s in [0, 1] of a vector q as in `drive`, medium record m."""
-    h = math.sqrt(qx * qx + qy * qy)
+    h = math.sqrt(q[0] * q[0] + q[1] * q[1])
     if h == 0.0:
-        return 0.0, 0.0, 0.0
-    return qx / h, qy / h, (math.tanh(h / m.v_eps) if m.friction == SMOOTH else min(1.0, h / m.u_y))
+        return (0.0, 0.0), 0.0
+    return (q[0] / h, q[1] / h), (math.tanh(h / m.v_eps) if m.friction == SMOOTH else min(1.0, h / m.u_y))
 
 
 @part
-def radial_return(px, py, ax, ay, m):
-    """Anchor after an accepted step that ended at p: on the line to p, within u_y of it (m)."""
-    ex, ey = px - ax, py - ay
+def radial_return(p, anchor, m):
+    """Anchor after an accepted step that ended at p (2,) m: on the line to p, within u_y of it."""
+    ex, ey = p[0] - anchor[0], p[1] - anchor[1]
     h = math.sqrt(ex * ex + ey * ey)
     if h <= m.u_y:
-        return ax, ay
-    return px - ex * (m.u_y / h), py - ey * (m.u_y / h)
+        return anchor
+    return p[0] - ex * (m.u_y / h), p[1] - ey * (m.u_y / h)

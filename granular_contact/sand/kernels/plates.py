@@ -29,6 +29,7 @@ from granular_contact.jit.chosen import chosen_by
 from granular_contact.jit.compiled import part
 from granular_contact.sand.kernels.immersion import GAUSS_HIGH, GAUSS_LOW, THREE_POINTS, sign_change
 from granular_contact.sand.kernels.planar_friction import drive, mobilised
+from granular_contact.sand.kernels.strip import norm
 
 STATIC, SHEAR = 0, 1
 SMALL = 0.2  # rad, up to which the series of sine and cosine below are exact to round-off
@@ -37,26 +38,26 @@ PRESSED = 0.1  # of the yield displacement: what n . q reaches at the least befo
 
 
 @chosen_by("m")
-def stress(tx, ty, ux, uy, m):
-    """Stress per depth (S_x, S_y), N/m^3, on an element along t that moves in the direction u, unit vectors."""
+def stress(t, u, m):
+    """Stress per depth (S_x, S_y), N/m^3, on an element along t that moves in the direction u, unit vectors (2,)."""
 
 
 @chosen_by("m")
-def traction(z, tx, ty, ux, uy, width, side, j, m):
-    """Stress (p_x, p_y, s_x, s_y) Pa of the first and of the second term of a law, at a depth z > 0 (m).
+def traction(z, t, u, width, side, j, m):
+    """Stresses (p_x, p_y) and (s_x, s_y) Pa of the first and of the second term of a law, at a depth z > 0 (m).
 
-    On an element along t that moves in the direction u, unit vectors; width (m) and side as of a line; j (m): shear
-    displacement, see `path_length`.
+    On an element along t that moves in the direction u, unit vectors (2,); width (m) and side as of a line; j (m):
+    shear displacement, see `path_length`.
     """
 
 
 @part
-def leading(tx, ty, qx, qy, side, m):
+def leading(t, q, side, m):
     """Factor g in [0, 1] of an element of an outline along t, at q; 1 on a thin plate (side 0)."""
     if side == 0:
         return 1.0
-    edge = max(EDGE * math.sqrt(qx * qx + qy * qy), m.pressed)
-    return min(1.0, max(0.0, side * (tx * qy - ty * qx) / edge))
+    edge = max(EDGE * math.sqrt(q[0] * q[0] + q[1] * q[1]), m.pressed)
+    return min(1.0, max(0.0, side * (t[0] * q[1] - t[1] * q[0]) / edge))
 
 
 @part
@@ -75,14 +76,13 @@ def tangent_at(tx, ty, turn, xi):
 
 
 @part
-def static_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, line, m, f):
+def static_force(strip, line, m, f):
     """Add the static term to f[STATIC]; arguments as in `law.strip_force`."""
-    length = math.sqrt(cx * cx + cy * cy)
+    a, b, z0, z1, length = strip.a, strip.b, strip.z0, strip.z1, norm(strip.c)
     if length == 0.0:  # has no surface
         return
-    tx, ty = cx / length, cy / length
-    q0x, q0y = drive(e0x, e0y, v0x, v0y, m)
-    q1x, q1y = drive(e1x, e1y, v1x, v1y, m)
+    tx, ty = strip.c[0] / length, strip.c[1] / length
+    (q0x, q0y), (q1x, q1y) = drive(strip.e0, strip.v0, m), drive(strip.e1, strip.v1, m)
     t0x, t0y = tangent_at(tx, ty, line.turn, 0.0)
     t1x, t1y = tangent_at(tx, ty, line.turn, 1.0)
     c = sign_change(a, b, t0x * q0y - t0y * q0x, t1x * q1y - t1y * q1x)
@@ -92,14 +92,13 @@ def static_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, l
             continue
         for gauss in (GAUSS_LOW, GAUSS_HIGH):
             xi = start + (end - start) * gauss
-            qx, qy = (1.0 - xi) * q0x + xi * q1x, (1.0 - xi) * q0y + xi * q1y
-            ux, uy, share = mobilised(qx, qy, m)
-            sx, sy = tangent_at(tx, ty, line.turn, xi)
-            share *= leading(sx, sy, qx, qy, line.side, m)
+            q, t = ((1.0 - xi) * q0x + xi * q1x, (1.0 - xi) * q0y + xi * q1y), tangent_at(tx, ty, line.turn, xi)
+            u, share = mobilised(q, m)
+            share *= leading(t, q, line.side, m)
             z = z0 + xi * (z1 - z0) + bulge * xi * (1.0 - xi)
             if share == 0.0 or z <= 0.0:
                 continue
-            sx, sy = stress(sx, sy, ux, uy, m)
+            sx, sy = stress(t, u, m)
             k = 0.5 * (end - start) * line.width * length * share * z
             f[STATIC, 0, 0] += (1.0 - xi) * k * sx
             f[STATIC, 0, 1] += (1.0 - xi) * k * sy
@@ -108,14 +107,13 @@ def static_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, l
 
 
 @part
-def traction_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y, line, m, f):
+def traction_force(strip, line, m, f):
     """Add the terms of a law with a `traction` to f[STATIC] and f[SHEAR]; arguments as in `law.strip_force`."""
-    length = math.sqrt(cx * cx + cy * cy)
+    a, b, z0, z1, length = strip.a, strip.b, strip.z0, strip.z1, norm(strip.c)
     if length == 0.0:
         return
-    tx, ty = cx / length, cy / length
-    q0x, q0y = drive(e0x, e0y, v0x, v0y, m)
-    q1x, q1y = drive(e1x, e1y, v1x, v1y, m)
+    tx, ty = strip.c[0] / length, strip.c[1] / length
+    (q0x, q0y), (q1x, q1y) = drive(strip.e0, strip.v0, m), drive(strip.e1, strip.v1, m)
     t0x, t0y = tangent_at(tx, ty, line.turn, 0.0)
     t1x, t1y = tangent_at(tx, ty, line.turn, 1.0)
     c = sign_change(a, b, t0x * q0y - t0y * q0x, t1x * q1y - t1y * q1x)
@@ -125,16 +123,15 @@ def traction_force(a, b, z0, z1, cx, cy, v0x, v0y, v1x, v1y, e0x, e0y, e1x, e1y,
             continue
         for at, weight in THREE_POINTS:
             xi = start + (end - start) * at
-            qx, qy = (1.0 - xi) * q0x + xi * q1x, (1.0 - xi) * q0y + xi * q1y
-            ux, uy, share = mobilised(qx, qy, m)
-            sx, sy = tangent_at(tx, ty, line.turn, xi)
-            share *= leading(sx, sy, qx, qy, line.side, m)
+            q, t = ((1.0 - xi) * q0x + xi * q1x, (1.0 - xi) * q0y + xi * q1y), tangent_at(tx, ty, line.turn, xi)
+            u, share = mobilised(q, m)
+            share *= leading(t, q, line.side, m)
             z = z0 + xi * (z1 - z0) + bulge * xi * (1.0 - xi)
             if share == 0.0 or z <= 0.0:
                 continue
-            j0, j1 = (line.ahead0, line.ahead1) if sx * qx + sy * qy > 0.0 else (line.back0, line.back1)
+            j0, j1 = (line.ahead0, line.ahead1) if t[0] * q[0] + t[1] * q[1] > 0.0 else (line.back0, line.back1)
             j = (1.0 - xi) * j0 + xi * j1
-            px, py, sx, sy = traction(z, sx, sy, ux, uy, line.width, line.side, j, m)
+            (px, py), (sx, sy) = traction(z, t, u, line.width, line.side, j, m)
             k = weight * (end - start) * line.width * length * share
             for e, n in ((0, (1.0 - xi) * k), (1, xi * k)):
                 f[STATIC, e, 0] += n * px

@@ -20,8 +20,9 @@ UPRIGHT = 0.02
 
 
 @part
-def slice_stress(nx, ny, nz, ux, uy, uz, m):
+def slice_stress(n, u, m):
     """Stress per depth (3,) N/m^3 of a law with a planar one, see `facets.stress`."""
+    (nx, ny, nz), (ux, uy, uz) = n, u
     level, ahead = math.sqrt(nx * nx + ny * ny), math.sqrt(ux * ux + uy * uy)
     share = 1.0 if ahead >= UPRIGHT * level else ahead / (UPRIGHT * level)
     sx, sy, sz = 0.0, 0.0, 0.0
@@ -33,13 +34,13 @@ def slice_stress(nx, ny, nz, ux, uy, uz, m):
         nr = nx * rx + ny * ry
         w = math.sqrt(nr * nr + nz * nz)
         if w > 0.0:
-            sr, sz = stress(-nz / w, nr / w, ahead, uz, m)
+            sr, sz = stress((-nz / w, nr / w), (ahead, uz), m)
             w *= share
             sx, sy, sz = w * sr * rx, w * sr * ry, w * sz
     if share < 1.0:
         rx, ry = nx / level, ny / level
         ur = ux * rx + uy * ry
         h = math.sqrt(ur * ur + uz * uz)
-        sr, s = stress(-nz, level, ur / h, uz / h, m)
+        sr, s = stress((-nz, level), (ur / h, uz / h), m)
         sx, sy, sz = sx + (1.0 - share) * sr * rx, sy + (1.0 - share) * sr * ry, sz + (1.0 - share) * s
     return sx, sy, sz

@@ -22,8 +22,8 @@ def space_ball_forces(elements, anchors, cluster, pose, ground, medium, W):
     z = surface_at(p[0], p[1], ground, medium, room1(PLANE)) - p[2] + 0.5 * cluster.width
     if z <= 0.0:
         return
-    ex, ey, ez = p[0] - anchors[0, 0], p[1] - anchors[0, 1], p[2] - anchors[0, 2]
-    law.ball_force(medium, (z, v[0], v[1], v[2], ex, ey, ez, cluster, f))
+    e = p[0] - anchors[0, 0], p[1] - anchors[0, 1], p[2] - anchors[0, 2]
+    law.ball_force(medium, (z, (v[0], v[1], v[2]), e, cluster, f))
     for term in range(TERMS):
         add(f[term], p[0] - x[0], p[1] - x[1], p[2] - x[2], W, term)
 
@@ -39,5 +39,5 @@ def follow_ball(elements, anchors, cluster, pose, ground, medium, row):
     if z > 0.0:
         row[law.SPEED] = max(row[law.SPEED], math.sqrt(v[0] ** 2 + v[1] ** 2 + v[2] ** 2))
         row[law.LOWEST] = min(row[law.LOWEST], pz - 0.5 * cluster.width)
-        px, py, pz = law.drag_anchor(medium, (px, py, pz, anchors[0, 0], anchors[0, 1], anchors[0, 2]))
+        px, py, pz = law.drag_anchor(medium, ((px, py, pz), (anchors[0, 0], anchors[0, 1], anchors[0, 2])))
     anchors[0, 0], anchors[0, 1], anchors[0, 2] = px, py, pz

@@ -20,6 +20,7 @@ from numba import from_dtype, types
 from granular_contact.jit.calls import OWN, caller
 from granular_contact.jit.records import fields, record_dtype
 from granular_contact.sand.kernels.law import FRICTION, SIZE, filled
+from granular_contact.sand.kernels.strip import strip_type
 
 # A cluster: sphere around it in the frame of its body (m), and half the sides of a box around the same centre, along
 # the axes of that frame (m); its first element and the one after its last, its body; width (m): diameter of a bar or a
@@ -60,6 +61,7 @@ SPACE_LAW = record_dtype([*fields("i8", *FUNCTIONS), *LAYER, *FRICTION, ("own", 
 
 _NUMBER, _CLUSTER = types.float64, from_dtype(CLUSTER)
 _ROW, _ROWS, _ENDS = (types.Array(_NUMBER, n, "C") for n in (1, 2, 3))
+_VECTOR = types.UniTuple(_NUMBER, 3)
 _WORDS = types.Array(types.int64, 1, "C")
 _OF_CLUSTER = (_ROWS, _ROWS, _CLUSTER, _ROWS, _ROW, from_dtype(SPACE_LAW))
 SIGNATURES: dict[str, tuple[tuple[Any, ...], Any]] = {  # arguments, result
@@ -72,10 +74,10 @@ SIGNATURES: dict[str, tuple[tuple[Any, ...], Any]] = {  # arguments, result
     "facets": ((_ROWS, types.intp, OWN), types.none),
     "lead": ((_ROWS, types.intp, from_dtype(SPACE_LAW)), types.none),
     "layer": ((types.boolean, *[_NUMBER] * 11), types.UniTuple(_NUMBER, 8)),
-    "bar": ((*[_NUMBER] * 19, _CLUSTER, OWN, _ENDS), types.none),
-    "cap": ((*[_NUMBER] * 6, _CLUSTER, OWN, _ENDS), types.none),
-    "ball": ((*[_NUMBER] * 7, _CLUSTER, OWN, _ROWS), types.none),
-    "anchor": ((*[_NUMBER] * 6, from_dtype(SPACE_LAW)), types.UniTuple(_NUMBER, 3)),
+    "bar": ((strip_type(3), _CLUSTER, OWN, _ENDS), types.none),
+    "cap": ((_VECTOR, _VECTOR, _CLUSTER, OWN, _ENDS), types.none),
+    "ball": ((_NUMBER, _VECTOR, _VECTOR, _CLUSTER, OWN, _ROWS), types.none),
+    "anchor": ((_VECTOR, _VECTOR, from_dtype(SPACE_LAW)), _VECTOR),
     "note": ((_ROWS, types.intp, _ROWS, _ROWS, _CLUSTER), types.none),
     "count": ((_ROWS, types.intp, *[_NUMBER] * 9, types.boolean), types.none),
     "begin": ((_ROWS, types.intp, types.intp, types.boolean), types.none),
@@ -96,11 +98,11 @@ SIGNATURES: dict[str, tuple[tuple[Any, ...], Any]] = {  # arguments, result
 #           pointing outward; 0: a thin plate, either face can lead; j (m): shear displacement, see `path_length`
 # lead      `facets.lead`, where the law asks for it
 # layer     `facet_layers.between`, of a medium in a layer
-# bar       forces on a strip, as `law.strip_force` with vectors in space: add to f[term, end, xyz] (N)
-# cap       (cx, cy, cz) of a strip, velocity at its end 1, cluster, f: add the force on a free end face there to
-#           f[term, 1, xyz] (N); of laws that know one
-# ball      force at the centre of a ball, as `law.ball_force` with vectors in space: add to f[term, xyz] (N)
-# anchor    p (3,) m, a (3,) m: where an anchor at a is after an accepted step that ended with its element at p
+# bar       strip, cluster, f: add the forces on a `strip.Strip` to f[term, end, xyz] (N)
+# cap       c of a strip, velocity at its end 1, cluster, f: add the force on a free end face there to f[term, 1, xyz]
+#           (N); of laws that know one
+# ball      z, v, e, cluster, f: as `law.ball_force`, to f[term, xyz] (N)
+# anchor    p (3,) m, anchor (3,) m: where it is after an accepted step that ended with its element at p
 # body      `space_bodies.body_forces`, which several kernels call
 # note, count, begin    those of `facet_paths`, of media whose facets have paths
 # heights   `ground.tangent_plane`, of a bed with a map of heights

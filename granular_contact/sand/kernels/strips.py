@@ -16,6 +16,7 @@ from granular_contact.jit.memory import clear, room3
 from granular_contact.sand.kernels import law
 from granular_contact.sand.kernels.immersion import immersed_interval, inside
 from granular_contact.sand.kernels.law import TERMS
+from granular_contact.sand.kernels.strip import Strip
 from granular_contact.sand.kernels.surface import depth
 
 
@@ -57,18 +58,18 @@ def distributed_forces(P, V, anchors, line, profile, medium, F, totals):
         clear(f)
         if anchors.shape[1] > 2:
             law.count_shear(P, anchors, i, line, medium)
-        law.strip_force(
-            a, b, z0, z1, P[i + 1, 0] - P[i, 0], P[i + 1, 1] - P[i, 1], V[i, 0], V[i, 1], V[i + 1, 0], V[i + 1, 1],
-            P[i, 0] - anchors[i, 0], P[i, 1] - anchors[i, 1],
-            P[i + 1, 0] - anchors[i + 1, 0], P[i + 1, 1] - anchors[i + 1, 1], line, medium, f,
-        )  # fmt: skip
+        p, q, r, s = P[i], P[i + 1], anchors[i], anchors[i + 1]
+        e0, e1 = (p[0] - r[0], p[1] - r[1]), (q[0] - s[0], q[1] - s[1])
+        v0, v1 = (V[i, 0], V[i, 1]), (V[i + 1, 0], V[i + 1, 1])
+        strip = Strip(a, b, z0, z1, (q[0] - p[0], q[1] - p[1]), v0, v1, e0, e1)
+        law.strip_force(strip, line, medium, f)
         if line.scatter > 0.0:
             law.scattered(f, P, anchors, i, place - 0.5 * length, length, line, medium)
         collect(f, i, P, F, totals)
     if line.cap and z1 > 0.0 and (not line.layered or line.top < z1 <= line.bottom):
         clear(f)
         cx, cy = P[last, 0] - P[last - 1, 0], P[last, 1] - P[last - 1, 1]
-        law.cap_force(cx, cy, V[last, 0], V[last, 1], line, medium, f)
+        law.cap_force((cx, cy), (V[last, 0], V[last, 1]), line, medium, f)
         collect(f, last - 1, P, F, totals)
 
 
@@ -134,17 +135,15 @@ def resultant_forces(P, V, anchors, line, profile, medium, F, totals):
     i = min(int(middle), P.shape[0] - 2)
     x0, y0 = at(P, first)
     x1, y1 = at(P, last)
-    vx, vy = at(V, middle)
-    px, py = at(P, middle)
-    ax, ay = at(anchors, middle)
-    ex, ey = px - ax, py - ay
+    v, p, anchor = at(V, middle), at(P, middle), at(anchors, middle)
+    c, e = (x1 - x0, y1 - y0), (p[0] - anchor[0], p[1] - anchor[1])
     f = room3(TERMS, 2, 2)
     clear(f)
     # The ends of the segment lie on the surface only up to round-off; the depth there is zero by definition.
     z0, z1 = max(0.0, depth(profile, x0, y0)), max(0.0, depth(profile, x1, y1))
-    law.strip_force(0.0, 1.0, z0, z1, x1 - x0, y1 - y0, vx, vy, vx, vy, ex, ey, ex, ey, line, medium, f)
+    law.strip_force(Strip(0.0, 1.0, z0, z1, c, v, v, e, e), line, medium, f)
     if line.cap and Z[-1] > 0.0:
-        law.cap_force(x1 - x0, y1 - y0, vx, vy, line, medium, f)
+        law.cap_force(c, v, line, medium, f)
     xi = middle - i
     for term in range(TERMS):
         for xy in range(2):

@@ -104,7 +104,7 @@ def weigh(B, n, step, bristle, M):
     smooth = bristle.friction == SMOOTH
     for k in range(n):
         ex, ey, ez, vx, vy, vz = B[E, k], B[E + 1, k], B[E + 2, k], B[V, k], B[V + 1, k], B[V + 2, k]
-        qx, qy, qz, tau = stretched(ex, ey, ez, vx, vy, vz, bristle)
+        (qx, qy, qz), tau = stretched((ex, ey, ez), (vx, vy, vz), bristle)
         far = math.sqrt(ex * ex + ey * ey + ez * ez)
         share = bristle.u_y / far if far > bristle.u_y else 1.0
         if smooth:

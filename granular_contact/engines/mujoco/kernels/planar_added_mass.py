@@ -203,7 +203,7 @@ def stretch(P, V, anchors, m, step, F, Q):
             Q[i, 0], Q[i, 1] = qx, qy
             Q[i, 2], Q[i, 3] = growth(ex, vx, qx, m, step), growth(ey, vy, qy, m, step)
             continue
-        qx, qy = drive(ex, ey, vx, vy, m)
+        qx, qy = drive((ex, ey), (vx, vy), m)
         if m.friction == SMOOTH:
             share, tau = 0.0, 1.0
         else:

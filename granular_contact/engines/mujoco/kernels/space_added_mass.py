@@ -159,14 +159,14 @@ def weigh(fx, fy, fz, E, A, pose, ahead, step, bristle, inertia):
     vx, vy, vz = v[0] + w[1] * rz - w[2] * ry, v[1] + w[2] * rx - w[0] * rz, v[2] + w[0] * ry - w[1] * rx
     ex, ey, ez = ahead[3, 0] + rx - ax, ahead[3, 1] + ry - ay, ahead[3, 2] + rz - az
     if bristle.parted and bristle.friction != SMOOTH:
-        qx, qy = drive_across(ex, ey, vx, vy, bristle)
+        qx, qy = drive_across((ex, ey), (vx, vy), bristle)
         mass = secant(length(fx, fy, 0.0), length(qx, qy, 0.0), length(ex, ey, 0.0), length(vx, vy, 0.0), bristle, step)
         qz = bristle.u_y * drive_along(ez, vz, bristle)
         upward = secant(abs(fz), abs(qz), abs(ez), abs(vz), bristle, step)
         add_point(mass, bx, by, bz, inertia)
         add_inertia(upward - mass, pose[2, 0], pose[2, 1], pose[2, 2], bx, by, bz, inertia)
         return
-    qx, qy, qz, tau = drive(ex, ey, ez, vx, vy, vz, bristle)
+    (qx, qy, qz), tau = drive((ex, ey, ez), (vx, vy, vz), bristle)
     q, h = length(qx, qy, qz), length(ex, ey, ez)
     if q == 0.0:
         return
