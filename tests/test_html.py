@@ -27,7 +27,8 @@ from support_runs import CONFIGS, scenario_of
 from granular_contact import cli, report
 from granular_contact.report.pages import FolderError, html, rendering
 from granular_contact.report.pages import write as write_page
-from granular_contact.report.pages.folder import Folder
+from granular_contact.report.pages.folder import Bed, Folder
+from granular_contact.report.pages.stage import stage
 from granular_contact.report.units import column, label, quantity
 from granular_contact.results.motion import Bedding, Motion, Part, coarser, over_ground
 from granular_contact.run import run
@@ -618,6 +619,12 @@ def test_the_player_moves_mechanism_cursor_and_numbers_together(pages: dict[str,
     opened(browser, pages["run"])
     table = np.genfromtxt(pages["run"].parent / "timeseries.csv", delimiter=",", names=True)
     told = json.loads((pages["run"].parent / "motion.json").read_text(encoding="utf-8"))
+    ruler, words = browser.run(
+        """return [document.querySelector('#stage .ruler path').getAttribute('d'),
+                   document.querySelector('#stage > text.words').textContent]"""
+    )
+    px, (length, unit) = float(re.findall(r"M-([\d.]+) ", ruler)[0]), words.split()
+    scale = px / (float(length) * {"mm": 1e-3, "m": 1.0}[unit])  # px of a metre
     for share in (0.0, 0.37, 1.0):
         at = told["time_s"][0] + share * (told["time_s"][-1] - told["time_s"][0])
         seen = browser.run(
@@ -628,7 +635,7 @@ def test_the_player_moves_mechanism_cursor_and_numbers_together(pages: dict[str,
                         p.querySelector('.key b').textContent.replace('\N{MINUS SIGN}', '-')])]"""
         )
         x = np.interp(at, told["time_s"], [poses[1][0] for poses in told["poses"]])
-        assert float(re.findall(r"-?\d[-\d.e]*", seen[0])[0]) == pytest.approx(x, abs=1e-6)
+        assert float(re.findall(r"-?\d[-\d.e]*", seen[0])[0]) == pytest.approx(scale * x, abs=1e-3)
         numbers = dict(seen[1])
         angle = np.interp(at, table["time_s"], table["pivot_angle_deg"])
         assert float(numbers["angle of joints (deg)"]) == pytest.approx(angle, rel=1e-3)
@@ -792,3 +799,20 @@ def test_a_foreign_script_is_not_run(pages: dict[str, Path], browser: Browser) -
     add = "const s = document.createElement('script'); s.textContent = 'window.evil = 1'; document.body.append(s);"
     assert browser.run(f"{add} return window.evil === undefined") is True
     assert any("Content Security Policy" in one for one in browser.faults())
+
+
+@pytest.mark.parametrize("size", [1e-6, 1.0, 1e3])
+def test_the_player_in_the_plane_draws_any_size_in_pixels(size: float) -> None:
+    """In metres browsers do not draw what is micrometres long."""
+    bar = Part("rod", size * np.array([[-0.5, 0.0], [0.5, 0.0]]), None, 0.1 * size)
+    poses, force = np.zeros((2, 1, 3)), (np.zeros((2, 2)), np.ones((2, 2)))
+    poses[1, 0, :2] = 0.2 * size
+    one = stage(Motion(np.array([0.0, 1.0]), (bar,), poses, {}, {"rod": force}), Bed(-0.1 * size), 0, poses[:, 0, :2])
+    (part,) = one["parts"]
+    left, right = (float(x) for x in re.findall(r"[ML]([-\d.e]+) ", part["line"]))
+    assert right - left == pytest.approx(10 * part["size"], rel=1e-5)  # six digits are written
+    assert 0.6 * one["width"] < right - left < one["width"]
+    assert one["motion"].poses[1, 0, 0] == pytest.approx(2 * part["size"])
+    assert one["left"] < left < right < one["left"] + one["width"]
+    assert float(re.findall(r" ([-\d.e]+)", one["sand"]["surface"])[0]) == pytest.approx(-part["size"], rel=1e-5)
+    assert one["bar"]["words"] == {1e-6: "200 nm", 1.0: "200 mm", 1e3: "200 m"}[size]

@@ -87,6 +87,14 @@ class Motion:
         return np.asarray(turned + poses[:, None, :2])
 
 
+def scaled(motion: Motion, factor: float) -> Motion:
+    """A motion in the plane with all lengths times a factor."""
+    parts = [replace(one, points=factor * one.points, diameter=factor * one.diameter) for one in motion.parts]
+    bent = {i: factor * points for i, points in motion.bent.items()}
+    forces = {body: (factor * at, force) for body, (at, force) in motion.forces.items()}
+    return replace(motion, parts=tuple(parts), poses=motion.poses * (factor, factor, 1.0), bent=bent, forces=forces)
+
+
 def over_ground(motion: Motion, height: Callable[[Array, Array], Array], *, level: bool) -> Motion:
     """A motion in space with the ground below it, from heights (n,) m at x, y (n,) m."""
     reach = max((float(np.linalg.norm(part.points, axis=1).max()) for part in motion.parts), default=0.0)

@@ -64,6 +64,12 @@ class Bed:
     layers: tuple[float, ...] = ()
     floor: float | None = None
 
+    def scaled(self, factor: float) -> Bed:
+        """The same with all lengths times a factor."""
+        surface = None if self.surface is None else factor * np.asarray(self.surface)
+        floor = None if self.floor is None else factor * self.floor
+        return Bed(surface, tuple(factor * depth for depth in self.layers), floor)
+
 
 @dataclass(frozen=True)
 class Folder:

@@ -18,7 +18,7 @@ from granular_contact.report.units import Array
 from granular_contact.results.motion import Motion, plain
 
 MOST_NUMBERS = 4_000_000  # of the table, in a page; of a longer one every second row, or third, and so on
-_OF_STAGE = ("width", "height", "scale", "left", "top", "arrow", "longest")
+_OF_STAGE = ("width", "height", "left", "top", "arrow", "longest")
 _TERM = "_force_x_N"
 
 
@@ -105,7 +105,7 @@ def _page(
     if shown is not None:
         data["stage"] = {key: shown[key] for key in _OF_STAGE}
     if played is not None:
-        data["motion"] = plain(played[0])
+        data["motion"] = plain(played[0] if shown is None else shown["motion"])
     space = played is not None and played[0].in_space
     kept = {"stage": shown, "in_space": space, "groups": found, "thinned": every if every > 1 else 0}
     return nothing_live() | kept | {"data": data}

@@ -1,6 +1,7 @@
 """The stage of the player in the plane: the mechanism, the sand and its surface as SVG, which scripts then move.
 
-Without scripts it stands still at one instant. Lengths in it are m, y upward; a single transform makes px of them.
+Without scripts it stands still at one instant. Lengths in it are px of the stage before it is zoomed, y upward:
+browsers do not draw what is micrometres long in metres.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ import numpy as np
 from granular_contact.report.pages.folder import Bed
 from granular_contact.report.units import Array, round_below, sized
 from granular_contact.results.frames import surface_height
-from granular_contact.results.motion import Motion
+from granular_contact.results.motion import Motion, scaled
 
 WIDTH, FLATTEST, TALLEST = 960.0, 0.42, 0.75  # px; height to width
 MARGIN = 0.07  # of the width
@@ -23,7 +24,7 @@ USUAL_ARROW, LONGEST_ARROW = 0.2, 0.45  # of the height: of the force that a ten
 def stage(motion: Motion, bed: Bed, shown: int, path: Array) -> dict[str, Any]:
     """What the template and the scripts need of a motion; shown: the picture (index) that stands without scripts.
 
-    path: (rows, 2) m, of the tip or of a body.
+    path: (rows, 2) m, of the tip or of a body. `motion` of it is the motion in px.
     """
     drawn = [motion.points(i) for i in range(len(motion.parts))]
     reach = [0.5 * part.diameter for part in motion.parts]
@@ -34,23 +35,24 @@ def stage(motion: Motion, bed: Bed, shown: int, path: Array) -> dict[str, Any]:
         top = surface_height(bed.surface, np.linspace(low[0], high[0], 65))
         if top.max() > low[1] - 2 * size:
             low[1], high[1] = min(low[1], top.min() - 0.15 * size), max(high[1], top.max())
-    wide, tall = np.maximum(high - low, 1e-9)
+    wide, tall = np.maximum(high - low, 1e-12)
     across = WIDTH * (1 - 2 * MARGIN)
     height = float(np.clip(across * tall / wide + 2 * MARGIN * WIDTH, FLATTEST * WIDTH, TALLEST * WIDTH))
     scale = min(across / wide, (height - 2 * MARGIN * WIDTH) / tall)
-    left, bottom = (low[0] + high[0]) / 2 - WIDTH / 2 / scale, (low[1] + high[1]) / 2 - height / 2 / scale
+    left, bottom = scale * (low + high) / 2 - (WIDTH / 2, height / 2)
     usual, length = _usual(motion), round_below(0.2 * WIDTH / scale)
+    seen = scaled(motion, scale)
     return {
         "width": WIDTH,
         "height": height,
-        "scale": scale,
         "left": left,
-        "top": bottom + height / scale,
-        "parts": [_part(motion, i, points[shown]) for i, points in enumerate(drawn)],
-        "sand": _sand(bed, left, bottom, scale),
-        "path": _line(_thinned(path, 0.3 / scale)) if len(path) else "",
-        "arrow": USUAL_ARROW * height / scale / usual if usual > 0.0 else 0.0,
-        "longest": LONGEST_ARROW * height / scale,
+        "top": bottom + height,
+        "motion": seen,
+        "parts": [_part(seen, i, scale * points[shown]) for i, points in enumerate(drawn)],
+        "sand": _sand(bed.scaled(scale), left, bottom),
+        "path": _line(_thinned(scale * path, 0.3)) if len(path) else "",
+        "arrow": USUAL_ARROW * height / usual if usual > 0.0 else 0.0,
+        "longest": LONGEST_ARROW * height,
         "force": _key(usual, USUAL_ARROW * height),
         "bar": {"px": length * scale, "words": sized(length, "m")},
     }
@@ -60,35 +62,35 @@ def _part(motion: Motion, index: int, now: Array) -> dict[str, Any]:
     """How a part is drawn: as a disc, a bar or an area, in its own frame; one that bends where it is."""
     part, bends = motion.parts[index], index in motion.bent
     points = now if bends else part.points
-    closed = len(points) > 3 and bool(np.allclose(points[0], points[-1], atol=1e-12))
+    closed = len(points) > 3 and bool(np.allclose(points[0], points[-1], atol=1e-6))
     kind = "disc" if len(points) == 1 else "area" if closed else "bar"
     drawn = {"kind": kind, "size": part.diameter, "line": _line(points, closed)}
     return {"name": part.name, "bends": bends, "poses": motion.poses[:, index], **drawn}
 
 
 def turned(pose: Array) -> str:
-    """The SVG transform of a pose x, y (m), angle (rad)."""
+    """The SVG transform of a pose x, y (px), angle (rad)."""
     return f"translate({pose[0]:.7g} {pose[1]:.7g}) rotate({np.degrees(pose[2]):.6g})"
 
 
 def _line(points: Array, closed: bool = False) -> str:
-    """The SVG path along points (n, 2) m."""
+    """The SVG path along points (n, 2) px."""
     words = "L".join(f"{x:.6g} {y:.6g}" for x, y in points.tolist())
     return f"M{words}{'Z' if closed else ''}"
 
 
 def _thinned(path: Array, least: float) -> Array:
-    """Points of a path that are at least so far (m) apart, its last one among them."""
+    """Points of a path that are at least so far (px) apart, its last one among them."""
     steps = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(path, axis=0).T))])
     _, first = np.unique(np.floor(steps / least), return_index=True)
     return np.asarray(path[np.unique([*first, len(path) - 1])])
 
 
-def _sand(bed: Bed, left: float, bottom: float, scale: float) -> dict[str, str]:
+def _sand(bed: Bed, left: float, bottom: float) -> dict[str, str]:
     """Paths of the sand, its surface, layers and floor, far beyond the edges of the stage."""
     if bed.surface is None:
         return {}
-    wide = BEYOND * WIDTH / scale
+    wide = BEYOND * WIDTH
     ends = np.array([left - wide, left + 2 * wide])
     x = ends
     if np.ndim(bed.surface):

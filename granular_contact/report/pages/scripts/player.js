@@ -56,7 +56,7 @@ function controls(motion) {
   }
 }
 
-// Corners of an arrow (m) for a force (N) at a point, y upward; px: m of a pixel.
+// Corners of an arrow for a force (N) at a point, y upward; px: the length of a pixel.
 function arrow([x, y], [fx, fy], factor, px, longest) {
   const size = Math.hypot(fx, fy), length = Math.min(size * factor, longest);
   if (!(length > 2 * px)) return "";
@@ -76,7 +76,7 @@ function drawing(motion, stage) {
     document.createElementNS("http://www.w3.org/2000/svg", "path")), runOf(name, ": ")]);
   const key = $(".key path", svg);
   if (key) key.setAttribute("d", arrow([22, stage.height - 22], [Number(key.dataset.px), 0], 1, 1, Infinity));
-  const view = { scale: stage.scale, left: stage.left, top: stage.top };
+  const view = { scale: 1, left: stage.left, top: stage.top };
   const follow = $("#follow"), withForces = $("#with-forces");
   const middle = (i, share) => { // of the mechanism, along x
     const x = motion.poses[i].map((pose, part) => mix(pose[0], motion.poses[i + 1 < motion.poses.length ? i + 1 : i][part][0], share));
@@ -88,8 +88,8 @@ function drawing(motion, stage) {
     const shift = follow && follow.checked ? middle(i, share) - start : 0;
     world.setAttribute("transform",
       `scale(${view.scale} ${-view.scale}) translate(${-view.left - shift} ${-view.top})`);
-    const ruler = $(".ruler", svg), factor = view.scale / stage.scale;
-    ruler.setAttribute("transform", `translate(${stage.width - 24} ${stage.height - 20}) scale(${factor} 1)`);
+    const ruler = $(".ruler", svg);
+    ruler.setAttribute("transform", `translate(${stage.width - 24} ${stage.height - 20}) scale(${view.scale} 1)`);
   }
   function show(time) {
     const [i, share] = between(motion.time_s, time), next = Math.min(i + 1, motion.poses.length - 1);
@@ -116,7 +116,7 @@ function drawing(motion, stage) {
     place();
   }
   function zoom(factor, x = stage.width / 2, y = stage.height / 2) { // about a point of the drawing (px)
-    const scale = Math.min(Math.max(view.scale * factor, 0.5 * stage.scale), 100 * stage.scale);
+    const scale = Math.min(Math.max(view.scale * factor, 0.5), 100);
     view.left += x / view.scale - x / scale;
     view.top -= y / view.scale - y / scale;
     view.scale = scale;
@@ -125,7 +125,7 @@ function drawing(motion, stage) {
   $("[data-do=in]").addEventListener("click", () => zoom(1.5));
   $("[data-do=out]").addEventListener("click", () => zoom(1 / 1.5));
   const fit = () => {
-    Object.assign(view, { scale: stage.scale, left: stage.left, top: stage.top });
+    Object.assign(view, { scale: 1, left: stage.left, top: stage.top });
     show(clock.time);
   };
   $("[data-do=fit]").addEventListener("click", fit);
