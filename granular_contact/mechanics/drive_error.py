@@ -43,9 +43,9 @@ def drive_warnings(
             continue
         falls = 2.0 - float((force[[top - 1, top + 1]] / greatest).sum())
         if falls > allowed:
-            unit = "N" if scene.joint(drive.joint).kind == "slider" else "N m"
-            said = f"the greatest force of the drive of {drive.joint}, {abs(greatest):.3g} {unit}, is not resolved: in"
-            said += f" the steps before and after it it is smaller by {share(falls)} of itself together"
+            what, unit = ("force", "N") if scene.joint(drive.joint).kind == "slider" else ("torque", "N m")
+            said = f"the greatest {what} of the drive of {drive.joint}, {abs(greatest):.3g} {unit}, is not resolved:"
+            said += f" one step before and one step after it the {what} is lower, by {share(falls)} in sum"
             yield AccuracyWarning(f"{said}; {remedy(scene)}")
 
 

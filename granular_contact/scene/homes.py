@@ -118,7 +118,7 @@ def other_homes(loops: Loops, written: Mapping[str, Any], states: Mapping[str, A
             continue
         key, unit, factor = ("home_deg", "deg", math.degrees(1.0)) if joint.type == "hinge" else ("home_m", "m", 1.0)
         home = round(factor * now, _DIGITS)
-        words = f"the loops do not close at {factor * was:g} {unit}; the nearest at which they do is {home:.10g}"
+        words = f"the loops do not close at {factor * was:g} {unit}; {home:.10g} is taken, the nearest at which they do"
         yield FoundHome("", None, f"model.joints.{name}.{key}", words, home)
 
 

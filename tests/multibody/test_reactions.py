@@ -157,9 +157,9 @@ def test_a_controller_does_not_answer_what_newtons_method_leaves() -> None:
     ("beside", "limit", "told"),
     [
         ((0.97, 0.95), np.inf, ""),
-        ((0.95, 0.92), np.inf, "3 N, is not resolved: in the steps before and after it it is smaller by 13"),
+        ((0.95, 0.92), np.inf, "3 N, is not resolved: one step before and one step after it the force is lower, by 13"),
         ((-1.0, -1.0), 3.0, ""),
-        ((0.1, 0.98), np.inf, "smaller by 92"),
+        ((0.1, 0.98), np.inf, "lower, by 92"),
     ],
 )
 def test_a_greatest_force_that_steps_do_not_resolve_is_told(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 from matplotlib.colors import to_rgb
 from numpy.typing import NDArray
 from PIL import Image
+from support_results import make
 
 from granular_contact import Results, load, simulate
 from granular_contact.report.figures import film, rendering
@@ -40,6 +42,19 @@ def falling(rise: float = 0.0) -> Motion:
 
 def near(picture: NDArray[np.uint8], colour: str, within: int = 40) -> NDArray[np.bool_]:
     return np.abs(picture.astype(int) - np.round(255 * np.array(to_rgb(colour)))).max(axis=2) < within
+
+
+@pytest.mark.parametrize(("installed", "said"), [(False, "pip install 'granular-contact[render]'"), (True, "OpenGL")])
+def test_a_film_in_space_that_is_not_shaded_is_told(
+    installed: bool, said: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(film, "find_spec", lambda _: installed or None)
+    monkeypatch.setattr(rendering, "works", lambda: False)
+    in_space = dataclasses.replace(make(), motion=falling())
+    assert said in film.why_flat(in_space)
+    assert film.why_flat(make()) == ""
+    monkeypatch.setattr(rendering, "works", lambda: True)
+    assert film.why_flat(in_space) == ""
 
 
 @pytest.mark.usefixtures("vtk")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 import subprocess
 from collections.abc import Iterator
+from importlib.util import find_spec
 from itertools import chain
 from pathlib import Path
 
@@ -30,9 +31,21 @@ def write(results: Results, file: Path) -> None:
     OSError
         The disk refuses, or ffmpeg is missing or fails.
     """
-    in_space = results.motion is not None and results.motion.in_space and bool(results.motion.parts)
-    make = rendering.pictures if in_space and rendering.works() else animation.pictures
+    make = rendering.pictures if _in_space(results) and rendering.works() else animation.pictures
     _WRITERS[file.suffix](make(results), file)
+
+
+def why_flat(results: Results) -> str:
+    """Why the film of a run in space is no shaded one, in a sentence; empty where it is, and of a run in the plane."""
+    if not _in_space(results) or rendering.works():
+        return ""
+    if find_spec("pyvista") is None:
+        return "the film shows the side view; pip install 'granular-contact[render]' for shaded pictures"
+    return "the film shows the side view, as pyvista can't draw here (it needs OpenGL)"
+
+
+def _in_space(results: Results) -> bool:
+    return results.motion is not None and results.motion.in_space and bool(results.motion.parts)
 
 
 def _gif(film: Iterator[Picture], file: Path) -> None:
