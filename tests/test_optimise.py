@@ -71,6 +71,7 @@ def breaking(scenario: Scenario) -> Results:
         raise ArithmeticError(f"too steep{' by far' * (angle > 70)}")
     if angle < 20:
         results.summary["energy"]["imbalance_relative"] = 0.5
+        results.summary["usable"] = False
         results.summary["height"] = 100.0
     return results
 

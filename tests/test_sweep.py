@@ -247,13 +247,26 @@ def test_real_failures_are_rows_and_told(tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert ended("sweep", path, "--out", "out") == 3
     out, err = capsys.readouterr()
-    assert err == "1 of 2 cases failed; saved in out\n"
+    assert err.splitlines()[-1] == "1 of 2 cases failed; saved in out"
     assert "Traceback" not in out
     good, stuck = read(tmp_path / "out")
     assert [row["status"] for row in (good, stuck)] == ["rest", "failed"]
     assert "solver.step_s" in stuck["message"]
     assert (float(stuck["gravity_m_s2"]), float(good["gravity_m_s2"])) == (1e9, 9.81)
     assert f"stuck failed: {stuck['message']}" in out
+
+
+@pytest.mark.usefixtures("here")
+def test_what_cases_warn_of_is_told_and_a_useless_one_has_an_exit_code(tmp_path, capsys):
+    fixed = "set: {output.figures: false, solver.end_time_s: 0.06, solver.rest_time_s: null}\n"
+    path = write(tmp_path, f"{fixed}vary: {{solver.step_s: [1.0e-2, 2.0e-4, 1.2e-2]}}\n")
+    for once_more in (False, True):
+        assert ended("sweep", path, "--out", tmp_path / "out") == 5
+        err = capsys.readouterr().err.splitlines()
+        assert err[-1].startswith("2 of 3 cases are not usable, see their warnings; saved in")
+        told = [line for line in err if line.startswith("warning: ") and "not usable" in line]
+        assert once_more or "(2 of 3 cases, in other cases with other numbers)" in told[0]
+    assert [row["usable"] for row in read(tmp_path / "out")] == ["false", "true", "false"]
 
 
 def test_an_absurd_case_is_refused_before_any_runs(tmp_path, capsys, monkeypatch):
@@ -488,7 +501,7 @@ class Terminal(io.StringIO):
 @pytest.mark.parametrize(
     ("stream", "quiet", "said"),
     [
-        (io.StringIO(), False, r"(\d+ of 9 cases, [\d.e+]+ per s, about \d+ s left\n){4}"),
+        (io.StringIO(), False, r"6 of 9 cases\n(\d+ of 9 cases, [\d.e+]+ per s, about \d+ s left\n){3}"),
         (io.StringIO(), True, ""),
         (Terminal(), False, r"(?s).*9/9.* cases, [\d.e+]+ per s .*left.*"),
         (Terminal(), True, ""),

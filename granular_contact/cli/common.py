@@ -58,9 +58,14 @@ def read(path: str, overrides: Sequence[str] = ()) -> tuple[Scenario, Scene]:
     return loaded.scenario, built
 
 
-def worst(statuses: Iterable[str]) -> int:
-    """Exit code of several runs by how they ended: a failure counts more than a time limit."""
-    return min((ENDS[status] for status in statuses if status in ENDS), default=FINE)
+def exit_code(summary: Mapping[str, Any]) -> int:
+    """Exit code of a run by its summary."""
+    return ENDS.get(summary["status"], FINE if summary.get("usable", True) else NOT_USABLE)
+
+
+def worst(summaries: Iterable[Mapping[str, Any]]) -> int:
+    """Exit code of several runs: a failure counts more than a time limit, and that more than a useless result."""
+    return min(filter(None, map(exit_code, summaries)), default=FINE)
 
 
 def worker_count(text: str) -> int:

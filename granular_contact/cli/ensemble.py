@@ -12,7 +12,7 @@ from threading import Thread
 from typing import TYPE_CHECKING
 
 from granular_contact.cli import many
-from granular_contact.cli.common import FAILED, FINE, add_set, complain, output_folder, print_table, read
+from granular_contact.cli.common import add_set, output_folder, print_table, read
 
 if TYPE_CHECKING:
     from granular_contact.config import Sweep
@@ -41,7 +41,7 @@ def execute(chosen: argparse.Namespace) -> int:
         scenario, _ = read(chosen.file, chosen.set)
         sweep = cases(scenario, chosen.count, chosen.seed, Path(chosen.file).stem)
         act, nouns = partial(_run, chosen, sweep, pool, folder), ("ensemble", "runs")
-        return many.with_cases(chosen, sweep, folder, pool, act, finished=lambda: FINE, rows=_plain, nouns=nouns)
+        return many.with_cases(chosen, sweep, folder, pool, act, rows=_plain, nouns=nouns)
 
 
 def _plain(checkpoint: Checkpoint) -> list[Row]:
@@ -67,13 +67,14 @@ def _run(chosen: argparse.Namespace, sweep: Sweep, pool: WorkerPool, folder: Pat
     table.write(sweep, _plain(checkpoint), checkpoint.folder)
     found = of_rows(checkpoint.journal)
     write(found, checkpoint.folder, figures=sweep.base.output.figures)
+    ends = many.Ends("runs")
+    for row in checkpoint.journal:
+        ends.add(row)
     checkpoint.finish()
     if not chosen.quiet:
         _show(found)
         print(f"{sweep.name}: {count} runs in {time.perf_counter() - begin:.2f} s, saved in {folder}")
-    if found.failed:
-        complain(f"{found.failed} of {count} runs failed; saved in {folder}")
-    return FAILED if found.failed else FINE
+    return ends.code(folder, quiet=chosen.quiet)
 
 
 def _show(found: Summary) -> None:

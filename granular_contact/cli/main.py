@@ -63,7 +63,8 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         "granular-contact",
         description="Robots and other mechanisms that move in sand, simulated in Exudyn.",
-        epilog="`granular-contact COMMAND --help` says what a command takes; begin with `new`, or with `examples`.",
+        epilog="`granular-contact COMMAND --help` says what a command takes; begin with `new`, or with `examples`. "
+        "Exit codes: 0 fine, 2 faulty input, 3 failed, 4 time limit, 5 a result is not usable, 130 interrupted.",
     )
     parser.add_argument("--version", action="store_true", help="print the versions of the program and of the engine")
     parser.set_defaults(command=None)

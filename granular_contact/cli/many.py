@@ -6,18 +6,33 @@ How far a sweep or a search is stands in a bar on a terminal, or in a line a min
 from __future__ import annotations
 
 import argparse
+import csv
 import sys
+import threading
 import time
 from collections.abc import Callable, Generator, Iterable, Iterator
 from contextlib import closing, contextmanager
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, TextIO
 
-from granular_contact.cli.common import FAULTY_INPUT, INTERRUPTED, NARROW, add_output, complain, reason, worker_count
+from granular_contact.cli.common import (
+    FAILED,
+    FAULTY_INPUT,
+    FINE,
+    INTERRUPTED,
+    NARROW,
+    NOT_USABLE,
+    add_output,
+    complain,
+    reason,
+    worker_count,
+)
 from granular_contact.errors import ConfigError
 
 if TYPE_CHECKING:
     from granular_contact.config import Sweep
+    from granular_contact.results.alike import Kinds
     from granular_contact.studies.sweep import Row, WorkerPool
     from granular_contact.studies.sweep.checkpoint import Checkpoint, Contents
 
@@ -99,7 +114,6 @@ def with_cases(
     pool: WorkerPool,
     act: Callable[[Checkpoint], int],
     *,
-    finished: Callable[[], int],
     rows: Callable[[Checkpoint], Iterable[Row]] = lambda checkpoint: checkpoint.journal,
     cases: bool = False,
     nouns: tuple[str, str] = ("sweep", "cases"),
@@ -117,7 +131,7 @@ def with_cases(
         pool,
         act,
         count=len(sweep.cases),
-        finished=finished,
+        finished=lambda: Ends.before(folder, nouns[1]).code(folder, quiet=chosen.quiet),
         interrupted=lambda checkpoint: table.write(sweep, rows(checkpoint), checkpoint.folder),
         cases=cases,
     )
@@ -125,12 +139,25 @@ def with_cases(
 
 @contextmanager
 def advancing(chosen: argparse.Namespace, checkpoint: Checkpoint, count: int) -> Iterator[Callable[[], None]]:
-    """Give a callable that tells of one run more; what is there already is said first."""
+    """Give a callable that tells of one run more; what is there already is said first, and why the first take long."""
     done, noun = len(checkpoint.done), checkpoint.work.runs
     if done and not chosen.quiet:
         print(f"going on in {checkpoint.folder}: {done} of {count} {noun} are there", flush=True)
+    why = f"the first {noun} wait: in a new installation the forces of the sand are compiled once, for a minute or so"
+    waiting = threading.Timer(SILENT_SECONDS, complain, (why,))
+    waiting.daemon = True
     with progress(sys.stderr, count, done, chosen.quiet, noun) as advance:
-        yield advance
+        if not chosen.quiet:
+            waiting.start()
+
+        def one_more() -> None:
+            waiting.cancel()
+            advance()
+
+        try:
+            yield one_more
+        finally:
+            waiting.cancel()
 
 
 def take(
@@ -154,6 +181,58 @@ def take(
         raise WorkerPoolError(f"{missing} rows did not reach {checkpoint.folder}")
 
 
+MOST_WARNINGS = 5  # kinds
+
+
+def _none() -> Kinds:
+    from granular_contact.results.alike import Kinds
+
+    return Kinds()
+
+
+@dataclass
+class Ends:
+    """How the runs of a sweep ended, and what they warn of; runs: what they are called."""
+
+    runs: str
+    count: int = 0
+    failed: int = 0
+    useless: int = 0
+    warnings: Kinds = field(default_factory=_none)
+
+    def add(self, row: Row) -> None:
+        """Count a run."""
+        self.count += 1
+        self.failed += row.failed
+        self.useless += row.useless
+        for warning in row.summary.get("warnings") or ():
+            self.warnings.add(warning)
+
+    def code(self, folder: Path, *, quiet: bool) -> int:
+        """Exit code; says what it rests on, and what the warnings are unless `quiet`. folder: of the results."""
+        for line in self.warnings.lines(self.count, self.runs, MOST_WARNINGS, str(folder)) if not quiet else ():
+            complain(f"warning: {line}")
+        for number, words in ((self.useless, "are not usable, see their warnings"), (self.failed, "failed")):
+            if number:
+                complain(f"{number} of {self.count} {self.runs} {words}; saved in {folder}")
+        return FAILED if self.failed else NOT_USABLE if self.useless else FINE
+
+    @classmethod
+    def before(cls, folder: Path, runs: str) -> Ends:
+        """As the table of a finished sweep has them, without warnings."""
+        from granular_contact.report import TABLE
+        from granular_contact.results import FINISHED
+
+        found = cls(runs)
+        with (folder / TABLE).open(encoding="utf-8", newline="") as file:
+            for row in csv.DictReader(file):
+                ended = row["status"] in FINISHED
+                found.count += 1
+                found.failed += not ended
+                found.useless += ended and row.get("usable") == "false"
+        return found
+
+
 def _kept(checkpoint: Checkpoint, count: int) -> str:
     """What unfinished work leaves, in words; empty if that is nothing."""
     if not (saved := len(checkpoint.journal)):
@@ -163,6 +242,7 @@ def _kept(checkpoint: Checkpoint, count: int) -> str:
 
 
 LINE_SECONDS = 60.0
+SILENT_SECONDS = 10.0  # without a run that is done
 
 
 @contextmanager
@@ -199,17 +279,19 @@ def _bar(stream: TextIO, count: int, done: int, noun: str) -> Iterator[Callable[
 
 
 def _lines(stream: TextIO, count: int, done: int, noun: str) -> Callable[[], None]:
+    """The rate is that since the first run, which may have waited for compiling."""
     begin = printed = time.perf_counter()
     new = 0
 
     def advance() -> None:
-        nonlocal new, printed
+        nonlocal begin, new, printed
         new += 1
         now = time.perf_counter()
+        begin = now if new == 1 else begin
         if now - printed >= LINE_SECONDS:
             printed = now
-            rate = new / (now - begin)
-            left = (count - done - new) / rate
-            print(f"{done + new} of {count} {noun}, {rate:.3g} per s, about {left:.0f} s left", file=stream, flush=True)
+            rate = (new - 1) / max(now - begin, 1e-9)
+            left = f", {rate:.3g} per s, about {(count - done - new) / rate:.0f} s left" if rate else ""
+            print(f"{done + new} of {count} {noun}{left}", file=stream, flush=True)
 
     return advance

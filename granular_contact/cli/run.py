@@ -13,13 +13,12 @@ from typing import TYPE_CHECKING, Any
 
 from granular_contact.cli.common import (
     ENDS,
-    FINE,
     NARROW,
-    NOT_USABLE,
     Refusal,
     add_output,
     add_set,
     complain,
+    exit_code,
     output_folder,
     read,
     say,
@@ -100,20 +99,15 @@ def execute(chosen: argparse.Namespace) -> int:
             scene = build(scenario)
         _refuse_viewer(scene)
     folder = output_folder(chosen.out, Path(chosen.config).stem)
-
-    from granular_contact import report
-
     kept: list[tuple[System, Trajectory]] = []
     results, took = _simulate(chosen, scenario, scene, kept)
     # Before what is drawn below is imported.
     explained = [*_explanation(scene, kept)] if chosen.explain else []
-    try:
-        figures = scenario.output.figures and not chosen.no_plots
-        report.write(results, folder, figures=figures, film=chosen.film, formats=chosen.formats)
-    except OSError as error:
-        raise Refusal(f"the results can't be saved in {folder}: {error}") from None
+    _save(chosen, results, folder)
     if not chosen.quiet:
         say("\n".join(_summary(results, _surface_follows(scenario), took, folder)))
+        told = set(map(str, scene.notes))  # when the config was read
+        say("\n".join(f"warning: {warning}" for warning in results.warnings if warning not in told))
     elif results.status.code in ENDS:
         complain(f"{results.status.message}; saved in {folder}")
     elif not results.summary.get("usable", True):
@@ -126,7 +120,23 @@ def execute(chosen: argparse.Namespace) -> int:
         from granular_contact.engines.exudyn import viewer
 
         viewer.show(*solved)
-    return ENDS.get(results.status.code, FINE if results.summary.get("usable", True) else NOT_USABLE)
+    return exit_code(results.summary)
+
+
+def _save(chosen: argparse.Namespace, results: Results, folder: Path) -> None:
+    """Write the results, with the figures and the film that were asked for; say what the film lacks."""
+    from granular_contact import report
+
+    try:
+        figures = results.scenario["output"]["figures"] and not chosen.no_plots
+        report.write(results, folder, figures=figures, film=chosen.film, formats=chosen.formats)
+    except OSError as error:
+        raise Refusal(f"the results can't be saved in {folder}: {error}") from None
+    if chosen.film:
+        from granular_contact.report.figures.film import why_flat
+
+        if why := why_flat(results):
+            complain(f"notice: {why}")
 
 
 def _simulate(
@@ -261,4 +271,3 @@ def _summary(results: Results, surface_follows: bool, elapsed: str, folder: Path
         yield f"  imbalance       {imbalance:.1e} of the energy"
     yield f"  wall time       {elapsed}"
     yield f"  saved in        {folder}"
-    yield from (f"warning: {warning}" for warning in results.warnings)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import csv
 import time
 from collections.abc import Iterable, Sequence
 from functools import partial
@@ -11,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from granular_contact.cli import many
-from granular_contact.cli.common import FAILED, FINE, complain, output_folder, print_numbers, print_table, say, there
+from granular_contact.cli.common import complain, output_folder, print_numbers, print_table, say, there
 from granular_contact.errors import ConfigError, Fault
 
 if TYPE_CHECKING:
@@ -57,20 +56,8 @@ def execute(chosen: argparse.Namespace) -> int:
         from granular_contact.studies.sweep.runner import faults
 
         sweep = load_sweep(chosen.file, probe=Builder(), check=partial(faults, pool=pool))
-        act, finished = partial(_run, chosen, sweep, pool, folder), partial(_failed_before, folder)
-        return many.with_cases(chosen, sweep, folder, pool, act, finished=finished, cases=chosen.plots)
-
-
-def _failed_before(folder: Path) -> int:
-    """Exit code of a sweep that is done already."""
-    from granular_contact.report import TABLE
-    from granular_contact.results import FINISHED
-
-    with (folder / TABLE).open(encoding="utf-8", newline="") as file:
-        failed = sum(row["status"] not in FINISHED for row in csv.DictReader(file))
-    if failed:
-        complain(f"{failed} cases failed; saved in {folder}")
-    return FAILED if failed else FINE
+        act = partial(_run, chosen, sweep, pool, folder)
+        return many.with_cases(chosen, sweep, folder, pool, act, cases=chosen.plots)
 
 
 def _run(chosen: argparse.Namespace, sweep: Sweep, pool: WorkerPool, folder: Path, checkpoint: Checkpoint) -> int:
@@ -84,7 +71,7 @@ def _run(chosen: argparse.Namespace, sweep: Sweep, pool: WorkerPool, folder: Pat
     found = sensitivity.of_sweep(sweep, checkpoint.journal)
     if found:
         sensitivity.write(found, checkpoint.folder, figures=sweep.base.output.figures)
-    failed = _show(sweep, checkpoint.journal, chosen.quiet)
+    ends = _show(sweep, checkpoint.journal, chosen.quiet)
     checkpoint.finish()
     if not chosen.quiet:
         _show_sensitivity(found)
@@ -96,9 +83,7 @@ def _run(chosen: argparse.Namespace, sweep: Sweep, pool: WorkerPool, folder: Pat
             complain(f"no Sobol indices of {one.output}: {one.refused}")
         for words in sensitivity.warnings(one):
             complain(f"warning: {words}")
-    if failed:
-        complain(f"{failed} of {count} cases failed; saved in {folder}")
-    return FAILED if failed else FINE
+    return ends.code(folder, quiet=chosen.quiet)
 
 
 def _ask_for_outputs(sample: Sample | None, file: str, row: Row) -> None:
@@ -112,18 +97,18 @@ def _ask_for_outputs(sample: Sample | None, file: str, row: Row) -> None:
             raise ConfigError([Fault(file, None, "sample.outputs", message)])
 
 
-def _show(sweep: Sweep, rows: Iterable[Row], quiet: bool) -> int:
-    """Print the essential columns of the first rows, and what failed; returns how many did."""
+def _show(sweep: Sweep, rows: Iterable[Row], quiet: bool) -> many.Ends:
+    """Print the essential columns of the first rows, and what failed; returns how all rows ended."""
     keys = sweep.keys[:MOST_KEYS]
     first: list[Row] = []
     failed: list[str] = []
-    count = 0
+    ends = many.Ends("cases")
     for row in rows:
+        ends.add(row)
         if row.index < MOST_SHOWN:
             first.append(row)
         if row.failed:
-            count += 1
-            failed += [f"{row.name} failed: {row.summary['message']}"] if count <= MOST_SHOWN else []
+            failed += [f"{row.name} failed: {row.summary['message']}"] if ends.failed <= MOST_SHOWN else []
     columns = there(_SHOWN if sweep.base.wheel is None else _OF_WHEEL, [row.summary for row in first])
     if not quiet:
         words = ([one.name, *(_value(one.values.get(key)) for key in keys), one.summary["status"]] for one in first)
@@ -133,7 +118,7 @@ def _show(sweep: Sweep, rows: Iterable[Row], quiet: bool) -> int:
             print(f"... and {len(sweep.cases) - MOST_SHOWN} more cases in table.csv")
         for line in failed:
             say(line)
-    return count
+    return ends
 
 
 def _short_names(keys: Sequence[str]) -> list[str]:

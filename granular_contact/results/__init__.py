@@ -4,6 +4,7 @@ observation                    what was observed of a solved scene -> Results
 series, in_space               columns, in the plane and in space
 summary, stopping              key numbers: of all, drives and strides; touch and stop, how a run ended
 energy, limits, accuracy       energy balance; what was left or exceeded; estimates of the error
+alike                          warnings of many runs, those that differ only in numbers as one
 interpolation                  numbers between steps
 frames, motion                 pictures, and the motion as it is played
 observed                       one instant, by name

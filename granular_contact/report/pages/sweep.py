@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from pathlib import Path
@@ -20,6 +19,7 @@ from granular_contact.report.pages.folder import Array, Folder, Rows, Table
 from granular_contact.report.pages.live import live_curves, live_overlay, nothing_live
 from granular_contact.report.units import greatest, label, quantity
 from granular_contact.results import FINISHED
+from granular_contact.results.alike import Kinds
 
 MOST_RUNS = 6  # of cases that were kept, side by side
 MOST_ROWS = 100  # shown; the rest is in the table
@@ -33,7 +33,6 @@ _FIRST = (
 _NOT_DRAWN = ("hub_stopping_time_s",)
 OVER_SLIP = ("wheel.drawbar_pull_N", "wheel.torque_Nm", "wheel.sinkage_m", "max_depth_m", "largest_torque_Nm")
 MOST_WARNINGS = 10  # kinds
-_NUMBER = re.compile(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?", re.IGNORECASE)
 
 
 class _Cases(NamedTuple):
@@ -143,20 +142,10 @@ def _warnings(table: Table) -> list[str]:
     """Warnings of the cases, those that differ only in numbers as one kind; the most frequent first."""
     if "warnings" not in table.head:
         return []
-    kinds: dict[str, list[str]] = {}
-    for warning in table.column("warnings"):
-        if warning:
-            kinds.setdefault(_NUMBER.sub("#", str(warning)), []).append(str(warning))
-    ordered = sorted(kinds.values(), key=len, reverse=True)
-    shown = [_counted(alike, len(table.rows)) for alike in ordered[:MOST_WARNINGS]]
-    more = len(ordered) - MOST_WARNINGS
-    return [*shown, f"... and {more} more kind{'s' * (more > 1)}, in {TABLE}"] if more > 0 else shown
-
-
-def _counted(alike: list[str], count: int) -> str:
-    """The first warning of a kind, and how many cases have one."""
-    other = ", in other cases with other numbers" if len(set(alike)) > 1 else ""
-    return f"{alike[0]} ({len(alike)} of {count} cases{other})"
+    kinds = Kinds()
+    for warning in filter(None, table.column("warnings")):
+        kinds.add(str(warning))
+    return kinds.lines(len(table.rows), "cases", MOST_WARNINGS, TABLE)
 
 
 def _vague(folder: Folder) -> list[str]:

@@ -74,8 +74,11 @@ def asked(file: OptimiseFile) -> dict[tuple[str, ...], str]:
 def _failure(row: Row, file: OptimiseFile) -> str:
     if row.failed:
         return str(row.summary.get("message") or row.summary["status"])
-    if (imbalance := row.summary.get(IMBALANCE)) is not None and not imbalance <= USELESS:
-        return f"the energy balance has an error of {imbalance:.0%}: the result is not usable"
+    if row.useless:
+        imbalance = row.summary.get(IMBALANCE)
+        of_energy = imbalance is not None and not imbalance <= USELESS
+        why = f"the energy balance has an error of {imbalance:.0%}" if of_energy else "see its warnings"
+        return f"{why}: the result is not usable"
     found: dict[str, Any] = {name: row.summary.get(name) for name in asked(file).values()}
     lacking = [name for name, value in found.items() if not (is_number(value) and math.isfinite(value))]
     return f"it has no {lacking[0]}" if lacking else ""

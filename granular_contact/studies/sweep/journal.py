@@ -38,6 +38,11 @@ class Row:
         """Whether the case did not end regularly."""
         return self.summary["status"] not in FINISHED
 
+    @property
+    def useless(self) -> bool:
+        """Whether the case ended regularly with a result that is not usable."""
+        return not self.failed and self.summary.get("usable") is False
+
     def line(self) -> bytes:
         """The row as JSON; raises TypeError for what is not plain data."""
         return (json.dumps(vars(self), ensure_ascii=False, default=_plain) + "\n").encode()
