@@ -18,7 +18,6 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from granular_contact.engines.mujoco.kernels.added_mass import BEGINS, PASSED, STEP
 from granular_contact.engines.mujoco.trial import MASS_OF_DATA, STATE
 from granular_contact.mujoco import MujocoBed
 from validation.peers.mujoco_scene import Laws
@@ -49,7 +48,7 @@ def run(bed: MujocoBed, model: Any, data: Any, controls: Array, states: Array, l
         model._address,
         data._address,
         tuple(one.args for one in called),
-        step._clock,
+        step.bed,
         data.ctrl,
         data.qpos,
         trial.state,
@@ -72,13 +71,13 @@ def _march(kernels: tuple[Any, ...]) -> Any:
     kept, old = STATE, not MASS_OF_DATA
 
     @njit
-    def march(model, data, arguments, clock, controls_now, place, state, matrix, mass, step, controls, states):
-        clock[STEP] = step
+    def march(model, data, arguments, bed, controls_now, place, state, matrix, mass, step, controls, states):
+        bed[0].step = step
         for i in range(controls.shape[0]):
             states[i] = place
             controls_now[:] = controls[i]
             position(model, data)
-            clock[PASSED], clock[BEGINS] = step if i else 0.0, i == 0
+            bed[0].passed, bed[0].begins = step if i else 0.0, i == 0
             begins(*arguments[0])
             acts(*arguments[1])
             if guesses(*arguments[2]):

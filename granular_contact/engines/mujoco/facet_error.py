@@ -19,7 +19,6 @@ from granular_contact.sand.space.load import SpatialLoad
 from granular_contact.sand.space.other_facets import Others, others
 
 Vector = NDArray[np.float64]
-Indices = NDArray[np.int64]
 MOST = 256  # instants that are kept; then every second one of them
 
 
@@ -37,10 +36,10 @@ class Facets:
 
 
 class Instants:
-    """Instants of a motion: time (s), coordinates q and rates v of bodies, seven each."""
+    """Instants of a motion, as they are at hand: turned into coordinates and rates when an error is asked for."""
 
     def __init__(self) -> None:
-        self._kept: list[tuple[float, Vector, Vector]] = []
+        self._kept: list[tuple[float, Vector, Vector, Vector, Vector]] = []
         self._every, self._passed = 1, 0
 
     def clear(self) -> None:
@@ -56,12 +55,11 @@ class Instants:
         self._passed += 1
         return self._passed % self._every == 0
 
-    def note(self, time: float, numbers: Indices, tops: Indices, twists: Vector, data: Any) -> None:
-        """Keep an instant; arrays as of `kernels.added_mass.place_bodies`."""
-        place, turn, w = data.xpos[numbers], data.xquat[numbers], twists[:, :3]
-        speed = twists[:, 3:] + np.cross(w, place - data.subtree_com[tops])
-        rates = quaternion_rates(turn, w)
-        self._kept.append((time, np.hstack([place, turn]).ravel(), np.hstack([speed, rates]).ravel()))
+    def note(self, time: float, held: NDArray[np.void], data: Any) -> None:
+        """Keep an instant (s); held (bodies,): records of `kernels.held_bodies`."""
+        numbers = held["number"]
+        place, turn = data.xpos[numbers], data.xquat[numbers]
+        self._kept.append((time, place, turn, held["twist"].copy(), data.subtree_com[held["top"]]))
         if len(self._kept) > MOST:
             self._kept, self._every = self._kept[::2], 2 * self._every
 
@@ -72,14 +70,22 @@ class Instants:
         own, other = facets.pair
         if other is None:
             return 0.0
-        part = np.zeros(len(self._kept[0][1]) // 7)
+        part = np.zeros(len(self._kept[0][1]))
         for one in own.lines:
             part[one.body.coordinates[0] // 7] = other.part_of(one.body.name)
-        weights = np.gradient(np.array([time for time, _, _ in self._kept]))
-        powers = np.array([[_powers(load, q, v) for load in (own, other.load)] for _, q, v in self._kept])
+        weights = np.gradient(np.array([one[0] for one in self._kept]))
+        motion = [_motion(*one[1:]) for one in self._kept]
+        powers = np.array([[_powers(load, q, v) for load in (own, other.load)] for q, v in motion])
         whole = float(weights @ np.abs(powers[:, 0]).sum(axis=1))
         off = float(weights @ (np.abs(powers[:, 1] - powers[:, 0]) @ part))
         return off / whole if whole > 0.0 else 0.0
+
+
+def _motion(place: Vector, turn: Vector, twists: Vector, centres: Vector) -> tuple[Vector, Vector]:
+    """Coordinates and their rates, seven of each body, from places (m), quaternions and twists about centres (m)."""
+    speed = twists[:, 3:] + np.cross(twists[:, :3], place - centres)
+    rates = quaternion_rates(turn, twists[:, :3])
+    return np.hstack([place, turn]).ravel(), np.hstack([speed, rates]).ravel()
 
 
 def _powers(load: Any, q: Vector, v: Vector) -> Vector:

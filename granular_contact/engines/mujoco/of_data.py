@@ -78,7 +78,7 @@ class BedData:
         if begins:
             self._instants.clear()
         if self._shared.facets is not None and self._instants.due() and self.depth > 0.0:
-            self._instants.note(time, self._shared.numbers, self._shared.tops, self._step.twists, data)
+            self._instants.note(time, self._step.held, data)
         if len(self._rows):
             self._record(time)
 
@@ -105,7 +105,7 @@ class BedData:
         if self.accepted >= len(self._rows):
             self._rows = np.vstack([self._rows, np.zeros_like(self._rows)])
         row = self._rows[self.accepted]
-        row[:3] = time, self._step.works.sum(), self.depth
+        row[:3] = time, self._step.held["work"].sum(), self.depth
         row[3:] = self._about_origin().ravel()
 
     # ---- what is read ----
@@ -113,12 +113,12 @@ class BedData:
     @property
     def work(self) -> float:
         """Work (J) that the sand has done on all bodies up to the last call; its negative is lost in the sand."""
-        return float(self._step.works.sum())
+        return float(self._step.held["work"].sum())
 
     @property
     def works(self) -> dict[str, float]:
         """The same of each body."""
-        return dict(zip(self._shared.names, self._step.works.tolist(), strict=True))
+        return dict(zip(self._shared.names, self._step.held["work"].tolist(), strict=True))
 
     @property
     def error(self) -> float:
@@ -132,8 +132,8 @@ class BedData:
         The share of it that forces do which were not found where a step was foreseen to end, but along a slope from
         there. Shorter steps make it smaller; work that bodies do not do while they stand makes none.
         """
-        whole = float(np.abs(self._step.works).sum())
-        return float(np.abs(self._step.drifts).sum()) / whole if whole > 0.0 else 0.0
+        whole = float(np.abs(self._step.held["work"]).sum())
+        return float(np.abs(self._step.held["drift"]).sum()) / whole if whole > 0.0 else 0.0
 
     @property
     def facet_error(self) -> float:
@@ -147,12 +147,12 @@ class BedData:
     @property
     def depth(self) -> float:
         """Depth (m) of the deepest point at the last call, negative above the surface: far above it a bound."""
-        return float(self._step.seen[:, DEPTH].max())
+        return float(self._step.held["seen"][:, DEPTH].max())
 
     @property
     def depths(self) -> dict[str, float]:
         """The same of each body."""
-        return dict(zip(self._shared.names, self._step.seen[:, DEPTH].tolist(), strict=True))
+        return dict(zip(self._shared.names, self._step.held["seen"][:, DEPTH].tolist(), strict=True))
 
     @property
     def wrenches(self) -> dict[str, Vector]:
@@ -162,7 +162,7 @@ class BedData:
     @property
     def force(self) -> Vector:
         """Resultant (3,) N of the sand on all bodies in the step, world frame."""
-        total: Vector = self._step.loads[:, :3].sum(axis=0)
+        total: Vector = self._step.held["load"][:, :3].sum(axis=0)
         return total
 
     @property
@@ -176,7 +176,8 @@ class BedData:
 
     def _about_origin(self) -> Vector:
         arms = self._step.centres[self._shared.numbers]
-        return np.hstack([self._step.loads[:, :3], self._step.loads[:, 3:] + np.cross(arms, self._step.loads[:, :3])])
+        force, moment = np.hsplit(self._step.held["load"], 2)
+        return np.hstack([force, moment + np.cross(arms, force)])
 
     # ---- to go back ----
 
@@ -212,8 +213,10 @@ class BedData:
 
     def wrote(self, rows: Vector) -> bool:
         """Whether rows of `xfrc_applied` (bodies, 6) are those that were written here last."""
-        return bool(self._step.written.any() and np.array_equal(rows, self._step.written))
+        written = self._step.held["written"]
+        return bool(written.any() and np.array_equal(rows, written))
 
     def adopt(self, other: BedData) -> None:
         """Take rows that another one wrote for one's own: this data is a copy of its."""
-        self._step.written[:], self._step.base[:] = other._step.written, other._step.base
+        for name in ("written", "base"):
+            self._step.held[name] = other._step.held[name]

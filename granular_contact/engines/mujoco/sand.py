@@ -1,6 +1,6 @@
 """What of a bed is the same for all data of a model: elements in space or lines in the plane, and media.
 
-Both kinds are called alike. Arrays and signs are those of `kernels.added_mass`; a state is a list of arrays that a
+Both kinds are called alike. Signs are those of `kernels.added_mass`; a state is a list of arrays that a
 step changes.
 """
 
@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from granular_contact.engines.mujoco.kernels import added_mass as kernels
 from granular_contact.engines.mujoco.kernels import planar_added_mass, space_added_mass
+from granular_contact.engines.mujoco.kernels.added_mass import BRISTLE
 from granular_contact.jit.compiled import bound
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
 from granular_contact.sand.kernels.friction import SMOOTH
@@ -42,11 +42,12 @@ class _Part:
 class Sand(ABC):
     """What both kinds share; sizes (bodies,): how far bodies reach from the origins of their frames (m).
 
+    facings (bodies, 3): of bodies in a plane, see `kernels.planar_added_mass`; 0 in space.
     yields (m): least displacement at which bristles yield; without bristles infinite.
     """
 
     def __init__(self, parts: list[_Part], bodies: int) -> None:
-        self.parts, self.sizes = parts, np.zeros(bodies)
+        self.parts, self.sizes, self.facings = parts, np.zeros(bodies), np.zeros((bodies, 3))
         for part in parts:
             np.maximum.at(self.sizes, part.of_bed, part.reaches)
         held = [float(part.bristle["u_y"][0]) for part in parts if part.bristle["friction"][0] != SMOOTH]
@@ -57,8 +58,8 @@ class Sand(ABC):
         return [(np.zeros_like(part.batch.anchors), np.ones(len(part.inner), bool)) for part in self.parts]
 
     @abstractmethod
-    def calls(self, state: State, *step: Any) -> list[Callable[[], None]]:
-        """A call for each batch; step: what `space_added_mass.act` takes from its clock on."""
+    def calls(self, state: State, held: Any, bed: Any) -> list[Callable[[], None]]:
+        """A call for each batch, with the records of `kernels.held_bodies`."""
 
 
 class SpatialSand(Sand):
@@ -69,20 +70,18 @@ class SpatialSand(Sand):
         parts = [_part(batch, bristle_of(static, m, batch)) for m, batch in zip(load.met, load.batches, strict=True)]
         super().__init__(parts, 1 + max(int(part.of_bed.max()) for part in parts))
 
-    def calls(self, state: State, *step: Any) -> list[Callable[[], None]]:
+    def calls(self, state: State, held: Any, bed: Any) -> list[Callable[[], None]]:
         """As of `Sand`."""
         found = []
         for medium, part, (anchors, active) in zip(self.met, self.parts, state, strict=True):
             b = part.batch
             on = (b.bodies, part.of_bed, b.clusters, part.inner, b.elements, anchors, active, b.ground, b.medium)
             if medium is not None:
-                found.append(bound(space_added_mass.act, *on, part.bristle, part.rows, *step))
+                found.append(bound(space_added_mass.act, *on, part.bristle, part.rows, held, bed))
                 continue
             from granular_contact.engines.mujoco.kernels import floor_added_mass
 
-            clock, poses, then, seen, *other = step
-            apart = np.zeros_like(seen)  # what is reported of depths is that below the surface
-            found.append(bound(floor_added_mass.act, *on, part.rows, clock, poses, then, apart, *other))
+            found.append(bound(floor_added_mass.act, *on, part.rows, held, bed))
         return found
 
 
@@ -101,18 +100,18 @@ class PlanarSand(Sand):
     """Lines of a `GranularLoad` whose bodies have three coordinates each, one after another; facings as of kernels."""
 
     def __init__(self, load: GranularLoad, static: Elastoplastic | Smooth, facings: Vector) -> None:
-        self._facings = facings
         met = zip(load.met, load.batches, strict=True)
         parts = [_line_part(batch, bristle_of(static, m, batch)) for m, batch in met]
         super().__init__(parts, len(facings))
+        self.facings = facings
 
-    def calls(self, state: State, *step: Any) -> list[Callable[[], None]]:
+    def calls(self, state: State, held: Any, bed: Any) -> list[Callable[[], None]]:
         """As of `Sand`."""
         found = []
         for part, (anchors, active) in zip(self.parts, state, strict=True):
             b = part.batch
-            of = (b.ends, part.of_bed, part.reaches, self._facings, b.geometry, b.records, b.profile, b.medium)
-            found.append(bound(planar_added_mass.act, *of, anchors, active, part.bristle, *step))
+            of = (b.ends, part.of_bed, part.reaches, b.geometry, b.records, b.profile, b.medium)
+            found.append(bound(planar_added_mass.act, *of, anchors, active, part.bristle, held, bed))
         return found
 
 
@@ -125,7 +124,7 @@ def _line_part(batch: Any, bristle: NDArray[np.void]) -> _Part:
 
 def bristle_of(static: Elastoplastic | Smooth, medium: Any, batch: Any) -> NDArray[np.void]:
     """Record (1,) of `kernels.added_mass.BRISTLE` for a medium; None: contact with the floor, which has no bristle."""
-    record = np.zeros(1, kernels.BRISTLE)
+    record = np.zeros(1, BRISTLE)
     record["u_y"] = record["v_eps"] = 1.0
     static.fill(record)
     names = batch.medium.dtype.names or ()

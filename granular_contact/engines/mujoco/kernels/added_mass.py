@@ -17,88 +17,19 @@ v_1 - v = h a for the v at the start,
 the step with F and with an inertia M at each element, in addition to the body's own, ends where F_1 acts. With a
 foreseen change of v what the added inertia takes up is that of the difference alone.
 
-Arguments that they share:
-
-    poses       (bodies, 6, 3) of the bodies in the frame of the bed, see `space_law`
-    bristle     record BRISTLE: the constants of the static friction
-    step        h (s)
-    wrench      (bodies, 6) force (N) and moment (N m) about the reference point of a body, frame of the bed
-    arms        (bodies, 3) m from the point about which an engine has twists to the reference point, world frame
-    added       (bodies, 6, 6) inertia that is added, for twists about that point: angular, then linear; world frame
+What is kept of a body: `held_bodies.HELD`. Its added inertia, added (6, 6), is for twists about the point about which
+MuJoCo has them: angular, then linear; world frame.
 """
 
 from __future__ import annotations
 
-import math
-
-import numpy as np
-
 from granular_contact.jit.compiled import kernel, part
-from granular_contact.jit.memory import clear, room1
+from granular_contact.jit.memory import room1
 from granular_contact.jit.records import record_dtype
 
-# Of a clock: length of the step (s); how long the one took that ended here (s), 0 if none did; else whether a motion
-# begins here, with the friction state at rest.
-STEP, PASSED, BEGINS = 0, 1, 2
 # The constants of `friction`, and whether a law opposes components of the motion one by one.
 _NUMBERS = [("u_y", "f8"), ("tau", "f8"), ("v_eps", "f8"), ("pressed", "f8")]
 BRISTLE = record_dtype([*_NUMBERS, ("friction", "i8"), ("parted", "?")])
-
-
-@part
-def place_bodies(numbers, tops, positions, rotations, centres, twists, turn, poses, arms):
-    """Fill poses and arms from the state of an engine's bodies.
-
-    numbers (bodies,): theirs among those of the engine; positions (all, 3) m, rotations (all, 9); twists (bodies, 6):
-    angular velocity (rad/s), and velocity (m/s) of what of the body is at the point centres[tops] (all, 3) m. All in
-    the world frame; turn (3, 3) as of `space_bodies`.
-    """
-    for b in range(numbers.shape[0]):
-        x, R, c, V = positions[numbers[b]], rotations[numbers[b]], centres[tops[b]], twists[b]
-        rx, ry, rz = x[0] - c[0], x[1] - c[1], x[2] - c[2]
-        vx, vy, vz = V[3] + V[1] * rz - V[2] * ry, V[4] + V[2] * rx - V[0] * rz, V[5] + V[0] * ry - V[1] * rx
-        pose = poses[b]
-        arms[b, 0], arms[b, 1], arms[b, 2] = rx, ry, rz
-        for i in range(3):
-            t0, t1, t2 = turn[i, 0], turn[i, 1], turn[i, 2]
-            for j in range(3):
-                pose[i, j] = t0 * R[j] + t1 * R[3 + j] + t2 * R[6 + j]
-            pose[3, i] = t0 * x[0] + t1 * x[1] + t2 * x[2]
-            pose[4, i] = t0 * vx + t1 * vy + t2 * vz
-            pose[5, i] = t0 * V[0] + t1 * V[1] + t2 * V[2]
-
-
-@part
-def gather_twists(last, parents, axes, v, twists):
-    """Fill twists (bodies, 6) of bodies from the rates v (m,) of a tree: axes (m, 6) of its degrees of freedom.
-
-    last (bodies,): the last degree of freedom that moves a body, -1 if none does; parents (m,): the one before each.
-    """
-    for b in range(last.shape[0]):
-        for k in range(6):
-            twists[b, k] = 0.0
-        i = last[b]
-        while i >= 0:
-            for k in range(6):
-                twists[b, k] += axes[i, k] * v[i]
-            i = parents[i]
-
-
-@part
-def advance(pose, then, step, out):
-    """Fill a pose (6, 3) with where a body at a pose is after a step with the velocities of the pose `then`."""
-    wx, wy, wz = step * then[5, 0], step * then[5, 1], step * then[5, 2]
-    angle = math.sqrt(wx * wx + wy * wy + wz * wz)
-    a = math.sin(angle) / angle if angle > 1e-9 else 1.0
-    b = (1.0 - math.cos(angle)) / (angle * angle) if angle > 1e-4 else 0.5
-    for j in range(3):
-        x, y, z = pose[0, j], pose[1, j], pose[2, j]
-        cx, cy, cz = wy * z - wz * y, wz * x - wx * z, wx * y - wy * x
-        out[0, j] = x + a * cx + b * (wy * cz - wz * cy)
-        out[1, j] = y + a * cy + b * (wz * cx - wx * cz)
-        out[2, j] = z + a * cz + b * (wx * cy - wy * cx)
-        out[3, j] = pose[3, j] + step * then[4, j]
-        out[4, j], out[5, j] = then[4, j], then[5, j]
 
 
 @part
@@ -172,21 +103,19 @@ def momentum(added, twist, out):
 
 
 @part
-def add_to_matrix(last, parents, axes, added, matrix):
-    """Add what bodies gained to the mass matrix (m, m) of a tree, its lower triangle.
-
-    last (bodies,), parents and axes as of `gather_twists`.
-    """
+def add_to_matrix(held, parents, axes, matrix):
+    """Add what bodies gained to the mass matrix (m, m) of a tree, its lower triangle; see `held_bodies.HELD`."""
     y = room1(6)
-    for b in range(last.shape[0]):
-        if added[b, 5, 5] == 0.0 and added[b, 3, 3] == 0.0 and added[b, 4, 4] == 0.0:
+    for b in range(held.shape[0]):
+        added = held[b].added
+        if added[5, 5] == 0.0 and added[3, 3] == 0.0 and added[4, 4] == 0.0:
             continue
-        i = last[b]
+        i = held[b].last
         while i >= 0:
             for k in range(6):
                 y[k] = 0.0
                 for c in range(6):
-                    y[k] += added[b, k, c] * axes[i, c]
+                    y[k] += added[k, c] * axes[i, c]
             j = i
             while j >= 0:
                 for k in range(6):
@@ -232,25 +161,23 @@ def solve_symmetric(matrix, x):
 
 
 @part
-def foreseen_load(turn, wrench, arms, added, past, step, foreseen):
-    """Fill foreseen (bodies, 6), force and moment about the points of twists, world frame; whether there is any wrench.
+def find_target(body, turn, step):
+    """Fill target from the wrench where the step is foreseen to end; whether there is any wrench.
 
-    The wrench where the step is foreseen to end, and what the added inertia takes up of the gain past (bodies, 6) of
-    twists that was foreseen.
+    It has what the added inertia takes up of the gain that was foreseen.
     """
-    p, some = room1(6), False
-    for b in range(wrench.shape[0]):
-        fx, fy, fz = to_world(turn, wrench[b, 0], wrench[b, 1], wrench[b, 2])
-        mx, my, mz = to_world(turn, wrench[b, 3], wrench[b, 4], wrench[b, 5])
-        x, y, z = arms[b, 0], arms[b, 1], arms[b, 2]
-        momentum(added[b], past[b], p)
-        w = foreseen[b]
-        w[0], w[1], w[2] = fx + p[0] / step, fy + p[1] / step, fz + p[2] / step
-        w[3] = mx + y * fz - z * fy + p[3] / step
-        w[4] = my + z * fx - x * fz + p[4] / step
-        w[5] = mz + x * fy - y * fx + p[5] / step
-        for k in range(6):
-            some = some or wrench[b, k] != 0.0
+    p, w, arm = room1(6), body.wrench, body.arm
+    fx, fy, fz = to_world(turn, w[0], w[1], w[2])
+    mx, my, mz = to_world(turn, w[3], w[4], w[5])
+    momentum(body.added, body.foreseen, p)
+    t = body.target
+    t[0], t[1], t[2] = fx + p[0] / step, fy + p[1] / step, fz + p[2] / step
+    t[3] = mx + arm[1] * fz - arm[2] * fy + p[3] / step
+    t[4] = my + arm[2] * fx - arm[0] * fz + p[4] / step
+    t[5] = mz + arm[0] * fy - arm[1] * fx + p[5] / step
+    some = False
+    for k in range(6):
+        some = some or w[k] != 0.0
     return some
 
 
@@ -264,151 +191,50 @@ def about(w, x, y, z, out):
 
 
 @part
-def load_error(numbers, tops, inertial, centres, added, gained, foreseen, step, loads, error):
-    """Fill error (bodies, 6), about the points of twists: what a step's loads (bodies, 6) lack where it ended.
+def find_error(body, c, inertial, step):
+    """Fill error with what the load of a step lacks where it ended, at the gain of the twist that was reached.
 
-    gained (bodies, 6): of twists, in a step with these loads, which are about centres of mass inertial (all, 3) m.
+    c (3,) m: the point of twists, inertial (3,) m: the centre of mass.
     """
     p, q = room1(6), room1(6)
-    for b in range(numbers.shape[0]):
-        n, c = numbers[b], centres[tops[b]]
-        about(loads[b], c[0] - inertial[n, 0], c[1] - inertial[n, 1], c[2] - inertial[n, 2], q)
-        momentum(added[b], gained[b], p)
-        for k in range(6):
-            error[b, k] = foreseen[b, k] - p[k] / step - q[k]
+    about(body.load, c[0] - inertial[0], c[1] - inertial[1], c[2] - inertial[2], q)
+    momentum(body.added, body.reached, p)
+    for k in range(6):
+        body.error[k] = body.target[k] - p[k] / step - q[k]
 
 
 @part
-def to_freedoms(last, parents, axes, wrenches, out):
-    """Fill out (m,) with wrenches (bodies, 6) on bodies as forces along degrees of freedom, see `gather_twists`."""
+def to_freedoms(held, parents, axes, out):
+    """Fill out (m,) with the errors of bodies as forces along degrees of freedom, see `held_bodies.gather_twist`."""
     out[:] = 0.0
-    for b in range(last.shape[0]):
-        i = last[b]
+    for b in range(held.shape[0]):
+        error, i = held[b].error, held[b].last
         while i >= 0:
             for k in range(6):
-                out[i] += axes[i, k] * wrenches[b, k - 3 if k >= 3 else k + 3]
+                out[i] += axes[i, k] * error[k - 3 if k >= 3 else k + 3]
             i = parents[i]
 
 
 @part
-def less_taken_up(b, n, c, inertial, added, change, step, loads, q):
-    """Fill q (6,) with loads[b] less what the added inertia takes up of a change (bodies, 6) of twists.
+def less_taken_up(body, load, change, c, inertial, step, q):
+    """Fill q (6,) with a load (6,) less what the added inertia takes up of a change (6,) of the twist.
 
-    About the centre of mass, inertial[n]; loads (bodies, 6), added and twists are about c (3,) m.
+    q is about the centre of mass, inertial (3,) m; load, added and twists are about c (3,) m.
     """
     p = room1(6)
-    momentum(added[b], change[b], p)
+    momentum(body.added, change, p)
     for k in range(6):
-        p[k] = loads[b, k] - p[k] / step
-    about(p, inertial[n, 0] - c[0], inertial[n, 1] - c[1], inertial[n, 2] - c[2], q)
+        p[k] = load[k] - p[k] / step
+    about(p, inertial[0] - c[0], inertial[1] - c[1], inertial[2] - c[2], q)
 
 
 @part
-def correct_loads(numbers, tops, inertial, centres, added, change, step, error, loads):
-    """Add to loads (bodies, 6) their error less what the added inertia takes up of a change (bodies, 6) of twists."""
+def correct_load(body, c, inertial, step):
+    """Add to load its error less what the added inertia takes up of `change`; and find slope."""
     q = room1(6)
-    for b in range(numbers.shape[0]):
-        less_taken_up(b, numbers[b], centres[tops[b]], inertial, added, change, step, error, q)
-        for k in range(6):
-            loads[b, k] += q[k]
-
-
-@part
-def extrapolated(numbers, tops, inertial, centres, added, past, foreseen, step, loads, slopes):
-    """Fill slopes (bodies, 6) with what the added inertia makes of the loads (bodies, 6), about the same points.
-
-    That is the part which was not found where a step was foreseen to end, but along its slope from there.
-    """
-    q = room1(6)
-    for b in range(numbers.shape[0]):
-        less_taken_up(b, numbers[b], centres[tops[b]], inertial, added, past, step, foreseen, q)
-        for k in range(6):
-            slopes[b, k] = loads[b, k] - q[k]
-
-
-@part
-def end_step(numbers, tops, inertial, centres, loads, twists, now, passed, works, gained):
-    """End of a step that took a time (s): work (J) of the loads (bodies, 6) is added to works (bodies,).
-
-    On the mean of the twists (bodies, 6) at its start and now; gained is filled with their difference.
-    """
-    for b in range(numbers.shape[0]):
-        n, c = numbers[b], centres[tops[b]]
-        x, y, z = inertial[n, 0] - c[0], inertial[n, 1] - c[1], inertial[n, 2] - c[2]
-        power = 0.0
-        for V in (twists[b], now[b]):
-            vx, vy, vz = V[3] + V[1] * z - V[2] * y, V[4] + V[2] * x - V[0] * z, V[5] + V[0] * y - V[1] * x
-            power += loads[b, 0] * vx + loads[b, 1] * vy + loads[b, 2] * vz
-            power += loads[b, 3] * V[0] + loads[b, 4] * V[1] + loads[b, 5] * V[2]
-        works[b] += 0.5 * passed * power
-        for k in range(6):
-            gained[b, k] = now[b, k] - twists[b, k]
-
-
-@part
-def blank(seen):
-    """Begin to see bodies anew, see `space_law.DEPTH`."""
-    for b in range(seen.shape[0]):
-        seen[b, 0], seen[b, 1], seen[b, 2] = -np.inf, 0.0, np.inf
-
-
-@part
-def foresee(poses, sizes, speed, twists, gained, share, later, wrench, added):
-    """Where a step leads if twists gain what they gained in the one before: that in share, their sum in later.
-
-    Only as much of it as leaves half of a twist, so that nothing turns round that only comes to rest; and little of it
-    below a speed (m/s), where bristles bear that do not slide: there it would drive what it comes too late for. sizes
-    (bodies,): how far bodies reach from their reference points (m). Before, later has the twists of now; they go to
-    twists. wrench and added are emptied.
-    """
-    clear(wrench)
-    clear(added)
-    for b in range(twists.shape[0]):
-        for k in range(6):
-            twists[b, k] = later[b, k]
-        square, along = 0.0, 0.0
-        for k in range(6):
-            square += twists[b, k] * twists[b, k]
-            along += twists[b, k] * gained[b, k]
-        part = min(1.0, -0.5 * square / along) if along < 0.0 else 1.0
-        square = 0.0
-        for k in range(3):
-            square += poses[b, 4, k] ** 2 + (sizes[b] * poses[b, 5, k]) ** 2
-        part *= square / (square + speed * speed)
-        for k in range(6):
-            share[b, k] = part * gained[b, k]
-            later[b, k] = twists[b, k] + share[b, k]
-
-
-@part
-def farthest(sizes, arms, one, other):
-    """Greatest difference of the velocity (m/s) of any point of a body between twists one and other (bodies, 6)."""
-    most = 0.0
-    for b in range(sizes.shape[0]):
-        wx, wy, wz = one[b, 0] - other[b, 0], one[b, 1] - other[b, 1], one[b, 2] - other[b, 2]
-        x, y, z = arms[b, 0], arms[b, 1], arms[b, 2]
-        turn = math.sqrt(wx * wx + wy * wy + wz * wz)
-        vx, vy = one[b, 3] - other[b, 3] + wy * z - wz * y, one[b, 4] - other[b, 4] + wz * x - wx * z
-        vz = one[b, 5] - other[b, 5] + wx * y - wy * x
-        move = math.sqrt(vx * vx + vy * vy + vz * vz)
-        most = max(most, move + sizes[b] * turn)
-    return most
-
-
-@part
-def find_base(applied, numbers, written, home, base):
-    """Fill base (bodies, 6) where the rows applied[numbers] are not those that were written, nor those of home."""
-    for b in range(numbers.shape[0]):
-        for k in range(6):
-            now = applied[numbers[b], k]
-            if now != written[b, k] and (now == 0.0 or now != home[b, k]):
-                base[b, k] = now
-
-
-@kernel(nogil=True)
-def write_loads(applied, numbers, base, loads, written):
-    """Set the rows applied[numbers], and written, to base and loads together."""
-    for b in range(numbers.shape[0]):
-        for k in range(6):
-            written[b, k] = base[b, k] + loads[b, k]
-            applied[numbers[b], k] = written[b, k]
+    less_taken_up(body, body.error, body.change, c, inertial, step, q)
+    for k in range(6):
+        body.load[k] += q[k]
+    less_taken_up(body, body.target, body.foreseen, c, inertial, step, q)
+    for k in range(6):
+        body.slope[k] = body.load[k] - q[k]

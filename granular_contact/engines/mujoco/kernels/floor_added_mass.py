@@ -7,8 +7,9 @@ Arguments as of `space_added_mass`.
 
 from __future__ import annotations
 
-from granular_contact.engines.mujoco.kernels.added_mass import STEP, add_inertia, advance
+from granular_contact.engines.mujoco.kernels.added_mass import add_inertia
 from granular_contact.engines.mujoco.kernels.facets_added_mass import add_turned
+from granular_contact.engines.mujoco.kernels.held_bodies import advance
 from granular_contact.engines.mujoco.kernels.space_added_mass import begin_or_follow, middle
 from granular_contact.jit.compiled import kernel, part
 from granular_contact.jit.memory import clear, copy, room2
@@ -21,32 +22,24 @@ TRIAL = 1e-6  # m/s
 
 
 @kernel(nogil=True)
-def act(
-    bodies, of_bed, clusters, inner, elements, anchors, active, ground, medium, rows, clock, poses, then, seen, turn,
-    arms, wrench, added,
-):  # fmt: skip
+def act(bodies, of_bed, clusters, inner, elements, anchors, active, ground, medium, rows, held, bed):
     """As `space_added_mass.act`; ground (4,): the floor."""
-    begin_or_follow(bodies, of_bed, clusters, elements, anchors, active, ground, medium, clock, poses, seen)
-    resist(
-        bodies, of_bed, clusters, inner, elements, anchors, active, ground, medium, rows, poses, then, clock[STEP],
-        turn, arms, wrench, added,
-    )  # fmt: skip
+    begin_or_follow(bodies, of_bed, clusters, elements, anchors, active, ground, medium, held, bed, True)
+    resist(bodies, of_bed, clusters, inner, elements, anchors, active, ground, medium, rows, held, bed)
 
 
 @part
-def resist(
-    bodies, of_bed, clusters, inner, elements, anchors, active, ground, medium, rows, poses, then, step, turn, arms,
-    wrench, added,
-):  # fmt: skip
+def resist(bodies, of_bed, clusters, inner, elements, anchors, active, ground, medium, rows, held, bed):
     """As `space_added_mass.resist`."""
     W, ahead, lower, inertia = room2(TERMS, 6), room2(6, 3), room2(6, 3), room2(6, 6)
+    step = bed[0].step
     for b in range(bodies.shape[0]):
-        at, near_floor, some = of_bed[b], False, False
+        at, near_floor, some = held[of_bed[b]], False, False
         for c in range(bodies[b].first, bodies[b].last):
             if not active[c]:
                 continue
             if not near_floor:
-                advance(poses[at], then[at], step, ahead)
+                advance(at.pose, at.then, step, ahead)
                 copy(lower, ahead)
                 lower[3, 2] -= step * TRIAL
                 lower[4, 2] -= TRIAL
@@ -66,11 +59,11 @@ def resist(
                 clear(W)
                 law.forces(medium[0], (E, A, inner[c], ahead, ground, W))
                 for k in range(6):
-                    wrench[at, k] += W[0, k]
-                weigh(step * (slope - W[0, 2]) / TRIAL, E, poses[at], inertia)
+                    at.wrench[k] += W[0, k]
+                weigh(step * (slope - W[0, 2]) / TRIAL, E, at.pose, inertia)
                 some = True
         if some:
-            add_turned(inertia, poses[at], turn, arms[at], added[at])
+            add_turned(inertia, at.pose, bed[0].turn, at.arm, at.added)
 
 
 @part

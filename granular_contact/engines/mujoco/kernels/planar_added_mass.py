@@ -1,8 +1,8 @@
 """`added_mass` of bodies that move in a plane: contact lines, whose elements are their stations.
 
-The plane is spanned by the x and z axes of the frame of the bed. facings (bodies, 3): of each body, what of its frame
-lies along x where its angle is 0. ends, geometry, lines, profile, medium and anchors are those of `batches`; of_bed
-(lines,) are the places of their bodies in poses, wrench, added and seen, reaches (lines,) how far lines reach from the
+The plane is spanned by the x and z axes of the frame of the bed. facing (3,) of a body: what of its frame lies along x
+where its angle is 0. ends, geometry, lines, profile, medium and anchors are those of `batches`; of_bed
+(lines,) are the places of their bodies in held, reaches (lines,) how far lines reach from the
 reference points of these (m). Inertia of a line in the plane is a (3, 3) matrix for x, y and the angle.
 """
 
@@ -12,7 +12,7 @@ import math
 
 import numpy as np
 
-from granular_contact.engines.mujoco.kernels.added_mass import BEGINS, PASSED, STEP, advance
+from granular_contact.engines.mujoco.kernels.held_bodies import advance
 from granular_contact.jit.compiled import kernel, part
 from granular_contact.jit.memory import clear, room1, room2, rows
 from granular_contact.sand.kernels import lines as one
@@ -45,48 +45,39 @@ def longest(ends):
 
 
 @kernel(nogil=True)
-def act(
-    ends, of_bed, reaches, facings, geometry, lines, profile, medium, anchors, active, bristle, clock, poses, then,
-    seen, turn, arms, wrench, added,
-):  # fmt: skip
+def act(ends, of_bed, reaches, geometry, lines, profile, medium, anchors, active, bristle, held, bed):
     """As `space_added_mass.act`."""
-    step, begins = clock[STEP], clock[BEGINS] > 0.0
-    if begins:
+    if bed[0].begins:
         anchors[:] = 0.0
-    if begins or clock[PASSED] > 0.0:
-        follow(
-            ends, of_bed, reaches, facings, geometry, lines, profile, medium, anchors, active, poses, step, begins, seen
-        )
-    resist(
-        ends, of_bed, reaches, facings, geometry, lines, profile, medium, anchors, active, bristle, poses, then, step,
-        turn, arms, wrench, added,
-    )  # fmt: skip
+    if bed[0].begins or bed[0].passed > 0.0:
+        follow(ends, of_bed, reaches, geometry, lines, profile, medium, anchors, active, held, bed)
+    resist(ends, of_bed, geometry, lines, profile, medium, anchors, active, bristle, held, bed)
 
 
 @part
-def follow(
-    ends, of_bed, reaches, facings, geometry, lines, profile, medium, anchors, active, poses, step, again, seen,
-):  # fmt: skip
+def follow(ends, of_bed, reaches, geometry, lines, profile, medium, anchors, active, held, bed):
     """End of a step at these poses: anchors follow; what the next may touch is active.
 
-    again: whether a motion begins here instead, without any stretched bristle. seen is brought up to date; of what is
-    out of reach the depth is a bound.
+    Where a motion begins here no bristle is stretched. seen is brought up to date; of what is out of reach the depth is
+    a bound.
     """
+    step, begins = bed[0].step, bed[0].begins
     n = longest(ends)
     P, V, q, v = np.empty((n, 2)), np.empty((n, 2)), room1(3), room1(3)
     highest = np.max(profile[:, 1])
     for r in range(lines.shape[0]):
         s, e = ends[r, 0], ends[r + 1, 0]
-        pose, saw = poses[of_bed[r]], seen[of_bed[r]]
+        body = held[of_bed[r]]
+        pose, saw = rows(body.pose, 0, 6), body.seen
         if profile.shape[0] == 1:
             speed = abs(pose[4, 2]) + abs(pose[5, 1]) * reaches[r]
             deepest = highest - pose[3, 2] + reaches[r]
-            if not again and not may_touch(deepest, speed, step):
+            if not begins and not may_touch(deepest, speed, step):
                 saw[DEPTH] = max(saw[DEPTH], deepest)
                 active[r] = False
                 continue
         p, velocity = P[: e - s], V[: e - s]
-        flatten(pose, facings[of_bed[r]], q, v)
+        flatten(pose, body.facing, q, v)
         stations(q, v, rows(geometry, s, e - s), p, velocity)
         deepest, speed = -np.inf, 0.0
         for i in range(e - s):
@@ -98,7 +89,7 @@ def follow(
                 saw[SPEED] = max(saw[SPEED], math.hypot(velocity[i, 0], velocity[i, 1]))
                 saw[LOWEST] = min(saw[LOWEST], p[i, 1] - lines[r].drop)
         saw[DEPTH] = max(saw[DEPTH], deepest)
-        if deepest <= 0.0 or again or not active[r]:
+        if deepest <= 0.0 or begins or not active[r]:
             one.release(p, rows(anchors, s, e - s), medium[0])
         else:
             one.drag_anchors(p, rows(anchors, s, e - s), lines[r], profile, medium[0])
@@ -112,22 +103,19 @@ def may_touch(depth, speed, step):
 
 
 @part
-def resist(
-    ends, of_bed, reaches, facings, geometry, lines, profile, medium, anchors, active, bristle, poses, then, step, turn,
-    arms, wrench, added,
-):  # fmt: skip
+def resist(ends, of_bed, geometry, lines, profile, medium, anchors, active, bristle, held, bed):
     """As `space_added_mass.resist`."""
-    n = longest(ends)
+    n, step = longest(ends), bed[0].step
     P, V, F, q, v = np.empty((n, 2)), np.empty((n, 2)), np.empty((n, 2)), room1(3), room1(3)
     Q, ahead, totals, flat = np.empty((n, 4)), room2(6, 3), room2(TERMS, 3), room2(3, 3)
     clear(totals)
     for r in range(lines.shape[0]):
         if not active[r]:
             continue
-        s, e, at = ends[r, 0], ends[r + 1, 0], of_bed[r]
+        s, e, body = ends[r, 0], ends[r + 1, 0], held[of_bed[r]]
         k = e - s
-        advance(poses[at], then[at], step, ahead)
-        flatten(ahead, facings[at], q, v)
+        advance(body.pose, body.then, step, ahead)
+        flatten(ahead, body.facing, q, v)
         stations(q, v, rows(geometry, s, e - s), P[:k], V[:k])
         if not one.immersed(P[:k], lines[r], profile):
             continue
@@ -139,14 +127,14 @@ def resist(
             if fx == 0.0 and fy == 0.0:
                 continue
             x, y = P[i, 0] - q[0], P[i, 1] - q[1]
-            wrench[at, 0] += fx
-            wrench[at, 2] += fy
-            wrench[at, 4] -= x * fy - y * fx
+            body.wrench[0] += fx
+            body.wrench[2] += fy
+            body.wrench[4] -= x * fy - y * fx
             weigh(fx, fy, Q, max(0, i - 1), min(k, i + 2), bristle[0], x, y, flat)
             if lines[r].side != 0.0:
                 for j in range(max(0, i - 1), min(k - 1, i + 1)):
                     lean(fx, fy, P, Q, i, j, lines[r].side, x, y, flat)
-        spread_out(flat, turn, arms[at], added[at])
+        spread_out(flat, bed[0].turn, body.arm, body.added)
 
 
 @part

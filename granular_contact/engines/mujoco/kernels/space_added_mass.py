@@ -2,15 +2,16 @@
 
 `rows`: how many rows of `elements` an element takes, 2 for the strips of a bar; inner: clusters for all elements of a
 cluster but its last, without the free end face. See `space_bodies` for other arguments; `of_bed` (bodies,) are the
-places of the bodies in poses, wrench, added and seen.
+places of the bodies in held, see `held_bodies` also for bed.
 """
 
 from __future__ import annotations
 
 import math
 
-from granular_contact.engines.mujoco.kernels.added_mass import BEGINS, PASSED, STEP, add_inertia, add_point, advance
+from granular_contact.engines.mujoco.kernels.added_mass import add_inertia, add_point
 from granular_contact.engines.mujoco.kernels.facets_added_mass import add_turned, held_facets
+from granular_contact.engines.mujoco.kernels.held_bodies import advance
 from granular_contact.jit.compiled import kernel, part
 from granular_contact.jit.memory import clear, room1, room2
 from granular_contact.jit.memory import rows as rows_of
@@ -32,90 +33,82 @@ from granular_contact.sand.kernels.space_friction import drive
 
 
 @kernel(nogil=True)
-def act(
-    bodies, of_bed, clusters, inner, elements, anchors, active, ground, medium, bristle, rows, clock, poses, then, seen,
-    turn, arms, wrench, added,
-):  # fmt: skip
+def act(bodies, of_bed, clusters, inner, elements, anchors, active, ground, medium, bristle, rows, held, bed):
     """One step of elements of a medium: `begin` or `follow`, and `resist`."""
-    begin_or_follow(bodies, of_bed, clusters, elements, anchors, active, ground, medium, clock, poses, seen)
-    resist(
-        bodies, of_bed, clusters, inner, elements, anchors, active, ground, medium, bristle, rows, poses, then,
-        clock[STEP], turn, arms, wrench, added,
-    )  # fmt: skip
+    begin_or_follow(bodies, of_bed, clusters, elements, anchors, active, ground, medium, held, bed, False)
+    resist(bodies, of_bed, clusters, inner, elements, anchors, active, ground, medium, bristle, rows, held, bed)
 
 
 @part
-def begin_or_follow(bodies, of_bed, clusters, elements, anchors, active, ground, medium, clock, poses, seen):
-    """`begin` or `follow`, as the clock (3,) says."""
-    if clock[BEGINS] > 0.0:
-        begin(bodies, of_bed, clusters, elements, anchors, active, ground, medium, poses, clock[STEP], seen)
-    elif clock[PASSED] > 0.0:
-        follow(bodies, of_bed, clusters, elements, anchors, active, ground, medium, poses, clock[STEP], seen)
+def begin_or_follow(bodies, of_bed, clusters, elements, anchors, active, ground, medium, held, bed, floor):
+    """`begin` or `follow`, as the bed says; floor: whether it is that of a bed, whose depths are seen apart."""
+    if not bed[0].begins and not bed[0].passed > 0.0:
+        return
+    for b in range(bodies.shape[0]):
+        one = held[of_bed[b]]
+        pose, saw = rows_of(one.pose, 0, 6), rows_of(one.seen_of_floor if floor else one.seen, 0, 3)
+        if bed[0].begins:
+            begin(bodies[b], clusters, elements, anchors, active, ground, medium, pose, bed[0].step, saw)
+        else:
+            follow(bodies[b], clusters, elements, anchors, active, ground, medium, pose, bed[0].step, saw)
 
 
 @part
-def follow(bodies, of_bed, clusters, elements, anchors, active, ground, medium, poses, step, seen):
-    """End of a step at these poses: anchors follow, and what the next may touch is chosen.
+def follow(body, clusters, elements, anchors, active, ground, medium, pose, step, saw):
+    """End of a step of a body at this pose: anchors follow, and what the next may touch is chosen.
 
-    seen (bodies, 3), of `space_law.DEPTH` and its neighbours, is brought up to date; of what is out of reach the depth
-    is a bound.
+    saw (3,), of `space_law.DEPTH` and its neighbours, is brought up to date; of what is out of reach the depth is a
+    bound.
     """
     near = room1(2)
-    for b in range(bodies.shape[0]):
-        body, pose, saw = bodies[b], poses[of_bed[b]], seen[of_bed[b]]
-        bound(body.x, body.y, body.z, body.radius, pose, ground, medium[0], near)
-        within, deepest = may_touch(near, step), near[DEEPEST]
-        if not within:
-            saw[law.DEPTH] = max(saw[law.DEPTH], deepest)
-        for c in range(body.first, body.last):
-            one, now = clusters[c], within
-            if within:
-                bound_cluster(one, pose, ground, medium[0], near)
-                now = may_touch(near, step)
-            s, e = one.first, one.last
-            if now and active[c]:
-                E, A = rows_of(elements, s, e - s), rows_of(anchors, s, e - s)
-                law.follow(medium[0], (E, A, one, pose, ground, saw))
-            elif now:
-                release(elements, anchors, one, pose, medium[0], False)
-            if within and not (now and active[c]):
-                saw[law.DEPTH] = max(saw[law.DEPTH], near[DEEPEST])
-            active[c] = now
-
-
-@part
-def begin(bodies, of_bed, clusters, elements, anchors, active, ground, medium, poses, step, seen):
-    """Begin at these poses: no bristle is stretched; seen as of `follow`, all depths are bounds."""
-    near = room1(2)
-    for b in range(bodies.shape[0]):
-        body, pose, saw = bodies[b], poses[of_bed[b]], seen[of_bed[b]]
-        for c in range(body.first, body.last):
-            one = clusters[c]
-            release(elements, anchors, one, pose, medium[0], True)
+    bound(body.x, body.y, body.z, body.radius, pose, ground, medium[0], near)
+    within, deepest = may_touch(near, step), near[DEEPEST]
+    if not within:
+        saw[law.DEPTH] = max(saw[law.DEPTH], deepest)
+    for c in range(body.first, body.last):
+        one, now = clusters[c], within
+        if within:
             bound_cluster(one, pose, ground, medium[0], near)
+            now = may_touch(near, step)
+        s, e = one.first, one.last
+        if now and active[c]:
+            E, A = rows_of(elements, s, e - s), rows_of(anchors, s, e - s)
+            law.follow(medium[0], (E, A, one, pose, ground, saw))
+        elif now:
+            release(elements, anchors, one, pose, medium[0], False)
+        if within and not (now and active[c]):
             saw[law.DEPTH] = max(saw[law.DEPTH], near[DEEPEST])
-            active[c] = may_touch(near, step)
+        active[c] = now
 
 
 @part
-def resist(
-    bodies, of_bed, clusters, inner, elements, anchors, active, ground, medium, bristle, rows, poses, then, step, turn,
-    arms, wrench, added,
-):  # fmt: skip
-    """Add forces where the step ends to wrench, and inertia to added.
+def begin(body, clusters, elements, anchors, active, ground, medium, pose, step, saw):
+    """Begin of a body at this pose: no bristle is stretched; saw as of `follow`, all depths are bounds."""
+    near = room1(2)
+    for c in range(body.first, body.last):
+        one = clusters[c]
+        release(elements, anchors, one, pose, medium[0], True)
+        bound_cluster(one, pose, ground, medium[0], near)
+        saw[law.DEPTH] = max(saw[law.DEPTH], near[DEEPEST])
+        active[c] = may_touch(near, step)
 
-    Both are about the reference point of a body where it starts. then (bodies, 6, 3): poses with the velocities at the
-    end of the step; turn (3, 3) as of `space_bodies`.
+
+@part
+def resist(bodies, of_bed, clusters, inner, elements, anchors, active, ground, medium, bristle, rows, held, bed):
+    """Add forces where the step ends to the wrench of bodies, and inertia to what is added to theirs.
+
+    The wrench is about the reference point of a body where it starts.
     """
-    W, ahead, inertia = room2(TERMS, 6), room2(6, 3), room2(6, 6)
+    W, ahead, inertia, step = room2(TERMS, 6), room2(6, 3), room2(6, 6), bed[0].step
     for b in range(bodies.shape[0]):
-        body, at, some = bodies[b], of_bed[b], False
+        body, at, some = bodies[b], held[of_bed[b]], False
+        wrench = rows_of(at.wrench, 0, 6)
         for c in range(body.first, body.last):
             if not active[c]:
                 continue
             one = clusters[c]
             if not some:
-                advance(poses[at], then[at], step, ahead)
+                advance(at.pose, at.then, step, ahead)
                 clear(inertia)
                 some = True
             if reach_below(one, ahead, ground, medium[0]) <= 0.0:
@@ -123,19 +116,19 @@ def resist(
             s, e = one.first, one.last
             if elements.shape[1] == COLUMNS:
                 E, A = rows_of(elements, s, e - s), rows_of(anchors, s, e - s)
-                held_facets(E, A, one, ahead, ground, medium[0], step, bristle[0], wrench[at], inertia)
+                held_facets(E, A, one, ahead, ground, medium[0], step, bristle[0], wrench, inertia)
                 continue
             for i in range(s, e - rows + 1):
                 clear(W)
                 E, A = rows_of(elements, i, rows), rows_of(anchors, i, rows)
                 law.forces(medium[0], (E, A, one if i == e - rows else inner[c], ahead, ground, W))
-                fx, fy, fz = total(W, 0), total(W, 1), total(W, 2)
-                if fx != 0.0 or fy != 0.0 or fz != 0.0:
+                f = total(W, 0), total(W, 1), total(W, 2)
+                if f != (0.0, 0.0, 0.0):
                     for k in range(6):
-                        wrench[at, k] += total(W, k)
-                    weigh(fx, fy, fz, E, A, poses[at], ahead, step, bristle[0], inertia)
+                        wrench[k] += total(W, k)
+                    weigh(f, E, A, at.pose, ahead, step, bristle[0], inertia)
         if some and inertia[3, 3] != 0.0:
-            add_turned(inertia, poses[at], turn, arms[at], added[at])
+            add_turned(inertia, at.pose, bed[0].turn, at.arm, at.added)
 
 
 @part
@@ -148,12 +141,12 @@ def total(W, k):
 
 
 @part
-def weigh(fx, fy, fz, E, A, pose, ahead, step, bristle, inertia):
-    """Add the inertia of a strip or a ball with this force (N), rows E with anchors A, to that of its body.
+def weigh(f, E, A, pose, ahead, step, bristle, inertia):
+    """Add the inertia of a strip or a ball with a force f (3,) N, rows E with anchors A, to that of its body.
 
     Frame of the body, upper triangle, as of `facets_added_mass`; pose: where the step begins.
     """
-    (bx, by, bz), (ax, ay, az) = middle(E), middle(A)
+    (fx, fy, fz), (bx, by, bz), (ax, ay, az) = f, middle(E), middle(A)
     w, v = ahead[5], ahead[4]
     rx, ry, rz = turned(ahead, bx, by, bz)
     vx, vy, vz = v[0] + w[1] * rz - w[2] * ry, v[1] + w[2] * rx - w[0] * rz, v[2] + w[0] * ry - w[1] * rx
