@@ -9,7 +9,7 @@ import pytest
 from support_laws import stations
 from support_slow import TRUE_SIGN, TWO_WAYS, Link, fitted_order, kernel, medium
 
-from granular_contact.sand.kernels import kinematics, lines, spatial
+from granular_contact.sand.kernels import kinematics, law, lines, spatial
 from granular_contact.sand.kernels.forces import medium_record
 from granular_contact.sand.kernels.kinematics import cable_stations, curved_stations, hermite, rigid_stations
 
@@ -138,11 +138,11 @@ def test_power_of_a_run_is_that_of_its_generalised_forces(geometry: np.ndarray, 
     F, totals = kernel(P, V, Link(P[:2], V[:2], 0.01, surface), medium(TWO_WAYS, TRUE_SIGN))
     out, row = np.zeros(size), np.zeros(lines.FIRST + 13)
     level, sand = np.array([[0.0, surface]]), medium_record(medium(TWO_WAYS, TRUE_SIGN))
-    args, totals_too = (geometry, run[0], level, sand[0], anchors, *np.zeros((3, n, 2))), np.zeros((3, 3))
-    lines.force(q, v, *args, totals_too, out)
+    contact, totals_too = law.Contact(geometry, run, level, sand, anchors, *np.zeros((3, n, 2))), np.zeros((3, 3))
+    lines.force(q, v, contact, totals_too, out)
     columns = lines.FIRST + np.array([0, 1, 10])
     work = totals_too, np.zeros(size)
-    depth, speed = lines.accept(q, v, *args, *work, row, columns, False, False)
+    depth, speed = lines.accept(q, v, contact, *work, row, columns, False, False)
     # Sums of some 30 products, round-off.
     assert out @ v == pytest.approx((F * V).sum(), rel=1e-12)
     assert row[lines.FIRST] == pytest.approx(out @ v, rel=1e-12)

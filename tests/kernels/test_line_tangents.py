@@ -68,11 +68,11 @@ class Sand:
         anchors = np.zeros((n, 2))
         stations(self.q, self.v, self.geometry, anchors, np.zeros((n, 2)))
         anchors += rng.uniform(0.2, 0.7, (n, 2)) * YIELD * rng.choice([-1.0, 1.0], (n, 2))
-        self.around = (self.geometry, run[0], LEVEL, medium_record(record)[0], anchors, *np.zeros((3, n, 2)))
+        self.around = law.Contact(self.geometry, run, LEVEL, medium_record(record), anchors, *np.zeros((3, n, 2)))
 
     def force(self, q: Array, v: Array) -> Array:
         out = np.zeros(q.size)
-        lines.force(q, v, *self.around, np.zeros((law.TERMS, 3)), out)
+        lines.force(q, v, self.around, np.zeros((law.TERMS, 3)), out)
         return out
 
     def tangent(self, fq: float, fv: float) -> Array:
@@ -84,9 +84,9 @@ class Sand:
         geometry, run, profile, *_ = self.around
         here, places = self.force(self.q, self.v), np.zeros((len(geometry), 2))
         stations(self.q, self.v, geometry, places, np.zeros_like(places))
-        if lines.immersed(places, run, profile):
+        if lines.immersed(places, run[0], profile):
             room = np.zeros((3, self.q.size))
-            lines.differences(self.q, self.v, self.v, *self.around, room, here, fq, fv, out)
+            lines.differences(self.q, self.v, self.v, self.around, room, here, fq, fv, out)
 
     def moved(self, j: int, fq: float, fv: float) -> Array:
         """Force where coordinate j has gone on by fq, and its rate by fv."""
@@ -190,10 +190,10 @@ def test_a_sole_that_slides_along_itself_has_the_same_tangent_a_kilometre_away()
     for x, y in ((0.0, 0.0), (800.0, 600.0)):
         case = sole, np.array([x, y - 0.01, 0.0]), np.array([0.01, -3e-6, 0.0])
         sand = Sand(case, record, run, np.random.default_rng(20))
-        surface, medium, anchors, *room = sand.around[2:]
+        anchors, surface = sand.around.anchors, sand.around.profile
         behind = x - 2.0 * yields + np.linspace(-0.05, 0.05, len(sole))
         anchors[:, 0], anchors[:, 1] = behind, y - 0.01
-        sand.around = (*sand.around[:2], surface + np.array([x, y]), medium, anchors, *room)
+        sand.around = sand.around._replace(profile=surface + np.array([x, y]))
         tangents.append(sand.tangent(fq, fv))
     here, there = tangents
     scale = np.abs(here).max(axis=0)

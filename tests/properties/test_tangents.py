@@ -26,17 +26,17 @@ def rigid(body: State) -> tuple[Array, Array, tuple]:
     turns = np.column_stack([-r[:, 1], r[:, 0]])
     arm = float((turns**2).sum())
     rate = float((turns * (body.V - body.V.mean(axis=0))).sum()) / arm if arm > 0.0 else 3.0
-    run = body.run[0]
-    around = (geometry, run, body.profile, medium_record(body.record)[0], body.anchors, *np.zeros((3, n, 2)))
+    medium, room = medium_record(body.record), np.zeros((3, n, 2))
+    around = law.Contact(geometry, body.run, body.profile, medium, body.anchors, *room)
     return np.array([*center, 0.0]), np.array([*body.V.mean(axis=0), rate]), around
 
 
-def forces(q: Array, v: Array, around: tuple) -> Callable[[Array], Array]:
+def forces(q: Array, v: Array, around: law.Contact) -> Callable[[Array], Array]:
     """Generalised forces where coordinates and rates are x (6,) further on."""
 
     def at(x: Array) -> Array:
         out = np.zeros(3)
-        lines.force(q + x[:3], v + x[3:], *around, np.zeros((law.TERMS, 3)), out)
+        lines.force(q + x[:3], v + x[3:], around, np.zeros((law.TERMS, 3)), out)
         return out
 
     return at
@@ -53,7 +53,7 @@ def test_tangents_are_the_derivatives_of_the_forces() -> None:
         here, h = at(np.zeros(6)), 20.0 * D
         for fq, fv in ((1.0, 0.0), (0.0, 1.0), (0.7, -1.3)):
             got, steps = np.zeros((3, 3)), np.vstack([fq * np.eye(3), fv * np.eye(3)])
-            lines.differences(q, v, v, *around, np.zeros((3, 3)), here, fq, fv, got)
+            lines.differences(q, v, v, around, np.zeros((3, 3)), here, fq, fv, got)
             d = min(D / max(fq, 1e-300), 1e-6 / max(abs(fv), 1e-300))
             h = 20.0 * d
             for j in range(3):

@@ -13,7 +13,7 @@ what several kernels call, which would be compiled within each of them. A call b
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import from_dtype, types
@@ -65,19 +65,49 @@ _LINE, _NUMBER = from_dtype(LINE), types.float64
 _ROW, _VECTORS, _PAIR, _ENDS = (types.Array(_NUMBER, n, "C") for n in (1, 2, 2, 3))
 _VECTOR = types.UniTuple(_NUMBER, 2)
 _STATIONS = types.Array(from_dtype(STATION), 1, "C")
+
+
+class Contact(NamedTuple):
+    """A contact line on a body, in one medium: what `lines` is told of it.
+
+    Parameters
+    ----------
+    geometry : (n,) array
+        Stations, records of `kinematics`.
+    line : (1,) array
+        Record of LINE.
+    profile : (k, 2) array
+        Corners of the surface, see `surface`.
+    medium : (1,) array
+        Record of LAW.
+    anchors : (n, 2) array
+        Of the bristles at the stations (m), see `friction`; (n, 6) with those of `path_length`.
+    P, V, F : (n, 2) array
+        Room for positions, velocities and forces of the stations; more columns are not used.
+    """
+
+    geometry: Any
+    line: Any
+    profile: Any
+    medium: Any
+    anchors: Any
+    P: Any
+    V: Any
+    F: Any
+
+
+_OF_LINE, _OF_LAW = (types.Array(from_dtype(kind), 1, "C") for kind in (LINE, LAW))
+_CONTACT = types.NamedTuple((_STATIONS, _OF_LINE, _VECTORS, _OF_LAW, *[_VECTORS] * 4), Contact)
 SIGNATURES: dict[str, tuple[tuple[Any, ...], Any]] = {  # arguments, result
     "forces": ((*[_VECTORS] * 3, _LINE, _VECTORS, from_dtype(LAW), _VECTORS, _VECTORS), types.none),
     "strip_force": ((strip_type(2), _LINE, OWN, _ENDS), types.none),
     "cap_force": ((_VECTOR, _VECTOR, _LINE, OWN, _ENDS), types.none),
     "ball_force": ((_NUMBER, _VECTOR, _VECTOR, _LINE, OWN, _PAIR), types.none),
     "drag_anchor": ((_VECTOR, _VECTOR, OWN), _VECTOR),
-    "line_force": ((_ROW, _ROW, _STATIONS, _LINE, _VECTORS, from_dtype(LAW), *[_VECTORS] * 5, _ROW), types.none),
+    "line_force": ((_ROW, _ROW, _CONTACT, _VECTORS, _ROW), types.none),
     "line_accept": (
-        (
-            *(_ROW, _ROW, _STATIONS, _LINE, _VECTORS, from_dtype(LAW), *[_VECTORS] * 5, _ROW, _ROW),
-            *(types.Array(types.int64, 1, "C"), types.boolean, types.boolean),
-        ),
-        types.UniTuple(_NUMBER, 2),
+        (_ROW, _ROW, _CONTACT, _VECTORS, _ROW, _ROW, types.Array(types.int64, 1, "C"), types.boolean, types.boolean),
+        _VECTOR,
     ),
     "count_shear": ((_VECTORS, _VECTORS, types.intp, _LINE), types.none),
     "count_path": ((_VECTORS, _VECTORS, types.intp, _NUMBER, _NUMBER, types.boolean), types.none),
@@ -138,18 +168,15 @@ def drag_anchor(p, anchor, medium):
 
 
 @part
-def line_force(q, v, geometry, line, profile, medium, anchors, P, V, F, totals, out):
+def line_force(q, v, contact, totals, out):
     """`lines.force`."""
-    _line(medium, (q, v, geometry, line, profile, anchors, P, V, F, totals, out))
+    _line(contact.medium[0], (q, v, contact, totals, out))
 
 
 @part
-def line_accept(
-    q, v, geometry, line, profile, medium, anchors, P, V, F, totals, out, row, columns, begins, known
-):  # fmt: skip
+def line_accept(q, v, contact, totals, out, row, columns, begins, known):
     """`lines.accept`."""
-    given = (q, v, geometry, line, profile, anchors, P, V, F, totals, out, row, columns, begins, known)
-    return _accept(medium, given)
+    return _accept(contact.medium[0], (q, v, contact, totals, out, row, columns, begins, known))
 
 
 @part

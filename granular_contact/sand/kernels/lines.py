@@ -2,12 +2,7 @@
 
 Arguments that they share:
     q, v        (m,) coordinates (reference values included) and rates of the body
-    geometry    (n,) station records of `kinematics`
-    line        record of `law`
-    profile     (k, 2) corners of the surface, see `surface`
-    medium      record of `law`
-    anchors     (n, 2) anchors of the bristles at the stations (m), see `friction`; (n, 6) with those of `path_length`
-    P, V, F     (n, 2) room for positions, velocities and forces of the stations; more columns are not used
+    contact     `law.Contact`: the line, its medium and its friction state
     totals      (TERMS, 3), see `law`
 
 `force` and `accept` are called by their addresses in the record of the medium, as `law.line_force` and its like: they
@@ -83,21 +78,23 @@ def upright(P, i):
 
 
 @part
-def place(q, v, geometry, medium, P, V):
-    """Fill P and V with positions and velocities of the stations."""
-    if geometry[0].kind == SPATIAL:
-        law.spatial_stations(medium, (q, v, geometry, P, V))
+def place(q, v, contact):
+    """Find positions and velocities of the stations."""
+    if contact.geometry[0].kind == SPATIAL:
+        law.spatial_stations(contact.medium[0], (q, v, contact.geometry, contact.P, contact.V))
     else:
-        stations(q, v, geometry, P, V)
+        stations(q, v, contact.geometry, contact.P, contact.V)
 
 
 @part
-def force(q, v, geometry, line, profile, medium, anchors, P, V, F, totals, out):
+def force(q, v, contact, totals, out):
     """Add the generalised forces to out (m,) and to the totals."""
-    place(q, v, geometry, medium, P, V)
-    if not immersed(P, line, profile):
+    geometry, line, medium = contact.geometry, contact.line[0], contact.medium[0]
+    P, F = contact.P, contact.F
+    place(q, v, contact)
+    if not immersed(P, line, contact.profile):
         return
-    forces(P, V, anchors, line, profile, medium, F, totals)
+    forces(P, contact.V, contact.anchors, line, contact.profile, medium, F, totals)
     if geometry[0].kind == SPATIAL:
         law.spatial_scatter(medium, (q, geometry, F, out))
     else:
@@ -105,18 +102,20 @@ def force(q, v, geometry, line, profile, medium, anchors, P, V, F, totals, out):
 
 
 @part
-def accept(q, v, geometry, line, profile, medium, anchors, P, V, F, totals, out, row, columns, begins, known):
+def accept(q, v, contact, totals, out, row, columns, begins, known):
     """End of a step: the anchors follow; power, depth, speed and totals go into a history row.
 
     out (m,) to work in; begins: whether a motion begins here instead, without any stretched bristle. known: whether P,
     V, F and totals are those of this state already. Returns the line's depth (m, negative above the surface) and the
     greatest speed at which a station approaches the surface (m/s).
     """
+    P, V, F, anchors, line = contact.P, contact.V, contact.F, contact.anchors, contact.line[0]
+    profile, medium = contact.profile, contact.medium[0]
     if not known:
-        place(q, v, geometry, medium, P, V)
+        place(q, v, contact)
         if immersed(P, line, profile):
             clear(totals)
-            line_force(q, v, geometry, line, profile, medium, anchors, P, V, F, totals, out)
+            line_force(q, v, contact, totals, out)
     deepest, speed = -np.inf, 0.0
     for i in range(P.shape[0]):
         surface, slope = height(profile, P[i, 0])
@@ -173,7 +172,7 @@ def chord(d, v, v_before, fv):
 
 
 @part
-def differences(q, v, v_before, geometry, line, profile, medium, anchors, P, V, F, room, at_state, fq, fv, out):
+def differences(q, v, v_before, contact, room, at_state, fq, fv, out):
     """Add fq df/dq + fv df/dv of the generalised forces f of a line that is immersed to out (m, m).
 
     at_state (m,): f at q and v.
@@ -187,7 +186,7 @@ def differences(q, v, v_before, geometry, line, profile, medium, anchors, P, V, 
     q_there, v_there, least = piece(room, 1, size), piece(room, 2, size), difference(q, fq, fv)
     for j in range(size):
         q_there[j], v_there[j] = q[j], v[j]
-    apart = 0 if line.resultant else spacing(geometry)
+    apart = 0 if contact.line[0].resultant else spacing(contact.geometry)
     together = size if apart == 0 else apart
     for first in range(min(together, size)):
         for j in range(first, size, together):
@@ -195,7 +194,7 @@ def differences(q, v, v_before, geometry, line, profile, medium, anchors, P, V, 
             q_there[j] += d * fq
             v_there[j] += d * fv
         clear(moved)
-        line_force(q_there, v_there, geometry, line, profile, medium, anchors, P, V, F, totals, moved)
+        line_force(q_there, v_there, contact, totals, moved)
         for j in range(first, size, together):
             q_there[j], v_there[j] = q[j], v[j]
             node, d = j // 4, chord(least, v[j], v_before[j], fv)

@@ -29,7 +29,7 @@ from granular_contact.sand.kernels.batches import (
 )
 from granular_contact.sand.kernels.batches import update_active as mark
 from granular_contact.sand.kernels.kinematics import STATION
-from granular_contact.sand.kernels.law import LAW, LINE, TERMS, line_accept, line_force
+from granular_contact.sand.kernels.law import LAW, LINE, TERMS, Contact, line_accept, line_force
 
 SAND = (
     *("reference", "active", "ends", "places", "geometry", "lines", "profile", "medium"),
@@ -45,15 +45,28 @@ _stations, _lines, _media = (lender(kind, 1) for kind in (STATION, LINE, LAW))
 @part
 def ask(w, r, q, v, f, totals):
     """Fill f (m,) and totals (TERMS, 3) with the forces on line r of a batch at q and v, and keep them."""
-    ends, lines, body = _numbers(w, ENDS), _lines(w, LINES), _rows(w, BODY)
-    s, n = ends[r, 0], ends[r + 1, 0] - ends[r, 0]
+    body = _rows(w, BODY)
     clear(f)
     clear(totals)
-    line_force(
-        q, v, rows(_stations(w, GEOMETRY), s, n), lines[r], _rows(w, PROFILE), _media(w, MEDIUM)[0],
-        rows(_rows(w, ANCHORS), s, n), part_of(w, 0, s, n), part_of(w, 1, s, n), part_of(w, 2, s, n), totals, f,
-    )  # fmt: skip
-    keep(body, body.shape[0] - KEPT * (lines.shape[0] - r), q, v, f, totals)
+    line_force(q, v, contact_of(w, r), totals, f)
+    keep(body, body.shape[0] - KEPT * (_lines(w, LINES).shape[0] - r), q, v, f, totals)
+
+
+@part
+def contact_of(w, r):
+    """Line r of a batch, with room of its own, which keeps what was found last."""
+    ends = _numbers(w, ENDS)
+    s, n = ends[r, 0], ends[r + 1, 0] - ends[r, 0]
+    return on_line(w, r, part_of(w, 0, s, n), part_of(w, 1, s, n), part_of(w, 2, s, n))
+
+
+@part
+def on_line(w, r, P, V, F):
+    """Line r of a batch with this room."""
+    ends, profile, medium = _numbers(w, ENDS), _rows(w, PROFILE), _media(w, MEDIUM)
+    s, n = ends[r, 0], ends[r + 1, 0] - ends[r, 0]
+    stations, anchors = rows(_stations(w, GEOMETRY), s, n), rows(_rows(w, ANCHORS), s, n)
+    return Contact(stations, rows(_lines(w, LINES), r, 1), profile, medium, anchors, P, V, F)
 
 
 @part
@@ -105,11 +118,8 @@ def tangent(sand, system_q, system_v, fq, fv, triplets):
             if not one.immersed(P, lines[r], _rows(w, PROFILE)):
                 continue
             clear(block)
-            one.differences(
-                q, v, piece(body, row + BEFORE, m), rows(_stations(w, GEOMETRY), s, n), lines[r], _rows(w, PROFILE),
-                _media(w, MEDIUM)[0], rows(_rows(w, ANCHORS), s, n), piece(room, 3, n), piece(room, 4, n),
-                piece(room, 5, n), rows(body, 3, 3), f, fq, fv, block,
-            )  # fmt: skip
+            contact = on_line(w, r, piece(room, 3, n), piece(room, 4, n), piece(room, 5, n))
+            one.differences(q, v, piece(body, row + BEFORE, m), contact, rows(body, 3, 3), f, fq, fv, block)
             for i in range(m):
                 for j in range(m):
                     if block[i, j] != 0.0:
@@ -126,16 +136,12 @@ def accept(sand, system_q, system_v, row, begins):
         w = piece(sand, b, sand.shape[1])
         ends, lines, body, proximity = _numbers(w, ENDS), _lines(w, LINES), _rows(w, BODY), _rows(w, PROXIMITY)
         for r in range(lines.shape[0]):
-            s, n = ends[r, 0], ends[r + 1, 0] - ends[r, 0]
             c, m = ends[r, 1], ends[r + 1, 1] - ends[r, 1]
             q, v = piece(body, 0, m), piece(body, 1, m)
             gather(system_q, system_v, _row(w, REFERENCE), rows(_numbers(w, PLACES), c, m), q, v)
             known = recall(body, body.shape[0] - KEPT * (lines.shape[0] - r), q, v, totals)
-            deepest, speed = line_accept(
-                q, v, rows(_stations(w, GEOMETRY), s, n), lines[r], _rows(w, PROFILE), _media(w, MEDIUM)[0],
-                rows(_rows(w, ANCHORS), s, n), part_of(w, 0, s, n), part_of(w, 1, s, n), part_of(w, 2, s, n),
-                totals, piece(body, 2, m), row, _numbers(w, COLUMNS)[r], begins, known,
-            )  # fmt: skip
+            contact, out, columns = contact_of(w, r), piece(body, 2, m), _numbers(w, COLUMNS)[r]
+            deepest, speed = line_accept(q, v, contact, totals, out, row, columns, begins, known)
             proximity[r, DEEPEST], proximity[r, APPROACH] = deepest, speed
             proximity[r, EVER] = max(proximity[r, EVER], deepest)
 
