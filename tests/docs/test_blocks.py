@@ -5,11 +5,15 @@ from __future__ import annotations
 import csv
 import json
 import re
+from concurrent.futures import Executor, ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
 import yaml
 from support_blocks import ROOT, Page, assert_told, blocks, forget, run
+from support_figures import sketched
+
+from granular_contact.studies.sweep import WorkerPool
 
 DOCS = ROOT / "docs"
 NEEDS = {"howto/gym.md": "gymnasium", "howto/optimise.md": "cma", "tutorials/robot.md": "trimesh"}
@@ -27,8 +31,18 @@ def at(name: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> Page:
         pytest.importorskip(NEEDS[name])
     monkeypatch.chdir(folder)
     monkeypatch.setenv("MPLBACKEND", "agg")
-    monkeypatch.setattr("granular_contact.results.frames.MOST", 8)  # pictures of a film
-    return run(DOCS / name)
+    monkeypatch.setattr("granular_contact.results.frames.MOST", 4)  # pictures of a film
+    # Processes of workers begin with seconds of imports: those of their own tests are enough.
+    monkeypatch.setattr(WorkerPool, "executor", in_a_thread)
+    monkeypatch.setattr("granular_contact.studies.processes.cores", lambda: 1)
+    with sketched():
+        return run(DOCS / name)
+
+
+def in_a_thread(pool: WorkerPool) -> Executor:
+    """The executor of a pool, one thread of this process."""
+    pool._executor = pool._executor or ThreadPoolExecutor(1)
+    return pool._executor
 
 
 @pytest.mark.parametrize("name", PAGES)

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
 from typing import Any
 
 import numpy as np
@@ -55,7 +52,7 @@ TWO_RODS: dict[str, Any] = {
     },
     "medium": None,
     "initial": {"joints": {"a": {"spin_rad_s": [6, 2, 4]}, "b": {"rpy_deg": [20, -30, 60], "spin_rad_s": [-8, 3, -5]}}},
-    "solver": {"end_time_s": 0.5, "rest_time_s": None},
+    "solver": {"end_time_s": 0.25, "rest_time_s": None},
 }
 MASS = 1000 * 0.2 * 0.03 * 0.01
 INERTIA = MASS / 12.0 * np.array([0.03**2 + 0.01**2, 0.2**2 + 0.01**2, 0.2**2 + 0.03**2])
@@ -99,7 +96,7 @@ def test_two_rods_on_ball_joints_move_as_newton_and_euler_say() -> None:
     coarse = solved(TWO_RODS, step_s=1e-3)
     names = list(coarse.system.rigid)
     begun = [np.roll(coarse.quaternion(name)[0], -1) for name in names] + [coarse.spin(name)[0] for name in names]
-    way = solve_ivp(of_two_rods, (0.0, 0.5), np.concatenate(begun), method="DOP853", rtol=1e-11, atol=1e-12)
+    way = solve_ivp(of_two_rods, (0.0, 0.25), np.concatenate(begun), method="DOP853", rtol=1e-11, atol=1e-12)
     ends = [Rotation.from_quat(way.y[4 * k : 4 * k + 4, -1]).as_matrix()[:, 0] for k in range(2)]
     tip = 0.2 * (ends[0] + ends[1])
     steps, errors = [2e-3, 1e-3, 5e-4], []
@@ -107,7 +104,7 @@ def test_two_rods_on_ball_joints_move_as_newton_and_euler_say() -> None:
         motion = solved(TWO_RODS, step_s=step, tolerance=1e-10)
         errors.append(float(np.linalg.norm(motion.position("two", np.array([0.1, 0, 0]))[0][-1] - tip)))
     assert order(steps, errors) == pytest.approx(2.0, abs=0.15)
-    assert errors[-1] < 1e-4 * 1.5  # the tip goes 1.5 m
+    assert errors[-1] < 1e-4 * 0.75  # the tip goes 0.75 m
 
 
 ARM_AXES = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [0.3, 1.0, 0.2], [1.0, 0.0, 0.4]])
@@ -161,10 +158,10 @@ def test_an_arm_of_four_links_moves_as_kane_says() -> None:
         "model": {"in_space": True, "name": "arm", "bodies": dict.fromkeys(names, ROD), "joints": joints},
         "medium": None,
         "initial": {"joints": starts},
-        "solver": {"end_time_s": 0.4, "rest_time_s": None},
+        "solver": {"end_time_s": 0.2, "rest_time_s": None},
     }
     begun = np.concatenate([np.zeros(4), ARM_RATES])
-    way = solve_ivp(of_arm, (0.0, 0.4), begun, method="DOP853", rtol=1e-10, atol=1e-11)
+    way = solve_ivp(of_arm, (0.0, 0.2), begun, method="DOP853", rtol=1e-10, atol=1e-11)
     steps, errors = [2e-3, 1e-3, 5e-4], []
     for step in steps:
         motion = solved(config, step_s=step, tolerance=1e-10)
@@ -325,15 +322,14 @@ def off(config: Any) -> float:
     return float(np.linalg.norm(paths[0] - paths[1], axis=2).max() / max(way, 1e-3))
 
 
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", range(6))
 def test_random_trees_move_as_by_the_engine(seed: int) -> None:
     # An error of 1e-3 of the way is promised of either.
     assert off(load(random_tree(seed)).scenario) < 2e-3
 
 
-@pytest.mark.parametrize("seed", [2, 6])
-def test_what_is_apart_falls_with_the_accuracy(seed: int) -> None:
-    scenario = load(random_tree(seed)).scenario.replace({"solver.accuracy": 1e-4})
+def test_what_is_apart_falls_with_the_accuracy() -> None:
+    scenario = load(random_tree(2)).scenario.replace({"solver.accuracy": 1e-4})
     assert off(scenario) < 2e-4
 
 
@@ -343,7 +339,7 @@ SHIPPED = {  # s
     "snake": 0.03,
     "screw": 0.3,
     "steered_wheel": 0.3,
-    "dropped": 0.15,
+    "dropped": 0.08,
 }
 
 
@@ -359,12 +355,12 @@ def test_results_are_those_of_the_engine() -> None:
     robot = f"model={{urdf: {ROOT / 'models' / 'hexapod' / 'hexapod.urdf'}, name: hexapod, facet_size_m: 0.008}}"
     runs = {}
     for method in ("minimal", "engine"):
-        given = robot, f"method={method}", "solver.end_time_s=0.3", "solver.accuracy=1e-3"
+        given = robot, f"method={method}", "solver.end_time_s=0.12", "solver.accuracy=1e-3"
         runs[method] = simulate("hexapod", *given)
     assert len({str(one.summary["facets"]["bodies"]) for one in runs.values()}) == 1
     ours, theirs = runs["minimal"], runs["engine"]
     assert [column.name for column in ours.columns] == [column.name for column in theirs.columns]
-    times = np.linspace(0.02, 0.3, 120)
+    times = np.linspace(0.02, 0.12, 50)
     for name in ("hip_front_left_torque_Nm", "hip_middle_left_torque_Nm"):
         a, b = (np.interp(times, r["time_s"], r[name]) for r in (ours, theirs))
         assert np.sqrt(np.mean((a - b) ** 2)) < 0.02 * np.ptp(b)
@@ -398,14 +394,14 @@ def test_what_it_does_not_serve_is_refused() -> None:
 
 def test_walls_are_watched_as_by_the_engine() -> None:
     """How far what is immersed reaches, over a floor that bears, in layers."""
-    scenario, reached = load("thin_sand").scenario.replace({"solver.end_time_s": 0.12}), []
+    scenario, reached = load("thin_sand").scenario.replace({"solver.end_time_s": 0.06}), []
     for method in ("minimal", "engine"):
         begun = begin(build(scenario.replace({"method": method})), None, None)
         begun.solving.advance()
         reached.append(begun.solving.trajectory().load.reached[-1])
         begun.solving.close()
     assert np.isfinite(reached).all()
-    np.testing.assert_allclose(reached[0], reached[1], atol=1e-3 * 0.3)  # what steps leave of a way of 0.3 m
+    np.testing.assert_allclose(reached[0], reached[1], atol=1e-3 * 0.12)  # what steps leave of a way of 0.12 m
 
 
 def test_links_that_bend_move_as_by_the_engine() -> None:
@@ -424,21 +420,8 @@ def test_links_that_bend_move_as_by_the_engine() -> None:
         },
         "medium": "rft3d_sand",
         "initial": {"joints": {"fly": fly}},
-        "solver": {"end_time_s": 0.08, "accuracy": 1e-3, "rest_time_s": None},
+        "solver": {"end_time_s": 0.05, "accuracy": 1e-3, "rest_time_s": None},
     }
     scenario = load(config).scenario
     assert reason(build(scenario)).startswith("in minimal coordinates")
     assert off(scenario) < 2e-3
-
-
-def test_a_run_in_the_plane_loads_nothing_of_space() -> None:
-    script = (
-        "import sys; from granular_contact import load, simulate\n"
-        "simulate(load('pendulum_rigid').scenario.replace({'solver.end_time_s': 0.002}))\n"
-        "own = [name for name in sys.modules if name.startswith('granular_contact')]\n"
-        "print([name for name in own if '.space' in name or 'space_' in name])"
-    )
-    done = subprocess.run(
-        [sys.executable, "-c", script], env=dict(os.environ), capture_output=True, text=True, check=True
-    )
-    assert done.stdout.strip() == "[]"

@@ -19,9 +19,9 @@ from granular_contact.mujoco import MujocoBed  # noqa: E402
 
 PLAY = LeeMarghitu(2500.0, 6.5, 8.0, VerticalResistance(22.0, 1.1))
 FALLS: dict[str, tuple[Any, str, float]] = {
-    "box": (SAND, BOX, 0.25),
-    "bar": (PLAY, '<geom name="box" type="capsule" size="0.004 0.15" euler="0 80 0" density="2700"/>', 0.25),
-    "ball": (Poncelet(40.0, 2.0), '<geom name="box" type="sphere" size="0.05" density="2700"/>', 0.2),
+    "box": (SAND, BOX, 0.12),
+    "bar": (PLAY, '<geom name="box" type="capsule" size="0.004 0.15" euler="0 80 0" density="2700"/>', 0.12),
+    "ball": (Poncelet(40.0, 2.0), '<geom name="box" type="sphere" size="0.05" density="2700"/>', 0.12),
 }
 
 
@@ -56,12 +56,14 @@ def test_shorter_steps_lead_to_the_motion_of_the_other_engine_with_order_one(nam
 
     medium, floor = BEDS[name]
     box = FallingBox((0.1, 0.08, 0.06), 0.1, (0.5, 0.2, -1.0, 1.0, 2.0, 3.0), medium, floor)
-    steps, there = [2e-4, 1e-4, 5e-5], box.by_exudyn(0.1, 400)
-    errors = [float(np.linalg.norm(box.by_mujoco(0.1, step) - there)) for step in steps]
-    assert 0.8 < order(steps, errors) < 1.3, errors
-    assert errors[0] < 2.5e-3 * 0.1  # of the way
+    # On a floor, whose springs are stiff, longer steps are not yet those of order one.
+    steps = np.array([4e-4, 2e-4, 1e-4]) / (1.0 if floor is None else 2.0)
+    there = box.by_exudyn(0.1, 400)
+    errors = [float(np.linalg.norm(box.by_mujoco(0.1, step) - there)) for step in steps.tolist()]
+    assert 0.8 < order(steps.tolist(), errors) < 1.3, errors
+    assert errors[0] < 12.5 * steps[0] * 0.1  # of the way
     if name == "scattering":  # which matters more
-        assert np.linalg.norm(box.in_medium(SAND).by_mujoco(0.1, 2e-4) - there) > 20 * errors[-1]
+        assert np.linalg.norm(box.in_medium(SAND).by_mujoco(0.1, steps[0]) - there) > 10 * errors[-1]
 
 
 @pytest.mark.parametrize("geom", ["box", "ball"])

@@ -14,7 +14,7 @@ from support_properties import Array, State, floors, states, static_bound
 
 from granular_contact.laws.static_friction import Elastoplastic
 
-FAST = settings(max_examples=50, deadline=None)
+FAST = settings(max_examples=30, deadline=None)
 RANDOM = st.randoms(use_true_random=False)
 
 

@@ -92,8 +92,8 @@ def test_a_layer_follows_the_slope_and_the_height_map(tmp_path: Any) -> None:
     layers = {"layers": [{"top_m": 0.002, "medium": {"from": "rft3d_sand", "density_kg_m3": 5000}}]}
     slope = {"slope_deg": float(np.degrees(np.arctan(0.1)))}
     grid = {"file": str(tmp_path / "ground.csv"), "cell_m": 0.1, "corner_m": [-0.5, -0.5]}
-    solver = {"end_time_s": 0.1, "step_s": 5e-4, "rest_time_s": None}
-    shape = {"type": "box", "size_m": [0.06, 0.05, 0.04]}
+    solver = {"end_time_s": 0.03, "step_s": 1e-3, "rest_time_s": None}
+    shape = {"type": "box", "size_m": [0.06, 0.05, 0.04], "facet_size_m": 0.02}
     turned = {"initial": {"joints": {"flight": START | {"z_m": 0.05, "rpy_deg": [20, 35, 10]}}}}
     paths = []
     for bed in (slope | layers, {"height_map": grid} | layers, slope):

@@ -58,11 +58,11 @@ SCULLER: dict[str, Any] = {
     "initial": {"joints": {"flight": {"z_m": 0.017, "vx_m_s": 0.2}, "root": {"spin_rad_s": [0, 2, 1]}}},
     "drives": {
         "hip_left": {"type": "external", "torque_Nm": 0, "range": [-0.1, 0.1]},
-        "hip_right": {"type": "motion", "angle_deg": {"type": "ramp", "from": 0, "to": 450, "duration_s": 0.12}},
+        "hip_right": {"type": "motion", "angle_deg": {"type": "ramp", "from": 0, "to": 450, "duration_s": 0.06}},
     },
-    "solver": {"end_time_s": 0.12, "step_s": 1e-3, "rest_time_s": None},
+    "solver": {"end_time_s": 0.06, "step_s": 1e-3, "rest_time_s": None},
 }
-PAUSES = 8
+PAUSES = 6
 
 
 def sculler(**solver: Any) -> Simulation:
