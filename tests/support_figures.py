@@ -17,8 +17,11 @@ def _unlaid(figure: Figure) -> Figure:
 
 @contextmanager
 def sketched(dpi: int = 30) -> Iterator[None]:
-    """Figures of runs have few pixels and no layout meanwhile."""
+    """Figures of runs and of studies have few pixels and no layout meanwhile."""
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr("granular_contact.report.figures.DPI", dpi)
         patched.setattr("granular_contact.report.figures._laid_out", _unlaid)
+        patched.setattr(
+            "granular_contact.report.figures.panels.save", lambda one, file: _unlaid(one).savefig(file, dpi=dpi)
+        )
         yield

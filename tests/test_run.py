@@ -160,8 +160,8 @@ def test_energy_balance_at_a_tenth_of_the_step(config: str) -> None:
     # A hundredth of it would be 1.3e-6; the tolerance of Newton's method, 1e-4 of the forces of the scene, leaves up to
     # 1e-4.
     assert simulate(config, "solver.step_s=2e-5").summary["energy"]["imbalance_relative"] < 1e-4
-    # Without that tolerance in the way:
-    fine = simulate(config, "solver.step_s=2e-5", "solver.tolerance=1e-9").summary
+    # Without that tolerance in the way, up to its greatest depth and a little beyond:
+    fine = simulate(config, "solver.step_s=2e-5", "solver.tolerance=1e-9", "solver.end_time_s=0.03").summary
     assert fine["energy"]["imbalance_relative"] < 1.5e-6
 
 
@@ -229,7 +229,7 @@ def test_run_ends_at_rest() -> None:
 def test_elements_converge() -> None:
     # Newton's method goes to the end: its usual tolerance leaves as much as strips of 32 elements do.
     setting = ("solver.step_s=1e-4", "solver.rest_time_s=null", "solver.end_time_s=0.04", "solver.tolerance=1e-9")
-    counts = [4, 8, 16, 32, 64]
+    counts = [4, 8, 16, 32]
     runs_ = [simulate("pendulum", *setting, f"model.bodies.link.flexible.elements={n}") for n in counts]
     times = runs_[-1]["time_s"]
     paths = np.array([tip_error(r, runs_[-1], times) for r in runs_[:-1]])

@@ -10,7 +10,7 @@ from __future__ import annotations
 import itertools
 import re
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -88,10 +88,10 @@ def number(summary: dict[str, Any]) -> str:
     return f"{words} {factor * flat[key]:.4g} {unit}"
 
 
-def entry(name: str, frames: int = 0) -> Entry:
-    """Run a config."""
+def entry(name: str, frames: int = 0, overrides: Sequence[str] = ()) -> Entry:
+    """Run a config, with some of its keys changed."""
     path = CONFIGS / f"{name}.yaml"
-    scenario = config.load(path).scenario
+    scenario = config.load(path, overrides).scenario
     results = run(build(scenario), scenario, most_frames=frames)
     model = scenario.model
     return Entry(name, comment(path), model.name or name, model.description or "", results)

@@ -8,6 +8,7 @@ stiff ones with a rigid link, which they come to; the distance of the tip is div
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,7 @@ from granular_contact import Results, load, simulate
 
 Vector = NDArray[np.float64]
 BENDING, ELEMENTS = 15.1642, 16
+FINE = 4 * ELEMENTS  # of references
 FACTORS = (1e-4, 1e-2, 1.0, 1e2, 1e4, 1e6)
 RIGID_FROM = 100.0  # times the stiffness: compared with a rigid link
 
@@ -41,6 +43,7 @@ class Case:
         return [f"{self.factor:g}", str(self.elements), *numbers]
 
 
+@cache
 def run(factor: float, elements: int, accuracy: float = 1e-3) -> Results:
     """A run; elements: 0 for a rigid link."""
     flat = pendulum(BENDING * factor, max(1, elements))
@@ -55,11 +58,11 @@ def cases(factors: tuple[float, ...], many: int) -> list[Case]:
     found = []
     for factor in factors:
         rigid = factor >= RIGID_FROM
-        reference = run(1.0, 0, 1e-4) if rigid else run(factor, 4 * ELEMENTS, 1e-4)
+        reference = run(1.0, 0, 1e-4) if rigid else run(factor, FINE, 1e-4)
         found.append(_case(factor, ELEMENTS, reference))
-    softest = run(factors[0], 4 * ELEMENTS, 1e-4)
+    softest = run(factors[0], FINE, 1e-4)
     found += [_case(factors[0], count, softest) for count in (4, 8)]
-    return [*found, _case(1.0, many, run(1.0, 4 * ELEMENTS, 1e-4))]
+    return [*found, _case(1.0, many, run(1.0, FINE, 1e-4))]
 
 
 def _case(factor: float, elements: int, reference: Results) -> Case:

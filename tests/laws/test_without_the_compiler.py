@@ -1,4 +1,4 @@
-"""Every law by every engine that takes it runs with NUMBA_DISABLE_JIT=1, to the numbers of compiled kernels."""
+"""Every law and every engine run with NUMBA_DISABLE_JIT=1, to the numbers of compiled kernels."""
 
 from __future__ import annotations
 

@@ -12,8 +12,6 @@ CELLS = (
     ("EI and EA", "1e-6"),
     ("step", "0.01 s"),
     ("yield displacement", "1e-8 m"),
-    ("eta_d", "1000 times"),
-    ("impact angle", "0 deg"),
     ("impact angle", "90 deg"),
     ("impact speed", "100 rad/s"),
     ("gravity", "-9.81"),

@@ -15,7 +15,7 @@ from validation import strip_estimates as study
 from validation.random_scenes.scenes import draw, write
 
 # Of scenes whose error with 16 strips is 0.1 to 0.6 %, and a leg and a wheel whose is less.
-SEEDS = {3: "free bent bar", 27: "swimmer", 33: "chain", 57: "free rod", 0: "leg", 37: "wheel"}
+SEEDS = {3: "free bent bar", 33: "chain", 0: "leg", 37: "wheel"}
 ROD = {
     "model": {
         "name": "rod",
@@ -55,15 +55,14 @@ def test_an_estimate_that_shows_nothing_would_be_noticed() -> None:
 
 
 def test_wheels_that_turn_are_not_told_to_be_wrong(tmp_path: Path) -> None:
-    """Carts whose strips are right within 0.1 %: no run was as good as told, and 128 strips were taken for nothing."""
-    for seed in range(2):
-        found = study.judge("cart", study.cart(seed), tmp_path)
-        assert found is not None
-        assert found.error < study.ACCURACY
-        assert found.ratio < study.WITHIN
-        results = solved(study.settings(study.cart(seed), 16, accuracy=1e-2), tmp_path)
-        assert results.summary["strips"]["per_rigid_part"] == 16
-        assert not any("strips" in sentence for sentence in results.warnings)
+    """A cart whose strips are right within 0.1 %: no run was as good as told, and 128 strips were taken for nothing."""
+    found = study.judge("cart", study.cart(0), tmp_path)
+    assert found is not None
+    assert found.error < study.ACCURACY
+    assert found.ratio < study.WITHIN
+    results = solved(study.settings(study.cart(0), 16, accuracy=1e-2), tmp_path)
+    assert results.summary["strips"]["per_rigid_part"] == 16
+    assert not any("strips" in sentence for sentence in results.warnings)
 
 
 def test_a_rod_that_stands_on_its_end_gets_the_strips_that_its_accuracy_needs(tmp_path: Path) -> None:
