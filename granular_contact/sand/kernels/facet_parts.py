@@ -70,14 +70,14 @@ def parallelogram_part(z, za, zb, a, b):
 
 
 @part
-def immersed_part(four, z, za, zb, ax, ay, az, bx, by, bz):
+def immersed_part(four, z, za, zb, a, b):
     """Moments s, m (m), o (3,) m, p (3,) m2 of the part of a facet below the surface, about its centroid.
 
     four: whether it is a parallelogram with half edges a and b (3,) m, else a triangle with the corners a, b and
     -a - b; z (m): depth of the centroid; za, zb (m): by how much the depth grows along a and b. s is 0 where nothing is
     below.
     """
-    zc = -za - zb
+    (ax, ay, az), (bx, by, bz), zc = a, b, -za - zb
     if four:
         low = abs(za) + abs(zb)
         high = low
@@ -95,7 +95,6 @@ def immersed_part(four, z, za, zb, ax, ay, az, bx, by, bz):
         return 1.0, z, 0.0, 0.0, 0.0, k * px, k * py, k * (za * az + zb * bz + zc * (-az - bz))
     if z <= -high:
         return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    a, b = (ax, ay, az), (bx, by, bz)
     if four:
         return parallelogram_part(z, za, zb, a, b)
     return triangle_part(z + za, z + zb, z + zc, a, b, (-ax - bx, -ay - by, -az - bz))

@@ -25,7 +25,7 @@ import math
 import numpy as np
 
 from granular_contact.jit.compiled import part
-from granular_contact.sand.kernels.facets import FIRST, NOTED, ROW, SHEAR, E, N
+from granular_contact.sand.kernels.facets import FIRST, NOTED, ROW, SHEAR, E, N, vector
 from granular_contact.sand.kernels.scatter import value
 
 PATH, LAST, KEPT = 3, 4, 7
@@ -59,28 +59,29 @@ def begin(anchors, first, last, anew):
 
 
 @part
-def slid(anchors, i, x, y, z, nx, ny, nz):
-    """Shear displacement j (m) of a facet with the normal n after (x, y, z) m from its anchor, and its direction."""
-    across, first = nx * x + ny * y + nz * z, anchors.shape[1] - SHEARED
-    x, y, z = x - across * nx, y - across * ny, z - across * nz
+def slid(anchors, i, e, n):
+    """Shear displacement j (m) of a facet with the normal n at e (3,) m from its anchor, and its direction (3,)."""
+    across, first = n[0] * e[0] + n[1] * e[1] + n[2] * e[2], anchors.shape[1] - SHEARED
+    x, y, z = e[0] - across * n[0], e[1] - across * n[1], e[2] - across * n[2]
     d = math.sqrt(x * x + y * y + z * z)
     if d == 0.0:
-        return 0.0, 0.0, 0.0, 0.0
+        return 0.0, (0.0, 0.0, 0.0)
     x, y, z = x / d, y / d, z / d
     before = anchors[i, first] * x + anchors[i, first + 1] * y + anchors[i, first + 2] * z
-    return max(0.0, before) + d, x, y, z
+    return max(0.0, before) + d, (x, y, z)
 
 
 @part
-def count(anchors, i, x, y, z, ax, ay, az, nx, ny, nz, immersed):
-    """Add a step that ends with the middle of a facet at (x, y, z) m, before its anchor goes to a (3,) m."""
+def count(anchors, i, p, a, n, immersed):
+    """Add a step that ends with the middle of a facet at p (3,) m, before its anchor goes to a (3,) m; n: normal."""
     if scatters(anchors):
-        dx, dy, dz = x - anchors[i, LAST], y - anchors[i, LAST + 1], z - anchors[i, LAST + 2]
+        dx, dy, dz = p[0] - anchors[i, LAST], p[1] - anchors[i, LAST + 1], p[2] - anchors[i, LAST + 2]
         anchors[i, PATH] += math.sqrt(dx * dx + dy * dy + dz * dz)
-        anchors[i, LAST], anchors[i, LAST + 1], anchors[i, LAST + 2] = x, y, z
+        anchors[i, LAST], anchors[i, LAST + 1], anchors[i, LAST + 2] = p
     if shears(anchors):
-        dx, dy, dz, first = ax - anchors[i, 0], ay - anchors[i, 1], az - anchors[i, 2], anchors.shape[1] - SHEARED
-        j, ex, ey, ez = slid(anchors, i, dx, dy, dz, nx, ny, nz)
+        first = anchors.shape[1] - SHEARED
+        e = a[0] - anchors[i, 0], a[1] - anchors[i, 1], a[2] - anchors[i, 2]
+        j, (ex, ey, ez) = slid(anchors, i, e, n)
         if not immersed:
             j, ex = 0.0, 1.0
         if j > 0.0 or not immersed:  # else the anchor has not moved
@@ -104,9 +105,7 @@ def note(B, n, elements, anchors, cluster):
     """Set in a block of n facets what depends on their paths: shear displacements, and by how much terms scatter."""
     if shears(anchors):
         for k in range(n):
-            B[SHEAR, k] = slid(
-                anchors, int(B[ROW, k]), B[E, k], B[E + 1, k], B[E + 2, k], B[N, k], B[N + 1, k], B[N + 2, k]
-            )[0]
+            B[SHEAR, k] = slid(anchors, int(B[ROW, k]), vector(B, E, k), vector(B, N, k))[0]
     if scatters(anchors):
         for k in range(n):
             i = int(B[ROW, k])

@@ -224,13 +224,13 @@ def spread_along(elements, i, q):
 @part(inline=True)
 def below_surface(elements, i, z, d, medium):
     """`immersed_part` of a facet, row i, whose depth grows by d (3,) as seen from the body; of that in the layer."""
-    ax, ay, az = elements[i, 8], elements[i, 9], elements[i, 10]
-    bx, by, bz = elements[i, 11], elements[i, 12], elements[i, 13]
-    za, zb = d[0] * ax + d[1] * ay + d[2] * az, d[0] * bx + d[1] * by + d[2] * bz
+    a = elements[i, 8], elements[i, 9], elements[i, 10]
+    b = elements[i, 11], elements[i, 12], elements[i, 13]
+    za, zb = d[0] * a[0] + d[1] * a[1] + d[2] * a[2], d[0] * b[0] + d[1] * b[1] + d[2] * b[2]
     four = elements[i, FORM] != TRIANGLE
     if medium.layered:
-        return law.in_layer(medium, (four, z, za, zb, ax, ay, az, bx, by, bz, medium.top, medium.bottom))
-    return immersed_part(four, z, za, zb, ax, ay, az, bx, by, bz)
+        return law.in_layer(medium, (four, z, za, zb, a, b, medium.top, medium.bottom))
+    return immersed_part(four, z, za, zb, a, b)
 
 
 @part
@@ -392,8 +392,8 @@ def follow_facets(elements, anchors, cluster, pose, ground, medium, row):
             row[law.SPEED] = max(row[law.SPEED], math.sqrt(vx * vx + vy * vy + vz * vz))
             ax, ay, az = law.drag_anchor(medium, ((px, py, pz), (anchors[i, 0], anchors[i, 1], anchors[i, 2])))
         if medium.count != 0:
-            nx, ny, nz = turned(R, E[4], E[5], E[6])
-            law.count(medium, (anchors, i, px, py, pz, ax, ay, az, nx, ny, nz, deepest > 0.0))
+            n = turned(R, E[4], E[5], E[6])
+            law.count(medium, (anchors, i, (px, py, pz), (ax, ay, az), n, deepest > 0.0))
         anchors[i, 0], anchors[i, 1], anchors[i, 2] = ax, ay, az
 
 
