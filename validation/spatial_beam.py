@@ -6,7 +6,8 @@ The strip of Dowell and Traybar's experiment in Princeton (1975) carries a weigh
 its axis by 0, 45 and 90 degrees; the reference is Kirchhoff's rod, solved as a boundary value problem. A rod that is
 clamped to a wall is let go and falls; the reference is 48 of the engine's cable elements in steps of a quarter of the
 length. The engine's elements are put together here, as its own examples do it; rigid elements are those of production.
-With these alone: Kane's spin-up (`spin_up`), and links from soft to stiff in sand (`soft_and_stiff`).
+With these alone: Kane's spin-up (`spin_up`), links from soft to stiff in sand (`soft_and_stiff`), what curls
+(`curled`).
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ from support_bending import LENGTH, MODULUS, POISSON, THICKNESS, WIDTH, kirchhof
 
 from granular_contact import load, simulate
 from granular_contact.scene.space.section import Section
-from validation import soft_and_stiff, spin_up
+from validation import curled, soft_and_stiff, spin_up
 from validation.study import Claim, Outcome, script
 from validation.tables import markdown
 
@@ -243,7 +244,10 @@ def study(quick: bool) -> Outcome:
     text = f"Strip with a weight of {WEIGHT} N at its end: error of the deflection, relative.\n\n{strip}\n\n"
     text += f"Rod that falls for {DURATION} s, in steps of 0.5 ms.\n\n{fall}\n\n"
     more = [_spin_up([4, 8, 16]), _soft_and_stiff(quick)]
-    return Outcome(text + "\n\n".join(table for table, _ in more), (*claims, *(one for _, one in more)))
+    names = list(curled.CASES)
+    curls, told = curled.curled([4, 8] if quick else [4, 8, 16], names[:2] if quick else names)
+    tables = [*(table for table, _ in more), curls]
+    return Outcome(text + "\n\n".join(tables), (*claims, *(one for _, one in more), *told))
 
 
 def _spin_up(counts: list[int]) -> tuple[str, Claim]:

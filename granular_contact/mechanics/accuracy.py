@@ -30,7 +30,7 @@ UNKNOWN = 0.1  # of the energy: beyond it the motion itself is another
 FEWEST_STEPS = 8  # steps from the touch to the stop
 ROUGH_BEAM = 0.05  # of the path length: jumps of curvature times the square of an element; errors are smaller
 ROUGH = 0.5  # mean square of second over first differences: at 6 steps a period both are as large
-COARSE_BEAM, MOST_ELEMENTS = 0.02, 256  # of a link in space: error as a part of the path, elements
+COARSE_BEAM, MOST_ELEMENTS = 0.01, 256  # of a link in space: error as a part of the path, elements
 TREMBLE = 1e-3  # of a link's length
 EXCESS = 1.0 / 9.0  # |beta - 1/6| at a spectral radius of 0.9, see `stepping`
 
@@ -198,14 +198,13 @@ def _beam(motion: Kinematics, name: str) -> Iterator[AccuracyWarning]:
 def _elements(motion: Kinematics, name: str, error: float, elements: int) -> Iterator[AccuracyWarning]:
     """Whether a link in space has too few elements; the error goes with the square of their length.
 
-    It counts against the path, or the deflection of what stands. Under a load that rests it is the error; of six
-    pendulums that strike, of 2 to 8 elements and EI 1e-3 and 1e-2 times the source's, it is 1.6 to 11 times the error.
+    It counts against the path, or the deflection of what stands.
     """
     bent = max(float(np.abs(values).max()) for values in motion.bends()[name])
     scale = max(motion.path_length, motion.scene.least_path, bent)
     if error > COARSE_BEAM * scale:
         more = min(math.ceil(elements * math.sqrt(error / scale / COARSE_BEAM)), MOST_ELEMENTS)
-        said = f"{name} has too few elements: its tip may be {error:.2g} m off, {error / scale:.1%} of its path"
+        said = f"{name} has too few elements: it may be {error:.2g} m off, {error / scale:.1%} of its path"
         yield AccuracyWarning(
             f"{said}; take model.bodies.{name}.flexible.elements: {more} (now {elements})", error / scale
         )

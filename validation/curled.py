@@ -1,0 +1,146 @@
+"""Ropes, thin strips and long wires that fall, curl and are thrown: the error by their elements, and what is told.
+
+The reference has three times as many elements as the finest. The error is the greatest distance of any place along the
+axis that is the middle of an element, or the tip, over the path of the run or the deflection, as the estimate counts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granular_contact import load
+from granular_contact.mechanics.space.kinematics import SpatialKinematics
+from granular_contact.run import run
+from granular_contact.scene import build
+from validation.study import Claim
+from validation.tables import markdown
+
+Vector = NDArray[np.float64]
+Config = dict[str, Any]
+ROPE = {"length_m": 0.4, "diameter_m": 0.006}
+STRIP = {"length_m": 0.3, "width_m": 0.004, "thickness_m": 0.0004}
+WIRE = {"length_m": 3.0, "diameter_m": 0.002}
+HUB = {"type": "rigid", "mass_kg": 0.2, "inertia_kg_m2": dict.fromkeys(("xx", "yy", "zz"), 1e-4)}
+
+
+@dataclass(frozen=True)
+class Run:
+    """Times (n,) s, places (k, n, 3) m along the axis, the tip last; what errors count against (m), estimate, told."""
+
+    time: Vector
+    places: Vector
+    scale: float
+    estimate: float
+    told: bool
+
+
+def _link(sides: Config, modulus: float, elements: int) -> Config:
+    flexible = {"youngs_modulus_Pa": modulus, "elements": elements}
+    return {"type": "link", **sides, "density_kg_m3": 1200, "flexible": flexible}
+
+
+def _config(bodies: Config, joints: Config, end: float, **more: Any) -> Config:
+    model = {"in_space": True, "name": "curls", "bodies": bodies, "joints": joints}
+    return {"model": model, "solver": {"end_time_s": end, "accuracy": 1e-3, "rest_time_s": None}, **more}
+
+
+def falling(link: Config, end: float, height: float | None = None) -> Config:
+    """Clamped to a wall, it is let go from the horizontal; height (m): above sand."""
+    wall = {"type": "weld", "parent": "ground", "child": "link", "rpy_deg": [20, 0, 0]}
+    sand = {} if height is None else {"medium": "play_sand", "surface_height_m": -height}
+    return _config({"link": link}, {"wall": wall}, end, **sand)
+
+
+def thrown(link: Config, end: float) -> Config:
+    """It flies over sand, spinning about two axes, and falls on it."""
+    start = {"z_m": 0.1, "vx_m_s": 1.0, "spin_rad_s": [0, 8, 3]}
+    more = {"medium": "play_sand", "surface_height_m": 0.0, "initial": {"joints": {"flight": start}}}
+    return _config({"link": link}, {"flight": {"type": "free", "parent": "ground", "child": "link"}}, end, **more)
+
+
+def swept(link: Config, end: float) -> Config:
+    """A hub turns it through 200 deg about an inclined axis, in which it curls behind, and lets it overtake."""
+    joints = {
+        "turn": {"type": "hinge", "parent": "ground", "child": "hub", "axis": [0, 1, 0.4]},
+        "clamp": {"type": "weld", "parent": "hub", "child": "link"},
+    }
+    turn = {"type": "table", "time_s": [0.0, 0.25, 2.0], "values": [0.0, 200.0, 200.0]}
+    return _config({"hub": HUB, "link": link}, joints, end, drives={"turn": {"type": "motion", "angle_deg": turn}})
+
+
+CASES: dict[str, Callable[[int], Config]] = {
+    "rope that falls": lambda n: falling(_link(ROPE, 2e6, n), 0.35),
+    "soft rope that falls and curls": lambda n: falling(_link(ROPE, 2e5, n), 0.35),
+    "rope that falls on sand": lambda n: falling(_link(ROPE, 2e6, n), 0.3, 0.15),
+    "rope that lies on sand": lambda n: falling(_link(ROPE, 2e7, n), 0.05, 0.003),
+    "rope that is thrown on sand": lambda n: thrown(_link(ROPE, 2e6, n), 0.25),
+    "rope that is swept and curls": lambda n: swept(_link(ROPE, 2e7, n), 0.4),
+    "strip of 0.4 mm that falls": lambda n: falling(_link(STRIP, 2e8, n), 0.3),
+    "wire, 1500 times as long as thick, that falls": lambda n: falling(_link(WIRE, 2e9, n), 0.8),
+}
+
+
+def found(config: Config) -> Run:
+    """A run."""
+    kept: list[Run] = []
+
+    def inspect(system: Any, trajectory: Any) -> None:
+        motion = SpatialKinematics(system, trajectory)
+        bent = motion.beams["link"]
+        beam, bend = bent.beam, max(float(np.abs(one).max()) for one in motion.bends()["link"])
+        body, origin, axes = beam.tip
+        middles = [motion.position(name, at)[0] for name, at, _ in beam.pieces[1:-1]]
+        places = np.array([*middles, motion.position(body, origin + axes[:, 0] * beam.length)[0]])
+        scale = max(motion.path_length, motion.scene.least_path, bend)
+        kept[:] = [Run(trajectory.time, places, scale, bent.element_error() / scale, False)]
+
+    scenario = load(config).scenario
+    results = run(build(scenario), scenario, inspect=inspect)
+    one = kept[0]
+    return Run(one.time, one.places, one.scale, one.estimate, any("too few elements" in w for w in results.warnings))
+
+
+def error(one: Run, fine: Run) -> float:
+    """Greatest distance between places along the link in two runs; the fine one has a multiple of the elements."""
+    every = len(fine.places) // len(one.places)
+    t = np.linspace(0.0, min(one.time[-1], fine.time[-1]), 600)
+    here, there = (
+        np.array([[np.interp(t, r.time, axis) for axis in place.T] for place in places])
+        for r, places in ((one, one.places), (fine, fine.places[every - 1 :: every]))
+    )
+    return float(np.linalg.norm(here - there, axis=1).max()) / one.scale
+
+
+def curled(counts: list[int], names: list[str]) -> tuple[str, list[Claim]]:
+    """Table and claims of links that curl."""
+    rows, silent, alarms = [], 0.0, 0.0
+    for name in names:
+        fine = found(CASES[name](3 * counts[-1]))
+        for count in counts:
+            one = found(CASES[name](count))
+            off = error(one, fine)
+            rows.append(
+                [name, count, f"{off:.1e}", f"{one.estimate:.1e}", "too few elements" if one.told else "nothing"]
+            )
+            silent = max(silent, 0.0 if one.told else off)
+            alarms = max(alarms, one.estimate / off if one.told else 0.0)
+    claims = [
+        Claim(
+            "spatial_beam.what curls is not wrong in silence",
+            silent < 0.02,
+            f"greatest error without a warning {100 * silent:.1f} % (asked: 2)",
+        ),
+        Claim(
+            "spatial_beam.what is told of what curls is true",
+            alarms < 10.0,
+            f"a warning tells at most {alarms:.1f} times the error (asked: 10)",
+        ),
+    ]
+    words = "Links that curl, thin and long ones: error of the axis by the elements, over the path, and its estimate."
+    header = ["link", "elements", "error", "estimated", "told"]
+    return f"{words}\n\n{markdown(header, rows)}", claims
