@@ -48,9 +48,9 @@ class StepControl:
         self._words, self._places = np.zeros(0, np.int64), places
         signals = signals_of(scene) if len(follows[1]) else []
         tables = tabulate(signals, scene.solver.end_time_s) if signals else NO_TABLE
-        self._follows = *follows, *tables, np.zeros((len(signals), 3))
+        self._prescribed = step_choice.Prescribed(*follows, *tables, np.zeros((len(signals), 3)))
         self._judge = ready(step_choice.judge, self._words, 1.0, self._record, 1.0, 1.0)
-        self._choose = ready(step_choice.choose, 1.0, 1.0, 1.0, self._record, 1.0, 1.0, *self._follows)
+        self._choose = ready(step_choice.choose, 1.0, 1.0, 1.0, self._record, 1.0, 1.0, self._prescribed)
         self._start = ready(step_error.begin, self._words, 1.0)
         self._kept = step_choice.SHORTER, step_choice.LONGER
         self.until = math.inf  # time (s) that a step has to end at
@@ -105,7 +105,7 @@ class StepControl:
         self.speed = max(self.speed, self.now)
         bed, speeds = self.system.bed, (self.speed, self.now)
         soonest = math.inf if bed is None else bed.load.soonest()
-        self.chosen = self._choose(t, self.next, soonest, self._record, *speeds, *self._follows)
+        self.chosen = self._choose(t, self.next, soonest, self._record, *speeds, self._prescribed)
         self._take(t)
 
     def bind(self, views: Views) -> None:

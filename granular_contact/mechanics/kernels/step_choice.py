@@ -4,14 +4,13 @@ Arguments that the functions share:
 
     choice       record of CHOICE
     fastest, now  greatest speed so far, and that at the start of the step (m/s)
-    followed     (k,) signals of prescribed motions among those of `signal_tables`, and the arms (k,) that make their
-    arms         values lengths (m)
-    found        (signals, 3) room to look them up in
+    prescribed   Prescribed
 """
 
 from __future__ import annotations
 
 import math
+from typing import Any, NamedTuple
 
 from granular_contact.jit.compiled import kernel, part
 from granular_contact.jit.records import fields, record_dtype
@@ -31,6 +30,22 @@ AT = 1e-10  # s, within which an instant is reached
 # with which a change of the acceleration puts positions off, over that change and the step; longest, least (s); size
 # (m) of the mechanism; rolls: whether it may roll on in space.
 CHOICE = record_dtype([*fields("f8", "accuracy", "excess", "both", "longest", "least", "size"), ("rolls", "i8")])
+
+
+class Prescribed(NamedTuple):
+    """What drives ask of steps.
+
+    bends (n,): times (s) at which signals bend; followed (k,): signals of prescribed motions among those of
+    `signal_tables`, arms (k,): what makes their values lengths (m); knots, pieces: the tables of signals; found
+    (signals, 3): room to look them up in.
+    """
+
+    bends: Any
+    followed: Any
+    arms: Any
+    knots: Any
+    pieces: Any
+    found: Any
 
 
 @part
@@ -58,12 +73,13 @@ def factor(need):
 
 
 @part
-def foreseen(t, step, choice, fastest, now, followed, arms, knots, pieces, found):
+def foreseen(t, step, choice, fastest, now, prescribed):
     """A step (s) from t (s), or a shorter one that what is prescribed does not change its acceleration too much in.
 
     A step that came to a bend of a prescribed motion and were refused would leave its error to the next ones: what
     positions ask for they make up for in one step, with a force that grows as steps shrink.
     """
+    _, followed, arms, knots, pieces, found = prescribed
     jump = 2.0 * SAFETY * choice.accuracy * fastest  # half of it acts
     smooth = SAFETY**2 * choice.accuracy * max(now, fastest / SLOWED) / choice.both
     most = min(jump, smooth)
@@ -93,15 +109,15 @@ def until_bend(t, bends):
 
 
 @part
-def ahead(t, step, soonest, choice, fastest, now, bends, followed, arms, knots, pieces, found):
+def ahead(t, step, soonest, choice, fastest, now, prescribed):
     """A step (s) from t (s), or a shorter one that ends at a bend or where something may touch the medium.
 
     soonest: time (s) until something above the surface may be in it. At least as long as the deepest it can get in
     that time does not matter.
     """
     touch = max(choice.accuracy * choice.size / fastest, soonest)
-    step = min(step, touch, until_bend(t, bends))
-    return max(foreseen(t, step, choice, fastest, now, followed, arms, knots, pieces, found), choice.least)
+    step = min(step, touch, until_bend(t, prescribed.bends))
+    return max(foreseen(t, step, choice, fastest, now, prescribed), choice.least)
 
 
 @kernel
@@ -112,6 +128,6 @@ def judge(words, step, choice, fastest, now):
 
 
 @kernel
-def choose(t, step, soonest, choice, fastest, now, bends, followed, arms, knots, pieces, found):
+def choose(t, step, soonest, choice, fastest, now, prescribed):
     """`ahead`, for callers in Python; choice (1,)."""
-    return ahead(t, step, soonest, choice[0], fastest, now, bends, followed, arms, knots, pieces, found)
+    return ahead(t, step, soonest, choice[0], fastest, now, prescribed)

@@ -52,6 +52,7 @@ class State(NamedTuple):
     y (runs, size) as of `modal_motion`; regime, stopped (runs, components): of the static law, and which components
     ended the last one; clock (runs, 5), counts (runs, 6), watch (runs, 6), see above and `events`; turns (runs, CROWD):
     latest ends of regimes (s), the k-th at k modulo CROWD; rows (runs, capacity, 1 + size + 9): tables to be filled.
+    Kernels of one run take its own, without the first axis.
     """
 
     y: Any
@@ -106,15 +107,16 @@ def ahead(control):
     return int(control.longest / control.interval) + 2
 
 
-@kernel
-def finish(t, h, C, s, w, control, rows, counts, watch):
-    """Take a step from t as accepted: rows, stop, anchors."""
+@part
+def finish(run, h, C, w, control):
+    """Take a step as accepted: rows, stop, anchors."""
+    t, rows, counts, watch = run.clock[NOW], run.rows, run.counts, run.watch
     m = w.pendulum[0].modes + 1
     y = rows_of(room1(SIZE), 0, C.shape[1])
     due = counts[ROWS] * control.interval
     while due <= t + h and counts[ROWS] < rows.shape[0]:
         inside(C, (due - t) / h, y)
-        fill_row(due, y, s, w, control.forces, piece(rows, counts[ROWS], rows.shape[1]))
+        fill_row(due, y, run.regime, w, control.forces, piece(rows, counts[ROWS], rows.shape[1]))
         counts[ROWS] += 1
         due = counts[ROWS] * control.interval
     if w.lines.shape[0] == 0:
@@ -128,19 +130,19 @@ def finish(t, h, C, s, w, control, rows, counts, watch):
         drag(rows_of(y, 0, m), rows_of(y, m, m), w)
 
 
-@kernel
-def rests(y, s, w, control, clock):
+@part
+def rests(run, w, control):
     """Whether all that the medium can hold has been slow for long enough.
 
     A bristle damps the whole link. The true sign holds the middle of the immersed segment and nothing else: the link
     may vibrate about it for ever.
     """
-    m = w.pendulum[0].modes + 1
+    m, y, clock = w.pendulum[0].modes + 1, run.y, run.clock
     speed = abs(y[m]) * control.reach
     for i in range(m + 1, 2 * m):
         speed = max(speed, abs(y[i]))
     if speed > control.rest_speed and m > 1 and w.pendulum[0].true_sign:
-        g = rows_of(room1(2), 0, s.shape[0])
+        g = rows_of(room1(2), 0, run.regime.shape[0])
         if slip_velocity(rows_of(y, 0, m), rows_of(y, m, m), w, g):
             speed = max(abs(g[0]), abs(g[1]))
     if speed > control.rest_speed:
@@ -148,12 +150,13 @@ def rests(y, s, w, control, clock):
     return clock[NOW] - clock[RESTING_SINCE] >= control.rest_time
 
 
-@kernel
-def turn(y, s, w, control, clock, counts, stopped, turns):
+@part
+def turn(run, w, control):
     """Go on from the end of a regime: choose the next; False where regimes end again and again.
 
     Before that ten times the speed counts as none, to get out of it, unless that would be too much.
     """
+    clock, counts, turns = run.clock, run.counts, run.turns
     turns[counts[CROWDED] % CROWD] = clock[NOW]
     counts[TURNS] += 1
     counts[CROWDED] += 1
@@ -162,7 +165,7 @@ def turn(y, s, w, control, clock, counts, stopped, turns):
         w.pendulum[0].still *= 10.0
         if w.pendulum[0].still > control.blurred:
             return False
-    decide(y, s, stopped, w)
+    decide(run.y, run.regime, run.stopped, w)
     return True
 
 
@@ -183,14 +186,14 @@ def next_step(h, ratio, smooth, clock):
 
 
 @part
-def attempt(pair, y, s, w, control, allowed, clock, counts, k, sigma, totals, end):
-    """Step from y, with k[0] = y' there, as far as the error allows; its length (s), 0 if no step is small enough."""
+def attempt(run, w, control, allowed, room, sums):
+    """Step from y, with slopes[0] = y' there, as far as the error allows; its length (s), 0 if none is small enough."""
+    clock, counts = run.clock, run.counts
     h = min(clock[STEP], control.longest, control.end - clock[NOW])
     smooth = w.pendulum[0].true_sign and w.pendulum[0].modes == 0
     while True:
-        step(pair, y, h, s, w, k, sigma, totals, end)
-        counts[RATES] += STAGES - 1
-        ratio = error(pair, h, k, allowed)
+        make_step(run, h, w, room, sums)
+        ratio = error(room.pair, h, room.slopes, allowed)
         if ratio <= 1.0:
             clock[STEP] = next_step(h, max(ratio, LEAST_RATIO), smooth, clock)
             return h
@@ -201,66 +204,74 @@ def attempt(pair, y, s, w, control, allowed, clock, counts, k, sigma, totals, en
 
 
 @part
-def end_with_regime(pair, y, h, s, w, k, sigma, totals, C, end, counts, stopped):
-    """Let a step from y over h (s), as C, end where its regime does, if it does; its length, and theta of `regime_end`.
+def make_step(run, h, w, room, sums):
+    """Step from y over h (s): slopes, and the state at the end; sums: signs and forces to work in."""
+    sigma, totals = sums
+    step(room.pair, run.y, h, run.regime, w, room.slopes, sigma, totals, room.end)
+    run.counts[RATES] += STAGES - 1
+
+
+@part
+def end_with_regime(run, h, w, room, sums):
+    """Let a step from y over h (s) end where its regime does, if it does; its length, and theta of `regime_end`.
 
     The interpolant is less exact than the step: step there, and look once more. If the end lies just behind, the next
     step finds it near its start, where its interpolant is exact.
     """
     if not w.pendulum[0].true_sign:
         return h, 2.0
-    theta = regime_end(C, s, w, stopped)
+    C = room.path
+    theta = regime_end(C, run.regime, w, run.stopped)
     if theta > 1.0:
         return h, theta
     h *= theta
-    step(pair, y, h, s, w, k, sigma, totals, end)
-    counts[RATES] += STAGES - 1
-    interpolant(pair, y, h, k, C)
-    theta = regime_end(C, s, w, stopped)
+    make_step(run, h, w, room, sums)
+    interpolant(room.pair, run.y, h, room.slopes, C)
+    theta = regime_end(C, run.regime, w, run.stopped)
     if theta <= 1.0:
         h *= theta
         shorten(C, theta)
-        inside(C, 1.0, end)
+        inside(C, 1.0, room.end)
     return h, theta
 
 
 @part
-def march_one(share, y, s, w, c, allowed, clock, rows, counts, watch, stopped, turns, room):
+def march_one(share, run, w, control, allowed, room):
     """Step on from y until one of the reasons above; at most `share` steps. Everything passed in is kept up to date.
 
-    y, s, ...: of one run, as in `State`; c record of CONTROL; allowed: error of a step that each coordinate and rate
-    may have.
+    run: of State, one run's; control: record of CONTROL; allowed: error of a step that each coordinate and rate may
+    have.
     """
-    pair, k, C, end, totals = room.pair, room.slopes, room.path, room.end, room2(3, 3)
-    sigma = rows_of(room1(2), 0, s.shape[0])
-    known = False  # whether k[0] is y' at y
+    sigma, totals = rows_of(room1(2), 0, run.regime.shape[0]), room2(3, 3)
+    sums, first = (sigma, totals), piece(room.slopes, 0, room.slopes.shape[1])
+    known = False  # whether the first of the slopes is y' at y
     for _ in range(share):
-        if counts[ROWS] + ahead(c) > rows.shape[0]:
+        if run.counts[ROWS] + ahead(control) > run.rows.shape[0]:
             return PAUSE
-        if w.pendulum[0].true_sign and follow(y, s, w):
+        if w.pendulum[0].true_sign and follow(run.y, run.regime, w):
             known = False
         if not known:
-            rates(y, s, w, sigma, totals, piece(k, 0, k.shape[1]))
-            counts[RATES] += 1
-        h = attempt(pair, y, s, w, c, allowed, clock, counts, k, sigma, totals, end)
+            rates(run.y, run.regime, w, sigma, totals, first)
+            run.counts[RATES] += 1
+        h = attempt(run, w, control, allowed, room, sums)
         if h == 0.0:
             return FAILED
-        interpolant(pair, y, h, k, C)
-        h, theta = end_with_regime(pair, y, h, s, w, k, sigma, totals, C, end, counts, stopped)
-        finish(clock[NOW], h, C, s, w, c, rows, counts, watch)
-        copy(y, end)
-        clock[NOW] += h
-        counts[STEPS] += 1
+        interpolant(room.pair, run.y, h, room.slopes, room.path)
+        h, theta = end_with_regime(run, h, w, room, sums)
+        finish(run, h, room.path, w, control)
+        copy(run.y, room.end)
+        run.clock[NOW] += h
+        run.counts[STEPS] += 1
         known = theta > 1.0
         if not known:
-            if not turn(y, s, w, c, clock, counts, stopped, turns):
+            if not turn(run, w, control):
                 return CHATTERING
             continue
         # The last slope is that of the end, where bristles that were dragged along pull as they did.
-        copy(piece(k, 0, k.shape[1]), piece(k, STAGES - 1, k.shape[1]))
-        if rests(y, s, w, c, clock):
+        copy(first, piece(room.slopes, STAGES - 1, room.slopes.shape[1]))
+        if rests(run, w, control):
             return REST
-        if clock[NOW] >= c.end * (1.0 - 1e-14):
+        if run.clock[NOW] >= control.end * (1.0 - 1e-14):
             return END
     return PAUSE
 
@@ -277,13 +288,19 @@ def march(share, codes, state, stacked, control, allowed, room):
     for i in range(codes.shape[0]):
         if codes[i] != PAUSE:
             continue
-        size, parts = state.y.shape[1], state.regime.shape[1]
-        codes[i] = march_one(
-            share, piece(state.y, i, size), piece(state.regime, i, parts), arrays_of_run(stacked, i), control[i],
-            piece(allowed, i, allowed.shape[1]), piece(state.clock, i, 5), piece(state.rows, i, state.rows.shape[1]),
-            piece(state.counts, i, 6), piece(state.watch, i, 6), piece(state.stopped, i, parts),
-            piece(state.turns, i, CROWD), lent_room(room),
-        )  # fmt: skip
+        run, w = state_of_run(state, i), arrays_of_run(stacked, i)
+        codes[i] = march_one(share, run, w, control[i], piece(allowed, i, allowed.shape[1]), lent_room(room))
+
+
+@part
+def state_of_run(state, i):
+    """What changes of one run."""
+    parts = state.regime.shape[1]
+    return State(
+        piece(state.y, i, state.y.shape[1]), piece(state.regime, i, parts), piece(state.stopped, i, parts),
+        piece(state.clock, i, 5), piece(state.counts, i, 6), piece(state.watch, i, 6), piece(state.turns, i, CROWD),
+        piece(state.rows, i, state.rows.shape[1]),
+    )  # fmt: skip
 
 
 @part

@@ -58,7 +58,7 @@ from granular_contact.jit.compiled import kernel, part
 from granular_contact.jit.memory import copy, flat, piece
 from granular_contact.mechanics.kernels import step_error
 from granular_contact.mechanics.kernels.joint_loads import VALUE
-from granular_contact.mechanics.kernels.step_choice import LONGER, ahead, factor, needed
+from granular_contact.mechanics.kernels.step_choice import LONGER, Prescribed, ahead, factor, needed
 from granular_contact.sand.kernels.lines import TIME
 
 # Why `march` came back: its share of steps is done, everything rests, the end, no step is small enough, the motion
@@ -159,10 +159,9 @@ def next_step(w):
     t, h, left = clock[NOW], clock[STEP], controls(w, CONTROLS)[0].end - clock[NOW]
     if is_fixed:
         return left if h > left * (1.0 - 1e-9) else h
-    h = ahead(
-        t, h, soonest(w), choice, clock[FASTEST], clock[SPEED], row(w, BENDS),
-        numbers(w, FOLLOWED), row(w, ARMS), row(w, KNOTS), blocks(w, PIECES), rows(w, WANTED),
-    )  # fmt: skip
+    tables = row(w, KNOTS), blocks(w, PIECES), rows(w, WANTED)
+    prescribed = Prescribed(row(w, BENDS), numbers(w, FOLLOWED), row(w, ARMS), *tables)
+    h = ahead(t, h, soonest(w), choice, clock[FASTEST], clock[SPEED], prescribed)
     return left if h > 0.99 * left else min(h, 0.5 * left) if h > 0.5 * left else h
 
 
