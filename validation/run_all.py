@@ -80,6 +80,7 @@ STUDIES = (
     Entry("force_tests"),
     # Accuracy
     Entry("accuracy_promise"),
+    Entry("space_trees"),
     Entry("default_steps"),
     Entry("convergence"),
     Entry("error_vs_run_time"),
@@ -102,6 +103,7 @@ STUDIES = (
     _script("gaits", quick=("--quick",)),
     Entry("runner_policy"),
     Entry("hexapod_policy"),
+    Entry("gait_search"),
     # Cost
     Entry("numerics"),
     Entry("mechanism_cost"),
