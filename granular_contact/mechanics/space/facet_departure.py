@@ -25,7 +25,7 @@ from granular_contact.sand.contact_lines import Body
 from granular_contact.sand.load import GranularLoad
 from granular_contact.sand.space.load import SpatialLoad
 from granular_contact.sand.space.of_scene import add_part, load_of
-from granular_contact.sand.space.other_facets import Others, differing, numbers, others, part
+from granular_contact.sand.space.other_facets import SHARES, Others, differing, numbers, others, part
 from granular_contact.scene.space.types import SpatialScene, Vector
 
 INSTANTS = 16, 48, 96  # of the motion at which its departure is followed: a glance, and looks
@@ -66,11 +66,12 @@ def errors(observer: Any, doubtful: float, coarser: Track | None = None) -> Erro
 def estimate(observer: Any, doubtful: float) -> Errors:
     """Errors by what the motion departs by with other facets.
 
-    A glance at few instants; where that finds more than what is doubtful looks at more, until two in turn agree, of
-    which the greater counts.
+    A glance at few instants; where that finds more than what is doubtful looks at more, until two in turn agree, and a
+    look at smaller facets, if the others were larger; the greatest counts. Where facets are far too large either may be
+    a tenth of the error, rarely both.
     """
-    own = observer.system.facets
-    other = others(own, partial(load_with, observer.system), _touching(observer))
+    given = observer.system.facets, partial(load_with, observer.system), _touching(observer)
+    other = others(*given)
     if other is None:  # there are none: bars and balls alone
         return {}
     of, before = mechanisms(observer.scene), Errors()
@@ -78,11 +79,14 @@ def estimate(observer: Any, doubtful: float) -> Errors:
         now = _seen(observer, other, of, count)
         told = {name: max(error, before.get(name, 0.0)) for name, error in now.items()}
         if max(now.values()) <= doubtful and not before:
-            break
+            return now
         pairs = [sorted((error, before.get(name, 0.0))) for name, error in now.items() if told[name] > doubtful]
         if before and all(high <= AGREE * low for low, high in pairs):
             break
         before = now
+    smaller = others(*given, [share for share in SHARES if share < 1.0]) if other.share > 1.0 else None
+    for name, error in _seen(observer, smaller, of, count).items() if smaller is not None else ():
+        told[name] = max(error, told.get(name, 0.0))
     return told
 
 

@@ -6,7 +6,7 @@ An error goes with the square of facets, and so with one over their number: of N
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Sequence
 from typing import NamedTuple
 
 from granular_contact.sand.space.load import SpatialLoad
@@ -18,9 +18,10 @@ FEWER = 0.7  # of the number of facets, by which it is another one
 
 
 class Others(NamedTuple):
-    """A load with other facets; own, there: numbers of facets of those bodies that have another one."""
+    """A load with facets of a share of the size; own, there: numbers of facets of bodies that have another one."""
 
     load: SpatialLoad
+    share: float
     own: dict[str, int]
     there: dict[str, int]
 
@@ -49,19 +50,22 @@ def differing(own: dict[str, int], there: dict[str, int]) -> list[str]:
 
 
 def others(
-    load: SpatialLoad, load_with: Callable[[float], SpatialLoad], bodies: Collection[str] | None = None
+    load: SpatialLoad,
+    load_with: Callable[[float], SpatialLoad],
+    bodies: Collection[str] | None = None,
+    shares: Sequence[float] = SHARES,
 ) -> Others | None:
     """Other facets on every one of some bodies, or on as many as there are others of; None where there are none.
 
     load_with: makes a load with a share of the size of facets.
     """
     own, found, most = numbers(load, bodies), None, 0
-    for share in SHARES if own else ():
+    for share in shares if own else ():
         made = load_with(share)
         there = numbers(made, bodies)
         names = differing(own, there)
         if len(names) > most:
-            most, found = len(names), Others(made, {n: own[n] for n in names}, {n: there[n] for n in names})
+            most, found = len(names), Others(made, share, {n: own[n] for n in names}, {n: there[n] for n in names})
         if len(names) == len(own):
             break
     return found
