@@ -582,7 +582,7 @@ def study(quick: bool) -> Outcome:
             f"{0.04 / limit:.0f} steps of 4 evaluations each.",
         ]
     )
-    return Outcome(text, claims(points, found, worst, 5 if quick else 15))
+    return Outcome(text, claims(points, found, worst, 1 if quick else 15))
 
 
 if __name__ == "__main__":
