@@ -145,9 +145,12 @@ def next_place(i, first, behind, n):
 
 
 @part
-def look_at_line(table, m, geometry, every, surface, beside, drop, P, V, before, depths, found):
-    """One line over the rows of a run; before (stations, 2): to work in."""
-    n = geometry.shape[0]
+def look_at_line(table, m, geometry, every, sizes, room, depths, found):
+    """One line over the rows of a run.
+
+    sizes: height of the surface, half the width, how far below (m), see Lines; room: three times (stations, 2).
+    """
+    n, (surface, beside, drop), (P, V, before) = geometry.shape[0], sizes, room
     for t in range(table.shape[0]):
         now, h = table[t, 0], 0.0 if t == 0 else table[t, 0] - table[t - 1, 0]
         touched = NOT_IN_STEP
@@ -219,10 +222,9 @@ def look(first, table, m, w, room, depths, found, bends):
         out, bend = piece(found, run, found.shape[1]), piece(bends, run, 2)
         for r in range(w.every.shape[0]):
             n = w.starts[r + 1] - w.starts[r]
-            look_at_line(
-                own, m, rows(geometry, w.starts[r], n), w.every[r], w.surface[run], w.beside[run, r], w.drop[run, r],
-                piece(room, 0, n), piece(room, 1, n), piece(room, 2, n), deep, piece(out, r, out.shape[1]),
-            )  # fmt: skip
+            sizes, line = (w.surface[run], w.beside[run, r], w.drop[run, r]), rows(geometry, w.starts[r], n)
+            to_work_in = piece(room, 0, n), piece(room, 1, n), piece(room, 2, n)
+            look_at_line(own, m, line, w.every[r], sizes, to_work_in, deep, piece(out, r, out.shape[1]))
         if m > 1:
             look_at_bend(own, m, 1.0, piece(bend, 0, 2))
             look_at_bend(own, m, -1.0, piece(bend, 1, 2))

@@ -10,7 +10,7 @@ from __future__ import annotations
 from granular_contact.engines.mujoco.kernels.added_mass import add_inertia
 from granular_contact.engines.mujoco.kernels.facets_added_mass import add_turned
 from granular_contact.engines.mujoco.kernels.held_bodies import advance
-from granular_contact.engines.mujoco.kernels.space_added_mass import begin_or_follow, middle
+from granular_contact.engines.mujoco.kernels.space_added_mass import Batch, begin_or_follow, middle
 from granular_contact.jit.compiled import kernel, part
 from granular_contact.jit.memory import clear, copy, room2
 from granular_contact.jit.memory import rows as some_of
@@ -24,19 +24,20 @@ TRIAL = 1e-6  # m/s
 @kernel(nogil=True)
 def act(bodies, of_bed, clusters, inner, elements, anchors, active, ground, medium, rows, held, bed):
     """As `space_added_mass.act`; ground (4,): the floor."""
-    begin_or_follow(bodies, of_bed, clusters, elements, anchors, active, ground, medium, held, bed, True)
-    resist(bodies, of_bed, clusters, inner, elements, anchors, active, ground, medium, rows, held, bed)
+    batch = Batch(bodies, of_bed, clusters, inner, elements, anchors, active, ground, medium)
+    begin_or_follow(batch, held, bed, True)
+    resist(batch, rows, held, bed)
 
 
 @part
-def resist(bodies, of_bed, clusters, inner, elements, anchors, active, ground, medium, rows, held, bed):
+def resist(batch, rows, held, bed):
     """As `space_added_mass.resist`."""
     W, ahead, lower, inertia = room2(TERMS, 6), room2(6, 3), room2(6, 3), room2(6, 6)
-    step = bed[0].step
-    for b in range(bodies.shape[0]):
-        at, near_floor, some = held[of_bed[b]], False, False
-        for c in range(bodies[b].first, bodies[b].last):
-            if not active[c]:
+    step, clusters, ground, medium = bed[0].step, batch.clusters, batch.ground, batch.medium[0]
+    for b in range(batch.bodies.shape[0]):
+        at, near_floor, some = held[batch.of_bed[b]], False, False
+        for c in range(batch.bodies[b].first, batch.bodies[b].last):
+            if not batch.active[c]:
                 continue
             if not near_floor:
                 advance(at.pose, at.then, step, ahead)
@@ -46,18 +47,18 @@ def resist(bodies, of_bed, clusters, inner, elements, anchors, active, ground, m
                 clear(inertia)
                 near_floor = True
             one = clusters[c]
-            if reach_below(one, ahead, ground, medium[0]) <= 0.0:
+            if reach_below(one, ahead, ground, medium) <= 0.0:
                 continue
             s, e = one.first, one.last
             for i in range(s, e - rows + 1):
-                E, A = some_of(elements, i, rows), some_of(anchors, i, rows)
+                E, A = some_of(batch.elements, i, rows), some_of(batch.anchors, i, rows)
                 clear(W)
-                law.forces(medium[0], (E, A, inner[c], lower, ground, W))
+                law.forces(medium, (E, A, batch.inner[c], lower, ground, W))
                 slope = W[0, 2]
                 if slope == 0.0:
                     continue
                 clear(W)
-                law.forces(medium[0], (E, A, inner[c], ahead, ground, W))
+                law.forces(medium, (E, A, batch.inner[c], ahead, ground, W))
                 for k in range(6):
                     at.wrench[k] += W[0, k]
                 weigh(step * (slope - W[0, 2]) / TRIAL, E, at.pose, inertia)

@@ -9,6 +9,7 @@ reference points of these (m). Inertia of a line in the plane is a (3, 3) matrix
 from __future__ import annotations
 
 import math
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -44,23 +45,38 @@ def longest(ends):
     return n
 
 
+class Batch(NamedTuple):
+    """Lines in one medium, see above; active (lines,): which may touch the surface in this step."""
+
+    ends: Any
+    of_bed: Any
+    geometry: Any
+    lines: Any
+    profile: Any
+    medium: Any
+    anchors: Any
+    active: Any
+
+
 @kernel(nogil=True)
 def act(ends, of_bed, reaches, geometry, lines, profile, medium, anchors, active, bristle, held, bed):
     """As `space_added_mass.act`."""
+    batch = Batch(ends, of_bed, geometry, lines, profile, medium, anchors, active)
     if bed[0].begins:
         anchors[:] = 0.0
     if bed[0].begins or bed[0].passed > 0.0:
-        follow(ends, of_bed, reaches, geometry, lines, profile, medium, anchors, active, held, bed)
-    resist(ends, of_bed, geometry, lines, profile, medium, anchors, active, bristle, held, bed)
+        follow(batch, reaches, held, bed)
+    resist(batch, bristle, held, bed)
 
 
 @part
-def follow(ends, of_bed, reaches, geometry, lines, profile, medium, anchors, active, held, bed):
+def follow(batch, reaches, held, bed):
     """End of a step at these poses: anchors follow; what the next may touch is active.
 
     Where a motion begins here no bristle is stretched. seen is brought up to date; of what is out of reach the depth is
     a bound.
     """
+    ends, of_bed, geometry, lines, profile, medium, anchors, active = batch
     step, begins = bed[0].step, bed[0].begins
     n = longest(ends)
     P, V, q, v = np.empty((n, 2)), np.empty((n, 2)), room1(3), room1(3)
@@ -103,8 +119,9 @@ def may_touch(depth, speed, step):
 
 
 @part
-def resist(ends, of_bed, geometry, lines, profile, medium, anchors, active, bristle, held, bed):
+def resist(batch, bristle, held, bed):
     """As `space_added_mass.resist`."""
+    ends, of_bed, geometry, lines, profile, medium, anchors, active = batch
     n, step = longest(ends), bed[0].step
     P, V, F, q, v = np.empty((n, 2)), np.empty((n, 2)), np.empty((n, 2)), room1(3), room1(3)
     Q, ahead, totals, flat = np.empty((n, 4)), room2(6, 3), room2(TERMS, 3), room2(3, 3)

@@ -8,6 +8,7 @@ places of the bodies in held, see `held_bodies` also for bed.
 from __future__ import annotations
 
 import math
+from typing import Any, NamedTuple
 
 from granular_contact.engines.mujoco.kernels.added_mass import add_inertia, add_point
 from granular_contact.engines.mujoco.kernels.facets_added_mass import add_turned, held_facets
@@ -32,35 +33,54 @@ from granular_contact.sand.kernels.space_bodies import (
 from granular_contact.sand.kernels.space_friction import drive
 
 
+class Batch(NamedTuple):
+    """Elements in one medium and what they are on, see `space_bodies`; of_bed, inner: see above.
+
+    active (clusters,): which may touch the surface in this step.
+    """
+
+    bodies: Any
+    of_bed: Any
+    clusters: Any
+    inner: Any
+    elements: Any
+    anchors: Any
+    active: Any
+    ground: Any
+    medium: Any
+
+
 @kernel(nogil=True)
 def act(bodies, of_bed, clusters, inner, elements, anchors, active, ground, medium, bristle, rows, held, bed):
     """One step of elements of a medium: `begin` or `follow`, and `resist`."""
-    begin_or_follow(bodies, of_bed, clusters, elements, anchors, active, ground, medium, held, bed, False)
-    resist(bodies, of_bed, clusters, inner, elements, anchors, active, ground, medium, bristle, rows, held, bed)
+    batch = Batch(bodies, of_bed, clusters, inner, elements, anchors, active, ground, medium)
+    begin_or_follow(batch, held, bed, False)
+    resist(batch, bristle, rows, held, bed)
 
 
 @part
-def begin_or_follow(bodies, of_bed, clusters, elements, anchors, active, ground, medium, held, bed, floor):
+def begin_or_follow(batch, held, bed, floor):
     """`begin` or `follow`, as the bed says; floor: whether it is that of a bed, whose depths are seen apart."""
     if not bed[0].begins and not bed[0].passed > 0.0:
         return
-    for b in range(bodies.shape[0]):
-        one = held[of_bed[b]]
+    for b in range(batch.bodies.shape[0]):
+        one, body = held[batch.of_bed[b]], batch.bodies[b]
         pose, saw = rows_of(one.pose, 0, 6), rows_of(one.seen_of_floor if floor else one.seen, 0, 3)
         if bed[0].begins:
-            begin(bodies[b], clusters, elements, anchors, active, ground, medium, pose, bed[0].step, saw)
+            begin(batch, body, pose, bed[0].step, saw)
         else:
-            follow(bodies[b], clusters, elements, anchors, active, ground, medium, pose, bed[0].step, saw)
+            follow(batch, body, pose, bed[0].step, saw)
 
 
 @part
-def follow(body, clusters, elements, anchors, active, ground, medium, pose, step, saw):
+def follow(batch, body, pose, step, saw):
     """End of a step of a body at this pose: anchors follow, and what the next may touch is chosen.
 
     saw (3,), of `space_law.DEPTH` and its neighbours, is brought up to date; of what is out of reach the depth is a
     bound.
     """
-    near = room1(2)
+    near, clusters, active, ground, medium = room1(2), batch.clusters, batch.active, batch.ground, batch.medium
+    elements, anchors = batch.elements, batch.anchors
     bound(body.x, body.y, body.z, body.radius, pose, ground, medium[0], near)
     within, deepest = may_touch(near, step), near[DEEPEST]
     if not within:
@@ -82,46 +102,48 @@ def follow(body, clusters, elements, anchors, active, ground, medium, pose, step
 
 
 @part
-def begin(body, clusters, elements, anchors, active, ground, medium, pose, step, saw):
+def begin(batch, body, pose, step, saw):
     """Begin of a body at this pose: no bristle is stretched; saw as of `follow`, all depths are bounds."""
-    near = room1(2)
+    near, medium = room1(2), batch.medium[0]
     for c in range(body.first, body.last):
-        one = clusters[c]
-        release(elements, anchors, one, pose, medium[0], True)
-        bound_cluster(one, pose, ground, medium[0], near)
+        one = batch.clusters[c]
+        release(batch.elements, batch.anchors, one, pose, medium, True)
+        bound_cluster(one, pose, batch.ground, medium, near)
         saw[law.DEPTH] = max(saw[law.DEPTH], near[DEEPEST])
-        active[c] = may_touch(near, step)
+        batch.active[c] = may_touch(near, step)
 
 
 @part
-def resist(bodies, of_bed, clusters, inner, elements, anchors, active, ground, medium, bristle, rows, held, bed):
+def resist(batch, bristle, rows, held, bed):
     """Add forces where the step ends to the wrench of bodies, and inertia to what is added to theirs.
 
     The wrench is about the reference point of a body where it starts.
     """
     W, ahead, inertia, step = room2(TERMS, 6), room2(6, 3), room2(6, 6), bed[0].step
-    for b in range(bodies.shape[0]):
-        body, at, some = bodies[b], held[of_bed[b]], False
+    clusters, elements, anchors, ground = batch.clusters, batch.elements, batch.anchors, batch.ground
+    medium = batch.medium[0]
+    for b in range(batch.bodies.shape[0]):
+        body, at, some = batch.bodies[b], held[batch.of_bed[b]], False
         wrench = rows_of(at.wrench, 0, 6)
         for c in range(body.first, body.last):
-            if not active[c]:
+            if not batch.active[c]:
                 continue
             one = clusters[c]
             if not some:
                 advance(at.pose, at.then, step, ahead)
                 clear(inertia)
                 some = True
-            if reach_below(one, ahead, ground, medium[0]) <= 0.0:
+            if reach_below(one, ahead, ground, medium) <= 0.0:
                 continue
             s, e = one.first, one.last
             if elements.shape[1] == COLUMNS:
                 E, A = rows_of(elements, s, e - s), rows_of(anchors, s, e - s)
-                held_facets(E, A, one, ahead, ground, medium[0], step, bristle[0], wrench, inertia)
+                held_facets(E, A, one, ahead, ground, medium, step, bristle[0], wrench, inertia)
                 continue
             for i in range(s, e - rows + 1):
                 clear(W)
                 E, A = rows_of(elements, i, rows), rows_of(anchors, i, rows)
-                law.forces(medium[0], (E, A, one if i == e - rows else inner[c], ahead, ground, W))
+                law.forces(medium, (E, A, one if i == e - rows else batch.inner[c], ahead, ground, W))
                 f = total(W, 0), total(W, 1), total(W, 2)
                 if f != (0.0, 0.0, 0.0):
                     for k in range(6):
