@@ -52,9 +52,13 @@ def simulate(
         scene: the run is not repeated with shorter ones.
     control_rate_Hz : float
         Calls in a second.
-    most_frames, inspect, compiling
-        As of `granular_contact.run.run`; inspect is not called for a run with a controller. Pictures are for the player
-        of a report and for animations, and take 0.1 to 0.6 ms each; 0 for none.
+    most_frames : int
+        Pictures of the motion at most, for the player of a report and for animations; each takes 0.1 to 0.6 ms.
+        0 for none.
+    inspect : callable, optional
+        Called with the system and the trajectory of the engine; not of a run with a controller.
+    compiling : callable, optional
+        Called with a sentence where forces are to be compiled.
 
     Returns
     -------

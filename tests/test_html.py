@@ -230,6 +230,22 @@ def test_failed_cases_of_a_sweep_are_named(tmp_path: Path) -> None:
     assert "1 came to rest, 1 crashed" in page
 
 
+def test_an_ensemble_is_called_one_and_useless_runs_are_counted(tmp_path: Path) -> None:
+    lines = [
+        "case,medium.scatter.seed,status,message,stopping_time_s,facets.error,usable",
+        "a,1,rest,fine,0.02,0.02,true",
+        "b,2,rest,fine,0.03,0.03,false",
+    ]
+    (tmp_path / "table.csv").write_text("\n".join(lines))
+    (tmp_path / "bands.csv").write_text("time_s,depth_m_q05,depth_m_q50\n0,0,0\n1,0.1,0.2\n")
+    page = html(tmp_path)
+    text = "".join(Outline(page).text)
+    assert '<span class="status bad">1 not usable</span>' in page
+    assert "Ensemble" in text
+    assert "against what varies" not in text  # no figures over seeds, which have no order
+    assert "error" not in text.split("Key numbers")[-1].split("Energy audit")[0]
+
+
 HEAD = "case,initial.impact_speed_rad_s,status,message,stopping_time_s,energy.imbalance_relative,warnings"
 
 

@@ -24,7 +24,17 @@ from granular_contact.results.alike import Kinds
 MOST_RUNS = 6  # of cases that were kept, side by side
 MOST_ROWS = 100  # shown; the rest is in the table
 IMBALANCE, SECONDS = "energy.imbalance_relative", "cost.solve_s"
-_NOT_KEY = ("cost.", "versions.", "energy.", "drives.", "contacts.", "strips.", "strides.count", "strides.period")
+_NOT_KEY = (
+    "cost.",
+    "versions.",
+    "energy.",
+    "drives.",
+    "contacts.",
+    "strips.",
+    "facets.",
+    "strides.count",
+    "strides.period",
+)
 # Shown and drawn before all others, in this order.
 _FIRST = (
     *("wheel.drawbar_pull_N", "wheel.sinkage_m", "forward_speed_second_half_m_s", "forward_speed_m_s"),
@@ -32,6 +42,11 @@ _FIRST = (
 )
 _NOT_DRAWN = ("hub_stopping_time_s",)
 OVER_SLIP = ("wheel.drawbar_pull_N", "wheel.torque_Nm", "wheel.sinkage_m", "max_depth_m", "largest_torque_Nm")
+_CAPTIONS = {
+    "wheel_over_slip": "Drawbar pull, torque and sinkage of the wheel over slip, means of the last half of the path.",
+    "bands": "The motion: the median of all runs, and where half and nine tenths of them lie.",
+    "convergence_of_means": "Means of the first 2, 3, 4 ... runs, with their 95 % intervals.",
+}
 MOST_WARNINGS = 10  # kinds
 
 
@@ -61,6 +76,8 @@ def content(folder: Folder, place: Path) -> dict[str, Any]:
         "count": len(table.rows),
         "counts": counts.most_common(),
         "failed": sum(count for status, count in counts.items() if status not in FINISHED),
+        "useless": _useless(cases.ended),
+        "ensemble": folder.has(BANDS),
         "varied": cases.varied,
         "warnings": [*_warnings(table), *_vague(folder)],
         "statistics": list(_statistics(cases)),
@@ -116,7 +133,7 @@ def _bands(columns: dict[str, Array]) -> list[Group]:
             words = "median" if level == "50" else f"{int(level)} %"
             found.setdefault(stem, []).append(Curve(words, ((name, 1.0),)))
     panels = [panel(label(stem), stem, curves, columns.__getitem__) for stem, curves in found.items()]
-    return [Group("bands", "Bands", "So many of all runs lie below each curve.", tuple(panels))] if panels else []
+    return [Group("bands", "Bands", "Quantiles of all runs at each instant.", tuple(panels))] if panels else []
 
 
 def _read(folder: Folder) -> _Cases:
@@ -131,6 +148,11 @@ def _read(folder: Folder) -> _Cases:
         if not name.startswith(_NOT_KEY) and np.isfinite(ended.numbers(name)).any() and name != "touch_time_s"
     ]
     return _Cases(table, ended, head[1:begin], found)
+
+
+def _useless(table: Table) -> int:
+    """How many results are not usable."""
+    return sum(str(one).lower() == "false" for one in table.column("usable")) if "usable" in table.head else 0
 
 
 def _distinct(table: Table, name: str) -> list[Any]:
@@ -173,7 +195,7 @@ def _statistics(cases: _Cases) -> Iterator[list[Any]]:
 def _overviews(cases: _Cases, place: Path, shown: Collection[str]) -> Iterator[tuple[Path, str]]:
     """Drawings of key numbers against the varied quantities, and their captions; shown: what other figures show."""
     varied = _differing(cases, cases.varied)
-    if not varied or not cases.found:
+    if not varied or not cases.found or all(map(_is_seed, varied)):
         return
     from granular_contact.report.figures.studies import MOST, draw
 
@@ -189,8 +211,8 @@ def _overviews(cases: _Cases, place: Path, shown: Collection[str]) -> Iterator[t
 
 def _caption(stem: str) -> str:
     kind, _, output = stem.partition("_")
-    if stem == "wheel_over_slip":
-        return "Drawbar pull, torque and sinkage of the wheel over its slip, means of the last half of the path."
+    if stem in _CAPTIONS:
+        return _CAPTIONS[stem]
     return f"Sobol indices of {label(output)}." if kind == "sensitivity" else stem.replace("_", " ")
 
 
@@ -203,7 +225,11 @@ def _differing(cases: _Cases, names: Sequence[str]) -> list[str]:
 
 def _joined(varied: Sequence[str]) -> bool:
     """Whether points over what varies are joined: over a single quantity, and a seed is none."""
-    return len(varied) == 1 and not varied[0].endswith("seed")
+    return len(varied) == 1 and not _is_seed(varied[0])
+
+
+def _is_seed(key: str) -> bool:
+    return key.endswith("seed")
 
 
 def _drawn(cases: _Cases) -> list[str]:

@@ -20,7 +20,7 @@ from granular_contact.studies.sweep.journal import Row
 
 Vector = NDArray[np.float64]
 LEVELS = (0.05, 0.25, 0.5, 0.75, 0.95)
-_NOT_KEY = ("cost.", "versions.", f"{SERIES}.", "strips.")
+_NOT_KEY = ("cost.", "versions.", f"{SERIES}.", "strips.", "facets.")
 # Shown and drawn before all others.
 FIRST = (
     *("wheel.drawbar_pull_N", "wheel.sinkage_m", "wheel.torque_Nm", "stopping_time_s", "angle_at_stop_deg"),
