@@ -12,13 +12,15 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
+import matplotlib
 import numpy as np
-from PIL import Image
+from PIL import Image, ImageDraw, ImageFont
 
-from granular_contact.report.figures.animation import Film, Picture
+from granular_contact.report.figures.animation import Film, Picture, time_words
 from granular_contact.report.figures.film import palette
 from granular_contact.report.figures.rendering import Stage
 from granular_contact.report.figures.stage import bounds, stage_of
+from granular_contact.report.figures.style import INK
 from granular_contact.results import Results, Snapshot
 
 GAP = 8  # px
@@ -57,9 +59,18 @@ def strip_in_space(results: Results, count: int, width: int) -> Picture:
     assert results.motion is not None
     stage = Stage(results.motion, (width - GAP) // 2, round(0.28 * width))
     instants = np.linspace(0, len(results.motion.time) - 1, count).round().astype(int)
-    shown = [stage.picture(int(k)) for k in instants]
+    lasts = float(results.motion.time[-1])
+    shown = [_at(stage.picture(int(k)), time_words(float(results.motion.time[k]), lasts)) for k in instants]
     stage.close()
     return _joined([_joined(shown[i : i + 2], axis=1) for i in range(0, count, 2)], axis=0)
+
+
+def _at(picture: Picture, clock: str) -> Picture:
+    """A picture with its time, as those of the plane have it."""
+    image = Image.fromarray(picture)
+    font = ImageFont.truetype(Path(matplotlib.get_data_path()) / "fonts/ttf/DejaVuSans-Bold.ttf", 14)
+    ImageDraw.Draw(image).text((picture.shape[1] / 2, 8), clock, INK, font, "ma")
+    return np.asarray(image)
 
 
 def _joined(shown: list[Picture], axis: int) -> Picture:

@@ -57,6 +57,17 @@ def test_a_film_in_space_that_is_not_shaded_is_told(
     assert film.why_flat(in_space) == ""
 
 
+@pytest.mark.parametrize(("size", "fills"), [((1.0, 1.0, 9.0), 1), ((9.0, 1.0, 1.0), 0)])
+def test_all_that_moves_is_in_the_picture(size: tuple[float, float, float], fills: int) -> None:
+    """Of a view from the front, by hand; a tall screw left the picture at its top."""
+    half = 0.5 * np.array(size)
+    angle = rendering.opening(np.array([0.0, -50.0, 0.0]), np.zeros(3), -half, half, 1.6)
+    near_face = 50.0 - half[1]
+    parts = half[[0, 2]] / near_face / np.tan(np.radians(angle / 2)) / (1.6, 1.0)
+    assert parts[fills] == pytest.approx(rendering.FILLED)
+    assert parts.max() == parts[fills]
+
+
 @pytest.mark.usefixtures("vtk")
 def test_a_body_moves_with_its_shadow_under_it_and_an_arrow_where_it_is_pushed() -> None:
     stage = rendering.Stage(falling(), 320, 240)

@@ -30,6 +30,7 @@ AZIMUTH, ELEVATION, OPENING = 25.0, 22.0, 20.0  # degrees: of the view, from the
 FIRST, OTHERS = "#D3D7DB", ("#7FA9C9", "#A9C4D8")  # colours of the first body, and of the others in turn
 EDGE, SHADOW, SKY = "#1F4058", "#D5C296", "#F6F8FA"
 LIGHTS = (((-0.45, -0.55, 1.0), 0.85), ((0.9, -0.5, 0.4), 0.35), ((0.0, -0.4, 0.2), 0.25))  # from where, how bright
+FILLED = 0.85  # of the height or width of a picture, by the box of all bodies at all instants
 SHARP = 30.0  # degrees between two faces, from which on their edge is drawn
 SEEN = 0.3  # how much of what is under the surface shows through it
 BEYOND = 3.0  # sizes of what is shown, to which the surface goes on beyond the motion
@@ -154,7 +155,8 @@ class Stage:
         camera.focal_point, camera.position = middle, middle + 3.0 * self._size * toward
         camera.up, camera.view_angle = (0.0, 0.0, 1.0), OPENING
         self._plotter.reset_camera(bounds=tuple(np.ravel(np.column_stack([self._low, self._high]))))
-        camera.zoom(1.25)
+        ratio = float(np.divide(*self._plotter.window_size))
+        camera.view_angle = opening(np.array(camera.position), middle, self._low, self._high, ratio)
         for direction, intensity in LIGHTS:
             place = middle + self._size * np.array(direction)
             light = self._pv.Light(position=place, focal_point=middle, intensity=intensity, light_type="scene light")
@@ -220,6 +222,19 @@ class _Words:
 def _font(style: str, size: int) -> Any:
     """A font that matplotlib brings."""
     return ImageFont.truetype(Path(matplotlib.get_data_path()) / f"fonts/ttf/DejaVuSans{style}.ttf", size)
+
+
+def opening(place: Array, middle: Array, low: Array, high: Array, ratio: float) -> float:
+    """Angle of view (deg, upright) from a place (3,) m to the middle of a box, in which its corners fill a picture.
+
+    ratio: of the width of the picture to its height.
+    """
+    ahead = (middle - place) / np.linalg.norm(middle - place)
+    right = np.cross(ahead, (0.0, 0.0, 1.0))
+    right /= np.linalg.norm(right)
+    corners = np.array(np.meshgrid(*np.column_stack([low, high]))).reshape(3, -1).T - place
+    across, upright = np.abs(corners @ np.column_stack([right, np.cross(right, ahead)]) / (corners @ ahead)[:, None]).T
+    return float(np.degrees(2.0 * np.arctan(max(upright.max(), across.max() / ratio) / FILLED)))
 
 
 def _bounds(motion: Motion) -> tuple[Array, Array]:
