@@ -1,4 +1,4 @@
-"""A PID controller of our own presses a rod into the sand, and holds it at 40 degrees."""
+"""A PID controller in Python presses a rod into the sand, and holds it at 40 degrees."""
 
 from __future__ import annotations
 

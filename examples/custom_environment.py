@@ -1,4 +1,4 @@
-"""An environment of any config: an agent sets hip and knee of a leg, and is paid for the way of its carriage."""
+"""An environment from a config: an agent sets hip and knee of a leg; the distance of its carriage is the reward."""
 
 from __future__ import annotations
 

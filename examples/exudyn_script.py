@@ -1,4 +1,4 @@
-"""A stick of a script of Exudyn falls into play sand: three lines give it a bed."""
+"""A stick in an Exudyn script falls into play sand; three lines of the script make the sand."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Coefficients of one's own sand from the path of a tip that was filmed; here a simulation stands for the film."""
+"""Coefficients of your own sand from the filmed path of a tip; here a simulation takes the place of the film."""
 
 from __future__ import annotations
 

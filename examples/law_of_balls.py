@@ -1,4 +1,4 @@
-"""A law of one's own for spheres, F = k (z / 1 m)^n: a steel ball sinks the deeper the faster it comes."""
+"""A law of your own for spheres, F = k (z / 1 m)^n: a faster steel ball sinks deeper."""
 
 from __future__ import annotations
 

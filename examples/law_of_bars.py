@@ -1,4 +1,4 @@
-"""A law of one's own for thin bars, a drag c z v d per length: a bar of a sled sinks into it."""
+"""A law of your own for thin bars, a drag c z v d per length: the bar of a sled sinks into the sand."""
 
 from __future__ import annotations
 

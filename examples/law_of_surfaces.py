@@ -1,4 +1,4 @@
-"""A law of one's own for surfaces, Winkler's p = k z: a foot let go sinks twice as deep as it rests."""
+"""A law of your own for surfaces, Winkler's p = k z: a foot let go at the surface sinks to twice its static depth."""
 
 from __future__ import annotations
 

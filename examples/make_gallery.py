@@ -15,9 +15,9 @@ PICTURES = HERE / "pictures"
 NO_EXAMPLES = {"common", "make_gallery"}
 HEAD = """# Examples
 
-Scripts to open, change and run in a checkout, each with its picture and what it prints. Most take a second once their
-kernels are compiled, the fit some seconds. What needs a config alone is in the [gallery](../configs/README.md). This
-page is written by `python examples/make_gallery.py`; the tests run every script, and compare what it prints.
+Scripts to open, change and run in a checkout, each with its picture and what it prints. Most take a second after a
+first run that compiles their forces, the fit some seconds. Runs that need a config alone are in the
+[gallery](../configs/README.md). This page is written by `python examples/make_gallery.py`; the tests run every script, and compare what it prints.
 """
 MUJOCO = """
 ## More in MuJoCo

@@ -1,4 +1,4 @@
-"""A robot of a MuJoCo model of one's own is let go above sand: three lines and one in the loop give it a bed."""
+"""A robot in a MuJoCo model falls onto sand: three lines make the sand, and one line in the loop applies its force."""
 
 from __future__ import annotations
 

@@ -95,7 +95,8 @@ def ball(found: others.Ball) -> None:
         figure = blank(DOUBLE, 62.0, layout="constrained")
         left, right = figure.subplots(1, 2)
         total = heights + found.depth
-        left.fill_between(total, *(1e3 * found.depth_band), color=PALETTE[0], alpha=0.25, linewidth=0)
+        band = {"color": PALETTE[0], "alpha": 0.25, "linewidth": 0}
+        left.fill_between(total, *(1e3 * found.depth_band), label="errors of k/m and d1 as stated", **band)
         left.loglog(total, 1e3 * found.depth, "o-", color=PALETTE[0], label="preset, in the engine")
         third = 1e3 * found.depth[2] * (total / total[2]) ** others.EXPONENT
         left.loglog(total, third, color=INK, linestyle="--", label="slope 1/3 (other spheres, measured)")
@@ -106,10 +107,9 @@ def ball(found: others.Ball) -> None:
         left.set_xticks([0.03, 0.1, 0.3, 1.0])
         left.set_yticks([20, 30, 40, 60, 80])
         left.legend(loc="upper left")
-        right.fill_between(speed, *(1e3 * found.time_band), color=PALETTE[0], alpha=0.25, linewidth=0)
-        right.plot(speed, 1e3 * found.time, "o-", color=PALETTE[0], label="band: errors of k/m and d1 as stated")
+        right.fill_between(speed, *(1e3 * found.time_band), **band)
+        right.plot(speed, 1e3 * found.time, "o-", color=PALETTE[0])
         right.set(xlabel="impact speed (m/s)", ylabel="stopping time (ms)", ylim=(0, None))
-        right.legend(loc="lower right")
         _save(figure, "ball")
 
 

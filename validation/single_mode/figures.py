@@ -77,7 +77,7 @@ def _mark(axis: Axes, x: int, y: int, error: float, known: bool) -> None:
         if error < 1e-5
         else f"{100 * error:.2g}"
     )
-    axis.text(x, y, text, ha="center", va="center", fontsize=5.5, color="white" if error > 0.05 else INK)
+    axis.text(x, y, text, ha="center", va="center", fontsize=5.5, color="white" if error > 0.01 else INK)
 
 
 def _borders(axis: Axes, tiles: NDArray[np.float64]) -> None:
