@@ -17,7 +17,8 @@ HEAD = """# Examples
 
 Scripts to open, change and run in a checkout, each with its picture and what it prints. Most take a second after a
 first run that compiles their forces, the fit some seconds. Runs that need a config alone are in the
-[gallery](../configs/README.md). This page is written by `python examples/make_gallery.py`; the tests run every script, and compare what it prints.
+[gallery](../configs/README.md). This page is written by `python examples/make_gallery.py`; the tests run every script,
+and compare what it prints.
 """
 MUJOCO = """
 ## More in MuJoCo
