@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import os
 import subprocess
@@ -11,9 +12,10 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from support_results import make
 
 from granular_contact.cli import main
-from granular_contact.cli.common import output_folder
+from granular_contact.cli.common import output_folder, worst
 from granular_contact.errors import SolveError
 from granular_contact.results import Column, Results, Status
 
@@ -183,3 +185,11 @@ def test_an_unexpected_error_is_not_hidden(fake_run):
     fake_run(ZeroDivisionError())
     with pytest.raises(ZeroDivisionError):
         main(["run", CONFIG])
+
+
+def test_the_worst_of_several_runs_gives_the_exit_code() -> None:
+    fine = make()
+    useless = dataclasses.replace(fine, summary=fine.summary | {"usable": False})
+    late, failed = (dataclasses.replace(useless, status=Status(code, "")) for code in ("time_limit", "failed"))
+    several = ([], [fine], [fine, useless], [useless, late], [late, failed, useless])
+    assert [worst(runs) for runs in several] == [0, 0, 5, 4, 3]

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, TextIO
 
 if TYPE_CHECKING:
     from granular_contact.config import Scenario
+    from granular_contact.results import Results
     from granular_contact.scene import Scene
 
 FINE, FAULTY_INPUT, FAILED, OUT_OF_TIME, NOT_USABLE, INTERRUPTED = 0, 2, 3, 4, 5, 130
@@ -58,14 +59,14 @@ def read(path: str, overrides: Sequence[str] = ()) -> tuple[Scenario, Scene]:
     return loaded.scenario, built
 
 
-def exit_code(summary: Mapping[str, Any]) -> int:
-    """Exit code of a run by its summary."""
-    return ENDS.get(summary["status"], FINE if summary.get("usable", True) else NOT_USABLE)
+def exit_code(results: Results) -> int:
+    """Exit code of a run."""
+    return ENDS.get(results.status.code, FINE if results.summary.get("usable", True) else NOT_USABLE)
 
 
-def worst(summaries: Iterable[Mapping[str, Any]]) -> int:
+def worst(runs: Iterable[Results]) -> int:
     """Exit code of several runs: a failure counts more than a time limit, and that more than a useless result."""
-    return min(filter(None, map(exit_code, summaries)), default=FINE)
+    return min(filter(None, map(exit_code, runs)), default=FINE)
 
 
 def worker_count(text: str) -> int:

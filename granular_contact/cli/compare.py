@@ -58,4 +58,4 @@ def execute(chosen: argparse.Namespace) -> int:
         print_numbers(["model"], SHOWN, (([row.name], cells(row)) for row in comparison.rows))
         say(comparison.verdict)
         say(f"saved in {folder}")
-    return worst(row.results.summary for row in comparison.rows)
+    return worst(row.results for row in comparison.rows)

@@ -46,4 +46,4 @@ def execute(chosen: argparse.Namespace) -> int:
             for warning in row.results.warnings:
                 say(f"{row.name}: {warning}")
         say(f"saved in {folder}")
-    return worst(row.results.summary for row in rows)
+    return worst(row.results for row in rows)

@@ -103,7 +103,7 @@ def execute(chosen: argparse.Namespace) -> int:
     results, took = _simulate(chosen, scenario, scene, kept)
     # Before what is drawn below is imported.
     explained = [*_explanation(scene, kept)] if chosen.explain else []
-    _save(chosen, results, folder)
+    _save(chosen, results, folder, figures=scenario.output.figures and not chosen.no_plots)
     if not chosen.quiet:
         say("\n".join(_summary(results, _surface_follows(scenario), took, folder)))
         told = set(map(str, scene.notes))  # when the config was read
@@ -120,15 +120,14 @@ def execute(chosen: argparse.Namespace) -> int:
         from granular_contact.engines.exudyn import viewer
 
         viewer.show(*solved)
-    return exit_code(results.summary)
+    return exit_code(results)
 
 
-def _save(chosen: argparse.Namespace, results: Results, folder: Path) -> None:
-    """Write the results, with the figures and the film that were asked for; say what the film lacks."""
+def _save(chosen: argparse.Namespace, results: Results, folder: Path, *, figures: bool) -> None:
+    """Write the results, with the film that was asked for; say what that lacks."""
     from granular_contact import report
 
     try:
-        figures = results.scenario["output"]["figures"] and not chosen.no_plots
         report.write(results, folder, figures=figures, film=chosen.film, formats=chosen.formats)
     except OSError as error:
         raise Refusal(f"the results can't be saved in {folder}: {error}") from None
