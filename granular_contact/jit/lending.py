@@ -7,6 +7,7 @@ once (`places`), and the function finds the arrays there (what `lender` makes).
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -33,9 +34,15 @@ def places(*arrays: NDArray[Any]) -> NDArray[np.int64]:
 def lender(dtype: DTypeLike, axes: int) -> Any:
     """Function for kernels, (words, number) -> the array that was given to `places` as that number.
 
-    dtype: of its numbers or records; axes: how many it has.
+    dtype: of its numbers or records; axes: how many it has. One function for each kind of arrays, compiled once.
     """
-    kind, size = np.dtype(dtype), WORDS
+    return _lender(np.dtype(dtype), axes)
+
+
+@cache
+def _lender(kind: np.dtype, axes: int) -> Any:
+    """The function that `lender` gives."""
+    size = WORDS
 
     def lend(words, number):
         if COMPILES:

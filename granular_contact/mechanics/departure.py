@@ -96,7 +96,7 @@ def _depart(motion: Motion, own: GranularLoad, other: GranularLoad, chart: Flat,
     for load in (own, other):
         load.start(motion.q[0])
     for i in range(1, len(time)):
-        q, v = motion.q[i], motion.v[i]
+        q, v = (np.ascontiguousarray(one[i]) for one in (motion.q, motion.v))
         step = _Step(motion, i, A[i] @ out[i - 1], A[i] @ last, chart.forces(own, q, v), other, chart)
         x, rate = step.end(close, lever)
         out[i], last = W[i] @ x, W[i] @ rate

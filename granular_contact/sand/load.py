@@ -210,6 +210,7 @@ class GranularLoad:
         if not self.batches:
             self.close()
         self.table.length, self.time = 0, None
+        q = np.ascontiguousarray(q)  # of a view with gaps all kernels would be compiled anew
         self._start(q, where, np.zeros_like(q) if reference is None else np.ascontiguousarray(reference))
 
     def _start(self, q: Vector, where: NDArray[np.int64] | None, reference: Vector) -> None:

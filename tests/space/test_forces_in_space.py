@@ -17,6 +17,7 @@ from granular_contact import Bar, Box, Cone, Drft, Mesh, Plate, Rft, Rft3d, Sphe
 from granular_contact.laws.rft3d import C
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
 from granular_contact.sand.contact_lines import Body, outline, polyline
+from granular_contact.sand.kernels import space_bodies
 from granular_contact.sand.load import GranularLoad
 from granular_contact.sand.space.facets import sides
 from granular_contact.sand.space.load import SpatialLoad
@@ -268,9 +269,22 @@ def test_tangent_is_that_of_differences(name: str, size: int) -> None:
         ahead = load.force(q + fq * e, v + fv * e, np.zeros(size))
         behind = load.force(q - fq * e, v - fv * e, np.zeros(size))
         expected[:, j] = (ahead - behind) / (2 * d)
-    np.testing.assert_allclose(found, expected, atol=2e-3 * np.abs(expected).max())
+    for slopes in (found, expected) if size == 7 else ():  # what Euler parameters change along themselves is no motion
+        slopes -= np.outer(slopes[:, 3:] @ q[3:], np.append(np.zeros(3), q[3:])) / (q[3:] @ q[3:])
+    # Where a layer ends the part of a facet within it changes, too.
+    np.testing.assert_allclose(found, expected, atol=(5e-3 if name == "layers" else 2e-3) * np.abs(expected).max())
     # Forces at other states have left nothing behind.
     np.testing.assert_array_equal(load.force(q, v, np.zeros(size)), before)
+
+
+def test_a_state_with_gaps_in_its_array_compiles_nothing() -> None:
+    medium, shape = PAIRS["rft3d"]
+    load, q = load_on(medium, shape), np.array([0.0, 0.0, -0.03, 1.0, 0.0, 0.0, 0.0])
+    load.start(q)
+    before = [len(kernel.signatures) for kernel in (space_bodies.force, space_bodies.accept, space_bodies.tangent)]
+    load.start(np.array([q, q]).T[:, 0])
+    after = [len(kernel.signatures) for kernel in (space_bodies.force, space_bodies.accept, space_bodies.tangent)]
+    assert after == before
 
 
 @pytest.mark.parametrize("name", PAIRS)

@@ -13,6 +13,7 @@ a bed in the plane  planar_sand, batches, lines  all media; one; one contact lin
 a bed in space      space_law, space_joining     as `law` and `joining`
                     space_sand, space_bodies     all media; one, with rigid bodies and all elements on them
                     facets, facet_parts, slices, facet_layers, facet_paths, space_balls    elements; bars: in `bars`
+                    space_tangents, facet_slopes how forces follow the motion
                     ground                       the surface
                     space_reach, space_watched   the walls of a container; `space_sand` with them
 """

@@ -42,7 +42,6 @@ from granular_contact.sand.kernels.batches import gather
 from granular_contact.sand.kernels.facets import axes, seen, turned
 from granular_contact.sand.kernels.ground import PLANE, surface_at
 from granular_contact.sand.kernels.law import TERMS
-from granular_contact.sand.kernels.lines import difference
 
 # Of proximity (bodies, 3): bounds of the depth of the deepest point (m) and of the speed at which one approaches the
 # surface (m/s), greatest depth so far (m).
@@ -237,12 +236,8 @@ def acts(body, active):
 
 @kernel
 def tangent(sand, system_q, system_v, fq, fv, triplets, count):
-    """Append the entries of fq df/dq + fv df/dv as rows (row, column, value) to the first `count` triplets.
-
-    By differences, see `lines.differences`.
-    """
-    q, v, there, moved = room1(7), room1(7), room1(7), room1(7)
-    pose, W, K = room2(6, 3), room2(TERMS, 6), room2(7, 7)
+    """Append the entries of fq df/dq + fv df/dv as rows (row, column, value) to the first `count` triplets."""
+    q, v, K = room1(7), room1(7), room2(7, 7)
     bodies, active, medium = _bodies(sand, BODIES), _marks(sand, ACTIVE), _media(sand, MEDIUM)[0]
     for b in range(bodies.shape[0]):
         body = bodies[b]
@@ -250,18 +245,8 @@ def tangent(sand, system_q, system_v, fq, fv, triplets, count):
             continue
         at = rows(_numbers(sand, PLACES), body.start, body.places)
         read(system_q, system_v, _row(sand, REFERENCE), at, body, q, v)
-        if not law.body_forces(medium, (q, v, body, sand, pose, W, there)):
-            continue
-        d = difference(rows(q, 0, body.size), fq, fv)
-        for j in range(body.size):
-            at_q, at_v = q[j], v[j]
-            q[j] += d * fq
-            v[j] += d * fv
-            law.body_forces(medium, (q, v, body, sand, pose, W, moved))
-            q[j], v[j] = at_q, at_v
-            for i in range(body.size):
-                K[i, j] = (moved[i] - there[i]) / d
-        count = append(K, body, at, triplets, count)
+        if law.tangent(medium, (q, v, body, sand, fq, fv, K)):
+            count = append(K, body, at, triplets, count)
     return count
 
 

@@ -16,10 +16,12 @@ from numpy.typing import NDArray
 from granular_contact.jit.chosen import provide
 from granular_contact.sand.kernels import bars, facet_paths, facets, slices, space_balls, space_law
 from granular_contact.sand.kernels.facet_layers import between
+from granular_contact.sand.kernels.facet_slopes import facet_slopes
 from granular_contact.sand.kernels.ground import tangent_plane
 from granular_contact.sand.kernels.joining import PARTS, compiled, let_call_others, record_type
 from granular_contact.sand.kernels.space_bodies import body_forces, by_six
 from granular_contact.sand.kernels.space_friction import parted_return, whole_return
+from granular_contact.sand.kernels.space_tangents import by_differences, by_elements
 
 # What a medium meets, by the kernels of its clusters and the functions of a law that it takes.
 KINDS: dict[str, tuple[Any, Any]] = {
@@ -69,8 +71,10 @@ def space_record(
         found |= {"note": facet_paths.note, "count": facet_paths.count, "begin": facet_paths.begin}
     if heights:
         found["heights"] = tangent_plane
-    if bodies:
-        found["body"] = body_forces
+    if bodies and kind == "surface":
+        found |= {"body": body_forces, "tangent": by_elements, "slopes": facet_slopes}
+    elif bodies:
+        found |= {"body": body_forces, "tangent": by_differences}
     if six:
         found["six"] = by_six
     if layer is not None and kind == "surface":

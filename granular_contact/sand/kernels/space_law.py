@@ -52,7 +52,7 @@ DEPTH, SPEED, LOWEST = 0, 1, 2
 
 FUNCTIONS = (
     *("forces", "follow", "gather", "facets", "layer", "bar", "cap", "ball", "anchor", "body"),
-    *("note", "count", "begin", "heights", "six", "lead"),
+    *("note", "count", "begin", "heights", "six", "lead", "tangent", "slopes"),
 )
 # layered: the medium lies between the depths top and bottom (m) only. Of friction there is a copy of what the law's own
 # record has, so that what needs nothing else of a law is compiled once for all of them.
@@ -63,6 +63,7 @@ _NUMBER, _CLUSTER = types.float64, from_dtype(CLUSTER)
 _ROW, _ROWS, _ENDS = (types.Array(_NUMBER, n, "C") for n in (1, 2, 3))
 _VECTOR = types.UniTuple(_NUMBER, 3)
 _WORDS = types.Array(types.int64, 1, "C")
+_OF_BODY = (_ROW, _ROW, from_dtype(BODY), _WORDS, from_dtype(SPACE_LAW))
 _OF_CLUSTER = (_ROWS, _ROWS, _CLUSTER, _ROWS, _ROW, from_dtype(SPACE_LAW))
 SIGNATURES: dict[str, tuple[tuple[Any, ...], Any]] = {  # arguments, result
     "forces": ((*_OF_CLUSTER, _ROWS), types.none),
@@ -83,7 +84,9 @@ SIGNATURES: dict[str, tuple[tuple[Any, ...], Any]] = {  # arguments, result
     "begin": ((_ROWS, types.intp, types.intp, types.boolean), types.none),
     "six": ((_ROW, from_dtype(BODY), _ROWS, _ROWS), types.none),
     "heights": ((_ROW, _NUMBER, _NUMBER, _ROW), types.none),
-    "body": ((_ROW, _ROW, from_dtype(BODY), _WORDS, from_dtype(SPACE_LAW), _ROWS, _ROWS, _ROW), types.boolean),
+    "body": ((*_OF_BODY, _ROWS, _ROWS, _ROW), types.boolean),
+    "tangent": ((*_OF_BODY, _NUMBER, _NUMBER, _ROWS), types.boolean),
+    "slopes": ((*_OF_CLUSTER, _NUMBER, _NUMBER, _ROWS), types.none),
 }
 # What calls a function of the medium: (medium, its other arguments).
 #
@@ -104,13 +107,17 @@ SIGNATURES: dict[str, tuple[tuple[Any, ...], Any]] = {  # arguments, result
 # ball      z, v, e, cluster, f: as `law.ball_force`, to f[term, xyz] (N)
 # anchor    p (3,) m, anchor (3,) m: where it is after an accepted step that ended with its element at p
 # body      `space_bodies.body_forces`, which several kernels call
+# tangent   q, v, body, sand, fq, fv, K: fill K (7, 7) with fq df/dq + fv df/dv of the generalised forces f on a body;
+#           whether there are any; of `space_tangents`
+# slopes    elements, anchors, cluster, pose, ground, fq, fv, S: add to S (6, 6) how the wrench on a cluster follows a
+#           small motion m (6,) of its body at the reference point, moved by fq m, its velocities by fv m
 # note, count, begin    those of `facet_paths`, of media whose facets have paths
 # heights   `ground.tangent_plane`, of a bed with a map of heights
 # six       `space_bodies.by_six`, where bodies have six coordinates
 forces, follow, gather, facets, in_layer, bar_force, cap_force, ball_force, drag_anchor, body_forces, *_others = (
     caller(name, *SIGNATURES[name], SPACE_LAW) for name in FUNCTIONS
 )
-note, count, begin, tangent_plane, by_six, lead = _others
+note, count, begin, tangent_plane, by_six, lead, tangent, slopes = _others
 
 
 def record_of(own: np.ndarray, functions: dict[str, Any]) -> np.ndarray:

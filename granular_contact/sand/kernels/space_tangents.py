@@ -1,0 +1,75 @@
+"""How the forces on a body in space follow its coordinates and rates: `space_law.tangent`, by one of two ways."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from granular_contact.jit.compiled import part
+from granular_contact.jit.lending import lender
+from granular_contact.jit.memory import clear, room1, room2, rows
+from granular_contact.sand.kernels import space_law as law
+from granular_contact.sand.kernels.law import TERMS
+from granular_contact.sand.kernels.lines import difference
+from granular_contact.sand.kernels.space_bodies import (
+    ACTIVE,
+    ANCHORS,
+    CLUSTERS,
+    ELEMENTS,
+    GROUND,
+    TURN,
+    place,
+    reach_below,
+)
+
+_row, _rows = (lender(np.float64, axes) for axes in (1, 2))
+_clusters, _marks = lender(law.CLUSTER, 1), lender(np.bool_, 1)
+
+
+@part
+def by_differences(q, v, body, sand, medium, fq, fv, K):
+    """`space_law.tangent` by differences of the forces on a body, see `lines.differences`."""
+    there, moved, pose, W = room1(7), room1(7), room2(6, 3), room2(TERMS, 6)
+    if not law.body_forces(medium, (q, v, body, sand, pose, W, there)):
+        return False
+    d = difference(rows(q, 0, body.size), fq, fv)
+    for j in range(body.size):
+        at_q, at_v = q[j], v[j]
+        q[j] += d * fq
+        v[j] += d * fv
+        law.body_forces(medium, (q, v, body, sand, pose, W, moved))
+        q[j], v[j] = at_q, at_v
+        for i in range(body.size):
+            K[i, j] = (moved[i] - there[i]) / d
+    return True
+
+
+@part
+def by_elements(q, v, body, sand, medium, fq, fv, K):
+    """`space_law.tangent` by the slopes S (6, 6) of the wrench on each cluster: T^T S T, with (x, t) = T q."""
+    turn, clusters, elements, anchors, active, ground = (
+        _rows(sand, TURN), _clusters(sand, CLUSTERS), _rows(sand, ELEMENTS), _rows(sand, ANCHORS),
+        _marks(sand, ACTIVE), _row(sand, GROUND),
+    )  # fmt: skip
+    pose, G, S, T, some = room2(6, 3), room2(3, 4), room2(6, 6), room2(6, 7), False
+    place(q, v, body, turn, medium, pose, G)
+    clear(S)
+    for c in range(body.first, body.last):
+        if active[c] and reach_below(clusters[c], pose, ground, medium) > 0.0:
+            s, n = clusters[c].first, clusters[c].last - clusters[c].first
+            law.slopes(medium, (rows(elements, s, n), rows(anchors, s, n), clusters[c], pose, ground, fq, fv, S))
+            some = True
+    clear(T)
+    for i in range(3):
+        for j in range(3):
+            T[i, j] = turn[i, j]
+            for k in range(body.size - 3):
+                T[3 + i, 3 + k] += turn[i, j] * G[j, k]
+    for i in range(body.size):
+        for j in range(body.size):
+            K[i, j] = 0.0
+            for a in range(6):
+                along = 0.0
+                for b in range(6):
+                    along += S[a, b] * T[b, j]
+                K[i, j] += T[a, i] * along
+    return some
