@@ -142,7 +142,7 @@ def summaries_apart(one: Any, other: Any, own: Track, size: float, weight: float
     own: the track of the first; size (m) of what turns; weight (N): gravity and motion exchange at least its work over
     the way. A cost of transport is as uncertain as the work and the distance that it is the ratio of. An instant is
     told by what happens: where it is another one, it is off by no more than what moves between the two. That of a
-    maximum is left out: two peaks may be equally high.
+    maximum is left out: two peaks may be equally high; so are facets, which each run chooses by itself.
     """
     mine, theirs = dict(numbers(one.summary)), dict(numbers(other.summary))
     end = max(float(one["time_s"][-1]), float(other["time_s"][-1]))
@@ -160,7 +160,7 @@ def summaries_apart(one: Any, other: Any, own: Track, size: float, weight: float
     }
     worst = 0.0, ""
     for key in mine.keys() & theirs.keys():
-        if key.startswith("max_") and key.endswith("time_s"):
+        if key.startswith("facets.") or (key.startswith("max_") and key.endswith("time_s")):
             continue
         scale = next((value for tail, value in scales.items() if key.endswith(tail)), 0.0)
         itself = not scale or "largest_" in key  # a peak may be many times what energy over time makes in the mean

@@ -1,0 +1,67 @@
+"""The study of random scenes in space: what it draws, its images, and the beginnings of a few scenes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from granular_contact.config import load_scenario
+from granular_contact.scene import build
+from validation import properties as study
+from validation.random_scenes import images, images_in_space
+from validation.random_scenes.in_space import SOLIDS, draw
+from validation.random_scenes.scenes import write
+
+SPACE = study.WORLDS["space"]
+
+
+@pytest.fixture(scope="module")
+def drawn(tmp_path_factory: pytest.TempPathFactory):
+    folder = tmp_path_factory.mktemp("scenes")
+    return [draw(seed, folder) for seed in range(36)]
+
+
+def test_the_draws_are_of_every_kind(drawn) -> None:
+    text = str([one.tree for one in drawn])
+    for word in (*SOLIDS, "mesh", "bar", "slope_deg", "height_map", "layers", "'floor'", "'motion'", "'pd'"):
+        assert word in text, word
+    joints = {joint["type"] for one in drawn for joint in one.tree["model"]["joints"].values()}
+    assert joints >= {"hinge", "ball", "slider", "free"}
+    assert {one.solver for one in drawn} == {
+        f"{s} steps, {by}" for s in ("fixed", "chosen") for by in ("engine", "minimal")
+    }
+
+
+def test_images_are_scenes_and_twice_a_mirror_image_is_the_scene(drawn, tmp_path: Path) -> None:
+    made = dict.fromkeys(SPACE.images, 0)
+    for one in drawn[:12]:
+        for name, image in SPACE.images.items():
+            try:
+                tree = image(one.tree)
+            except images.NoImage:
+                continue
+            build(load_scenario(write(tree, tmp_path)))
+            made[name] += 1
+    assert min(made.values()) >= 4
+    for one in drawn:
+        twice = images_in_space.mirrored(images_in_space.mirrored(one.tree))
+        assert _close(twice, one.tree)
+
+
+def _close(one, other) -> bool:
+    """Trees with the same numbers but for round-off."""
+    if isinstance(one, dict):
+        return one.keys() == other.keys() and all(_close(one[key], other[key]) for key in one)
+    if isinstance(one, list):
+        return len(one) == len(other) and all(map(_close, one, other))
+    return one == other or (isinstance(one, float) and abs(one - other) < 1e-9)
+
+
+@pytest.mark.parametrize("seed", [1])
+def test_beginnings_of_scenes_keep_the_properties(seed: int) -> None:
+    found = study.look(seed, quick=True, world="space")
+    assert found.end in study.GOOD
+    assert np.isfinite(found.steps)
+    assert not {name for name, bad in study.offenders([found]).items() if bad}
