@@ -242,7 +242,7 @@ def _kept(checkpoint: Checkpoint, count: int) -> str:
 
 
 LINE_SECONDS = 60.0
-SILENT_SECONDS = 10.0  # without a run that is done
+SILENT_SECONDS = 20.0  # without a run that is done
 
 
 @contextmanager
