@@ -38,7 +38,7 @@ class StepControl:
 
         scene = system.scene
         self.system, self.solver, self.lever, self.sets = system, solver, lever, sets
-        self._record, self.speed, *follows = choice(scene, accuracy)
+        self._record, self.speed, bends, followed, arms = choice(scene, accuracy)
         self.longest = float(self._record["longest"][0])
         self.next = min(scene.solver.step_s, self.longest)
         self.group, means = _groups(system, len(lever))
@@ -46,9 +46,10 @@ class StepControl:
         self.start, self.change, self.slope = np.zeros((3, len(lever)))
         self._arrays = self.lever, self.group, self.start, self.change, self.slope, np.zeros((means, 3))
         self._words, self._places = np.zeros(0, np.int64), places
-        signals = signals_of(scene) if len(follows[1]) else []
+        signals = signals_of(scene) if len(followed) else []
         tables = tabulate(signals, scene.solver.end_time_s) if signals else NO_TABLE
-        self._prescribed = step_choice.Prescribed(*follows, *tables, np.zeros((len(signals), 3)))
+        (knots, pieces), found = tables, np.zeros((len(signals), 3))
+        self._prescribed = step_choice.Prescribed(bends, followed, arms, knots, pieces, found)
         self._judge = ready(step_choice.judge, self._words, 1.0, self._record, 1.0, 1.0)
         self._choose = ready(step_choice.choose, 1.0, 1.0, 1.0, self._record, 1.0, 1.0, self._prescribed)
         self._start = ready(step_error.begin, self._words, 1.0)

@@ -7,7 +7,7 @@ A joint's frame lies at a point of the parent P and of the child C; its z is the
     ball    s = angle of the rotation from the parent's frame to the child's, 0 to pi; a is its axis
 
 x: position of a body's node, arm: from it to the joint's point. A torque or force tau along s is tau ds/dq on the
-coordinates: with w = G e' (see `space_bodies`) of a hinge and a ball ds/dt = a . (w_C - w_P). So the spring of a ball
+coordinates: with w = G e' (see `space_coordinates`) of hinges and balls ds/dt = a . (w_C - w_P). The spring of a ball
 has the moment -k s a, k times the rotation vector, which is smooth at s = 0; at pi, where the way back may go either
 way round, it jumps. Its damper acts on all of w_C - w_P: what is not along a adds -c (w_C - w_P - a ds/dt). Forces
 along s are those of `joint_laws`; arguments and `state` as of `joint_loads`, with records of JOINT and places
@@ -35,7 +35,7 @@ from granular_contact.mechanics.kernels.joint_coordinates import HINGE, SLIDER
 from granular_contact.mechanics.kernels.joint_laws import follow, total
 from granular_contact.mechanics.kernels.joint_loads import ANCHOR, DRIVE, LAW, RATE, TURNS, VALUE, gather
 from granular_contact.sand.kernels.lines import difference
-from granular_contact.sand.kernels.space_bodies import by_parameters
+from granular_contact.sand.kernels.space_coordinates import by_parameters
 
 MOST = 14  # coordinates of two nodes
 BALL, ELASTIC, STRETCHING = 2, 3, 4  # kinds of joints, beside HINGE and SLIDER
@@ -67,7 +67,7 @@ _find = caller("find", _FIND, _FOUND, JOINT)
 
 @part
 def _frames(joint, q, frames, places, turns):
-    """Fill rotations (2, 3, 3) and positions (2, 3) of parent and child, and the G (2, 3, 4) of `space_bodies`."""
+    """Fill rotations (2, 3, 3) and positions (2, 3) of parent and child, and the G (2, 3, 4) of `space_coordinates`."""
     q0 = room1(7)
     for side in range(2):
         count = joint.parent if side == 0 else joint.child

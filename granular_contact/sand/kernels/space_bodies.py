@@ -22,15 +22,11 @@ These arrays are:
     columns             (bodies, 3) where the power of the medium, its terms and the wrench of a body stand in a row of
                         the history, six numbers each: force (N) and moment about the world origin (N m), world frame
 
-A body has seven coordinates, its position and Euler parameters, or six, its position and Tait-Bryan angles with
-R = R_x R_y R_z. Its angular velocity is w = G(q) q', so a moment M gives the generalised forces G^T M. A piece of a
-cubic cable element has the position and the slope r' = dr/ds at its middle, y = S q of the 12 coordinates q of the
-element (`BODY`), and acts on them by S^T.
+Coordinates of a body: see `space_coordinates`. A piece of a cubic cable element has the position and the slope
+r' = dr/ds at its middle, y = S q of the 12 coordinates q of the element (`BODY`), and acts on them by S^T.
 """
 
 from __future__ import annotations
-
-import math
 
 import numpy as np
 
@@ -39,13 +35,18 @@ from granular_contact.jit.lending import lender
 from granular_contact.jit.memory import clear, room1, room2, rows
 from granular_contact.sand.kernels import space_law as law
 from granular_contact.sand.kernels.batches import gather
-from granular_contact.sand.kernels.facets import axes, seen, turned
-from granular_contact.sand.kernels.ground import PLANE, surface_at
+from granular_contact.sand.kernels.facets import axes, seen
 from granular_contact.sand.kernels.law import TERMS
-
-# Of proximity (bodies, 3): bounds of the depth of the deepest point (m) and of the speed at which one approaches the
-# surface (m/s), greatest depth so far (m).
-DEEPEST, APPROACH, EVER = 0, 1, 2
+from granular_contact.sand.kernels.space_clusters import (
+    DEEPEST,
+    EVER,
+    bound,
+    bound_cluster,
+    may_touch,
+    reach_below,
+    release,
+)
+from granular_contact.sand.kernels.space_coordinates import by_parameters
 
 SAND = (
     *("reference", "places", "bodies", "turn", "clusters", "elements", "anchors", "active", "ground", "medium"),
@@ -56,71 +57,6 @@ POSES, PROXIMITY, COLUMNS = _OF_STEPS
 _row, _rows, _poses = (lender(np.float64, axes) for axes in (1, 2, 3))
 _numbers, _marks = lender(np.int64, 2), lender(np.bool_, 1)
 _bodies, _clusters, _media = (lender(kind, 1) for kind in (law.BODY, law.CLUSTER, law.SPACE_LAW))
-
-
-@part
-def by_parameters(q, R, G):
-    """Fill R (3, 3) and G (3, 4) from coordinates (7,) with Euler parameters."""
-    a, b, c, d = q[3], q[4], q[5], q[6]
-    R[0, 0], R[1, 1], R[2, 2] = (
-        a * a + b * b - c * c - d * d,
-        a * a - b * b + c * c - d * d,
-        a * a - b * b - c * c + d * d,
-    )
-    _by_axis(0, 1, 2, a, b, c, d, R, G)
-    _by_axis(1, 2, 0, a, c, d, b, R, G)
-    _by_axis(2, 0, 1, a, d, b, c, R, G)
-
-
-@part
-def _by_axis(i, j, k, a, x, y, z, R, G):
-    """Rows i of R, but for its diagonal, and of G; x, y, z: Euler parameters of the axes i, j, k."""
-    R[i, j], R[i, k] = 2.0 * (x * y - a * z), 2.0 * (x * z + a * y)
-    G[i, 0], G[i, 1 + i], G[i, 1 + j], G[i, 1 + k] = -2.0 * x, 2.0 * a, -2.0 * z, 2.0 * y
-
-
-@part
-def by_six(q, body, R, G):
-    """As `by_parameters`, of bodies with six coordinates; compiled for beds that have such alone."""
-    if body.places > body.size:
-        by_slope(q, body, R, G)
-    else:
-        by_angles(q, R, G)
-
-
-@part
-def by_slope(q, body, R, G):
-    """As `by_parameters`, from a place and a slope y (6,), with w = y x y' / |y|^2: a cable does not turn about itself.
-
-    R is the least rotation from the direction of the slope in the reference configuration, where it is the unit matrix.
-    """
-    x, y, z = q[3], q[4], q[5]
-    square = x * x + y * y + z * z
-    long = math.sqrt(square)
-    a, b, c = body.axis[0], body.axis[1], body.axis[2]
-    u, v, w = (b * z - c * y) / long, (c * x - a * z) / long, (a * y - b * x) / long
-    cosine = (a * x + b * y + c * z) / long
-    k = 1.0 / max(1.0 + cosine, 1e-12)
-    R[0, 0], R[1, 1], R[2, 2] = cosine + k * u * u, cosine + k * v * v, cosine + k * w * w
-    R[0, 1], R[0, 2], R[1, 2] = k * u * v - w, k * u * w + v, k * v * w - u
-    R[1, 0], R[2, 0], R[2, 1] = k * u * v + w, k * u * w - v, k * v * w + u
-    clear(G)
-    G[0, 1], G[0, 2], G[1, 2] = -z / square, y / square, -x / square
-    G[1, 0], G[2, 0], G[2, 1] = z / square, -y / square, x / square
-
-
-@part
-def by_angles(q, R, G):
-    """As `by_parameters`, from coordinates (6,) with Tait-Bryan angles."""
-    sa, ca, sb, cb = math.sin(q[3]), math.cos(q[3]), math.sin(q[4]), math.cos(q[4])
-    sc, cc = math.sin(q[5]), math.cos(q[5])
-    R[0, 0], R[0, 1], R[0, 2] = cb * cc, -cb * sc, sb
-    R[1, 0], R[1, 1], R[1, 2] = ca * sc + sa * sb * cc, ca * cc - sa * sb * sc, -sa * cb
-    R[2, 0], R[2, 1], R[2, 2] = sa * sc - ca * sb * cc, sa * cc + ca * sb * sc, ca * cb
-    clear(G)
-    G[0, 0], G[0, 2] = 1.0, sb
-    G[1, 1], G[1, 2] = ca, -sa * cb
-    G[2, 1], G[2, 2] = sa, ca * cb
 
 
 @part
@@ -157,14 +93,6 @@ def place(q, v, body, turn, medium, pose, G):
             for k in range(size - 3):
                 w += G[j, k] * v[3 + k]
             pose[5, i] += turn[i, j] * w
-
-
-@part
-def depth_of(x, y, z, pose, ground, medium):
-    """Depth (m) of a point (3,) m of a body, and where it is from the body's reference point, frame of the bed."""
-    rx, ry, rz = turned(axes(pose), x, y, z)
-    height = surface_at(pose[3, 0] + rx, pose[3, 1] + ry, ground, medium, room1(PLANE))
-    return height - pose[3, 2] - rz, rx, ry, rz
 
 
 @part
@@ -356,45 +284,6 @@ def write(W, term, turn, q, row, first):
     row[first + 5] += mz + x * fy - y * fx
 
 
-@part
-def bound(x, y, z, radius, pose, ground, medium, near):
-    """Fill near[DEEPEST] and near[APPROACH] with bounds for all that lies in a sphere (m) of a body."""
-    depth, x, y, z = depth_of(x, y, z, pose, ground, medium)
-    vx = pose[4, 0] + pose[5, 1] * z - pose[5, 2] * y
-    vy = pose[4, 1] + pose[5, 2] * x - pose[5, 0] * z
-    vz = pose[4, 2] + pose[5, 0] * y - pose[5, 1] * x
-    spin = math.sqrt(pose[5, 0] ** 2 + pose[5, 1] ** 2 + pose[5, 2] ** 2)
-    near[DEEPEST] = depth + radius * ground[3]
-    near[APPROACH] = (math.sqrt(vx * vx + vy * vy + vz * vz) + spin * radius) * ground[3]
-
-
-@part
-def bound_cluster(one, pose, ground, medium, near):
-    """`bound` for all that lies in a cluster, whose box may reach less deep than its sphere."""
-    bound(one.x, one.y, one.z, one.radius, pose, ground, medium, near)
-    near[DEEPEST] = min(near[DEEPEST], reach_below(one, pose, ground, medium))
-
-
-@part
-def reach_below(one, pose, ground, medium):
-    """Bound for the depth (m) of a cluster.
-
-    Of a plane surface that of the deepest corner of its box; of a map of heights that of its sphere, where the surface
-    is steepest.
-    """
-    depth = depth_of(one.x, one.y, one.z, pose, ground, medium)[0]
-    if medium.heights != 0:
-        return depth + one.radius * ground[3]
-    dx, dy, dz = seen(axes(pose), ground[1], ground[2], -1.0)
-    return depth + abs(dx) * one.along_x + abs(dy) * one.along_y + abs(dz) * one.along_z
-
-
-@part
-def may_touch(near, step):
-    """Whether what is bounded so may touch the surface within a step (s), at four times its speed."""
-    return near[DEEPEST] + 4.0 * step * (near[APPROACH] + 10.0 * step) > -1e-3
-
-
 @kernel
 def update_active(sand, step):
     """Mark the clusters that may touch the surface within a step (s) from the accepted poses; whether there are any.
@@ -420,17 +309,3 @@ def update_active(sand, step):
             active[c] = now
             some = some or now
     return some
-
-
-@part
-def release(elements, anchors, cluster, pose, medium, anew):
-    """Put the anchors of a cluster where its elements are; anew: their paths begin here, too.
-
-    The path through the air counts in a straight line, so that it does not matter when what flies became active.
-    """
-    for i in range(cluster.first, cluster.last):
-        E = elements[i]
-        for k in range(3):
-            anchors[i, k] = pose[3, k] + pose[k, 0] * E[0] + pose[k, 1] * E[1] + pose[k, 2] * E[2]
-    if medium.begin != 0:
-        law.begin(medium, (anchors, cluster.first, cluster.last, anew))

@@ -19,7 +19,8 @@ from granular_contact.sand.kernels.facet_layers import between
 from granular_contact.sand.kernels.facet_slopes import facet_slopes
 from granular_contact.sand.kernels.ground import tangent_plane
 from granular_contact.sand.kernels.joining import PARTS, compiled, let_call_others, record_type
-from granular_contact.sand.kernels.space_bodies import body_forces, by_six
+from granular_contact.sand.kernels.space_bodies import body_forces
+from granular_contact.sand.kernels.space_coordinates import by_six
 from granular_contact.sand.kernels.space_friction import parted_return, whole_return
 from granular_contact.sand.kernels.space_tangents import by_differences, by_elements
 

@@ -113,7 +113,7 @@ SIGNATURES: dict[str, tuple[tuple[Any, ...], Any]] = {  # arguments, result
 #           small motion m (6,) of its body at the reference point, moved by fq m, its velocities by fv m
 # note, count, begin    those of `facet_paths`, of media whose facets have paths
 # heights   `ground.tangent_plane`, of a bed with a map of heights
-# six       `space_bodies.by_six`, where bodies have six coordinates
+# six       `space_coordinates.by_six`, where bodies have six coordinates
 forces, follow, gather, facets, in_layer, bar_force, cap_force, ball_force, drag_anchor, body_forces, *_others = (
     caller(name, *SIGNATURES[name], SPACE_LAW) for name in FUNCTIONS
 )

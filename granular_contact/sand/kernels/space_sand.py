@@ -11,6 +11,7 @@ from granular_contact.jit.compiled import kernel
 from granular_contact.jit.lending import lender
 from granular_contact.jit.memory import piece
 from granular_contact.sand.kernels import space_bodies as one
+from granular_contact.sand.kernels.space_clusters import APPROACH, DEEPEST
 
 _rows = lender(np.float64, 2)
 
@@ -54,7 +55,7 @@ def soonest(sand):
     for b in range(sand.shape[0]):
         near = _rows(piece(sand, b, sand.shape[1]), one.PROXIMITY)
         for i in range(near.shape[0]):
-            depth, speed = near[i, one.DEEPEST], near[i, one.APPROACH]
+            depth, speed = near[i, DEEPEST], near[i, APPROACH]
             if depth < 0.0 < speed:
                 least = min(least, -depth / speed)
     return least

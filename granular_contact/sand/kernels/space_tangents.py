@@ -18,8 +18,8 @@ from granular_contact.sand.kernels.space_bodies import (
     GROUND,
     TURN,
     place,
-    reach_below,
 )
+from granular_contact.sand.kernels.space_clusters import reach_below
 
 _row, _rows = (lender(np.float64, axes) for axes in (1, 2))
 _clusters, _marks = lender(law.CLUSTER, 1), lender(np.bool_, 1)

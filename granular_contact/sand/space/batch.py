@@ -15,6 +15,7 @@ from granular_contact.jit.lending import places
 from granular_contact.laws.kinds import Kind
 from granular_contact.sand.kernels import space_bodies as kernels
 from granular_contact.sand.kernels.ground import PLANE
+from granular_contact.sand.kernels.space_clusters import APPROACH, DEEPEST, EVER
 from granular_contact.sand.kernels.space_joining import space_record
 from granular_contact.sand.kernels.space_law import BODY
 from granular_contact.sand.space.elements import Elements
@@ -85,7 +86,7 @@ class SpatialBatch:
         self.active[:] = True
         self.anchors[:] = 0.0
         self.proximity[:] = 0.0
-        self.proximity[:, kernels.EVER] = -np.inf
+        self.proximity[:, EVER] = -np.inf
         self._reference = reference
         on = (self.places, self.bodies, self.turn, self.clusters, self.elements, self.anchors, self.active, self.ground)
         return places(reference, *on, self._for_bodies, self.poses, self.proximity, self.columns)
@@ -127,19 +128,17 @@ class SpatialBatch:
 
     def immersed(self) -> set[tuple[str, Kind, float]]:
         """Body, kind and size (m) of the bodies that were ever immersed."""
-        ever = [
-            group for group, depth in zip(self._groups, self.proximity[:, kernels.EVER], strict=True) if depth > 0.0
-        ]
+        ever = [group for group, depth in zip(self._groups, self.proximity[:, EVER], strict=True) if depth > 0.0]
         return {(one.body.name, one.kind, one.size) for group in ever for one in group}
 
     @property
     def depths(self) -> Vector:
         """Depth (bodies,) m of the deepest point of each body where it was accepted last."""
-        return self.proximity[:, kernels.DEEPEST]
+        return self.proximity[:, DEEPEST]
 
     def soonest(self) -> float:
         """Time (s) after `accept` until the first of the bodies above the surface may touch it; infinite of none."""
-        near = self.proximity[:, [kernels.DEEPEST, kernels.APPROACH]].tolist()
+        near = self.proximity[:, [DEEPEST, APPROACH]].tolist()
         return min((-depth / speed for depth, speed in near if depth < 0.0 < speed), default=math.inf)
 
     def forget(self) -> None:

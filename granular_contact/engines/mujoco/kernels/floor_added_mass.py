@@ -16,7 +16,7 @@ from granular_contact.jit.memory import clear, copy, room2
 from granular_contact.jit.memory import rows as some_of
 from granular_contact.sand.kernels import space_law as law
 from granular_contact.sand.kernels.law import TERMS
-from granular_contact.sand.kernels.space_bodies import reach_below
+from granular_contact.sand.kernels.space_clusters import reach_below
 
 TRIAL = 1e-6  # m/s
 

@@ -22,7 +22,7 @@ from granular_contact.sand.kernels.friction import SMOOTH
 from granular_contact.sand.kernels.friction import drive as drive_along
 from granular_contact.sand.kernels.law import TERMS
 from granular_contact.sand.kernels.planar_friction import drive as drive_across
-from granular_contact.sand.kernels.space_bodies import (
+from granular_contact.sand.kernels.space_clusters import (
     DEEPEST,
     bound,
     bound_cluster,

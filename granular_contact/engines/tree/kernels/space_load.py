@@ -1,6 +1,6 @@
 """Forces on a tree of rigid bodies in space, how they follow its motion, and an iteration of Newton's method.
 
-The medium sees poses with Euler parameters e, and gives generalised forces f = G^T M of a moment M (`space_bodies`).
+The medium sees poses with Euler parameters e, and gives forces f = G^T M of a moment M (`space_coordinates`).
 With G G^T = 4: M = G f / 4, and a turn by a small vector changes e by G^T / 4 of it. The derivative of a moment is
 taken so, too, without what of it comes from G alone, fq M / 2 or less.
 """
