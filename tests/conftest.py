@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gc
 import getpass
 import hashlib
 import os
@@ -73,12 +72,6 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Put the files of `FIRST` before the others; tests of a file stay together and in order."""
     places = {name: i for i, name in enumerate(FIRST)}
     items.sort(key=lambda item: places.get(item.path.name, len(FIRST)))
-
-
-def pytest_collection_finish() -> None:
-    """Let the garbage collector pass over what is there to stay, and come less often: it took 5 % of the time."""
-    gc.freeze()
-    gc.set_threshold(20_000, 20, 20)
 
 
 # The same draws on every machine, so that a change alone turns a test red. New draws: --hypothesis-profile=seek.
