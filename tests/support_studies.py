@@ -231,7 +231,8 @@ def _ensemble(case: Case) -> None:
 def _optimise(case: Case) -> None:
     text = f"config: model.yaml\nparameters: {{{case.model.varied}: {list(case.model.values)}}}\n"
     few = "method: differential_evolution\nevaluations: 6\npopulation: 5\n"  # the fewest that it takes
-    file = case.file("search", f"{text}objective: {{minimise: max_depth_m}}\n{few}")
+    fine = "set: {solver.step_s: null, solver.accuracy: 1.0e-3}\n"  # results that are usable: else there is no best
+    file = case.file("search", f"{text}objective: {{minimise: max_depth_m}}\n{few}{fine}")
     case.command("optimise", file, "--out", case.folder / "best")
 
 
