@@ -155,7 +155,7 @@ def coarse_claim(found: Sequence[Coarse]) -> Claim:
 
 
 def _tip(results: Any) -> np.ndarray:
-    return np.column_stack([results["tip_x_m"], results["tip_y_m"]])
+    return np.column_stack([results[name] for name in ("tip_x_m", "tip_y_m", "tip_z_m") if name in results.names])
 
 
 def difference(results: Any, reference: Any) -> float:
@@ -163,10 +163,10 @@ def difference(results: Any, reference: Any) -> float:
     path, other = _tip(results), _tip(reference)
     end = min(results["time_s"][-1], reference["time_s"][-1])
     known = results["time_s"] <= end * (1.0 + 1e-12)
-    at = np.column_stack([np.interp(results["time_s"][known], reference["time_s"], other[:, i]) for i in (0, 1)])
-    way = float(np.hypot(*np.diff(other, axis=0).T).sum())
-    size = float(np.hypot(*other[0]))
-    return float(np.hypot(*(path[known] - at).T).max()) / max(way, 1e-2 * size)
+    at = np.column_stack([np.interp(results["time_s"][known], reference["time_s"], axis) for axis in other.T])
+    way = float(np.linalg.norm(np.diff(other, axis=0), axis=1).sum())
+    size = float(np.linalg.norm(other[0]))
+    return float(np.linalg.norm(path[known] - at, axis=1).max()) / max(way, 1e-2 * size)
 
 
 def _drift(results: Any) -> float:
@@ -174,7 +174,7 @@ def _drift(results: Any) -> float:
     if results.status.code not in GOOD or results["time_s"][-1] < 1.0:
         return math.nan
     path = _tip(results)[results["time_s"] > 0.5 * results["time_s"][-1]]
-    return float(np.hypot(*(path[-1] - path[0])))
+    return float(np.linalg.norm(path[-1] - path[0]))
 
 
 def every(wanted: Sequence[Case], quick: bool) -> list[Found]:

@@ -85,7 +85,7 @@ def stand(name: str, seconds: float, *, dropped: bool = False) -> list[str]:
     wrong = float(np.linalg.norm(force - [0.0, 0.0, weight])) / weight
     cost = results.summary["cost"]
     drift = 1e6 * off / (t[-1] - t[first])
-    facets = sum(len(one.rows) for one in begun.system.bed.load.lines)  # type: ignore[union-attr]
+    facets = sum(len(one.rows) for one in begun.system.facets.lines)
     counts = [str(cost[key]) for key in ("steps", "newton_iterations", "jacobians")]
     label = f"{name}, dropped" if dropped else name
     return [label, str(facets), f"{drift:.1e}", f"{wrong:.1e}", *counts, f"{settled - start:.1f}", f"{taken:.1f}"]
