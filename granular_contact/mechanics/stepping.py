@@ -101,10 +101,8 @@ def arm(scene: Scene, joint: Any) -> float:
     size = max(scene.length, 1e-3)
     if scene.bends or any(one.closes for one in scene.joints):
         return size
-    carried = {joint.child}
-    for _ in scene.joints:
-        carried |= {one.child for one in scene.joints if one.parent in carried}
-    at, reaches = scene.body(joint.child).motion.world(joint.child_point), {True: 0.0, False: 0.0}
+    carried, reaches = scene.carried(joint), {True: 0.0, False: 0.0}
+    at = scene.body(joint.child).motion.world(joint.child_point)
     for body in scene.rigid:
         far = float(np.linalg.norm(body.motion.position - at)) + scene.radius(body)
         reaches[body.name in carried] = max(reaches[body.name in carried], far)

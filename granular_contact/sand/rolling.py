@@ -89,9 +89,7 @@ def _depth(scene: Scene, test: WheelTest) -> float:
 
 def _lowered(scene: Scene, test: WheelTest, by: float) -> Scene:
     """The scene with all that hangs on the upright joint lower by some m."""
-    carried = {scene.joint(test.upright).child}
-    for _ in scene.joints:
-        carried |= {joint.child for joint in scene.joints if joint.parent in carried}
+    carried = scene.carried(scene.joint(test.upright))
     down = np.array([0.0, by])
     rigid = list(scene.rigid)
     for i, body in enumerate(rigid):

@@ -171,6 +171,13 @@ class Scene:
         """Joint of this name."""
         return next(joint for joint in self.joints if joint.name == name)
 
+    def carried(self, joint: Joint) -> set[str]:
+        """Names of the bodies that move with the child of a joint: it, and all that hangs on it."""
+        found = {joint.child}
+        for _ in self.joints:
+            found |= {one.child for one in self.joints if one.parent in found}
+        return found
+
     def radius(self, body: RigidBody) -> float:
         """Distance (m) from a rigid body's centre of mass to the farthest point of its shapes and joints; without such
         its radius of gyration, so that its turning counts.
