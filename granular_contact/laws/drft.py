@@ -70,7 +70,7 @@ class Drft(Law):
         z0, z1 = strip.z0 - m.delta_h, strip.z1 - m.delta_h
         low, high = kernels.immersion.immersed_interval(z0, z1)
         a, b = max(strip.a, low), min(strip.b, high)
-        if a >= b or kernels.strip.norm(strip.c) == 0.0:
+        if a >= b or kernels.vectors.norm(strip.c) == 0.0:
             return
         lowered = kernels.strip.Strip(a, b, z0, z1, strip.c, strip.v0, strip.v1, strip.e0, strip.e1)
         kernels.plates.static_force(lowered, line, m, f)
@@ -91,7 +91,7 @@ def pressure(w, lam_rho):
 
 def inertial_force(strip, k, line, f):
     """Add the inertial term to f[INERTIAL]; k = lam rho b (kg/m2)."""
-    length = kernels.strip.norm(strip.c)
+    length = kernels.vectors.norm(strip.c)
     k *= length
     tx, ty = strip.c[0] / length, strip.c[1] / length
     (v0x, v0y), (v1x, v1y) = strip.v0, strip.v1

@@ -79,7 +79,7 @@ class OnStrips:
     def strip_force(strip, line, m, f):
         """Add the end forces of a strip, whose depths are those below the floor; as `sand.kernels.law.strip_force`."""
         share = max(0.0, 1.0 - m.damping * 0.5 * (strip.v0[1] + strip.v1[1]))
-        k = m.stiffness * share * kernels.strip.norm(strip.c)
+        k = m.stiffness * share * kernels.vectors.norm(strip.c)
         j0, j1 = kernels.immersion.part_integrals(strip.a, strip.b, strip.z0, strip.z1, 1.0)
         f[0, 0, 1] += k * j0
         f[0, 1, 1] += k * j1
@@ -117,7 +117,7 @@ class InSpace:
     def bar_force(strip, cluster, m, f):
         """Add the end forces of a strip, whose depths are those below the floor; as `sand.kernels.space_law`."""
         share = max(0.0, 1.0 - m.damping * 0.5 * (strip.v0[2] + strip.v1[2]))
-        k = m.stiffness * share * cluster.width * kernels.strip.norm(strip.c)
+        k = m.stiffness * share * cluster.width * kernels.vectors.norm(strip.c)
         j0, j1 = kernels.immersion.part_integrals(strip.a, strip.b, strip.z0, strip.z1, 1.0)
         f[0, 0, 2] += k * j0
         f[0, 1, 2] += k * j1

@@ -139,7 +139,7 @@ class LeeMarghitu(Law):
     @staticmethod
     def bar_cap(c, v, cluster, m, f):
         """As `cap_force`, in space; arguments as in `sand.kernels.space_law.cap_force`."""
-        length = kernels.strip.norm(c)
+        length = kernels.vectors.norm(c)
         if length == 0.0:
             return
         k = face(cluster.width, m) / length * abs(c[0] * v[0] + c[1] * v[1] + c[2] * v[2])

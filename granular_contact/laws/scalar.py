@@ -59,7 +59,7 @@ class ScalarLaw(Law):
 
 def resist(z, u, share, v, shape, m, f):
     """Add the force at a depth z (m) to f[term, axis]: share of the static part against u, the rest against v (m/s)."""
-    static, viscous, quadratic = resistance(z, kernels.strip.norm(v), shape, m)
+    static, viscous, quadratic = resistance(z, kernels.vectors.norm(v), shape, m)
     last = int(m.quadratic)
     for i in range(len(v)):
         f[STATIC, i] -= share * static * u[i]

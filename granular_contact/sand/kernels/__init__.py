@@ -3,7 +3,7 @@
 laws in the plane   law, joining, forces         what a law provides, how it is compiled, what a medium asks for
                     signatures, own_law          arguments of its functions; why one from outside can't be compiled
                     strips, bars, plates, balls  a law on a strip, a bar, a surface element, a ball
-                    strip                        what a law is told of a strip
+                    strip, vectors               what a law is told of a strip; vectors as tuples
                     immersion, surface           integrals over what is immersed; height of the surface
                     bar_statics, tables, probe   static terms of bars; laws with many numbers; a law outside a run
 friction state      friction, planar_friction, space_friction

@@ -16,7 +16,7 @@ import math
 from granular_contact.jit.compiled import part
 from granular_contact.sand.kernels.friction import SMOOTH, direction, drag_component, drive
 from granular_contact.sand.kernels.immersion import THREE_POINTS, moments, part_integrals, sign_change
-from granular_contact.sand.kernels.strip import norm
+from granular_contact.sand.kernels.vectors import norm
 
 
 @part

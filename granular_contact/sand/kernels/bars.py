@@ -28,7 +28,8 @@ from granular_contact.sand.kernels.ground import PLANE, surface_at
 from granular_contact.sand.kernels.immersion import GAUSS_HIGH, GAUSS_LOW, THREE_POINTS, inside
 from granular_contact.sand.kernels.law import TERMS
 from granular_contact.sand.kernels.planar_friction import drive, mobilised
-from granular_contact.sand.kernels.strip import Strip, norm
+from granular_contact.sand.kernels.strip import Strip
+from granular_contact.sand.kernels.vectors import cross, norm
 
 
 @part
@@ -126,12 +127,6 @@ def nearest(a, b, p, q):
     if square == 0.0:
         return b
     return min(b, max(a, -(p[0] * dx + p[1] * dy + p[2] * dz) / square))
-
-
-@part
-def cross(a, b):
-    """Cross product (3,)."""
-    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
 @part

@@ -29,7 +29,7 @@ from granular_contact.jit.chosen import chosen_by
 from granular_contact.jit.compiled import part
 from granular_contact.sand.kernels.immersion import GAUSS_HIGH, GAUSS_LOW, THREE_POINTS, sign_change
 from granular_contact.sand.kernels.planar_friction import drive, mobilised
-from granular_contact.sand.kernels.strip import norm
+from granular_contact.sand.kernels.vectors import norm
 
 STATIC, SHEAR = 0, 1
 SMALL = 0.2  # rad, up to which the series of sine and cosine below are exact to round-off
@@ -76,26 +76,40 @@ def tangent_at(tx, ty, turn, xi):
 
 
 @part
+def turning_point(strip, t, turn, m):
+    """Vectors q at both ends of a strip with the chord t, and where along it q . n changes its sign."""
+    q0, q1 = drive(strip.e0, strip.v0, m), drive(strip.e1, strip.v1, m)
+    (t0x, t0y), (t1x, t1y) = tangent_at(t[0], t[1], turn, 0.0), tangent_at(t[0], t[1], turn, 1.0)
+    return q0, q1, sign_change(strip.a, strip.b, t0x * q0[1] - t0y * q0[0], t1x * q1[1] - t1y * q1[0])
+
+
+@part
+def element(strip, xi, chord, bulge, q0, q1, line, m):
+    """Of the element at xi of a strip depth z (m), tangent t, q, its direction u and g s.
+
+    bulge: of the arc below its chord (m), times xi (1 - xi).
+    """
+    q = (1.0 - xi) * q0[0] + xi * q1[0], (1.0 - xi) * q0[1] + xi * q1[1]
+    t, (u, share) = tangent_at(chord[0], chord[1], line.turn, xi), mobilised(q, m)
+    z = strip.z0 + xi * (strip.z1 - strip.z0) + bulge * xi * (1.0 - xi)
+    return z, t, q, u, share * leading(t, q, line.side, m)
+
+
+@part
 def static_force(strip, line, m, f):
     """Add the static term to f[STATIC]; arguments as in `law.strip_force`."""
-    a, b, z0, z1, length = strip.a, strip.b, strip.z0, strip.z1, norm(strip.c)
+    length = norm(strip.c)
     if length == 0.0:  # has no surface
         return
-    tx, ty = strip.c[0] / length, strip.c[1] / length
-    (q0x, q0y), (q1x, q1y) = drive(strip.e0, strip.v0, m), drive(strip.e1, strip.v1, m)
-    t0x, t0y = tangent_at(tx, ty, line.turn, 0.0)
-    t1x, t1y = tangent_at(tx, ty, line.turn, 1.0)
-    c = sign_change(a, b, t0x * q0y - t0y * q0x, t1x * q1y - t1y * q1x)
-    bulge = 0.5 * line.turn * length * tx  # of the arc below its chord (m), times xi (1 - xi)
-    for start, end in ((a, c), (c, b)):
+    chord = strip.c[0] / length, strip.c[1] / length
+    q0, q1, c = turning_point(strip, chord, line.turn, m)
+    bulge = 0.5 * line.turn * length * chord[0]
+    for start, end in ((strip.a, c), (c, strip.b)):
         if start == end:
             continue
         for gauss in (GAUSS_LOW, GAUSS_HIGH):
             xi = start + (end - start) * gauss
-            q, t = ((1.0 - xi) * q0x + xi * q1x, (1.0 - xi) * q0y + xi * q1y), tangent_at(tx, ty, line.turn, xi)
-            u, share = mobilised(q, m)
-            share *= leading(t, q, line.side, m)
-            z = z0 + xi * (z1 - z0) + bulge * xi * (1.0 - xi)
+            z, t, _, u, share = element(strip, xi, chord, bulge, q0, q1, line, m)
             if share == 0.0 or z <= 0.0:
                 continue
             sx, sy = stress(t, u, m)
@@ -109,24 +123,18 @@ def static_force(strip, line, m, f):
 @part
 def traction_force(strip, line, m, f):
     """Add the terms of a law with a `traction` to f[STATIC] and f[SHEAR]; arguments as in `law.strip_force`."""
-    a, b, z0, z1, length = strip.a, strip.b, strip.z0, strip.z1, norm(strip.c)
+    length = norm(strip.c)
     if length == 0.0:
         return
-    tx, ty = strip.c[0] / length, strip.c[1] / length
-    (q0x, q0y), (q1x, q1y) = drive(strip.e0, strip.v0, m), drive(strip.e1, strip.v1, m)
-    t0x, t0y = tangent_at(tx, ty, line.turn, 0.0)
-    t1x, t1y = tangent_at(tx, ty, line.turn, 1.0)
-    c = sign_change(a, b, t0x * q0y - t0y * q0x, t1x * q1y - t1y * q1x)
-    bulge = 0.5 * line.turn * length * tx
-    for start, end in ((a, c), (c, b)):
+    chord = strip.c[0] / length, strip.c[1] / length
+    q0, q1, c = turning_point(strip, chord, line.turn, m)
+    bulge = 0.5 * line.turn * length * chord[0]
+    for start, end in ((strip.a, c), (c, strip.b)):
         if start == end:
             continue
         for at, weight in THREE_POINTS:
             xi = start + (end - start) * at
-            q, t = ((1.0 - xi) * q0x + xi * q1x, (1.0 - xi) * q0y + xi * q1y), tangent_at(tx, ty, line.turn, xi)
-            u, share = mobilised(q, m)
-            share *= leading(t, q, line.side, m)
-            z = z0 + xi * (z1 - z0) + bulge * xi * (1.0 - xi)
+            z, t, q, u, share = element(strip, xi, chord, bulge, q0, q1, line, m)
             if share == 0.0 or z <= 0.0:
                 continue
             j0, j1 = (line.ahead0, line.ahead1) if t[0] * q[0] + t[1] * q[1] > 0.0 else (line.back0, line.back1)

@@ -6,12 +6,9 @@ along it. Vectors have two components in the plane (y up), three in space (z up)
 
 from __future__ import annotations
 
-import math
 from typing import Any, NamedTuple
 
 from numba import types
-
-from granular_contact.jit.compiled import part
 
 
 class Strip(NamedTuple):
@@ -46,12 +43,3 @@ def strip_type(dimensions: int) -> Any:
     """Numba's type of a strip with vectors of two or three components."""
     vector = types.UniTuple(types.float64, dimensions)
     return types.NamedTuple((*[types.float64] * 4, *[vector] * 5), Strip)
-
-
-@part
-def norm(c):
-    """Length of a vector in the plane or in space; where it is no number near the ends of its range."""
-    square = 0.0
-    for x in c:
-        square += x * x
-    return math.sqrt(square)

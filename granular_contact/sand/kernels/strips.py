@@ -18,6 +18,7 @@ from granular_contact.sand.kernels.immersion import immersed_interval, inside
 from granular_contact.sand.kernels.law import TERMS
 from granular_contact.sand.kernels.strip import Strip
 from granular_contact.sand.kernels.surface import depth
+from granular_contact.sand.kernels.vectors import norm
 
 
 @part
@@ -35,6 +36,12 @@ def collect(f, i, P, F, totals):
 
 
 @part
+def apart(A, i, B, j):
+    """Vector (2,) from row i of an array to row j of another."""
+    return B[j, 0] - A[i, 0], B[j, 1] - A[i, 1]
+
+
+@part
 def distributed_forces(P, V, anchors, line, profile, medium, F, totals):
     """Integrate the law strip by strip."""
     f, length = room3(TERMS, 2, 2), 0.0
@@ -49,8 +56,7 @@ def distributed_forces(P, V, anchors, line, profile, medium, F, totals):
         if line.behind > 0.0:
             z1 -= law.lowering(P, V, i + 1, line, medium)
         if line.scatter > 0.0:
-            cx, cy = P[i + 1, 0] - P[i, 0], P[i + 1, 1] - P[i, 1]
-            length = math.sqrt(cx * cx + cy * cy)
+            length = norm(apart(P, i, P, i + 1))
             place += length
         a, b = inside(z0, z1, line)
         if a == b:
@@ -58,18 +64,15 @@ def distributed_forces(P, V, anchors, line, profile, medium, F, totals):
         clear(f)
         if anchors.shape[1] > 2:
             law.count_shear(P, anchors, i, line, medium)
-        p, q, r, s = P[i], P[i + 1], anchors[i], anchors[i + 1]
-        e0, e1 = (p[0] - r[0], p[1] - r[1]), (q[0] - s[0], q[1] - s[1])
-        v0, v1 = (V[i, 0], V[i, 1]), (V[i + 1, 0], V[i + 1, 1])
-        strip = Strip(a, b, z0, z1, (q[0] - p[0], q[1] - p[1]), v0, v1, e0, e1)
-        law.strip_force(strip, line, medium, f)
+        c, v0, v1 = apart(P, i, P, i + 1), (V[i, 0], V[i, 1]), (V[i + 1, 0], V[i + 1, 1])
+        e0, e1 = apart(anchors, i, P, i), apart(anchors, i + 1, P, i + 1)
+        law.strip_force(Strip(a, b, z0, z1, c, v0, v1, e0, e1), line, medium, f)
         if line.scatter > 0.0:
             law.scattered(f, P, anchors, i, place - 0.5 * length, length, line, medium)
         collect(f, i, P, F, totals)
     if line.cap and z1 > 0.0 and (not line.layered or line.top < z1 <= line.bottom):
         clear(f)
-        cx, cy = P[last, 0] - P[last - 1, 0], P[last, 1] - P[last - 1, 1]
-        law.cap_force((cx, cy), (V[last, 0], V[last, 1]), line, medium, f)
+        law.cap_force(apart(P, last - 1, P, last), (V[last, 0], V[last, 1]), line, medium, f)
         collect(f, last - 1, P, F, totals)
 
 

@@ -7,7 +7,6 @@ places of the bodies in held, see `held_bodies` also for bed.
 
 from __future__ import annotations
 
-import math
 from typing import Any, NamedTuple
 
 from granular_contact.engines.mujoco.kernels.added_mass import add_inertia, add_point
@@ -31,6 +30,7 @@ from granular_contact.sand.kernels.space_clusters import (
     release,
 )
 from granular_contact.sand.kernels.space_friction import drive
+from granular_contact.sand.kernels.vectors import norm
 
 
 class Batch(NamedTuple):
@@ -175,18 +175,18 @@ def weigh(f, E, A, pose, ahead, step, bristle, inertia):
     ex, ey, ez = ahead[3, 0] + rx - ax, ahead[3, 1] + ry - ay, ahead[3, 2] + rz - az
     if bristle.parted and bristle.friction != SMOOTH:
         qx, qy = drive_across((ex, ey), (vx, vy), bristle)
-        mass = secant(length(fx, fy, 0.0), length(qx, qy, 0.0), length(ex, ey, 0.0), length(vx, vy, 0.0), bristle, step)
+        mass = secant(norm((fx, fy)), norm((qx, qy)), norm((ex, ey)), norm((vx, vy)), bristle, step)
         qz = bristle.u_y * drive_along(ez, vz, bristle)
         upward = secant(abs(fz), abs(qz), abs(ez), abs(vz), bristle, step)
         add_point(mass, bx, by, bz, inertia)
         add_inertia(upward - mass, pose[2, 0], pose[2, 1], pose[2, 2], bx, by, bz, inertia)
         return
     (qx, qy, qz), tau = drive((ex, ey, ez), (vx, vy, vz), bristle)
-    q, h = length(qx, qy, qz), length(ex, ey, ez)
+    q, h = norm((qx, qy, qz)), norm((ex, ey, ez))
     if q == 0.0:
         return
     share = 0.0 if bristle.friction == SMOOTH else min(1.0, bristle.u_y / h) if h > 0.0 else 1.0
-    growth = step * (share * step + tau) * length(fx, fy, fz)
+    growth = step * (share * step + tau) * norm(f)
     add_point(growth / q, bx, by, bz, inertia)
 
 
@@ -197,12 +197,6 @@ def middle(rows):
     for i in range(rows.shape[0]):
         x, y, z = x + n * rows[i, 0], y + n * rows[i, 1], z + n * rows[i, 2]
     return x, y, z
-
-
-@part
-def length(x, y, z):
-    """Length of a vector."""
-    return math.sqrt(x * x + y * y + z * z)
 
 
 @part

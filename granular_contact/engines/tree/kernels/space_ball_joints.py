@@ -21,7 +21,6 @@ from granular_contact.engines.tree.kernels.space_arrays import nodes_of
 from granular_contact.engines.tree.kernels.space_rotations import (
     by_vector,
     chart,
-    cross,
     dot,
     four,
     matrix_of,
@@ -52,6 +51,7 @@ from granular_contact.jit.memory import room1
 from granular_contact.jit.memory import rows as rows_of
 from granular_contact.mechanics.kernels.joint_laws import total
 from granular_contact.sand.kernels.lines import difference
+from granular_contact.sand.kernels.vectors import cross
 
 SPRUNG, ELASTIC = 1, 2  # of a node's `acts`: what its ball joint has
 SMALL = 1e-2  # rad, below which c is taken from its series

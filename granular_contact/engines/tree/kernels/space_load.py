@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from granular_contact.engines.tree.kernels.space_arrays import nodes_of
 from granular_contact.engines.tree.kernels.space_fold import fold, inertias, solve
-from granular_contact.engines.tree.kernels.space_rotations import at, cross, plus, put, times
+from granular_contact.engines.tree.kernels.space_rotations import at, plus, put, times
 from granular_contact.engines.tree.kernels.space_tree import carry, lack, place, recentre
 from granular_contact.engines.tree.kernels.tree_arrays import (
     BLOCKS,
@@ -38,6 +38,7 @@ from granular_contact.jit.compiled import part
 from granular_contact.jit.memory import clear, flat, room2
 from granular_contact.mechanics.kernels.step_error import fastest
 from granular_contact.sand.kernels import space_sand as sand  # noqa: F401  # whose functions `tree_calls` takes
+from granular_contact.sand.kernels.vectors import cross
 
 SIZE = 7  # coordinates of a pose
 

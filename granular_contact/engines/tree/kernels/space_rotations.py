@@ -14,6 +14,7 @@ from __future__ import annotations
 import math
 
 from granular_contact.jit.compiled import part
+from granular_contact.sand.kernels.vectors import cross
 
 SERIES = 0.1  # rad^2: squares of the angle below which coefficients are taken from series
 
@@ -52,12 +53,6 @@ def put(a, array, i, first):
 def unit(k):
     """Unit vector along axis k."""
     return 1.0 * (k == 0), 1.0 * (k == 1), 1.0 * (k == 2)
-
-
-@part
-def cross(a, b):
-    """A x b."""
-    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
 @part

@@ -29,7 +29,6 @@ from granular_contact.engines.tree.kernels.space_rotations import (
     at,
     by_vector,
     chart,
-    cross,
     drift_of,
     four,
     matrix_of,
@@ -68,6 +67,7 @@ from granular_contact.engines.tree.kernels.tree_arrays import (
     rows,
 )
 from granular_contact.jit.compiled import part
+from granular_contact.sand.kernels.vectors import cross
 
 HINGE, SLIDER, BALL = 0, 1, 2
 LAST = 2  # of the three nodes of a ball joint, the one with the body
