@@ -5,12 +5,12 @@
 A scene is a seed (validation/random_scenes): a mechanism of every kind, with drives, in a medium of every law, on a
 bed, solved in every way. It goes through the loader of the command line, and is run as it is; mirrored in x; a
 kilometre away; with its parts in another order; with half the step; with a quarter to a sixteenth of it; with a quarter
-of the step (a smaller part where that is too long), eight times the strips and four times the elements; and with chosen
-steps where they were fixed, or the other way round. A run is **silent** when it ends well without a warning about its
-own accuracy. Differences are greatest distances of any body (with its turn times its reach) over the way of whatever
-moves most. --store keeps what came of every scene in a file, and runs those alone that have none yet: for a study that
-is stopped and goes on, or several at once. --keep writes every scene that offends as a config. `properties_in_space.py`
-does the same in space.
+of the step (a smaller part where that is too long), eight times the strips and four times the elements (in space: half
+the step, and facets of a third); and with chosen steps where they were fixed, or the other way round. A run is
+**silent** when it ends well without a warning about its own accuracy. Differences are greatest distances of any body
+(with its turn times its reach) over the way of whatever moves most; infinite where an image does not end. --store keeps
+what came of every scene in a file, and runs those alone that have none yet: for a study that is stopped and goes on, or
+several at once. --keep writes every scene that offends as a config. `properties_in_space.py` does the same in space.
 """
 
 from __future__ import annotations
@@ -47,13 +47,11 @@ from validation.tables import machine, markdown
 
 COUNT, QUICK, SEED = 1000, 8, 0
 SHARE = 0.2  # of the time of a scene, in the quick form
-WALL = 15.0  # s of the clock for any run
-MOST_STEPS = 8_000  # of the reference
 SILENT = 1e-2  # of the way: what a run without a warning may be off by
 BALANCE = 1e-3
 ALIKE = 1e-4  # of the way: images; or the accuracy; or, where round-off grows as the motion diverges, what steps do
 STRIPS, ELEMENTS = 8, 4
-FACETS = 0.25  # of their usual size
+FACETS = 1.0 / 3.0  # of their usual size
 
 
 @dataclass(frozen=True)
@@ -99,11 +97,17 @@ class Found:
 
 @dataclass(frozen=True)
 class World:
-    """Scenes of the plane or of space. divided: that image with so many times shorter steps, and finer in space."""
+    """Scenes of the plane or of space. divided: that image with so many times shorter steps, and finer in space.
+
+    shorter: how many times, of that image at first; most_steps: of the reference for steps; wall: s, for any run.
+    """
 
     draw: Callable[[int, Path], Drawn]
     images: dict[str, images.Image]
     divided: Callable[[images.Tree, float], images.Tree]
+    shorter: float
+    most_steps: int
+    wall: float
 
 
 WORLDS = {
@@ -115,6 +119,9 @@ WORLDS = {
             "parts in another order": images.reordered,
         },
         lambda tree, factor: images.divided(images.finer(tree, factor), STRIPS, ELEMENTS),
+        shorter=4.0,
+        most_steps=8_000,
+        wall=15.0,
     ),
     "space": World(
         in_space.draw,
@@ -125,6 +132,9 @@ WORLDS = {
             "parts in another order": images.reordered,
         },
         lambda tree, factor: images_in_space.finer(images.finer(tree, factor), FACETS),
+        shorter=2.0,  # facets of a third are nine times as many
+        most_steps=4_000,
+        wall=120.0,
     ),
 }
 
@@ -159,7 +169,7 @@ def look_or_read(seed: int, quick: bool = False, store: Path | None = None, worl
 
 def _judged(drawn: Drawn, folder: Path, share: float, world: World) -> Found:
     solver = drawn.tree["solver"]
-    tree = drawn.tree | {"solver": solver | {"max_wall_s": WALL, "end_time_s": share * solver["end_time_s"]}}
+    tree = drawn.tree | {"solver": solver | {"max_wall_s": world.wall, "end_time_s": share * solver["end_time_s"]}}
     try:
         scene = build(load_scenario(write(tree, folder)))
         results = solve(tree, folder)
@@ -176,16 +186,18 @@ def _judged(drawn: Drawn, folder: Path, share: float, world: World) -> Found:
         return Found(**found)
     own = track(results, tree, scene.least_path)
     again = _Again(own, folder, scene.least_path)
-    found["images"] = {name: again.off(image, tree, name == "mirror image") for name, image in world.images.items()}
+    found["images"] = {
+        name: again.off(image, tree, name == "mirror image", ends=math.inf) for name, image in world.images.items()
+    }
     found["half"] = again.off(lambda one: images.finer(one, 2.0), tree, silent=True)
     steps = tree["solver"]["end_time_s"] / tree["solver"].get("step_s", images.STEP)
-    most = min(16.0, max(4.0, 2.0 ** math.floor(math.log2(MOST_STEPS / steps))))
+    most = min(16.0, max(4.0, 2.0 ** math.floor(math.log2(world.most_steps / steps))))
     found["steps"] = again.off(lambda one: images.finer(one, most), tree)
-    for factor in (4.0, most):  # a reference with steps that are too long itself tells nothing of strips
+    for factor in (world.shorter, most):  # a reference with steps that are too long itself tells nothing of strips
         found["space"] = again.off(partial(world.divided, factor=factor), tree, silent=factor < most)
         if math.isfinite(found["space"]):
             break
-    if (other := again.run(images.chosen, tree)) is not None:
+    if (other := again.run(images.chosen, tree)) is not None and other.status.code in GOOD:
         found["numbers"] = summaries_apart(
             results, other, own, max(scene.length, 1e-3), scene.mass * abs(scene.gravity)
         )
@@ -214,17 +226,18 @@ class _Again:
     least_path: float
 
     def run(self, image: images.Image, tree: Any) -> Any:
-        """Results of a form; None where there is none, or it did not end."""
+        """Results of a form; None where there is none."""
         try:
-            results = solve(image(tree), self.folder)
+            return solve(image(tree), self.folder)
         except images.NoImage:
             return None
-        return results if results.status.code in GOOD else None
 
-    def off(self, image: images.Image, tree: Any, mirror: bool = False, silent: bool = False) -> float:
+    def off(
+        self, image: images.Image, tree: Any, mirror: bool = False, silent: bool = False, ends: float = math.nan
+    ) -> float:
         """How far the scene is from this form of it; infinite where the form alone is refused.
 
-        silent: only where the form carries no warning.
+        silent: only where the form carries no warning; ends: what it is where the form does not end well.
         """
         try:
             results = self.run(image, tree)
@@ -232,6 +245,8 @@ class _Again:
             return math.inf
         if results is None or (silent and _doubts(results)):
             return math.nan
+        if results.status.code not in GOOD:
+            return ends
         return apart(self.own, track(results, image(tree), self.least_path), mirror)
 
 
@@ -361,7 +376,8 @@ def outcome(found: Sequence[Found], of: str = "properties") -> Outcome:
         silent_table(found, lambda one: one.kind, "steps"),
     ]
     parts += [
-        "The same against a quarter of the step, 8 times the strips and 4 times the elements, or facets of a fourth."
+        "The same against a quarter of the step, 8 times the strips and 4 times the elements; in space half the step, "
+        "and facets of a third."
     ]
     parts += [silent_table(found, lambda one: one.kind, "space")]
     parts += ["The same by solver.", silent_table(found, lambda one: one.solver, "space")]

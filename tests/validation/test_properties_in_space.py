@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ from granular_contact.scene import build
 from validation import properties as study
 from validation.random_scenes import images, images_in_space
 from validation.random_scenes.in_space import SOLIDS, draw
-from validation.random_scenes.scenes import write
+from validation.random_scenes.scenes import solve, write
 
 SPACE = study.WORLDS["space"]
 
@@ -57,6 +58,22 @@ def _close(one, other) -> bool:
     if isinstance(one, list):
         return len(one) == len(other) and all(map(_close, one, other))
     return one == other or (isinstance(one, float) and abs(one - other) < 1e-9)
+
+
+def test_a_kilometre_away_the_engine_takes_no_shorter_steps(tmp_path: Path) -> None:
+    """Of an arc and a box that are thrown; its iteration found no end in the round-off of the sand's forces."""
+    tree = images_in_space.shifted(draw(4, tmp_path).tree)
+    tree["solver"] |= {"end_time_s": 0.05, "max_wall_s": 20.0}
+    cost = solve(tree, tmp_path).summary["cost"]
+    assert (cost["steps"], cost["shortened_steps"]) == (250, 0)
+
+
+def test_an_image_that_does_not_end_breaks_its_property(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    ended = SimpleNamespace(status=SimpleNamespace(code="time_limit"), warnings=())
+    monkeypatch.setattr(study, "solve", lambda *_: ended)
+    again = study._Again(None, tmp_path, 1.0)  # type: ignore[arg-type]
+    assert again.off(dict, {}, ends=np.inf) == np.inf
+    assert np.isnan(again.off(dict, {}))
 
 
 @pytest.mark.parametrize("seed", [1])
