@@ -28,7 +28,7 @@ from granular_contact.sand.space.of_scene import add_part, load_of
 from granular_contact.sand.space.other_facets import SHARES, Others, differing, numbers, others, part
 from granular_contact.scene.space.types import SpatialScene, Vector
 
-INSTANTS = 16, 48, 96  # of the motion at which its departure is followed: a glance, and looks
+INSTANTS = 24, 48, 96  # of the motion at which its departure is followed: a glance, and looks
 AGREE = 1.5  # factor between two estimates in turn, from which on there is another look
 # Of the error of a motion by facets, which is that of forces, 2, where facets are many [measured: 1.0 to 2.3 where few
 # are loaded, or come to lead or to trail, as under a ball that rolls].
@@ -207,6 +207,9 @@ def _motion(observer: SpatialKinematics, at: Any) -> Motion:
 
 _ENTRIES = np.array([[1, 2, 3], [0, 3, 2], [3, 0, 1], [2, 1, 0]])  # of e in the matrix of e (0, w) / 2
 _SIGNS = 0.5 * np.array([[-1, -1, -1], [1, -1, 1], [1, 1, -1], [-1, 1, 1]])
+_FIXED, _BY_E = np.zeros((7, 6)), np.zeros((4, 7, 6))  # the rates by those of a body: fixed, and in proportion to e
+_FIXED[:3, :3] = np.eye(3)
+_BY_E[_ENTRIES, [[3], [4], [5], [6]], [3, 4, 5]] = _SIGNS
 
 
 class Poses(Flat):
@@ -235,9 +238,5 @@ def _by_turns(turns: Vector, v: Vector) -> Vector:
 
 
 def _turns(q: Vector) -> Vector:
-    """Rates of places and Euler parameters by those of bodies (b, 7, 6): e' = e (0, w) / 2."""
-    e = q.reshape(-1, 7)[:, 3:]
-    T = np.zeros((len(e), 7, 6))
-    T[:, [0, 1, 2], [0, 1, 2]] = 1.0
-    T[:, 3:, 3:] = _SIGNS * e[:, _ENTRIES]
-    return T
+    """Rates of places and Euler parameters by those of bodies (b, 7, 6)."""
+    return _FIXED + (q.reshape(-1, 7)[:, 3:] @ _BY_E.reshape(4, -1)).reshape(-1, 7, 6)
