@@ -24,13 +24,13 @@ from granular_contact.laws.static_friction import Smooth as Smooth
 from granular_contact.laws.tsimring_volfson import TsimringVolfson as TsimringVolfson
 from granular_contact.results import Results as Results
 from granular_contact.sand.space.mesh_shape import Mesh as Mesh
+from granular_contact.sand.space.round_shapes import Capsule as Capsule
+from granular_contact.sand.space.round_shapes import Cone as Cone
+from granular_contact.sand.space.round_shapes import Cylinder as Cylinder
+from granular_contact.sand.space.round_shapes import Sphere as Sphere
 from granular_contact.sand.space.shapes import Bar as Bar
 from granular_contact.sand.space.shapes import Box as Box
-from granular_contact.sand.space.shapes import Capsule as Capsule
-from granular_contact.sand.space.shapes import Cone as Cone
-from granular_contact.sand.space.shapes import Cylinder as Cylinder
 from granular_contact.sand.space.shapes import Plate as Plate
-from granular_contact.sand.space.shapes import Sphere as Sphere
 from granular_contact.scene.build import build as build
 from granular_contact.scene.media import preset as preset
 from granular_contact.simulation import Simulation as Simulation

@@ -28,6 +28,7 @@ FLOORS = (
     ("sand.space.triangles", "sand.space.heights"),  # shapes and surfaces are made once, for scenes too
     ("sand.space.facets",),
     ("sand.space.shapes",),
+    ("sand.space.round_shapes",),
     ("sand.space.beam_shape",),
     ("sand.space.mesh_shape",),
     ("scene", "starter"),

@@ -15,7 +15,7 @@ from granular_contact.sand.contact_lines import Body, outline
 from granular_contact.sand.kernels.plates import EDGE
 from granular_contact.sand.load import GranularLoad
 from granular_contact.sand.space.load import SpatialLoad
-from granular_contact.sand.space.shapes import Cylinder
+from granular_contact.sand.space.round_shapes import Cylinder
 
 RADIUS, WIDTH, DEPTH, SPEED = 0.058, 0.05, 0.019, 0.02
 ENTRY = math.acos(1.0 - DEPTH / RADIUS)

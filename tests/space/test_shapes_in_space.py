@@ -52,6 +52,16 @@ def test_facets_have_the_area_of_the_surface_and_enclose_its_volume(name: str) -
     assert off[0] < 2e-2
 
 
+@pytest.mark.parametrize(("name", "sides"), [("cylinder", 48), ("cone", 48), ("sphere", 24), ("capsule", 24)])
+def test_what_is_round_is_drawn_round(name: str, sides: int) -> None:
+    """A regular polygon of n sides with the area of its circle is pi^2 / 3 n^2 of the radius away from it at most."""
+    corners = SOLIDS[name][0].drawn()
+    widest = corners[np.abs(np.hypot(corners[..., 0], corners[..., 1]) / (D / 2) - 1.0) < 0.02]
+    angles = np.unique(np.round(np.arctan2(widest[:, 1], widest[:, 0]), 6) % np.round(2.0 * np.pi, 6))
+    assert len(angles) >= sides
+    assert len(corners) < 1000  # which a player and a report hold
+
+
 @pytest.mark.parametrize("name", SOLIDS)
 def test_facets_are_alike_on_all_sides(name: str) -> None:
     """The mirror image of each facet in the planes of the axes is one of the others; a cone has no image in z."""

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from granular_contact.engines.mujoco.engine import mujoco, name_of
 from granular_contact.errors import Fault, SceneError, scene_fault
 from granular_contact.sand.kernels.facets import PARALLELOGRAM
-from granular_contact.sand.space import shapes
+from granular_contact.sand.space import round_shapes, shapes
 from granular_contact.sand.space.facets import Facets, Size
 from granular_contact.sand.space.mesh_shape import Mesh
 
@@ -72,11 +72,11 @@ def shape(model: Any, one: Geom, *, bars: bool, hull: bool) -> tuple[shapes.Shap
     """
     a, b, c = (float(s) for s in one.size)
     if one.kind == KIND.mjGEOM_SPHERE:
-        return shapes.Sphere(2.0 * a), one.turn
+        return round_shapes.Sphere(2.0 * a), one.turn
     if one.kind in (KIND.mjGEOM_CAPSULE, KIND.mjGEOM_CYLINDER):
         if bars:
             return shapes.Bar([[0.0, 0.0, -b], [0.0, 0.0, b]], 2.0 * a), one.turn
-        solid = shapes.Capsule if one.kind == KIND.mjGEOM_CAPSULE else shapes.Cylinder
+        solid = round_shapes.Capsule if one.kind == KIND.mjGEOM_CAPSULE else round_shapes.Cylinder
         return solid(2.0 * a, 2.0 * b), one.turn
     if one.kind == KIND.mjGEOM_ELLIPSOID:
         return _Ellipsoid((a, b, c)), one.turn
@@ -144,13 +144,13 @@ class _Ellipsoid(shapes.Shape):
         """As `Shape.corners`."""
         least, most = float(self._radii.min()), float(self._radii.max())
         fine = 2.0 * np.sqrt(3.0) * most / shapes.PARTS if size is None else size
-        unit = shapes.Sphere(2.0).corners(max(fine / most, 0.2 * least / most))
+        unit = round_shapes.Sphere(2.0).corners(max(fine / most, 0.2 * least / most))
         return np.ascontiguousarray(unit * self._radii)
 
     def facets_of(self, size: Size) -> Facets:
         """As `Shape.facets_of`: those of a sphere of radius 1 m, stretched along the axes."""
         S, least, most = self._radii, float(self._radii.min()), float(self._radii.max())
-        unit = shapes.Sphere(2.0).facets_of(Size(size.edge / most, size.turn * max(0.3, least / most)))
+        unit = round_shapes.Sphere(2.0).facets_of(Size(size.edge / most, size.turn * max(0.3, least / most)))
         a, b, normal = S * unit.a, S * unit.b, unit.normal / S
         grown = np.linalg.norm(normal, axis=1)
         curve = [np.sum(e * e, axis=1) / grown / np.sum(f * f, axis=1) for e, f in ((unit.a, a), (unit.b, b))]

@@ -19,7 +19,8 @@ A cube of 0.1 m of steel, pressed 30 mm deep into sand at 0.1 m/s:
     >>> print(f"force {load.force(pose, velocity, np.zeros(7))[2]:.2f} N, work {load.history.work[-1]:.4f} J")
     force 246.19 N, work -3.6929 J
 
-shapes      primitives -> triangles to draw, facets, bars, balls; a new shape is a class here; mesh_shape: meshes
+shapes      what all shapes give: triangles, facets; box, plate, bar; a new shape is a class here. round_shapes:
+            cylinder, sphere, capsule, cone; mesh_shape: meshes
 beam_shape  pieces of links that bend; cables: of an engine's beams
 facets      triangles, parallelograms, patches of round surfaces, and how large they are; other_facets: the error of
             a load by them

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from granular_contact.sand.space import facets, triangles
 from granular_contact.sand.space.facets import Facets, Size, line, of_rectangle, revolved
+from granular_contact.sand.space.round_shapes import SIDES
 from granular_contact.sand.space.shapes import PARTS, Shape
 
 Vector = NDArray[np.float64]
@@ -40,14 +41,20 @@ class Beam(Shape):
     def corners(self, size: float | None = None) -> Vector:
         """As `Shape.corners`."""
         edge = float(np.hypot(self.length, np.hypot(*self.section))) / PARTS if size is None else size
-        outline = self._outline(edge)
+        return triangles.cut(self._triangles(self._outline(edge)), edge)
+
+    def drawn(self) -> Vector:
+        """As `Shape.drawn`."""
+        return self._triangles(self._outline(np.pi * self.section[0] / SIDES))
+
+    def _triangles(self, outline: Vector) -> Vector:
         low, high = (np.insert(outline, 0, x, axis=1) for x in (-0.5 * self.length, 0.5 * self.length))
         a, b, c, d = low, np.roll(low, -1, axis=0), np.roll(high, -1, axis=0), high
         made = [np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)]
         for there, (first, second), middle in ((self.ends[0], (b, a), low), (self.ends[1], (d, c), high)):
             if there:
                 made.append(np.stack([np.broadcast_to(middle.mean(axis=0), a.shape), first, second], axis=1))
-        return triangles.cut(np.concatenate(made), edge)
+        return np.concatenate(made)
 
     def facets_of(self, size: Size) -> Facets:
         """As `Shape.facets_of`."""

@@ -11,7 +11,8 @@ from granular_contact.errors import scene_error
 from granular_contact.laws.kinds import Kind
 from granular_contact.sand.contact_lines import Body
 from granular_contact.sand.space import facets, triangles
-from granular_contact.sand.space.shapes import Bar, Shape, Sphere
+from granular_contact.sand.space.round_shapes import Sphere
+from granular_contact.sand.space.shapes import Bar, Shape
 
 Vector = NDArray[np.float64]
 

@@ -26,7 +26,8 @@ from granular_contact.sand.load import GranularLoad
 from granular_contact.sand.space import elements
 from granular_contact.sand.space.batch import SpatialBatch
 from granular_contact.sand.space.heights import Heights
-from granular_contact.sand.space.shapes import Bar, Shape, Sphere
+from granular_contact.sand.space.round_shapes import Sphere
+from granular_contact.sand.space.shapes import Bar, Shape
 from granular_contact.sand.space.triangles import COST, FACET_SIZE, MOST_FACETS
 
 Vector = NDArray[np.float64]

@@ -1,14 +1,12 @@
-"""Shapes of bodies in space, each in a frame of its own: primitives, meshes, bars.
+"""Shapes of bodies in space, each in a frame of its own: what all give, and those with straight edges.
 
-A shape says which `kind` of elements it has and gives its triangles. Round ones are many-sided, with as much area in
-every section as the true one [ours]. A new shape is a class here.
+A shape gives its triangles and its facets. A new shape is a class here, or in `round_shapes`.
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,10 +14,9 @@ from numpy.typing import ArrayLike, NDArray
 from granular_contact.errors import scene_error
 from granular_contact.geometry import mesh
 from granular_contact.sand.space import facets, triangles
-from granular_contact.sand.space.facets import Facets, Size, arc, line, of_rectangle, revolved
+from granular_contact.sand.space.facets import Facets, Size, of_rectangle
 
 Vector = NDArray[np.float64]
-MOST_CHORDS = 10_000  # of a profile: with as many facets around it there are too many in any case
 PARTS = 8  # facets along the diagonal of a shape, unless their size is given
 
 
@@ -70,6 +67,10 @@ class Shape(ABC):
         """Facets of a size; of a shape that has no others its triangles."""
         return facets.of_triangles(self.corners(size.edge))
 
+    def drawn(self) -> Vector:
+        """Triangles (n, 3, 3) m to be drawn: flat faces are whole, and round ones look so."""
+        return self.corners(np.inf)
+
     @abstractmethod
     def corners(self, size: float | None = None) -> Vector:
         """Triangles of its surface.
@@ -104,7 +105,7 @@ class Box(Shape):
     size: tuple[float, float, float]
 
     def __post_init__(self) -> None:
-        _positive("Box", size=self.size)
+        positive("Box", size=self.size)
 
     def corners(self, size: float | None = None) -> Vector:
         """As `Shape.corners`."""
@@ -117,138 +118,6 @@ class Box(Shape):
         turned = [(half[i], half[i - 2], half[i - 1]) for i in range(3)]
         pairs = [((n, a, b), (-n, b, a)) for n, a, b in turned]
         return facets.joined([of_rectangle(*side, size) for pair in pairs for side in pair])
-
-
-@dataclass(frozen=True)
-class Cylinder(Shape):
-    """Cylinder around the z axis, from -length/2 to length/2.
-
-    Parameters
-    ----------
-    diameter, length : float
-        m, above 0.
-    """
-
-    diameter: float
-    length: float
-
-    def __post_init__(self) -> None:
-        _positive("Cylinder", diameter=self.diameter, length=self.length)
-
-    def corners(self, size: float | None = None) -> Vector:
-        """As `Shape.corners`."""
-        r, h = 0.5 * self.diameter, 0.5 * self.length
-        return _turned([(0.0, -h), (r, -h), (r, h), (0.0, h)], size)
-
-    def rims(self) -> Vector:
-        """As `Shape.rims`."""
-        return np.array([facets.rim(z, circle=0.5 * self.diameter) for z in (-0.5 * self.length, 0.5 * self.length)])
-
-    def facets_of(self, size: Size) -> Facets:
-        """As `Shape.facets_of`."""
-        r, h = 0.5 * self.diameter, 0.5 * self.length
-        corners = (0.0, -h), (r, -h), (r, h), (0.0, h)
-        return revolved([strip for start, end in pairwise(corners) for strip in line(start, end, size)])
-
-
-@dataclass(frozen=True)
-class Sphere(Shape):
-    """Sphere around the origin.
-
-    Parameters
-    ----------
-    diameter : float
-        m, above 0.
-    mass : float, optional
-        Its own (kg), for laws of balls that know it; that of the body unless given.
-    """
-
-    diameter: float
-    mass: float | None = None
-
-    def __post_init__(self) -> None:
-        _positive("Sphere", diameter=self.diameter, mass=1.0 if self.mass is None else self.mass)
-
-    def corners(self, size: float | None = None) -> Vector:
-        """As `Shape.corners`."""
-        d = self.diameter
-        return _turned(_arc(0.5 * d, -0.5 * np.pi, 0.5 * np.pi, _size(np.sqrt(3.0) * d, size)), size)
-
-    def rims(self) -> Vector:
-        """As `Shape.rims`."""
-        return np.array([facets.rim(0.0, ball=0.5 * self.diameter)])
-
-    def facets_of(self, size: Size) -> Facets:
-        """As `Shape.facets_of`."""
-        return revolved(arc(0.5 * self.diameter, 0.0, -0.5 * np.pi, 0.5 * np.pi, size))
-
-
-@dataclass(frozen=True)
-class Capsule(Shape):
-    """Cylinder around the z axis with half spheres at its ends.
-
-    Parameters
-    ----------
-    diameter : float
-        m, above 0.
-    length : float
-        Between the centres of the half spheres (m), above 0.
-    """
-
-    diameter: float
-    length: float
-
-    def __post_init__(self) -> None:
-        _positive("Capsule", diameter=self.diameter, length=self.length)
-
-    def corners(self, size: float | None = None) -> Vector:
-        """As `Shape.corners`."""
-        r, h = 0.5 * self.diameter, 0.5 * self.length
-        step = _size(float(np.hypot(np.sqrt(8.0) * r, 2.0 * (r + h))), size)
-        up = [(r, h), *((x, z + h) for x, z in _arc(r, 0.0, 0.5 * np.pi, step)[1:])]
-        return _turned([*[(x, -z) for x, z in reversed(up)], *up], size)
-
-    def rims(self) -> Vector:
-        """As `Shape.rims`."""
-        return np.array([facets.rim(z, ball=0.5 * self.diameter) for z in (-0.5 * self.length, 0.5 * self.length)])
-
-    def facets_of(self, size: Size) -> Facets:
-        """As `Shape.facets_of`."""
-        r, h = 0.5 * self.diameter, 0.5 * self.length
-        side = line((r, -h), (r, h), size)
-        return revolved([*arc(r, -h, -0.5 * np.pi, 0.0, size), *side, *arc(r, h, 0.0, 0.5 * np.pi, size)])
-
-
-@dataclass(frozen=True)
-class Cone(Shape):
-    """Cone around the z axis: its tip at the origin, its base at z = height.
-
-    Parameters
-    ----------
-    diameter : float
-        Of the base (m), above 0.
-    height : float
-        m, above 0.
-    """
-
-    diameter: float
-    height: float
-
-    def __post_init__(self) -> None:
-        _positive("Cone", diameter=self.diameter, height=self.height)
-
-    def corners(self, size: float | None = None) -> Vector:
-        """As `Shape.corners`."""
-        return _turned([(0.0, 0.0), (0.5 * self.diameter, self.height), (0.0, self.height)], size)
-
-    def rims(self) -> Vector:
-        """As `Shape.rims`."""
-        return np.array([facets.rim(0.0), facets.rim(self.height, circle=0.5 * self.diameter)])
-
-    def facets_of(self, size: Size) -> Facets:
-        """As `Shape.facets_of`."""
-        r, h = 0.5 * self.diameter, self.height
-        return revolved([*line((0.0, 0.0), (r, h), size), *line((r, h), (0.0, h), size)])
 
 
 @dataclass(frozen=True)
@@ -265,7 +134,7 @@ class Plate(Shape):
     thin = True
 
     def __post_init__(self) -> None:
-        _positive("Plate", size=self.size)
+        positive("Plate", size=self.size)
 
     def corners(self, size: float | None = None) -> Vector:
         """As `Shape.corners`."""
@@ -307,7 +176,7 @@ class Bar(Shape):
     line: Vector = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        _positive("Bar", diameter=self.diameter, strips=self.strips)
+        positive("Bar", diameter=self.diameter, strips=self.strips)
         line = np.asarray(self.points, float)
         if line.ndim != 2 or line.shape[1] != 3 or len(line) < 2 or not np.isfinite(line).all():
             raise scene_error("Bar", f"points: got an array of shape {line.shape}, allowed are (k, 3) finite numbers")
@@ -336,52 +205,20 @@ _SIDES = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), 
 _BOX_FACES = np.array([half for a, b, c, d in _SIDES for half in ((a, b, c), (a, c, d))])
 
 
-def _size(extent: float, size: float | None) -> float:
+def edge_of(extent: float, size: float | None) -> float:
     """Greatest edge of facets (m) of a shape of this extent, unless it is given."""
     return extent / PARTS if size is None else size
 
 
 def _cut(corners: Vector, size: float | None) -> Vector:
-    return triangles.cut(corners, _size(mesh.extent(corners), size))
-
-
-def _arc(radius: float, start: float, end: float, size: float) -> list[tuple[float, float]]:
-    """Points r, z (m) on a circle about the origin between two elevations (rad), of chords of about `size` (m)."""
-    count = max(2, int(np.ceil(min((end - start) * radius / size, MOST_CHORDS))))
-    step = (end - start) / count
-    rho = radius * np.sqrt(step / np.sin(step))  # as much area below the chords as below the arc
-    angles = start + step * np.arange(count + 1)
-    return [
-        (max(0.0, float(rho * np.cos(a))) if abs(np.cos(a)) > 1e-12 else 0.0, float(rho * np.sin(a))) for a in angles
-    ]
-
-
-def _turned(profile: list[tuple[float, float]], size: float | None) -> Vector:
-    """Triangles of the body that a profile of points r, z (m), from the bottom to the top, has when turned about z."""
-    line = np.array(profile)
-    widest = float(line[:, 0].max())
-    edge = _size(float(np.hypot(np.sqrt(8.0) * widest, np.ptp(line[:, 1]))), size)
-    around = max(12, int(np.ceil(min(2.0 * np.pi * widest / edge, triangles.MOST_FACETS))))
-    if around * (len(line) - 1) > triangles.MOST_FACETS:
-        raise triangles.too_many(edge, _turned(profile[:: len(profile) // 50 + 1], np.inf))
-    turn = 2.0 * np.pi / around
-    angles = turn * np.arange(around + 1)
-    ring = np.sqrt(turn / np.sin(turn)) * np.column_stack([np.cos(angles), np.sin(angles)])
-    made = []
-    for (r0, z0), (r1, z1) in pairwise(line):
-        low, high = (np.column_stack([r * ring, np.full(around + 1, z)]) for r, z in ((r0, z0), (r1, z1)))
-        a, b, c, d = low[:-1], low[1:], high[1:], high[:-1]
-        if r0 > 0.0:
-            made.append(np.stack([a, b, c], axis=1))
-        if r1 > 0.0:
-            made.append(np.stack([a, c, d], axis=1))
-    return triangles.cut(np.concatenate(made), edge)
+    return triangles.cut(corners, edge_of(mesh.extent(corners), size))
 
 
 # ---- whether a shape can be ----
 
 
-def _positive(shape: str, **sizes: float | tuple[float, ...]) -> None:
+def positive(shape: str, **sizes: float | tuple[float, ...]) -> None:
+    """Refuse a shape with a size that is not above 0."""
     for name, value in sizes.items():
         if not (np.isfinite(value).all() and np.all(np.asarray(value) > 0.0)):
             raise scene_error(shape, f"{name}: got {value}, allowed are numbers above 0")

@@ -19,6 +19,7 @@ from granular_contact.config.schema.space.turned import Oriented
 from granular_contact.geometry import mesh, rotations
 from granular_contact.geometry.mesh_quality import quality_notes
 from granular_contact.geometry.polygon import ears
+from granular_contact.sand.space import round_shapes
 from granular_contact.sand.space import shapes as made
 from granular_contact.sand.space.beam_shape import Beam
 from granular_contact.sand.space.mesh_shape import Extrusion, Mesh
@@ -80,7 +81,7 @@ def part_of(name: str, spec: Any, media: Collection[str], strips: int) -> tuple[
     if isinstance(spec, shapes_schema.SpatialWheel) and spec.grousers is None:
         turn = turn @ rotations.to_axis(np.array([0.0, 1.0, 0.0]))
     meets: tuple[Meets, ...] = ("surface",)
-    if isinstance(shape, made.Sphere):
+    if isinstance(shape, round_shapes.Sphere):
         meets = tuple(kind for kind in ("surface", "ball") if kind in media) or ("surface", "ball")
     part = _part(name, shape, meets, position, turn, spec.in_sand, spec.facet_size_m)
     if isinstance(spec, shapes_schema.SpatialWheel):
@@ -93,8 +94,7 @@ def part_of(name: str, spec: Any, media: Collection[str], strips: int) -> tuple[
 def _part(
     name: str, shape: Any, meets: tuple[Meets, ...], position: Vector, turn: Vector, in_sand: bool, size: float | None
 ) -> Part:
-    flat = _has_flat_faces(shape)
-    drawn = shape.corners(NOT_CUT if flat else None) @ turn.T + position
+    drawn = shape.drawn() @ turn.T + position
     if size is not None and in_sand:
         shape.facets(size)  # or there are too many
     points, drop = _deepest(shape)
@@ -115,15 +115,11 @@ def _deepest(shape: Any) -> tuple[Vector | None, float]:
     return np.concatenate(points), float(rims[:, 7].max())
 
 
-def _has_flat_faces(shape: Any) -> bool:
-    return isinstance(shape, made.Box | made.Plate | Mesh) or (isinstance(shape, Beam) and not shape.round)
-
-
 def _bar(name: str, line: Any, in_sand: bool) -> Part:
     """A bar: drawn as cylinders, met along its line."""
     drawn = [np.zeros((0, 3, 3))]
     for a, b in pairwise(line.line):
-        tube = made.Cylinder(line.diameter, float(np.linalg.norm(b - a))).corners(NOT_CUT)
+        tube = round_shapes.Cylinder(line.diameter, float(np.linalg.norm(b - a))).corners(NOT_CUT)
         drawn.append(tube @ rotations.to_axis(b - a).T + 0.5 * (a + b))
     return Part(name, line, ("bar",), np.zeros(3), np.eye(3), in_sand, None, np.concatenate(drawn), line.line)
 
@@ -138,7 +134,7 @@ def _link(name: str, spec: schema.SpatialLink | Element, media: Collection[str],
         return _bar(name, made.Bar(np.array([a, b]), own.diameter, strips, element.ends[1]), True), mass
     if own.diameter is not None and not isinstance(spec, Element):
         turn = rotations.to_axis(np.array([1.0, 0.0, 0.0]))
-        tube = made.Cylinder(own.diameter, length)
+        tube = round_shapes.Cylinder(own.diameter, length)
         return _part(name, tube, ("surface",), 0.5 * (a + b), turn, True, link.facet_size_m), mass
     size = link.facet_size_m
     if size is None and isinstance(spec, Element):
@@ -179,7 +175,7 @@ def _made(spec: Any) -> tuple[Any, Mass]:
         return _bent(spec), _of_arc(spec)
     if isinstance(spec, shapes_schema.SpatialWheel):
         if spec.grousers is None:
-            return made.Cylinder(2 * spec.radius_m, spec.width_m), _of_cylinder(2 * spec.radius_m, spec.width_m)
+            return round_shapes.Cylinder(2 * spec.radius_m, spec.width_m), _of_cylinder(2 * spec.radius_m, spec.width_m)
         solid = _extruded(wheel_outline(spec.radius_m, spec.grousers, CHORDS)[0][:-1], spec.width_m)
         return solid, of_surface(solid.vertices[solid.faces])
     zero = np.zeros(3)
@@ -191,15 +187,15 @@ def _made(spec: Any) -> tuple[Any, Mass]:
         return made.Plate(spec.size_m), _solid(a * b * t, zero, np.diag([a * a, b * b, t * t]) / 12.0)
     d = spec.diameter_m
     if isinstance(spec, shapes_schema.SpatialSphere):
-        return made.Sphere(d), _solid(math.pi / 6.0 * d**3, zero, np.eye(3) * d * d / 20.0)
+        return round_shapes.Sphere(d), _solid(math.pi / 6.0 * d**3, zero, np.eye(3) * d * d / 20.0)
     if isinstance(spec, shapes_schema.SpatialCone):
         h = spec.height_m
         second = np.diag([3.0 * d * d / 80.0, 3.0 * d * d / 80.0, 3.0 * h * h / 80.0])
-        return made.Cone(d, h), _solid(math.pi * d * d * h / 12.0, np.array([0.0, 0.0, 0.75 * h]), second)
+        return round_shapes.Cone(d, h), _solid(math.pi * d * d * h / 12.0, np.array([0.0, 0.0, 0.75 * h]), second)
     length = _length(spec)
     if isinstance(spec, shapes_schema.SpatialCapsule):
-        return made.Capsule(d, length), _of_capsule(d, length)
-    return made.Cylinder(d, length), _of_cylinder(d, length)
+        return round_shapes.Capsule(d, length), _of_capsule(d, length)
+    return round_shapes.Cylinder(d, length), _of_cylinder(d, length)
 
 
 def _mesh_of(spec: shapes_schema.SpatialMesh) -> tuple[Any, Mass, tuple[str, ...]]:

@@ -1,0 +1,212 @@
+"""Shapes of bodies in space that are round about their z axis: cylinder, sphere, capsule, cone.
+
+Their triangles are those of a body with many sides, with as much area in every section as the true one [ours].
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granular_contact.sand.space import facets, triangles
+from granular_contact.sand.space.facets import Facets, Size, arc, line, revolved
+from granular_contact.sand.space.shapes import Shape, edge_of, positive
+
+Vector = NDArray[np.float64]
+MOST_CHORDS = 10_000  # of a profile: with as many facets around it there are too many in any case
+SIDES = 48  # of a circle that is drawn; half as many of a sphere
+
+
+@dataclass(frozen=True)
+class Cylinder(Shape):
+    """Cylinder around the z axis, from -length/2 to length/2.
+
+    Parameters
+    ----------
+    diameter, length : float
+        m, above 0.
+    """
+
+    diameter: float
+    length: float
+
+    def __post_init__(self) -> None:
+        positive("Cylinder", diameter=self.diameter, length=self.length)
+
+    def corners(self, size: float | None = None) -> Vector:
+        """As `Shape.corners`."""
+        return _turned(self._profile(), size)
+
+    def drawn(self) -> Vector:
+        """As `Shape.drawn`."""
+        return _turned(self._profile(), np.inf, SIDES)
+
+    def rims(self) -> Vector:
+        """As `Shape.rims`."""
+        return np.array([facets.rim(z, circle=0.5 * self.diameter) for z in (-0.5 * self.length, 0.5 * self.length)])
+
+    def facets_of(self, size: Size) -> Facets:
+        """As `Shape.facets_of`."""
+        return revolved([strip for start, end in pairwise(self._profile()) for strip in line(start, end, size)])
+
+    def _profile(self) -> list[tuple[float, float]]:
+        r, h = 0.5 * self.diameter, 0.5 * self.length
+        return [(0.0, -h), (r, -h), (r, h), (0.0, h)]
+
+
+@dataclass(frozen=True)
+class Sphere(Shape):
+    """Sphere around the origin.
+
+    Parameters
+    ----------
+    diameter : float
+        m, above 0.
+    mass : float, optional
+        Its own (kg), for laws of balls that know it; that of the body unless given.
+    """
+
+    diameter: float
+    mass: float | None = None
+
+    def __post_init__(self) -> None:
+        positive("Sphere", diameter=self.diameter, mass=1.0 if self.mass is None else self.mass)
+
+    def corners(self, size: float | None = None) -> Vector:
+        """As `Shape.corners`."""
+        d = self.diameter
+        return _turned(_arc(0.5 * d, -0.5 * np.pi, 0.5 * np.pi, edge_of(np.sqrt(3.0) * d, size)), size)
+
+    def drawn(self) -> Vector:
+        """As `Shape.drawn`."""
+        r = 0.5 * self.diameter
+        return _turned(_arc(r, -0.5 * np.pi, 0.5 * np.pi, 4.0 * np.pi * r / SIDES), np.inf, SIDES // 2)
+
+    def rims(self) -> Vector:
+        """As `Shape.rims`."""
+        return np.array([facets.rim(0.0, ball=0.5 * self.diameter)])
+
+    def facets_of(self, size: Size) -> Facets:
+        """As `Shape.facets_of`."""
+        return revolved(arc(0.5 * self.diameter, 0.0, -0.5 * np.pi, 0.5 * np.pi, size))
+
+
+@dataclass(frozen=True)
+class Capsule(Shape):
+    """Cylinder around the z axis with half spheres at its ends.
+
+    Parameters
+    ----------
+    diameter : float
+        m, above 0.
+    length : float
+        Between the centres of the half spheres (m), above 0.
+    """
+
+    diameter: float
+    length: float
+
+    def __post_init__(self) -> None:
+        positive("Capsule", diameter=self.diameter, length=self.length)
+
+    def corners(self, size: float | None = None) -> Vector:
+        """As `Shape.corners`."""
+        r, h = 0.5 * self.diameter, 0.5 * self.length
+        return _turned(self._profile(edge_of(float(np.hypot(np.sqrt(8.0) * r, 2.0 * (r + h))), size)), size)
+
+    def drawn(self) -> Vector:
+        """As `Shape.drawn`."""
+        return _turned(self._profile(2.0 * np.pi * self.diameter / SIDES), np.inf, SIDES // 2)
+
+    def rims(self) -> Vector:
+        """As `Shape.rims`."""
+        return np.array([facets.rim(z, ball=0.5 * self.diameter) for z in (-0.5 * self.length, 0.5 * self.length)])
+
+    def facets_of(self, size: Size) -> Facets:
+        """As `Shape.facets_of`."""
+        r, h = 0.5 * self.diameter, 0.5 * self.length
+        side = line((r, -h), (r, h), size)
+        return revolved([*arc(r, -h, -0.5 * np.pi, 0.0, size), *side, *arc(r, h, 0.0, 0.5 * np.pi, size)])
+
+    def _profile(self, step: float) -> list[tuple[float, float]]:
+        r, h = 0.5 * self.diameter, 0.5 * self.length
+        up = [(r, h), *((x, z + h) for x, z in _arc(r, 0.0, 0.5 * np.pi, step)[1:])]
+        return [*[(x, -z) for x, z in reversed(up)], *up]
+
+
+@dataclass(frozen=True)
+class Cone(Shape):
+    """Cone around the z axis: its tip at the origin, its base at z = height.
+
+    Parameters
+    ----------
+    diameter : float
+        Of the base (m), above 0.
+    height : float
+        m, above 0.
+    """
+
+    diameter: float
+    height: float
+
+    def __post_init__(self) -> None:
+        positive("Cone", diameter=self.diameter, height=self.height)
+
+    def corners(self, size: float | None = None) -> Vector:
+        """As `Shape.corners`."""
+        return _turned(self._profile(), size)
+
+    def drawn(self) -> Vector:
+        """As `Shape.drawn`."""
+        return _turned(self._profile(), np.inf, SIDES)
+
+    def rims(self) -> Vector:
+        """As `Shape.rims`."""
+        return np.array([facets.rim(0.0), facets.rim(self.height, circle=0.5 * self.diameter)])
+
+    def facets_of(self, size: Size) -> Facets:
+        """As `Shape.facets_of`."""
+        tip, rim, top = self._profile()
+        return revolved([*line(tip, rim, size), *line(rim, top, size)])
+
+    def _profile(self) -> list[tuple[float, float]]:
+        return [(0.0, 0.0), (0.5 * self.diameter, self.height), (0.0, self.height)]
+
+
+def _arc(radius: float, start: float, end: float, size: float) -> list[tuple[float, float]]:
+    """Points r, z (m) on a circle about the origin between two elevations (rad), of chords of about `size` (m)."""
+    count = max(2, int(np.ceil(min((end - start) * radius / size, MOST_CHORDS))))
+    step = (end - start) / count
+    rho = radius * np.sqrt(step / np.sin(step))  # as much area below the chords as below the arc
+    angles = start + step * np.arange(count + 1)
+    return [
+        (max(0.0, float(rho * np.cos(a))) if abs(np.cos(a)) > 1e-12 else 0.0, float(rho * np.sin(a))) for a in angles
+    ]
+
+
+def _turned(profile: list[tuple[float, float]], size: float | None, least: int = 12) -> Vector:
+    """Triangles of the body that a profile of points r, z (m), from the bottom to the top, has when turned about z.
+
+    It has `least` sides or more.
+    """
+    line = np.array(profile)
+    widest = float(line[:, 0].max())
+    edge = edge_of(float(np.hypot(np.sqrt(8.0) * widest, np.ptp(line[:, 1]))), size)
+    around = max(least, int(np.ceil(min(2.0 * np.pi * widest / edge, triangles.MOST_FACETS))))
+    if around * (len(line) - 1) > triangles.MOST_FACETS:
+        raise triangles.too_many(edge, _turned(profile[:: len(profile) // 50 + 1], np.inf))
+    turn = 2.0 * np.pi / around
+    angles = turn * np.arange(around + 1)
+    ring = np.sqrt(turn / np.sin(turn)) * np.column_stack([np.cos(angles), np.sin(angles)])
+    made = []
+    for (r0, z0), (r1, z1) in pairwise(line):
+        low, high = (np.column_stack([r * ring, np.full(around + 1, z)]) for r, z in ((r0, z0), (r1, z1)))
+        a, b, c, d = low[:-1], low[1:], high[1:], high[:-1]
+        if r0 > 0.0:
+            made.append(np.stack([a, b, c], axis=1))
+        if r1 > 0.0:
+            made.append(np.stack([a, c, d], axis=1))
+    return triangles.cut(np.concatenate(made), edge)
