@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
@@ -271,32 +272,66 @@ def _observed(
     inspect: Callable[[System, Trajectory], None] | None,
     compiling: Compiling | None,
 ) -> tuple[Begun, Observation]:
-    """Solve to the end; again with smaller strips or facets where they are to be chosen by their error."""
-    begun, trajectory = _solved(scene, progress, compiling)
-    if begun.system is None:
-        return begun, begun.observe(trajectory)
-    if trajectory.load is not None:
-        from granular_contact.mechanics.strip_error import errors, finer, way
-
-        spent, before, coarser = trajectory.cost.solve_s, None, None
-        while begun.system:
-            motion = _motion(begun.system, trajectory)
-            found = errors(motion, coarser=coarser)
-            trajectory = replace(trajectory, strip_error=max(found.values(), default=0.0))
-            shorter = finer(motion, found, before, coarser is not None)
-            if shorter is None:
-                break
-            # An estimate from one run is no measure for one that two runs tell.
-            before = None if scene.in_space and coarser is None else found
-            coarser = way(motion, found)
-            again, longer = _solved(shorter, progress, compiling)
-            spent += longer.cost.solve_s
-            if scene.in_space and longer.status.code in ("time_limit", "failed"):
-                again.solving.close()
-                break  # what ended is kept, with the warning of its error
-            begun.solving.close()
-            begun, trajectory = again, longer
-        trajectory = replace(trajectory, cost=replace(trajectory.cost, solve_s=spent))
+    """Solve to the end, with strips or facets that are chosen by their error."""
+    if scene.in_space and any(medium.scatters for medium in scene.media):
+        shares, error = _nominal_facets(scene, progress, compiling)
+        begun, trajectory = _solved(replace(scene, facet_shares=shares), progress, compiling)  # type: ignore[call-arg]
+        trajectory = replace(trajectory, strip_error=error)
+    else:
+        begun, trajectory = _chosen(scene, progress, compiling)
     if inspect is not None and begun.system is not None:
         inspect(begun.system, trajectory)
     return begun, begun.observe(trajectory)
+
+
+_NOMINAL: dict[str, Any] = {}  # what was found of the scenario that ran last, for other members of its ensemble
+
+
+def _nominal_facets(scene: Any, progress: Progress | None, compiling: Compiling | None) -> Any:
+    """Shares of the size of facets, and their error, that are chosen for a scene in space without what scatters.
+
+    Each member of an ensemble would choose others by its own draws, which are no errors of facets.
+    """
+    key = None if scene.scenario is None else json.dumps(_unscattered(scenario_to_dict(scene.scenario)), default=str)
+    if key is None or key not in _NOMINAL:
+        layers = tuple(replace(one, medium=one.medium.model_copy(update={"scatter": None})) for one in scene.bed.layers)
+        begun, trajectory = _chosen(replace(scene, bed=replace(scene.bed, layers=layers)), progress, compiling)
+        _NOMINAL.clear()
+        _NOMINAL[key or ""] = begun.system.scene.facet_shares, trajectory.strip_error  # type: ignore[union-attr]
+        begun.solving.close()
+    return _NOMINAL[key or ""]
+
+
+def _unscattered(tree: Any) -> Any:
+    """A scenario as a tree, without what scatters."""
+    if isinstance(tree, dict):
+        return {key: _unscattered(value) for key, value in tree.items() if key != "scatter"}
+    return [_unscattered(one) for one in tree] if isinstance(tree, (list, tuple)) else tree
+
+
+def _chosen(scene: Scene, progress: Progress | None, compiling: Compiling | None) -> tuple[Begun, Any]:
+    """A solve at its end; solved again with smaller strips or facets where they are to be chosen by their error."""
+    begun, trajectory = _solved(scene, progress, compiling)
+    if begun.system is None or trajectory.load is None:
+        return begun, trajectory
+    from granular_contact.mechanics.strip_error import errors, finer, way
+
+    spent, before, coarser = trajectory.cost.solve_s, None, None
+    while begun.system:
+        motion = _motion(begun.system, trajectory)
+        found = errors(motion, coarser=coarser)
+        trajectory = replace(trajectory, strip_error=max(found.values(), default=0.0))
+        shorter = finer(motion, found, before, coarser is not None)
+        if shorter is None:
+            break
+        # An estimate from one run is no measure for one that two runs tell.
+        before = None if scene.in_space and coarser is None else found
+        coarser = way(motion, found)
+        again, longer = _solved(shorter, progress, compiling)
+        spent += longer.cost.solve_s
+        if scene.in_space and longer.status.code in ("time_limit", "failed"):
+            again.solving.close()
+            break  # what ended is kept, with the warning of its error
+        begun.solving.close()
+        begun, trajectory = again, longer
+    return begun, replace(trajectory, cost=replace(trajectory.cost, solve_s=spent))

@@ -76,7 +76,7 @@ def finer(observer: Kinematics, found: Errors, before: Errors | None = None, by_
     if accuracy is None or t.status.code not in FINISHED:
         return None
     # Each strip longer than a grain has a draw of its own: other strips would be another sand of the same kind, and a
-    # seed no motion that finer steps converge to.
+    # seed no motion that finer steps converge to. Facets in space are chosen once for all draws, see `run`.
     if any(medium.scatters for medium in scene.media):
         return None
     safe = SAFE_IN_SPACE if scene.in_space else SAFE
