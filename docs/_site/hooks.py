@@ -30,6 +30,8 @@ PAGES = {
     "CONTRIBUTING.md": "about/contributing.md",
 }
 COPIED = (".yaml", ".py", ".png", ".gif", ".csv", ".json", ".urdf")  # of other files of the repository that pages name
+LONG = 30  # letters of a cell from which on it is of words
+_TD = ('<td data-of="{}"', '<td class="long" data-of="{}"')
 _LINK = re.compile(r"(!?)\[((?:[^\[\]]|\[[^\]]*\])*)\]\(([^)\s#]*)(#[^)\s]*)?\)")
 
 
@@ -50,6 +52,30 @@ def on_files(files: Files, *, config: Any) -> Files:
 def on_page_markdown(markdown: str, *, page: Any, **_: Any) -> str:
     """The page with links that lead to what the site has."""
     return _LINK.sub(lambda found: _link(page.file.src_uri, found), markdown)
+
+
+def on_page_content(html: str, **_: Any) -> str:
+    """The page with tables of words marked, so that a phone shows the cells of a row below each other."""
+    return re.sub(r"<table>.*?</table>", _of_words, html, flags=re.DOTALL)
+
+
+def _of_words(found: re.Match[str]) -> str:
+    """A table of three columns and more with long texts, each cell with the name of its column; others as they are.
+
+    Of numbers beside a few long texts only these are marked.
+    """
+    head = re.findall(r"<th[^>]*>(.*?)</th>", found[0], flags=re.DOTALL)
+    rows = [re.findall(r"<td[^>]*>.*?</td>", row, flags=re.DOTALL) for row in found[0].split("<tr>")[2:]]
+    long = [[len(re.sub(r"<[^>]*>", "", cell)) > LONG for cell in row] for row in rows]
+    if len(head) < 3 or not any(map(any, long)):
+        return found[0]
+    body = ""
+    for row, marks in zip(rows, long, strict=True):
+        cells = zip(head, row, marks, strict=True)
+        body += "<tr>" + "".join(cell.replace("<td", _TD[mark].format(name), 1) for name, cell, mark in cells) + "</tr>"
+    table = f"<table>{found[0].partition('<tbody>')[0].removeprefix('<table>')}<tbody>{body}</tbody></table>"
+    words = sum(map(sum, long)) > 0.1 * sum(map(len, long))
+    return f'<div class="words">{table}</div>' if words else table
 
 
 def on_post_build(*, config: Any) -> None:

@@ -225,7 +225,7 @@ def section(name: str, page: str) -> Iterator[str]:
         yield f"Takes {', '.join(words for kind, words in WORDS.items() if kind in cls.takes)}."
         yield ""
     if cls.__doc__ and "!!! abstract" not in cls.__doc__:
-        yield prose(cls.__doc__)
+        yield prose(cls.__doc__.partition("Parameters\n")[0])  # what its parameters mean is in the table
         yield ""
     if (picture := pictures.of(name)) is not None:
         yield f'<figure class="shape">{picture}</figure>'
@@ -261,7 +261,8 @@ def table(name: str, page: str) -> Iterator[str]:
     rows = [(key, field) for key, field in found.get("properties", {}).items() if key not in (*hidden, "type", "law")]
     fields, brought = classes()[name].model_fields.items(), _annotated(classes()[name])
     own = {field.alias or key for key, field in fields if key in brought}
-    rows.sort(key=lambda row: row[0] not in own)  # before what it shares with its kind
+    needed = found.get("required", ())
+    rows.sort(key=lambda row: (row[0] not in needed, row[0] not in own))  # before what it shares with its kind
     if not rows:
         yield "It has no keys of its own."
         yield ""
@@ -269,7 +270,7 @@ def table(name: str, page: str) -> Iterator[str]:
     yield "| key | allowed | default | meaning |"
     yield "| --- | --- | --- | --- |"
     for key, field in rows:
-        default = "needed" if key in found.get("required", ()) else _default(field.get("default", []))
+        default = "needed" if key in needed else _default(field.get("default", []))
         yield f"| `{key}` | {value(key, field, page)} | {default} | {prose(said.get(key, ''))} |"
     yield ""
 
@@ -367,10 +368,11 @@ def commands() -> str:
     summaries = {one.dest: one.help or "" for one in action._choices_actions}
     lines = ["# Commands", ""]
     lines += [
-        "Exit codes: 0 success, 2 faulty input, 3 a solve failed, 4 time limit reached, 130 interrupted. They "
-        "tell of runs: a figure or an animation that can't be drawn is a warning on stderr, after all data is saved."
+        "Exit codes: 0 fine, 2 faulty input, 3 a solve failed, 4 time limit reached, 5 the result is not usable, "
+        "130 interrupted ([more](../howto/accuracy.md)). From 3 on, what was reached is saved. A figure or an "
+        "animation that can't be drawn gives a warning on stderr, after all data is saved.",
+        "",
     ]
-    lines += ["In the last three cases what was reached is saved.", ""]
     for name, command in action.choices.items():
         lines += [f"## {name}", "", f"{summaries[name][:1].upper()}{summaries[name][1:]}.", ""]
         usage = command.format_usage().removeprefix("usage: ").strip()
@@ -381,7 +383,7 @@ def commands() -> str:
         for one in rows:
             names = ", ".join(f"`{option}`" for option in one.option_strings) or f"`{one.metavar or one.dest}`"
             takes = f" `{one.metavar or one.dest.upper()}`" if one.option_strings and one.nargs != 0 else ""
-            chosen = f" One of {', '.join(map(str, one.choices))}." if one.choices else ""
+            chosen = f"; one of {', '.join(map(str, one.choices))}" if one.choices else ""
             words = (one.help or "").replace("|", "\\|").replace("%%", "%")
             lines.append(f"| {names}{takes} | {words}{chosen} |")
         lines.append("")

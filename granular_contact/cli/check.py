@@ -15,7 +15,7 @@ HELP = "read configs, sweeps, searches, fit files and robots (URDF), with their 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    parser.add_argument("configs", metavar="FILE", nargs="+")
+    parser.add_argument("configs", metavar="FILE", nargs="+", help="one or more of them")
     words = "where loops do not close with the homes of the joints, write the nearest at which they do into the file"
     parser.add_argument("--write-homes", action="store_true", help=words)
     robot = parser.add_argument_group("of a robot file (URDF)")

@@ -39,7 +39,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     parser.add_argument("config", metavar="CONFIG", help="YAML file of the run")
     add_set(parser)
-    words = "the engine, minimal coordinates for trees of rigid bodies, the reduced model of a pendulum, or as suits it"
+    words = "auto: the fastest that the mechanism allows; engine: Exudyn; minimal: trees of rigid bodies in minimal "
+    words += "coordinates; reduced: a pendulum by a few modes"
     parser.add_argument("--method", choices=("auto", "engine", "minimal", "reduced"), help=words)
     words = "modes of the reduced model: 0 rigid, 1 as in the source paper, to 20"
     parser.add_argument("--modes", metavar="N", help=words)

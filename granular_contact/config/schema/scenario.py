@@ -104,6 +104,7 @@ class Scenario(Strict):
     name: Text | None = None
     """null: the name of the file, without its suffix."""
     model: Model
+    """The mechanism: bodies and joints."""
     medium: Media | None = None
     """null: vacuum; of several media in a list the forces add."""
     gravity_m_s2: float = 9.81
@@ -122,9 +123,13 @@ class Scenario(Strict):
     wheel: WheelRun | None = None
     """Slip or torque, and load, of the wheel of a mechanism as models/wheel.yaml, in place of its drives."""
     load: Load = Load()
+    """How the forces of the medium are computed."""
     solver: Solver = Solver()
+    """End of the run, time steps, accuracy."""
     method: Method = Method()
+    """Which method of solution is taken."""
     output: Output = Output()
+    """What is recorded and saved."""
 
     def replace(self, values: Mapping[str, Any] | None = None, /, **changes: Unpack[Changes]) -> Scenario:
         """The run with other values: `replace({"medium.eta_d": 5, "model": "chain"})`, `replace(medium={"eta_d": 5})`.
