@@ -16,6 +16,7 @@ from granular_contact.mechanics.strains import stress_numbers, yielding
 from granular_contact.mechanics.system import System, Trajectory
 from granular_contact.mechanics.wheels import (
     pitches,
+    uncompared,
     wheel_columns,
     wheel_histories,
     wheel_numbers,
@@ -45,6 +46,7 @@ def observe(system: System, trajectory: Trajectory) -> Observation:
         found["motion"] |= mechanism.body_columns(motion, forces, depths) | wheel_columns(wheels)
         found["more"] |= (numbers := wheel_numbers(trajectory.time, wheels, pitches(wheels_of(motion))))
         found["accuracy"] += wheel_warnings(motion.scene, numbers)
+        found["notices"] += tuple(uncompared(numbers))
         return Observation(**found)
 
 

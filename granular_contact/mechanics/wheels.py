@@ -25,6 +25,8 @@ from granular_contact.scene.types import Scene, Vector
 STANDS = 1e-5  # m/s: below it, in rim and axle, there is no slip
 STEADY = 0.5  # the last part of the path, over which means are taken
 MEANS = ("slip", "sinkage_m", "drawbar_pull_N", "load_N", "torque_Nm", "side_force_N", "slip_angle_deg")
+# Slip angle (degrees) and slip beyond which measured wheels differ much from all laws: docs/howto/media.md.
+STEERED, BRAKED = 5.0, -0.6
 UNSTEADY = 5e-3  # changes within it that are told: what decays more slowly has 1 % to go at the most
 
 
@@ -157,6 +159,20 @@ def _mean(time: Vector, start: float, end: float, values: Vector) -> float:
     total = accumulate(time, values)
     whole = float(np.interp(end, time, total) - np.interp(start, time, total))
     return whole / (end - start) if end > start else float(np.interp(end, time, values))
+
+
+def uncompared(numbers: Mapping[str, Any]) -> Iterator[str]:
+    """A sentence for each wheel that does what no law here is near the measurements of; numbers: of `wheel_numbers`."""
+    words = "outside the range in which laws were compared with wheels: {} {}, {}; see docs/howto/media.md"
+    for name, one in numbers.items():
+        if name.partition("_")[0] != "wheel":
+            continue
+        if abs(turned := one.get("slip_angle_deg") or 0.0) > STEERED:
+            off = "measured side forces differ by a fifth to a half or more"
+            yield words.format(name, f"has a slip angle of {abs(turned):.0f} degrees", off)
+        if one["slip"] < BRAKED:
+            off = "measured force and sinkage of a locked one are up to twice as large"
+            yield words.format(name, f"has a slip of {one['slip']:.2f}", off)
 
 
 def wheel_warnings(scene: Scene, numbers: Mapping[str, Any]) -> Iterator[AccuracyWarning]:

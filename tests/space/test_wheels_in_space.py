@@ -10,6 +10,7 @@ import pytest
 
 from granular_contact import Results, load, simulate
 from granular_contact.errors import ConfigError
+from granular_contact.mechanics.wheels import uncompared
 from granular_contact.scene import build
 
 RADIUS, WIDTH, SPEED, RATE = 0.05, 0.03, 0.04, 1.0  # m, m, m/s, rad/s
@@ -87,6 +88,16 @@ def test_a_steered_wheel_has_its_slip_along_its_heading_and_a_side_force_against
     told = run.summary["wheel"]
     assert told["slip"] == pytest.approx(slip, abs=OF_A_STEP)
     assert {"side_force_N", "slip_angle_deg", "sinkage_m", "drawbar_pull_N"} <= told.keys()
+    (said,) = (one for one in run.warnings if "slip angle" in one)
+    assert f"wheel has a slip angle of {STEER:.0f} degrees" in said
+
+
+def test_wheels_that_differ_much_from_measured_ones_are_told() -> None:
+    numbers = {"slip": 0.2, "slip_angle_deg": 4.0}
+    one = {"wheel": numbers, "wheel_left": numbers | {"slip": -1.0}, "facets": {}}
+    (said,) = uncompared(one)
+    assert said.startswith("outside the range")
+    assert "wheel_left has a slip of -1.00" in said
 
 
 def test_a_smooth_wheel_is_a_cylinder_and_grousers_add_what_they_weigh() -> None:

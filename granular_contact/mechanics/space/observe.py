@@ -17,7 +17,7 @@ from granular_contact.mechanics.space.system import SpatialSystem
 from granular_contact.mechanics.space.wheels import wheel_histories, wheels_of
 from granular_contact.mechanics.strip_error import strip_error
 from granular_contact.mechanics.system import Trajectory
-from granular_contact.mechanics.wheels import pitches, wheel_columns, wheel_numbers
+from granular_contact.mechanics.wheels import pitches, uncompared, wheel_columns, wheel_numbers
 from granular_contact.results import in_space, series
 from granular_contact.results.frames import resample
 from granular_contact.results.in_space import SpatialObservation
@@ -38,7 +38,8 @@ def observe(system: SpatialSystem, trajectory: Trajectory) -> SpatialObservation
         found = observed(motion, forces, depths, [track for tracks in depths.values() for track in tracks])
         wheels = wheel_histories(motion, forces)
         found["motion"] |= body_columns(motion, forces, depths) | wheel_columns(wheels)
-        found["more"] |= wheel_numbers(trajectory.time, wheels, pitches(wheels_of(motion)))
+        found["more"] |= (numbers := wheel_numbers(trajectory.time, wheels, pitches(wheels_of(motion))))
+        found["notices"] += tuple(uncompared(numbers))
         if trajectory.load is not None and (facets := facet_sizes.numbers(motion, error)):
             found["more"]["facets"] = facets
         for beam in motion.beams.values():

@@ -12,7 +12,7 @@ import numpy as np
 
 from granular_contact.mechanics.mechanism import label
 from granular_contact.mechanics.space.kinematics import SpatialKinematics
-from granular_contact.mechanics.wheels import sense
+from granular_contact.mechanics.wheels import STANDS, sense
 from granular_contact.scene.space.bed import SpatialBed
 from granular_contact.scene.space.types import SpatialWheel, Vector
 
@@ -47,7 +47,8 @@ def wheel_histories(motion: SpatialKinematics, forces: Mapping[str, Vector]) -> 
         speed, rim = np.sum(v * ahead, axis=1), wheel.radius * spin
         slip, backward = sense(speed, rim)
         above = (p[:, 2] - bed.height(p[:, 0], p[:, 1])) * normal[:, 2]
-        pull = np.sum(force * ahead, axis=1)
+        pull, aside = np.sum(force * ahead, axis=1), np.sum(v * left, axis=1)
+        moves = np.hypot(speed, aside) > STANDS
         found[label(name)] = {
             "v": speed,
             "omega": spin,
@@ -57,7 +58,7 @@ def wheel_histories(motion: SpatialKinematics, forces: Mapping[str, Vector]) -> 
             "load_N": np.sum(force * normal, axis=1),
             "torque_Nm": -np.sum(moment * axis, axis=1),
             "side_force_N": np.sum(force * left, axis=1),
-            "slip_angle_deg": np.degrees(np.arctan2(np.sum(v * left, axis=1), np.abs(speed))),
+            "slip_angle_deg": np.where(moves, np.degrees(np.arctan2(aside, np.abs(speed))), 0.0),
         }
     return found
 
