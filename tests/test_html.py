@@ -19,6 +19,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
+from PIL import Image
 from support_browser import DRIVER, Browser
 from support_figures import sketched
 from support_results import make
@@ -238,7 +239,12 @@ def test_an_ensemble_is_called_one_and_useless_runs_are_counted(tmp_path: Path) 
     ]
     (tmp_path / "table.csv").write_text("\n".join(lines))
     (tmp_path / "bands.csv").write_text("time_s,depth_m_q05,depth_m_q50\n0,0,0\n1,0.1,0.2\n")
+    (tmp_path / "figures").mkdir()
+    Image.new("RGB", (4, 4)).save(tmp_path / "figures" / "bands.png")
     page = html(tmp_path)
+    assert re.search(
+        r'<div class="printed">\s*<figure><img[^>]*The motion: the median', page
+    )  # on paper; else as curves
     text = "".join(Outline(page).text)
     assert '<span class="status bad">1 not usable</span>' in page
     assert "Ensemble" in text

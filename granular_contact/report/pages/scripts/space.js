@@ -27,7 +27,7 @@ function posed(a, b, share) {
 }
 
 const VIEWS = {
-  oblique: { eye: { x: 1.03, y: -1.7, z: 0.75 }, center: { x: 0, y: 0, z: -0.06 }, up: { x: 0, y: 0, z: 1 }, projection: { type: "perspective" } },
+  oblique: { eye: { x: 1.1, y: -1.82, z: 0.8 }, center: { x: 0, y: 0, z: -0.06 }, up: { x: 0, y: 0, z: 1 }, projection: { type: "perspective" } },
   side: { eye: { x: 0, y: -1.7, z: 0 }, up: { x: 0, y: 0, z: 1 }, projection: { type: "orthographic" } },
   front: { eye: { x: 1.7, y: 0, z: 0 }, up: { x: 0, y: 0, z: 1 }, projection: { type: "orthographic" } },
   top: { eye: { x: 0, y: 0, z: 1.7 }, up: { x: 0, y: 1, z: 0 }, projection: { type: "orthographic" } },
