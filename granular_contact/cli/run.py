@@ -40,7 +40,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("config", metavar="CONFIG", help="YAML file of the run")
     add_set(parser)
     words = "auto: the fastest that the mechanism allows; engine: Exudyn; minimal: trees of rigid bodies in minimal "
-    words += "coordinates; reduced: a pendulum by a few modes"
+    words += "coordinates; reduced: a pendulum, or links in space, by a few modes"
     parser.add_argument("--method", choices=("auto", "engine", "minimal", "reduced"), help=words)
     words = "modes of the reduced model: 0 rigid, 1 as in the source paper, to 20"
     parser.add_argument("--modes", metavar="N", help=words)
@@ -74,17 +74,24 @@ def _formats(text: str) -> tuple[str, ...]:
 def _method(chosen: argparse.Namespace) -> Iterator[str]:
     """--method and --modes in the form of --set; --modes alone keeps the other options of the config's method.
 
-    A solver.accuracy of the config is not for the reduced model, which has an rtol of its own.
+    A solver.accuracy of the config is not for the reduced model of the plane, which has an rtol of its own.
     """
     if chosen.method not in (None, "reduced") and chosen.modes is not None:
         what = "rigid bodies have none" if chosen.method == "minimal" else "the engine has none"
         raise ConfigError([Fault(f"--modes {chosen.modes}", None, "", f"{what}: needs --method reduced")])
     if chosen.method is not None:
         yield "method={reduced: {}}" if chosen.method == "reduced" else f"method={chosen.method}"
-        if chosen.method == "reduced":
+        if chosen.method == "reduced" and not _in_space(chosen):
             yield "solver.accuracy=null"
     if chosen.modes is not None:
         yield f"method.reduced.modes={chosen.modes}"
+
+
+def _in_space(chosen: argparse.Namespace) -> bool:
+    """Whether the mechanism is in space."""
+    from granular_contact.config import load
+
+    return load(chosen.config, chosen.set).scenario.model.in_space
 
 
 def execute(chosen: argparse.Namespace) -> int:

@@ -20,6 +20,7 @@ from granular_contact.mechanics.strip_error import strip_warnings
 from granular_contact.results.accuracy import AccuracyWarning, remedy
 from granular_contact.results.limits import LEAST_START_DEPTH
 from granular_contact.results.summary import least_energy
+from granular_contact.scene.build import LEAST_BOW
 from granular_contact.scene.drives import PLENTY
 from granular_contact.scene.signal_tables import bends, shortest_period
 from granular_contact.scene.signals import Piecewise
@@ -31,6 +32,7 @@ FEWEST_STEPS = 8  # steps from the touch to the stop
 ROUGH_BEAM = 0.05  # of the path length: jumps of curvature times the square of an element; errors are smaller
 ROUGH = 0.5  # mean square of second over first differences: at 6 steps a period both are as large
 COARSE_BEAM, MOST_ELEMENTS = 0.01, 256  # of a link in space: error as a part of the path, elements
+FEW_MODES = 0.02  # of a link's greatest deflection: error by the modes that it does not have
 TREMBLE = 1e-3  # of a link's length
 EXCESS = 1.0 / 9.0  # |beta - 1/6| at a spectral radius of 0.9, see `stepping`
 
@@ -47,6 +49,8 @@ def accuracy_warnings(motion: Kinematics) -> Iterator[AccuracyWarning]:
         yield from _beam(motion, name)
     for name, (error, elements) in motion.element_errors().items():
         yield from _elements(motion, name, error, elements)
+    for name, error in motion.trajectory.mode_errors.items():
+        yield from _modes(motion, name, error)
     for name, deflections in motion.bends().items():
         yield from (found for bend in deflections for found in _vibration(motion, name, bend))
 
@@ -208,6 +212,15 @@ def _elements(motion: Kinematics, name: str, error: float, elements: int) -> Ite
         yield AccuracyWarning(
             f"{said}; take model.bodies.{name}.flexible.elements: {more} (now {elements})", error / scale
         )
+
+
+def _modes(motion: Kinematics, name: str, error: float) -> Iterator[AccuracyWarning]:
+    """Whether a link has too few modes, against its greatest deflection."""
+    bent = float(np.hypot(*motion.bends()[name]).max())
+    if error > FEW_MODES * bent > FEW_MODES * LEAST_BOW * motion.scene.link_length(name):
+        path = max(motion.path_length, motion.scene.least_path)
+        said = f"{name} has too few modes: its deflection may be {error:.2g} m off, {error / bent:.0%} of the greatest"
+        yield AccuracyWarning(f"{said}; take more method.reduced.modes, or method: minimal", error / path)
 
 
 def _vibration(motion: Kinematics, name: str, bend: Vector) -> Iterator[AccuracyWarning]:

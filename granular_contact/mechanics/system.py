@@ -141,8 +141,8 @@ class Trajectory:
     did, None without one; mass (m, m), sparse if large, constant for the bodies used here. multipliers: of the
     constraints of prescribed motions (N m, N), (n,) each, by joint; a (n, m): the accelerations that belong to them,
     None without such motions; set_to: what drives were set to from outside, as multipliers; strip_error: as found by
-    `strip_error`, None where it was not looked for. notices: what the engine could not do as usual, and what was done
-    instead.
+    `strip_error`, None where it was not looked for; mode_errors (m): of deflections of links that bend in a few modes.
+    notices: what the engine could not do as usual, and what was done instead.
     """
 
     status: Status
@@ -157,6 +157,7 @@ class Trajectory:
     set_to: dict[str, Vector] = field(default_factory=dict)
     strip_error: float | None = None
     notices: tuple[str, ...] = ()
+    mode_errors: dict[str, float] = field(default_factory=dict)
 
 
 def at_one(system: System, time: Vector, q: Vector, v: Vector) -> Trajectory:

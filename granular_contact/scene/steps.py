@@ -35,7 +35,7 @@ def steps(scenario: Scenario) -> Steps:
     if accuracy is not None:
         what = f"chosen by their error, with an accuracy of {accuracy:g}"
     else:
-        what = f"of at most {1e3 * step:g} ms" if scenario.method.reduced is not None else f"of {1e3 * step:g} ms"
+        what = f"of at most {1e3 * step:g} ms" if scenario.is_modal else f"of {1e3 * step:g} ms"
     given = {key: getattr(solver, key) for key in Solver.model_fields}
     return Steps(**given | {"step_s": step, "accuracy": accuracy, "why": f"{what}: {why}", "named": solver.accuracy})
 
@@ -43,7 +43,7 @@ def steps(scenario: Scenario) -> Steps:
 def _chosen(scenario: Scenario) -> tuple[float | None, str]:
     """Accuracy by which steps are chosen, None for fixed ones, and the reason."""
     solver = scenario.solver
-    if scenario.method.reduced is not None:
+    if scenario.is_modal:
         return None, "the method chooses them by its rtol"
     if solver.accuracy is not None:
         return solver.accuracy, "the config names it (solver.accuracy)"

@@ -108,7 +108,9 @@ def models(
     ]
     links = [name for name in flexible if name in scenario.model.bodies]
     if scenario.model.in_space:
-        words = "the model is in space, but reduced models are of the plane, so there is nothing to compare"
+        words = (
+            "the model is in space, and what is compared is of the pendulum in the plane: sweep method.reduced.modes"
+        )
         faults.append(Fault(str(path), None, "model", words))
     elif not flexible:
         faults.append(Fault(str(path), None, "model.bodies", "no link is flexible, so there is nothing to compare"))

@@ -67,7 +67,7 @@ FAULTS = {
         "initial.joints.flight.quaternion: stands beside rpy_deg",
     ),
     "key of the plane": (changed("initial.joints.flight.angle_deg", 3), "flight is a free joint; allowed are x_m"),
-    "method": (changed("method", "reduced"), "method: got reduced; in space allowed are auto, minimal and engine"),
+    "method": (changed("method", "reduced"), "method.reduced.modes: got 1, but the model has no link that bends"),
     "no mesh": (
         changed("model.bodies.box.shapes", [{"type": "mesh", "file": "nowhere.stl"}]),
         "model.bodies.box.shapes.0.file: there is no such file",

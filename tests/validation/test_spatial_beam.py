@@ -5,11 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from granular_contact import load, simulate
-from granular_contact.scene import build
 from validation import oblique_modes
 from validation import spatial_beam as study
-from validation.oblique_model import Reduced
 
 
 @pytest.mark.parametrize("kind", [study.CABLE, study.BEAM, study.EXACT])
@@ -50,30 +47,3 @@ def test_modes_are_told_apart() -> None:
     lever = [abs((one * (1.0 - place)).sum()) for one in (first, 0.5 * second)]
     assert tip == pytest.approx(lever[1] / np.hypot(*lever), rel=1e-3)
     assert oblique_modes.left(theta, 2) == pytest.approx((0.0, 0.0), abs=1e-6)
-
-
-def test_a_reduced_model_bends_and_twists_as_the_full_one() -> None:
-    """A strip on a hub that turns, its section inclined, with a weight beside its axis: all three."""
-    sides = {"length_m": 0.2, "width_m": 0.01, "thickness_m": 0.002, "density_kg_m3": 1200}
-    flexible = {"youngs_modulus_Pa": 2e8, "elements": 6}
-    hub = {"type": "rigid", "mass_kg": 0.2, "inertia_kg_m2": dict.fromkeys(("xx", "yy", "zz"), 1e-4)}
-    bodies = {"hub": hub, "strip": {"type": "link", **sides, "flexible": flexible}, "weight": hub | {"mass_kg": 0.005}}
-    bodies["weight"]["inertia_kg_m2"] = dict.fromkeys(("xx", "yy", "zz"), 1e-7)
-    joints = {
-        "swing": {"type": "hinge", "parent": "ground", "child": "hub", "axis": [0, 1, 0.5], "home_deg": 20},
-        "clamp": {"type": "weld", "parent": "hub", "child": "strip", "rpy_deg": [30, 0, 0]},
-        "end": {"type": "weld", "parent": "strip", "child": "weight", "parent_point_m": [0.2, 0.02, 0]},
-    }
-    model = {"in_space": True, "name": "turns", "bodies": bodies, "joints": joints}
-    solver = {"end_time_s": 0.1, "accuracy": 1e-4}
-    given = load({"model": model, "initial": {"joints": {"swing": {"rate_rad_s": 3}}}, "solver": solver})
-    full = simulate(given)
-    whole = np.array([full[f"strip_deflection_{x}_m"] for x in "yz"])
-    assert np.abs(full["strip_twist_deg"]).max() > 0.5
-    errors = []
-    for torsion in (1, 0):
-        t, bent = Reduced(build(given), 2, torsion).run(0.1, 1e-3)
-        found = np.array([np.interp(full["time_s"], t, bent[:, i]) for i in (1, 2)])
-        errors.append(float(np.abs(found - whole).max() / np.abs(whole).max()))
-    assert errors[0] < 0.02
-    assert errors[1] > 2.0 * errors[0]

@@ -22,15 +22,17 @@ class Minimal(Strict):
 
 
 class Reduced(Strict):
-    """The link as clamped-free modes on its rigid root."""
+    """A link as clamped-free modes on its rigid root; in space all links that bend."""
 
     modes: Annotated[int, Field(ge=0, le=20)] = 1
-    """0: the link is rigid; 1: the reduction of the source paper."""
+    """0: the link is rigid; 1: the reduction of the source paper. In space so many in each plane,
+    and of torsion."""
     static: Literal["auto", "true_sign", "elastoplastic", "smooth"] = "auto"
     """Static resistance: true_sign, the set-valued sign of the velocity with its reversals located, or that of
-    load.friction. auto: the faster one at equal error, true_sign for a rigid link, load.friction for one that bends."""
+    load.friction. auto: the faster one at equal error, true_sign for a rigid link, load.friction for one that bends.
+    In space auto alone."""
     rtol: Annotated[float, Field(ge=1e-13, le=1e-2)] = 1e-6
-    """Error of a step, relative to the size and the speed of the mechanism."""
+    """Error of a step, relative to the size and the speed of the mechanism. In space steps follow `solver`."""
 
 
 class Method(Strict):

@@ -183,6 +183,11 @@ class Scenario(Strict):
         return self.medium if isinstance(self.medium, tuple) else (self.medium,)
 
     @property
+    def is_modal(self) -> bool:
+        """Whether it is solved by the modal engine, which is of the plane."""
+        return self.method.reduced is not None
+
+    @property
     def surface_height(self) -> float | None:
         """Height of the surface (m) by either key; None of one that goes with the mechanism, or is a profile."""
         of_bed = None if self.bed is None else self.bed.height_m
@@ -191,7 +196,7 @@ class Scenario(Strict):
     def _faults(self) -> Faults:
         yield from self._surface_faults()
         yield from self._mechanism_faults()
-        reduced, has = self.method.reduced, self.load.friction.type
+        reduced, has = self.method.reduced if self.is_modal else None, self.load.friction.type
         if self.solver.accuracy is not None and reduced is not None:
             words = "chooses steps by their error; those of method.reduced are chosen by its rtol: allowed is null"
             yield ("solver", "accuracy"), words

@@ -44,7 +44,10 @@ from granular_contact.scene.types import FASTEST, Scene, Vector
 
 SHARE = 1024  # steps between two updates of the progress bar
 # What the future of a march depends on, besides what iterations and the choice of steps keep.
-LASTING = ("s", "rates", "s2", "lagged", "joint", "matrix", "state", "clock", "counts", "iterated", "home")
+LASTING = (
+    *("s", "rates", "s2", "lagged", "joint", "matrix", "state", "clock", "counts", "iterated", "home"),
+    "inverse",
+)
 ANY = 1e-3  # accuracy, where steps are fixed and nothing asks for it
 
 

@@ -148,6 +148,7 @@ class Solve:
             # A multiplier pulls the constraint back; the drive pushes along the coordinate.
             multipliers={joint: -efforts[:, node] for joint, node in tree.prescribed.items()},
             a=tree.accelerations(q, a) if tree.prescribed else None,
+            mode_errors=tree.mode_errors(efforts),
             set_to={joint: wanted[:, node].copy() for joint, node in tree.set_from_outside.items()},
         )
 

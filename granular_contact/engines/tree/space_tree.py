@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from granular_contact.engines.tree.kernels import space_ball_joints, space_load
+from granular_contact.engines.tree.kernels import space_ball_joints, space_load, space_modes
 from granular_contact.engines.tree.kernels.space_arrays import NODE, room
 from granular_contact.engines.tree.kernels.space_tree import BALL, HINGE, LAST, SLIDER
 from granular_contact.engines.tree.tree import BodyCoordinates, Tree, acting, joint_loads, levers, outward, sand_of
@@ -22,6 +22,7 @@ from granular_contact.sand.contact_lines import Body
 from granular_contact.sand.space.load import SpatialLoad
 from granular_contact.sand.space.of_scene import add_part, load_of
 from granular_contact.scene.joint_law import JointLaw
+from granular_contact.scene.space import modes
 from granular_contact.scene.space.types import SpatialJoint, SpatialMotion, SpatialRigidBody, SpatialScene, Vector
 
 POSE = 7  # coordinates of a body
@@ -73,6 +74,23 @@ class SpatialTree(Tree):
 
 
 @dataclass(frozen=True)
+class ReducedTree(SpatialTree):
+    """As `SpatialTree`, with links that bend in a few modes."""
+
+    kernels: ClassVar[Any] = space_modes
+
+    def mode_errors(self, lacks: Vector) -> dict[str, float]:
+        """As of `Tree`."""
+        scene, found = self.system.scene, {}
+        for beam in scene.beams:
+            joints = modes.outward(scene, beam)
+            last = [self.bodies[self.system.rigid[joint.child].node] for joint in joints]
+            each = np.stack([lacks[:, i - LAST : i + 1] for i in last], axis=1)
+            found[beam.name] = modes.error(joints, beam.length, each)
+        return found
+
+
+@dataclass(frozen=True)
 class _Node:
     """A node as `kernels.space_tree` has it; body: None of a massless frame; joint: whose coordinate it has, if any.
 
@@ -121,7 +139,27 @@ def tree(scene: SpatialScene) -> SpatialTree:
     arrays["lever"] = levers(records, 6)
     watched = _watched() if load is not None and load.watch else None
     sprung = space_ball_joints if records["acts"].any() else None
-    return SpatialTree(system, load, arrays, list(places.values()), joints, watched, sprung)
+    made = SpatialTree if scene.modes is None else ReducedTree
+    if scene.modes is not None:
+        arrays |= _in_modes(scene, places, arrays)
+    return made(system, load, arrays, list(places.values()), joints, watched, sprung)
+
+
+def _in_modes(scene: SpatialScene, places: dict[str, int], arrays: dict[str, Any]) -> dict[str, NDArray[Any]]:
+    """Arrays of `space_modes`, of bodies with their nodes; the charts of a link's joints stay."""
+    alone, columns, count = arrays["prescribed"] == 0, [], len(arrays["nodes"])
+    for beam in scene.beams:
+        joints, S = modes.shapes(scene, beam)
+        own = np.zeros((count, S.shape[2]))
+        for joint, of_joint in zip(joints, S, strict=True):
+            last = places[joint.child]
+            three = slice(last - LAST, last + 1)
+            own[three], alone[three] = joint.parent_turn @ of_joint, False
+            arrays["nodes"]["stays"][last] = True
+        columns.append(own)
+    Phi = np.concatenate([np.eye(count)[:, alone], *columns], axis=1)
+    m = Phi.shape[1]
+    return {"shapes": np.ascontiguousarray(Phi.T), "inverse": np.zeros((m, m)), "lacked": np.zeros(m)}
 
 
 def _watched() -> Any:

@@ -92,6 +92,10 @@ class Tree:
         """Of the coordinates q (n, m) of the system, from those of its bodies as kernels have them."""
         return given
 
+    def mode_errors(self, lacks: Vector) -> dict[str, float]:  # noqa: ARG002
+        """As of `Trajectory`, from what the coordinates lack (n, nodes); none of links with all their elements."""
+        return {}
+
     def senses(self, march: Any) -> Senses:  # noqa: ARG002
         """What reads the state of a march of it."""
         return Senses(self.system, self.load)

@@ -4,6 +4,7 @@ types       bodies, joints and the scene, as frozen plain data
 shapes      shapes of a config -> what the medium meets, triangles to draw, mass properties
 section     sections of links, their stiffness, elements of links that bend
 beams       links that bend -> elements and joints between them
+modes       which links can bend in a few of their natural modes, and their shapes
 layout      frames and twists of all bodies in a state of the joints; initial states
 loops       kinematic loops at the start, and which of their constraints are needed
 bed         as in the plane, or a surface from a file of heights

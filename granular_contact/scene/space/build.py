@@ -23,6 +23,7 @@ from granular_contact.scene.space.bed import bed
 from granular_contact.scene.space.bodies import bodies_of, joints_of, on_ground, rigid_body
 from granular_contact.scene.space.layout import pose, start
 from granular_contact.scene.space.loops import SpatialLoops, needed
+from granular_contact.scene.space.modes import check as check_modes
 from granular_contact.scene.space.types import Part, SpatialRigidBody, SpatialScene, Vector
 from granular_contact.scene.steps import steps
 from granular_contact.scene.types import Minimal
@@ -58,6 +59,7 @@ def built(scenario: schema.SpatialScenario) -> SpatialScene:
     notes += media_notes(scenario, surface, "bed.height_map")
     if faults:
         raise SceneError(faults)
+    reduced = scenario.method.reduced
     scene = SpatialScene(
         name=scenario.name or model.name,
         rigid=rigid,
@@ -70,7 +72,8 @@ def built(scenario: schema.SpatialScenario) -> SpatialScene:
         tip=_tip(model, rigid),
         output_interval=scenario.output.interval_s,
         drives=driven,
-        method=scenario.method.minimal,
+        method=scenario.method.minimal if reduced is None else Minimal(),
+        modes=None if reduced is None else reduced.modes,
         settle=scenario.initial.settle,
         body_columns=_has_body_columns(scenario, rigid),
         notes=tuple(notes),
@@ -81,6 +84,7 @@ def built(scenario: schema.SpatialScenario) -> SpatialScene:
         raise SceneError(faults)
     if scene.method is not None:
         check_minimal(scene)
+    check_modes(scene)
     return replace(scene, method=Minimal()) if scenario.method.name == "auto" and serves(scene) else scene
 
 

@@ -237,7 +237,8 @@ class SpatialJoint:
 class SpatialScene(Scene):
     """A scene in space; fields as of `Scene`. tip: body and point (3,) m of what is lowest, or farthest from the joint
     on the ground. beams: the links that bend, whose elements are among the rigid bodies. facet_shares: by body, of
-    the size of facets that its parts have, which is taken; 1 unless it is named.
+    the size of facets that its parts have, which is taken; 1 unless it is named. modes: in how many a plane the links
+    bend; None: in all that their elements have.
     """
 
     rigid: tuple[SpatialRigidBody, ...]  # type: ignore[assignment]
@@ -245,6 +246,7 @@ class SpatialScene(Scene):
     bed: SpatialBed | None  # type: ignore[assignment]
     beams: tuple[SpatialBeam, ...] = ()
     facet_shares: Mapping[str, float] = field(default_factory=dict)
+    modes: int | None = None
 
     in_space = True
 

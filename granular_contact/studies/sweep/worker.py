@@ -52,7 +52,7 @@ class Job:
     @property
     def marches(self) -> bool:
         """Whether several of its tasks are marched by one compiled call."""
-        return self.sweep.base.method.reduced is not None and self.function is simulate and self.folder is None
+        return self.sweep.base.is_modal and self.function is simulate and self.folder is None
 
     @cached_property
     def writer(self) -> Writer | None:

@@ -6,6 +6,7 @@ The start is positions, orientations and rates of joints; whether it fits them i
 from __future__ import annotations
 
 from granular_contact.config.schema.initial import drive_faults, joint_state_faults
+from granular_contact.config.schema.method import Reduced
 from granular_contact.config.schema.scenario import Scenario
 from granular_contact.config.schema.space.bed import SpatialBed
 from granular_contact.config.schema.space.model import SpatialModel
@@ -89,6 +90,11 @@ class SpatialScenario(Scenario):
     initial: SpatialInitial = SpatialInitial()  # type: ignore[assignment]
     """Joints left out start at rest in the reference configuration."""
 
+    @property
+    def is_modal(self) -> bool:
+        """Never: links in modes are solved as trees are."""
+        return False
+
     def _surface_faults(self) -> Faults:
         if self.bed is not None and self.surface_height_m is not None and self.bed.height_m is not None:
             words = "the bed has height_m too; one height of the surface is allowed"
@@ -110,7 +116,10 @@ class SpatialScenario(Scenario):
             yield from [((*path, key), "is missing; in space a number is needed") for key in medium.lacking_in_space]
         if self.wheel is not None:
             yield ("wheel",), "is for wheels in the plane; in space allowed is null"
-        if self.method.reduced is not None:
-            yield ("method",), f"got {self.method.name}; in space allowed are auto, minimal and engine"
+        if (reduced := self.method.reduced) is not None:
+            for key, value in Reduced(modes=reduced.modes):
+                if (got := getattr(reduced, key)) != value:
+                    words = f"got {got}, which is of the plane; in space allowed is {value}"
+                    yield ("method", "reduced", key), words
         if self.load.form != "distributed":
             yield ("load", "form"), f"got {self.load.form}; in space allowed is distributed"

@@ -12,6 +12,9 @@ of_sand         (n, 7) generalised forces of the medium, see `space_bodies`; blo
 blocks
 coupled         (n, 3) c of ball joints, of their three nodes three rows
 body, joint     (n, 36) and (n, 30), see `space_tree`
+shapes          (m, n) Phi^T of `space_modes`, and the inverse (m, m) of its matrix; lacked (m,): Phi^T R; of trees
+inverse         with links in modes alone
+lacked
 """
 
 from __future__ import annotations
@@ -28,10 +31,10 @@ from granular_contact.jit.records import fields, record_dtype
 # nodes of a ball joint; axis (3,): of a hinge or slider, in the parent's frame; before, after (4,): quaternions from
 # the parent's frame to the joint's, and from there at s = 0 to the node's; inertia (9,): about the centre of mass,
 # along the node's axes, row by row. Of a ball joint's last node: acts, what acts in it, before P and after C P^T, bends
-# and damps (3,) the diagonals of K and D, see `space_ball_joints`.
+# and damps (3,) the diagonals of K and D, see `space_ball_joints`; stays: whether its chart begins at home throughout.
 NODE = record_dtype(
     [
-        *fields("i8", "parent", "kind", "which", "acts"),
+        *fields("i8", "parent", "kind", "which", "acts", "stays"),
         *((name, "f8", (3,)) for name in ("on_parent", "point", "axis", "bends", "damps")),
         *((name, "f8", (4,)) for name in ("before", "after")),
         ("inertia", "f8", (9,)),

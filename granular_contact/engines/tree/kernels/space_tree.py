@@ -184,12 +184,12 @@ def _of_ball(i, q_p, R_p, w_p, w):
 
 @part
 def recentre(w):
-    """Let the charts of ball joints begin where they are now."""
+    """Let the charts of ball joints begin where they are now, but for those that stay."""
     nodes, s, rates, s2, lagged, home = (
         nodes_of(w, NODES), row(w, S), row(w, RATES), row(w, S2), row(w, LAGGED), rows(w, HOME)
     )  # fmt: skip
     for i in range(nodes.shape[0]):
-        if nodes[i].kind != BALL or nodes[i].which != LAST:
+        if nodes[i].kind != BALL or nodes[i].which != LAST or nodes[i].stays:
             continue
         first = i - LAST
         u, rate = vector(s, first), vector(rates, first)
@@ -208,12 +208,19 @@ def recentre(w):
 @part
 def carry(w):
     """Fill the accelerations of the nodes from those of the coordinates."""
-    nodes, s2, A = nodes_of(w, NODES), row(w, S2), rows(w, ACCELERATION)
-    arm, along, bias = rows(w, ARM), rows(w, ALONG), rows(w, BIAS)
-    for i in range(nodes.shape[0]):
-        p = nodes[i].parent
+    s2, A, along, bias = row(w, S2), rows(w, ACCELERATION), rows(w, ALONG), rows(w, BIAS)
+    for i in range(s2.shape[0]):
         for k in range(6):
             A[i, k] = bias[i, k] + along[i, k] * s2[i]
+    outward(A, w)
+
+
+@part
+def outward(A, w):
+    """Add to the rows (6,) of A what the nodes get from their parents, X A_p."""
+    nodes, arm = nodes_of(w, NODES), rows(w, ARM)
+    for i in range(nodes.shape[0]):
+        p = nodes[i].parent
         if p >= 0:
             alpha = at(A, p, 3)
             x, y, z = cross(alpha, at(arm, i, 0))
@@ -228,8 +235,7 @@ def carry(w):
 def lack(w):
     """Fill R for the accelerations of the nodes."""
     nodes, A, P, force = nodes_of(w, NODES), rows(w, ACCELERATION), rows(w, PASSED), rows(w, FORCE)
-    arm, along, effort, rest = rows(w, ARM), rows(w, ALONG), row(w, EFFORT), row(w, REST)
-    twist = rows(w, TWIST)
+    effort, rest, twist = row(w, EFFORT), row(w, REST), rows(w, TWIST)
     for i in range(nodes.shape[0]):
         for k in range(6):
             P[i, k] = -force[i, k]
@@ -240,11 +246,19 @@ def lack(w):
             for k in range(3):
                 P[i, k] += m * A[i, k]
                 P[i, 3 + k] += x[k]
+    inward(P, rest, w)
+    for i in range(nodes.shape[0]):
+        rest[i] -= effort[i]
+
+
+@part
+def inward(P, asked, w):
+    """Pass the forces in the rows (6,) of P on to the ground; asked: filled with S . P of each coordinate."""
+    nodes, arm, along = nodes_of(w, NODES), rows(w, ARM), rows(w, ALONG)
     for i in range(nodes.shape[0] - 1, -1, -1):
-        asked = 0.0
+        asked[i] = 0.0
         for k in range(6):
-            asked += along[i, k] * P[i, k]
-        rest[i] = asked - effort[i]
+            asked[i] += along[i, k] * P[i, k]
         if nodes[i].parent >= 0:
             pass_on(P, i, at(arm, i, 0), nodes[i].parent)
 

@@ -90,13 +90,14 @@ ARRAYS = (
     *("body", "stiffness", "joint", "rest", "change", "moved", "matrix", "iterated", "iterations", "changes"),
     *("scheme", "choice", "control", "bends", "followed", "arms", "clock", "counts", "blank", "states", "table"),
     *("calls", "prescribed", "acts", "pose_rates", "lever", "home", "of_sand", "blocks", "coupled"),
+    *("shapes", "inverse", "lacked"),
 )
 NODES, LAWS, STATE, GRAVITY, SAND, TRIPLETS, SIGNALS, KNOTS, PIECES, WANTED = range(10)
 S, RATES, S2, LAGGED, S_BEFORE, RATES_BEFORE, S2_BEFORE, LAGGED_BEFORE = range(10, 18)
 POSE, TWIST, ACCELERATION, TURNED, ARM, ALONG, BIAS, FORCE, EFFORT, PASSED = range(18, 28)
 BODY, STIFFNESS, JOINTS, REST, CHANGE, MOVED, MATRIX, ITERATED, ITERATIONS, CHANGES = range(28, 38)
 SCHEMES, CHOICES, CONTROLS, BENDS, FOLLOWED, ARMS, CLOCK, COUNTS, BLANK, STATES, TABLE, CALLS = range(38, 50)
-PRESCRIBED, ACTS, POSE_RATES, LEVER, HOME, OF_SAND, BLOCKS, COUPLED = range(50, 58)
+PRESCRIBED, ACTS, POSE_RATES, LEVER, HOME, OF_SAND, BLOCKS, COUPLED, SHAPES, INVERSE, LACKED = range(50, 61)
 DONE, MATRICES = 0, 1  # of `iterated`
 # Of clock (8,): times (s), of the step to come and of the last one tried, speeds (m/s) as of `step_choice`, and from
 # when on how many whole steps were taken.
