@@ -17,7 +17,8 @@ from granular_contact.errors import ConfigError, SceneError
 from granular_contact.geometry import rotations
 from granular_contact.scene import build
 from granular_contact.scene.homes import FoundHome
-from granular_contact.scene.space.shapes import _made, of_surface
+from granular_contact.scene.space.mass_properties import of_surface
+from granular_contact.scene.space.shapes import _made
 from granular_contact.scene.space.types import SpatialScene
 
 BOX = {"type": "box", "size_m": [0.06, 0.04, 0.03]}

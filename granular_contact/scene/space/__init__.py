@@ -1,7 +1,7 @@
 """A scenario in space -> the scene that the engine gets, as in the plane with three dimensions.
 
 types       bodies, joints and the scene, as frozen plain data
-shapes      shapes of a config -> what the medium meets, triangles to draw, mass properties
+shapes      shapes of a config -> what the medium meets, triangles to draw; mass_properties: their mass
 section     sections of links, their stiffness, elements of links that bend
 beams       links that bend -> elements and joints between them
 modes       which links can bend in a few of their natural modes, and their shapes

@@ -20,8 +20,9 @@ from granular_contact.scene.joint_law import IDLE, joint_law
 from granular_contact.scene.layout import GROUND
 from granular_contact.scene.space.layout import STILL, JointState, Pose, axis_of
 from granular_contact.scene.space.loops import CONSTRAINED, joint_frame
+from granular_contact.scene.space.mass_properties import Mass, merged
 from granular_contact.scene.space.section import Element
-from granular_contact.scene.space.shapes import Mass, merged, moved, part_of
+from granular_contact.scene.space.shapes import moved, part_of
 from granular_contact.scene.space.types import Elastic, Part, SpatialJoint, SpatialRigidBody, Vector, link_of
 
 

@@ -1,10 +1,10 @@
-"""Shapes of a config in space -> what the medium meets, triangles to draw, and mass properties."""
+"""Shapes of a config in space -> what the medium meets, and triangles to draw; their mass: `mass_properties`."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable
-from dataclasses import dataclass, replace
+from collections.abc import Collection
+from dataclasses import replace
 from functools import lru_cache
 from itertools import pairwise
 from pathlib import Path
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from granular_contact.config.schema import space as schema
 from granular_contact.config.schema.space import shapes as shapes_schema
 from granular_contact.config.schema.space.turned import Oriented
-from granular_contact.geometry import mesh, rotations
+from granular_contact.geometry import rotations
 from granular_contact.geometry.mesh_quality import quality_notes
 from granular_contact.geometry.polygon import ears
 from granular_contact.sand.space import round_shapes
@@ -24,31 +24,24 @@ from granular_contact.sand.space import shapes as made
 from granular_contact.sand.space.beam_shape import Beam
 from granular_contact.sand.space.mesh_shape import Extrusion, Mesh
 from granular_contact.scene.shapes import effective_radius, pitch, wheel_outline
-from granular_contact.scene.space.section import Element, Section, section
+from granular_contact.scene.space.mass_properties import (
+    Mass,
+    of_arc,
+    of_bar,
+    of_capsule,
+    of_cylinder,
+    of_line,
+    of_sheet,
+    of_surface,
+    solid,
+)
+from granular_contact.scene.space.section import Element, section
 from granular_contact.scene.space.types import Meets, Part, SpatialWheel, Vector
 
 CHORDS = 96  # of a full circle of an arc: trajectories of a C-leg are then within 3e-4 of the path
 ON_A_RIM = 192  # points: between them a rim is 1.3e-4 of its radius deeper
 NOT_CUT = math.inf
 _MESHES = 64  # that are kept
-
-
-@dataclass(frozen=True)
-class Mass:
-    """Mass (kg), centre (3,) m, inertia about it (3, 3) kg m2; of a shape alone at a density of 1, so its volume."""
-
-    mass: float
-    center: Vector
-    inertia: Vector
-
-    def placed(self, position: Vector, rotation: Vector) -> Mass:
-        """The same in a frame in which the present one lies at a position (3,) m, turned by (3, 3)."""
-        center: Vector = position + rotation @ self.center
-        return Mass(self.mass, center, rotation @ self.inertia @ rotation.T)
-
-    def of_density(self, density: float) -> Mass:
-        """That of a shape with a density (kg/m3)."""
-        return Mass(density * self.mass, self.center, density * self.inertia)
 
 
 def orientation(spec: Oriented) -> Vector:
@@ -72,7 +65,7 @@ def part_of(name: str, spec: Any, media: Collection[str], strips: int) -> tuple[
         return _link(name, spec, media, strips)
     if isinstance(spec, shapes_schema.SpatialBar):
         line = made.Bar(np.array(spec.points_m), spec.diameter_m, strips)
-        return _bar(name, line, spec.in_sand), _of_line(line)
+        return _bar(name, line, spec.in_sand), of_line(line)
     shape, own, notes = (*_made(spec), ()) if not isinstance(spec, shapes_schema.SpatialMesh) else _mesh_of(spec)
     position, turn = np.array(spec.center_m), orientation(spec)
     if isinstance(spec, shapes_schema.SpatialCylinder | shapes_schema.SpatialCapsule) and spec.start_m is not None:
@@ -129,7 +122,7 @@ def _link(name: str, spec: schema.SpatialLink | Element, media: Collection[str],
     element = spec if isinstance(spec, Element) else Element(spec, 0.0, spec.length_m)
     link, own = element.link, section(element.link)
     a, b = (np.array([x, 0.0, 0.0]) for x in (element.start, element.end))
-    length, mass = element.end - element.start, _of_bar(own, element)
+    length, mass = element.end - element.start, of_bar(own, element)
     if own.diameter is not None and ("bar" in media or not media):
         return _bar(name, made.Bar(np.array([a, b]), own.diameter, strips, element.ends[1]), True), mass
     if own.diameter is not None and not isinstance(spec, Element):
@@ -141,12 +134,6 @@ def _link(name: str, spec: schema.SpatialLink | Element, media: Collection[str],
         size = max(0.25 * length / element.share, min(own.width, own.thickness))
     shape: Any = Beam(length, (own.width, own.thickness), own.diameter is not None, element.ends)
     return _part(name, shape, ("surface",), 0.5 * (a + b), np.eye(3), True, size), mass
-
-
-def _of_bar(own: Section, element: Element) -> Mass:
-    length, middle = element.end - element.start, np.array([0.5 * (element.start + element.end), 0.0, 0.0])
-    about_y, about_z = own.second_moments / own.area
-    return _solid(own.area * length, middle, np.diag([length**2 / 12.0, about_z, about_y]))
 
 
 def moved(part: Part, position: Vector, rotation: Vector) -> Part:
@@ -169,33 +156,33 @@ def moved(part: Part, position: Vector, rotation: Vector) -> Part:
 def _made(spec: Any) -> tuple[Any, Mass]:
     """Shape of a config in its own frame, with its mass properties."""
     if isinstance(spec, shapes_schema.SpatialPolygon):
-        solid = _extruded(np.array(spec.points_m), spec.width_m)
-        return solid, of_surface(solid.vertices[solid.faces])
+        body = _extruded(np.array(spec.points_m), spec.width_m)
+        return body, of_surface(body.vertices[body.faces])
     if isinstance(spec, shapes_schema.SpatialArc):
-        return _bent(spec), _of_arc(spec)
+        return _bent(spec), of_arc(spec)
     if isinstance(spec, shapes_schema.SpatialWheel):
         if spec.grousers is None:
-            return round_shapes.Cylinder(2 * spec.radius_m, spec.width_m), _of_cylinder(2 * spec.radius_m, spec.width_m)
-        solid = _extruded(wheel_outline(spec.radius_m, spec.grousers, CHORDS)[0][:-1], spec.width_m)
-        return solid, of_surface(solid.vertices[solid.faces])
+            return round_shapes.Cylinder(2 * spec.radius_m, spec.width_m), of_cylinder(2 * spec.radius_m, spec.width_m)
+        body = _extruded(wheel_outline(spec.radius_m, spec.grousers, CHORDS)[0][:-1], spec.width_m)
+        return body, of_surface(body.vertices[body.faces])
     zero = np.zeros(3)
     if isinstance(spec, shapes_schema.SpatialBox):
         a, b, c = spec.size_m
-        return made.Box(spec.size_m), _solid(a * b * c, zero, np.diag([a * a, b * b, c * c]) / 12.0)
+        return made.Box(spec.size_m), solid(a * b * c, zero, np.diag([a * a, b * b, c * c]) / 12.0)
     if isinstance(spec, shapes_schema.SpatialPlate):
         a, b, t = *spec.size_m, spec.thickness_m
-        return made.Plate(spec.size_m), _solid(a * b * t, zero, np.diag([a * a, b * b, t * t]) / 12.0)
+        return made.Plate(spec.size_m), solid(a * b * t, zero, np.diag([a * a, b * b, t * t]) / 12.0)
     d = spec.diameter_m
     if isinstance(spec, shapes_schema.SpatialSphere):
-        return round_shapes.Sphere(d), _solid(math.pi / 6.0 * d**3, zero, np.eye(3) * d * d / 20.0)
+        return round_shapes.Sphere(d), solid(math.pi / 6.0 * d**3, zero, np.eye(3) * d * d / 20.0)
     if isinstance(spec, shapes_schema.SpatialCone):
         h = spec.height_m
         second = np.diag([3.0 * d * d / 80.0, 3.0 * d * d / 80.0, 3.0 * h * h / 80.0])
-        return round_shapes.Cone(d, h), _solid(math.pi * d * d * h / 12.0, np.array([0.0, 0.0, 0.75 * h]), second)
+        return round_shapes.Cone(d, h), solid(math.pi * d * d * h / 12.0, np.array([0.0, 0.0, 0.75 * h]), second)
     length = _length(spec)
     if isinstance(spec, shapes_schema.SpatialCapsule):
-        return round_shapes.Capsule(d, length), _of_capsule(d, length)
-    return round_shapes.Cylinder(d, length), _of_cylinder(d, length)
+        return round_shapes.Capsule(d, length), of_capsule(d, length)
+    return round_shapes.Cylinder(d, length), of_cylinder(d, length)
 
 
 def _mesh_of(spec: shapes_schema.SpatialMesh) -> tuple[Any, Mass, tuple[str, ...]]:
@@ -214,7 +201,7 @@ def _looked_through(
     """Mesh of a file that was changed at a time (ns), and its mass; many bodies, and the runs of a sweep, share one."""
     del changed
     found = Mesh.read(path, scale=scale, thin=thin)
-    return found, _of_sheet(found, thickness) if thin else of_surface(found.vertices[found.faces])
+    return found, of_sheet(found, thickness) if thin else of_surface(found.vertices[found.faces])
 
 
 @lru_cache(maxsize=_MESHES)
@@ -270,77 +257,3 @@ def _around(count: int) -> Vector:
 
 
 _DIRECTIONS = _around(400)
-
-# ---- mass properties ----
-
-
-def of_surface(corners: Vector) -> Mass:
-    """Of the body that triangles (n, 3, 3) m enclose, from the tetrahedra that they form with their middle."""
-    origin = corners.reshape(-1, 3).mean(axis=0)
-    a, b, c = np.moveaxis(corners - origin, 1, 0)
-    volumes = np.einsum("ij,ij->i", a, np.cross(b, c)) / 6.0
-    total = float(volumes.sum())
-    center = volumes @ (a + b + c) / (4.0 * total)
-    whole = a + b + c
-    second = sum(np.einsum("i,ij,ik->jk", volumes, p, p) for p in (a, b, c, whole)) / (20.0 * total)
-    return _solid(total, origin + center, second - np.outer(center, center))
-
-
-def _of_sheet(sheet: Any, thickness: float) -> Mass:
-    corners = sheet.vertices[sheet.faces]
-    areas = np.linalg.norm(mesh.areas(corners), axis=1)
-    total = float(areas.sum())
-    center = areas @ corners.mean(axis=1) / total
-    arms = corners - center
-    whole = arms.sum(axis=1)
-    second = np.einsum("i,inj,ink->jk", areas, arms, arms) + np.einsum("i,ij,ik->jk", areas, whole, whole)
-    return _solid(total * thickness, center, second / (12.0 * total) + np.eye(3) * thickness**2 / 36.0)
-
-
-def _of_cylinder(d: float, length: float) -> Mass:
-    second = np.diag([d * d / 16.0, d * d / 16.0, length * length / 12.0])
-    return _solid(math.pi / 4.0 * d * d * length, np.zeros(3), second)
-
-
-def _of_capsule(d: float, length: float) -> Mass:
-    tube, ends = math.pi / 4.0 * d * d * length, math.pi / 6.0 * d**3
-    r = 0.5 * d
-    across = (tube * r * r / 4.0 + ends * r * r / 5.0) / (tube + ends)
-    along = tube * length**2 / 12.0 + ends * (0.25 * length**2 + 0.375 * r * length + r * r / 5.0)
-    return _solid(tube + ends, np.zeros(3), np.diag([across, across, along / (tube + ends)]))
-
-
-def _of_arc(spec: Any) -> Mass:
-    """Of an arc of half angle h the centre of mass is R sin(h) / h from that of the circle, on the bisector."""
-    start, end = math.radians(spec.from_deg), math.radians(spec.to_deg)
-    half, middle, R, t = 0.5 * abs(end - start), 0.5 * (start + end), spec.radius_m, spec.thickness_m
-    off, cut = R * math.sin(half) / half, math.sin(2.0 * half) / (4.0 * half)
-    u, v = (np.array([math.cos(a), 0.0, -math.sin(a)]) for a in (middle, middle + 0.5 * math.pi))
-    second = (R * R * (0.5 + cut) - off**2) * np.outer(u, u) + R * R * (0.5 - cut) * np.outer(v, v)
-    second += t * t / 24.0 * (np.outer(u, u) + np.outer(v, v)) + np.diag([0.0, spec.width_m**2 / 12.0, 0.0])
-    return _solid(2.0 * half * R * t * spec.width_m, off * u, second)
-
-
-def _of_line(line: Any) -> Mass:
-    pieces = []
-    for a, b in pairwise(line.line):
-        one = _of_cylinder(line.diameter, float(np.linalg.norm(b - a)))
-        pieces.append(one.placed(0.5 * (a + b), rotations.to_axis(b - a)))
-    return merged(pieces)
-
-
-def _solid(volume: float, center: Vector, second: Vector) -> Mass:
-    """Of a shape with a volume (m3), from the mean of r r^T about its centre (3, 3) m2."""
-    return Mass(volume, center, volume * (np.trace(second) * np.eye(3) - second))
-
-
-def merged(pieces: Iterable[Mass]) -> Mass:
-    """Several masses as one, about their common centre."""
-    parts = list(pieces)
-    mass = sum(part.mass for part in parts)
-    center: Vector = sum((part.mass * part.center for part in parts), np.zeros(3)) / mass
-    inertia = np.zeros((3, 3))
-    for part in parts:
-        arm = part.center - center
-        inertia += part.inertia + part.mass * (float(arm @ arm) * np.eye(3) - np.outer(arm, arm))
-    return Mass(mass, center, inertia)
