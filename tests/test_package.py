@@ -62,8 +62,8 @@ def calls(name: str, thing: object) -> Iterator[tuple[str, FunctionType]]:
 
 def test_what_users_call_says_what_it_takes_gives_and_raises() -> None:
     """Docstrings have the sections of numpydoc, with the name of each argument in them; functions an example too."""
-    from granular_contact.config.load import Loaded
     from granular_contact.config.schema import Scenario
+    from granular_contact.config.template import Loaded
 
     homes = [getattr(granular_contact, name) for name in ("GranularBed", "Results", "Simulation")]
     homes += map(extra, ("gym.GranularEnv", "mujoco.MujocoBed"))

@@ -5,7 +5,7 @@ reading    yaml_source, tree                    text -> tree with positions
 resolving  references, overrides, given         names, `from`, provenance; --set and values from Python -> one tree
            urdf, urdf_corrections               robot files, and what is put right of them
            columns, csv_table                   CSV files that a config names
-checking   schema, load                         one tree -> Scenario
+checking   schema, load, template               one tree -> Scenario
            allowed, messages, structure_errors  or faults in sentences
 changing   changed, differences, add_law        a scenario from Python; how two differ; a law from outside
 writing    export                               plain data, JSON Schema
@@ -17,12 +17,13 @@ many       sweep, sweep_cases                   a config and what to replace in 
 from granular_contact.config import schema
 from granular_contact.config.export import json_schema, scenario_to_dict
 from granular_contact.config.file_kind import is_fit, is_optimise, is_run, is_sweep
-from granular_contact.config.load import Loaded, SourceMap, load, load_medium, load_scenario
+from granular_contact.config.load import load, load_medium, load_scenario
 from granular_contact.config.optimise import Study, load_optimise
 from granular_contact.config.references import medium_names
 from granular_contact.config.schema import Scenario
 from granular_contact.config.sweep import Sweep, load_sweep
 from granular_contact.config.sweep_cases import Case
+from granular_contact.config.template import Loaded, SourceMap
 from granular_contact.config.written_numbers import write_numbers
 
 __all__ = [

@@ -12,9 +12,10 @@ from pydantic import ValidationError
 from granular_contact.config import tree
 from granular_contact.config.export import scenario_to_dict
 from granular_contact.config.given import changes, plain_data
-from granular_contact.config.load import Template, load_medium, scenario_of
+from granular_contact.config.load import load_medium
 from granular_contact.config.references import medium_names, restated
 from granular_contact.config.schema.scenario import Scenario
+from granular_contact.config.template import Template, scenario_of
 from granular_contact.errors import Fault
 
 _HERE = tree.Position("", None)

@@ -15,12 +15,12 @@ from pathlib import Path
 from granular_contact import examples
 from granular_contact.config import tree
 from granular_contact.config.export import scenario_to_dict, value_at
-from granular_contact.config.load import Loaded
 from granular_contact.config.messages import by_place, of_file, validated
 from granular_contact.config.overrides import Override, split
 from granular_contact.config.schema.optimise import OptimiseFile, Parameter
 from granular_contact.config.sweep import Probe, Sweep, base_of, case_faults, one_a_place
 from granular_contact.config.sweep_cases import Case, read_overrides, with_long
+from granular_contact.config.template import Loaded
 from granular_contact.config.yaml_source import read_file
 from granular_contact.errors import ConfigError, Fault
 from granular_contact.values.strict import did_you_mean

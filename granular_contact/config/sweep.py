@@ -24,13 +24,13 @@ from granular_contact.config import tree
 from granular_contact.config.columns import KEYS as COLUMN_KEYS
 from granular_contact.config.differences import differences
 from granular_contact.config.export import scenario_to_dict, value_at
-from granular_contact.config.load import Loaded, Template
 from granular_contact.config.messages import by_place, of_file, validated
 from granular_contact.config.overrides import Override, effective
 from granular_contact.config.references import shown
 from granular_contact.config.schema import Scenario
 from granular_contact.config.schema.sweep import Sample, SweepFile
 from granular_contact.config.sweep_cases import Case, Numbered, named, read_overrides, sampled, varied, with_long
+from granular_contact.config.template import Loaded, Template
 from granular_contact.config.yaml_source import read_file
 from granular_contact.errors import ConfigError, Fault, SceneError
 from granular_contact.values.strict import did_you_mean

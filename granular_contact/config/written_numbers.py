@@ -13,7 +13,7 @@ from granular_contact.errors import ConfigError, Fault
 from granular_contact.values.files import write_whole
 
 if TYPE_CHECKING:
-    from granular_contact.config.load import SourceMap
+    from granular_contact.config.template import SourceMap
 
 
 def write_numbers(sources: SourceMap, numbers: Mapping[str, float]) -> list[str]:

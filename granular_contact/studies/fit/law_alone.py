@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.config import scenario_to_dict
-from granular_contact.config.load import Loaded, Template
 from granular_contact.config.overrides import Override
 from granular_contact.config.schema.fit import ForceTest
+from granular_contact.config.template import Loaded, Template
 from granular_contact.errors import ConfigError, SceneError
 from granular_contact.laws.catalogue import LAWS
 from granular_contact.laws.layer import Layer

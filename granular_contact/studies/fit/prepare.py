@@ -8,11 +8,11 @@ from pathlib import Path
 
 from granular_contact.config.changed import filled
 from granular_contact.config.csv_table import Table, read_table
-from granular_contact.config.load import Template
 from granular_contact.config.messages import by_place
 from granular_contact.config.overrides import Override, effective
 from granular_contact.config.references import shown
 from granular_contact.config.schema.fit import ForceTest
+from granular_contact.config.template import Template
 from granular_contact.config.yaml_source import read_file
 from granular_contact.errors import ConfigError, Fault, SceneError
 from granular_contact.sand.steady import SteadyBody

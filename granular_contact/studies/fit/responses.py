@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from granular_contact.config import scenario_to_dict
-from granular_contact.config.load import Loaded, Template
 from granular_contact.config.overrides import Override, effective
+from granular_contact.config.template import Loaded, Template
 from granular_contact.config.tree import Position, Scalar
 from granular_contact.errors import ConfigError, SceneError, SolveError
 from granular_contact.results import FINISHED, Results
