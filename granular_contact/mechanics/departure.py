@@ -15,6 +15,7 @@ Source: R. D. Skeel, "Thirteen ways to estimate global error", Numer. Math. 48 (
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -25,21 +26,21 @@ from granular_contact.sand.load import GranularLoad
 Vector = NDArray[np.float64]
 ITERATIONS, SHORTENED, SHARE = 10, 4, 0.4  # most of them; most shares of a step, each so much of the one before
 CLOSE, RENEW = 1e-4, 0.3  # part of the motion's speed; what of the residual (its root) may be left by an old matrix
+BLOCK = 2**29  # bytes
 
 
-class Motion(NamedTuple):
-    """A motion at n instants, of m rates with d freedoms.
+class Instant(NamedTuple):
+    """A motion at an instant, of c coordinates of the load and m rates with d freedoms.
 
-    time (n,) s; q (n, c): coordinates of the load; v (n, m); W (n, m, d): rates by those of the freedoms; A (n, d, m):
-    of any rates the freedoms that have their momentum; M, K, D (n, d, d): mass, stiffness and damping of joints.
+    time (s); q (c,); v (m,); W (m, d): rates by those of the freedoms; mass (m, m), sparse or not; K, D (d, d):
+    stiffness and damping of joints.
     """
 
-    time: Vector
+    time: float
     q: Vector
     v: Vector
     W: Vector
-    A: Vector
-    M: Vector
+    mass: Any
     K: Vector
     D: Vector
 
@@ -76,64 +77,69 @@ def instants(observer: Any, count: int) -> NDArray[np.int64]:
     return first + np.unique([0, *at, len(steps)])
 
 
-def departures(observer: Any, motion: Motion, own: GranularLoad, other: GranularLoad, chart: Flat) -> Vector:
+def blocks(at: NDArray[np.int64], rates: int) -> list[NDArray[np.int64]]:
+    """Instants in parts of which all W (m, d), with as many freedoms as rates at most, take `BLOCK` bytes."""
+    return np.array_split(at, min(len(at), 1 + len(at) * 8 * rates**2 // BLOCK))
+
+
+def departures(observer: Any, motion: Iterator[Instant], own: GranularLoad, other: GranularLoad, chart: Flat) -> Vector:
     """Greatest departures (m,) of points with another load by rate, as parts of the distance that the fastest travels.
 
     own, other: loads on the motion's coordinates, which begin anew.
     """
-    if motion.W.shape[2] == 0:
-        return np.zeros(motion.v.shape[1])
-    t = observer.trajectory
-    speed = observer.path_length / (t.time[-1] - t.time[0])
-    off = np.abs(_depart(motion, own, other, chart, CLOSE * speed, observer.lever)) * observer.lever
-    return np.asarray(off.max(axis=0) / max(observer.path_length, observer.scene.least_path))
-
-
-def _depart(motion: Motion, own: GranularLoad, other: GranularLoad, chart: Flat, close: float, lever: Vector) -> Vector:
-    """Departure (n, m) of all bodies at the instants of a motion; close (m/s), lever (m,): as of `_Step.end`."""
-    time, W, A = motion.time, motion.W, motion.A
-    out, last = np.zeros(motion.v.shape), np.zeros(motion.v.shape[1])
+    t, lever = observer.trajectory, observer.lever
+    close = CLOSE * observer.path_length / (t.time[-1] - t.time[0])
+    before = next(motion)
+    off = last = most = np.zeros(len(before.v))
     for load in (own, other):
-        load.start(motion.q[0])
-    for i in range(1, len(time)):
-        q, v = (np.ascontiguousarray(one[i]) for one in (motion.q, motion.v))
-        step = _Step(motion, i, A[i] @ out[i - 1], A[i] @ last, chart.forces(own, q, v), other, chart)
-        x, rate = step.end(close, lever)
-        out[i], last = W[i] @ x, W[i] @ rate
-        own.accept(time[i], q, chart.rates(q, v))
-        there = chart.moved(q, out[i])
-        other.accept(time[i], there, chart.rates(there, v + last))
-    return out
+        load.start(before.q)
+    for now in motion:
+        if now.W.shape[1] > 0:
+            off, last = _Step(now, now.time - before.time, off, last, own, other, chart).end(close, lever)
+        own.accept(now.time, now.q, chart.rates(now.q, now.v))
+        there = chart.moved(now.q, off)
+        other.accept(now.time, there, chart.rates(there, now.v + last))
+        before, most = now, np.maximum(most, np.abs(off))
+    return np.asarray(most * lever / max(observer.path_length, observer.scene.least_path))
 
 
 class _Step:
-    """A step of backward Euler that ends at an instant i, from x and x' before it; own: forces (m,) of the motion's."""
+    """A step of h s of backward Euler to an instant, from the departure off (m,) before it and its rates."""
 
     def __init__(
-        self, motion: Motion, i: int, x: Vector, rate: Vector, own: Vector, other: GranularLoad, chart: Flat
+        self, now: Instant, h: float, off: Vector, rates: Vector, own: GranularLoad, other: GranularLoad, chart: Flat
     ) -> None:
-        self.q, self.v, self.W, self.M = motion.q[i], motion.v[i], motion.W[i], motion.M[i]
-        self.K, self.D, self.h = motion.K[i], motion.D[i], motion.time[i] - motion.time[i - 1]
-        self.x, self.rate, self.own, self.other, self.chart = x, rate, own, other, chart
+        self.now, self.h, self.other, self.chart = now, h, other, chart
+        momenta = now.mass @ now.W
+        self.M = now.W.T @ momenta
+        self.x, self.rate = np.linalg.solve(self.M, momenta.T @ np.column_stack([off, rates])).T
+        self.own = chart.forces(own, now.q, now.v)
 
     def missing(self, rate: Vector) -> tuple[Vector, float, Vector]:
         """Impulses (d,) that are missing at a rate, their square over the masses, and where that is."""
-        x = self.x + self.h * rate
-        there = self.chart.moved(self.q, self.W @ x)
-        force = self.chart.forces(self.other, there, self.v + self.W @ rate)
-        left: Vector = self.M @ (rate - self.rate) + self.h * (self.K @ x + self.D @ rate)
-        left -= self.h * (self.W.T @ (force - self.own))
+        W, x = self.now.W, self.x + self.h * rate
+        there = self.chart.moved(self.now.q, W @ x)
+        force = self.chart.forces(self.other, there, self.now.v + W @ rate)
+        left: Vector = self.M @ (rate - self.rate) + self.h * (self.now.K @ x + self.now.D @ rate)
+        left -= self.h * (W.T @ (force - self.own))
         return left, float(np.sum(left**2 / np.diag(self.M))), there
 
     def matrix(self, there: Vector, rate: Vector) -> Vector:
-        """Derivative (d, d) of the missing impulses by the rate."""
-        rates, by = self.chart.rates(there, self.v + self.W @ rate), self.chart.rates(there, self.W)
-        found, slopes = self.other.tangent(there, rates, self.h, 1.0), np.zeros((len(there), len(there)))
-        np.add.at(slopes, (found[:, 0].astype(int), found[:, 1].astype(int)), found[:, 2])
-        return np.asarray(self.M + self.h * (self.h * self.K + self.D - by.T @ slopes @ by))
+        """Derivative (d, d) of the missing impulses by the rate; few coordinates are in the sand."""
+        W = self.now.W
+        rates, by = self.chart.rates(there, self.now.v + W @ rate), self.chart.rates(there, W)
+        rows, columns, values = self.other.tangent(there, rates, self.h, 1.0).T
+        loaded, at = np.unique(np.concatenate([rows, columns]).astype(int), return_inverse=True)
+        slopes = np.zeros((len(loaded), len(loaded)))
+        np.add.at(slopes, tuple(at.reshape(2, -1)), values)
+        of_sand = by[loaded].T @ slopes @ by[loaded]
+        return np.asarray(self.M + self.h * (self.h * self.now.K + self.now.D - of_sand))
 
     def end(self, close: float, lever: Vector) -> tuple[Vector, Vector]:
-        """X and x' at the end: Newton's method, to a change of speed (m/s) of any point, lever (m,) of each rate."""
+        """Departure (m,) and its rates at the end: Newton's method, to a change of speed (m/s) of any point.
+
+        lever (m,): distance by rate.
+        """
         rate, old = self.rate.copy(), False
         left, size, there = self.missing(rate)
         for _ in range(ITERATIONS):
@@ -156,6 +162,6 @@ class _Step:
                 continue
             rate, old = rate + share * change, share == 1.0 and now[1] < RENEW**2 * size
             left, size, there = now
-            if float(np.abs(lever * (self.W @ change)).max()) * share <= close:
+            if float(np.abs(lever * (self.now.W @ change)).max()) * share <= close:
                 break
-        return self.x + self.h * rate, rate
+        return self.now.W @ (self.x + self.h * rate), self.now.W @ rate

@@ -74,7 +74,8 @@ def center_shares(mass: Any, nodes: NDArray[np.int64]) -> Vector:
     for axis in (0, 1):
         along = np.zeros(mass.shape[0])
         along[nodes[:, axis]] = 1.0
-        shares.append(mass @ along / (along @ mass @ along))
+        momenta = mass @ along
+        shares.append(momenta / (along @ momenta))
     return np.array(shares)
 
 

@@ -7,11 +7,12 @@ be a tenth of the error or less, rarely both (`validation/strip_estimates.py`). 
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 
-from granular_contact.mechanics.departure import Flat, Motion, departures, instants
+from granular_contact.mechanics.departure import Flat, Instant, blocks, departures, instants
 from granular_contact.mechanics.freedoms import freedoms
 from granular_contact.mechanics.kinematics import Kinematics
 from granular_contact.sand.contact_lines import ELEMENTS_PER_LINE, Body, ContactLine, beam, coarser
@@ -20,7 +21,7 @@ from granular_contact.sand.of_scene import lines_of, load_of, section
 from granular_contact.scene.workspace import immersible
 
 OF_JOINED, OF_HALVED = 1.0 / 3.0, 4.0 / 3.0
-GLANCE, LOOK = 24, 160  # instants of the motion at which its departure is followed
+GLANCE, LOOK = 24, 96  # of the motion at which its departure is followed: a glance, and a look
 
 
 def estimate(observer: Kinematics, doubtful: float) -> float:
@@ -39,20 +40,17 @@ def estimate(observer: Kinematics, doubtful: float) -> float:
 
 def _departure(observer: Kinematics, own: GranularLoad, other: GranularLoad, count: int) -> float:
     """Greatest departure of any point with another load, as a part of the distance that the fastest one travels."""
-    t, at = observer.trajectory, instants(observer, count)
-    part = replace(t, time=t.time[at], q=t.q[at], v=t.v[at], load=None, a=None, multipliers={}, set_to={})
-    motion = _motion(type(observer)(observer.system, part))
-    return float(departures(observer, motion, own, other, Flat()).max())
+    return float(departures(observer, _motion(observer, count), own, other, Flat()).max())
 
 
-def _motion(motion: Kinematics) -> Motion:
-    """The motion, with what its freedoms are, at all of its instants."""
-    t, free = motion.trajectory, freedoms(motion)
-    n, m, d = free.W.shape
-    momenta = (t.mass @ free.W.transpose(1, 0, 2).reshape(m, n * d)).reshape(m, n, d).transpose(1, 2, 0)
-    M = momenta @ free.W
-    A = np.linalg.solve(M, momenta)
-    return Motion(*map(np.ascontiguousarray, (t.time, t.q, t.v, free.W, A, M, free.K, free.D)))
+def _motion(observer: Kinematics, count: int) -> Iterator[Instant]:
+    """The motion at so many of its instants."""
+    t = observer.trajectory
+    for at in blocks(instants(observer, count), t.q.shape[1]):
+        part = replace(t, time=t.time[at], q=t.q[at], v=t.v[at], load=None, a=None, multipliers={}, set_to={})
+        free = freedoms(type(observer)(observer.system, part))
+        for i, time in enumerate(part.time.tolist()):
+            yield Instant(time, part.q[i], part.v[i], free.W[i], t.mass, free.K[i], free.D[i])
 
 
 def _load(observer: Kinematics, split: int = 1) -> GranularLoad:

@@ -10,6 +10,7 @@ Left out: how W changes with x, inertial forces of the departure beside M x'', a
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 from typing import Any, NamedTuple
@@ -17,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from granular_contact.mechanics.constraints import together
-from granular_contact.mechanics.departure import Flat, Motion, departures, instants
+from granular_contact.mechanics.departure import Flat, Instant, blocks, departures, instants
 from granular_contact.mechanics.freedoms import left_by, slopes
 from granular_contact.mechanics.space.kinematics import SpatialKinematics
 from granular_contact.mechanics.space.system import SpatialSystem
@@ -92,8 +93,8 @@ def estimate(observer: Any, doubtful: float) -> Errors:
 
 def _seen(observer: Any, other: Others, of: dict[str, str], count: int) -> Errors:
     """Errors by the departure that so many instants of the motion show."""
-    motion = _motion(observer, instants(observer, count))
-    far = departures(observer, motion, observer.system.facets, other.load, Poses()).reshape(-1, 6).max(axis=1)
+    rates = departures(observer, _motion(observer, count), observer.system.facets, other.load, Poses())
+    far = rates.reshape(-1, 6).max(axis=1)
     found: Errors = {}
     for name, one in zip(observer.system.rigid, far.tolist(), strict=True):
         own, there = (sum(n for body, n in each.items() if of[body] == of[name]) for each in (other.own, other.there))
@@ -176,11 +177,21 @@ def load_with(system: SpatialSystem, share: float) -> SpatialLoad:
     return load
 
 
-def _motion(observer: SpatialKinematics, at: Any) -> Motion:
-    """The motion at some of its instants, with its freedoms there."""
+def _motion(observer: Any, count: int) -> Iterator[Instant]:
+    """The motion at so many of its instants, with its freedoms there."""
     t = observer.engine
-    some = replace(t, time=t.time[at], q=t.q[at], v=t.v[at], load=None, a=None, multipliers={}, set_to={})
-    seen = SpatialKinematics(observer.system, some)
+    for at in blocks(instants(observer, count), observer.trajectory.v.shape[1]):
+        some = replace(t, time=t.time[at], q=t.q[at], v=t.v[at], load=None, a=None, multipliers={}, set_to={})
+        seen = SpatialKinematics(observer.system, some)
+        W, K, D = _freedoms(seen)
+        places = [one for name in seen.system.rigid for one in (seen.center(name)[0], seen.quaternion(name))]
+        q, v = np.concatenate(places, axis=1), seen.trajectory.v
+        for i, time in enumerate(some.time.tolist()):
+            yield Instant(time, q[i], v[i], W[i], seen.trajectory.mass, W[i].T @ K[i] @ W[i], W[i].T @ D[i] @ W[i])
+
+
+def _freedoms(seen: SpatialKinematics) -> tuple[Vector, Vector, Vector]:
+    """W (n, m, d) of the freedoms, and stiffness and damping (n, m, m) of joints by the rates of bodies."""
     (n, m), scene = seen.trajectory.v.shape, seen.scene
     joints: Any = scene.joints
     moved = {drive.joint for drive in scene.drives if drive.kind == "motion"}
@@ -196,13 +207,7 @@ def _motion(observer: SpatialKinematics, at: Any) -> Motion:
         stiffness, damping = slopes(seen, joint, scene.drive(joint.name))
         K += stiffness[:, None, None] * (J.transpose(0, 2, 1) @ J)
         D += damping[:, None, None] * (J.transpose(0, 2, 1) @ J)
-    turned = W.transpose(0, 2, 1)
-    momenta = turned @ seen.trajectory.mass
-    M = momenta @ W
-    A = np.linalg.solve(M, momenta) if M.shape[1] else momenta
-    places = [one for name in seen.system.rigid for one in (seen.center(name)[0], seen.quaternion(name))]
-    q = np.concatenate(places, axis=1)
-    return Motion(t.time[at], q, seen.trajectory.v, W, A, M, turned @ K @ W, turned @ D @ W)
+    return W, K, D
 
 
 _ENTRIES = np.array([[1, 2, 3], [0, 3, 2], [3, 0, 1], [2, 1, 0]])  # of e in the matrix of e (0, w) / 2
