@@ -1,7 +1,10 @@
 """How functions are compiled: `kernel` for those that Python calls, `part` for those that kernels call.
 
-Both are numba's `njit`, and are kept on disk. A division by zero gives an infinite number or none, as in numpy, and no
-exception, whose text and branches would be compiled with every quotient.
+A kernel is numba's `njit`. A part stays the function of Python that it is, of which kernels take a compiled form
+(`numba.extending.register_jitable`): what turns arguments of Python into those of compiled code would be compiled with
+each part, a tenth of all compiling. Python would run a part as it is written; one that calls by address (`calls`) it
+can't. Both are kept on disk. A division by zero gives an infinite number or none, as in numpy, and no exception, whose
+text and branches would be compiled with every quotient.
 
 With NUMBA_DISABLE_JIT=1 in the environment both leave the function as it is, and Python runs all of it: to follow a
 run in a debugger, a hundred times as slow. What has to differ then is in this room alone, and goes by COMPILES.
@@ -14,9 +17,11 @@ from functools import partial
 from typing import Any
 
 from numba import config, njit, typeof
+from numba.extending import register_jitable
 
 COMPILES = not config.DISABLE_JIT
 PLAIN = {"error_model": "numpy"}
+_parts: set[Any] = set()
 
 
 def kernel(function: Callable[..., Any] | None = None, *, nogil: bool = False) -> Any:
@@ -30,13 +35,19 @@ def kernel(function: Callable[..., Any] | None = None, *, nogil: bool = False) -
 
 
 def part(function: Callable[..., Any] | None = None, *, cache: bool = True, inline: bool = False) -> Any:
-    """Compile a function that kernels call, and Python only now and then; cache: keep it on disk.
+    """Let kernels call a function, compiled for each kind of arguments; cache: keep that on disk.
 
     inline: always within its callers, so that loops over it can become vector instructions.
     """
     if function is None:
         return lambda function: part(function, cache=cache, inline=inline)
-    return njit(function, cache=cache, forceinline=inline, **PLAIN)
+    _parts.add(function)
+    return register_jitable(cache=cache, forceinline=inline, **PLAIN)(function)
+
+
+def is_part(function: Callable[..., Any]) -> bool:
+    """Whether kernels can call a function of Python already."""
+    return function in _parts
 
 
 def ready(function: Any, *arguments: Any) -> Any:

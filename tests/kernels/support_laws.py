@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
+from support_parts import called
 
 from granular_contact.laws.albert import Albert
 from granular_contact.laws.allen import Allen
@@ -108,7 +109,7 @@ def _drag(p, a, m):
 def stations(q: Array, v: Array, geometry: NDArray[np.void], P: Array, V: Array) -> None:
     """Fill positions and velocities of the stations of a body of any kind."""
     of_spatial = geometry["kind"][0] == kinematics.SPATIAL
-    (spatial.spatial_stations if of_spatial else kinematics.stations)(q, v, geometry, P, V)
+    called(spatial.spatial_stations if of_spatial else kinematics.stations)(q, v, geometry, P, V)
 
 
 def below(z0: float, z1: float) -> tuple[float, float]:

@@ -13,6 +13,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import quad
+from support_parts import called
 
 from granular_contact.laws.lee_marghitu import LeeMarghitu, VerticalResistance
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
@@ -173,7 +174,7 @@ def kernel(
 ) -> tuple[Array, Array]:
     """Station forces F (n, 2) and totals (3, 3) of the production kernels; without anchors no bristle is stretched."""
     F, totals = np.full_like(P, np.nan), np.zeros((3, 3))
-    form = strips.resultant_forces if resultant else strips.distributed_forces
+    form = called(strips.resultant_forces if resultant else strips.distributed_forces)
     m = medium_record(medium() if record is None else record)[0]
     run, bristles = run_record(link, cap, resultant)[0], P.copy() if anchors is None else anchors
     form(P, V, bristles, run, profile(link), m, F, totals)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 from support_laws import LEE_MARGHITU, G
+from support_parts import called
 from support_slow import fitted_order
 
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
@@ -36,7 +37,7 @@ def by_quadrature(a: float, b: float, z: tuple[float, float], lam: float, s: tup
 
     def density(xi: float, end: int) -> float:
         depth = max(0.0, (1 - xi) * z[0] + xi * z[1])
-        return depth**lam * direction((1 - xi) * s[0] + xi * s[1], m) * (xi if end else 1 - xi)
+        return depth**lam * called(direction)((1 - xi) * s[0] + xi * s[1], m) * (xi if end else 1 - xi)
 
     places = np.array([a, *cuts, b])
     return [
@@ -63,7 +64,9 @@ def test_a_bristle_below_yield_is_linear_along_the_strip(lam: float) -> None:
         want = by_quadrature(a, b, (z0, z1), lam, s, BRISTLE)
         scale = (b - a) * max(z0 + a * (z1 - z0), z0 + b * (z1 - z0)) ** lam
         # The parts of s cancel where it changes its sign, so next to the greatest that the integral can be.
-        np.testing.assert_allclose(linear_integrals(a, b, z0, z1, lam, sa, sb), want, atol=CLOSED * scale + 1e-13)
+        np.testing.assert_allclose(
+            called(linear_integrals)(a, b, z0, z1, lam, sa, sb), want, atol=CLOSED * scale + 1e-13
+        )
 
 
 @pytest.mark.parametrize("lam", EXPONENTS)
@@ -73,7 +76,7 @@ def test_what_is_mobilised_matches_quadrature(lam: float) -> None:
     for _ in range(200):
         a, b, z0, z1 = strip(rng)
         s0, s1 = drives(rng, a, b, 3.0)
-        got = mobilised_integrals(a, b, z0, z1, lam, s0, s1, BRISTLE)
+        got = called(mobilised_integrals)(a, b, z0, z1, lam, s0, s1, BRISTLE)
         want = by_quadrature(a, b, (z0, z1), lam, (s0, s1), BRISTLE)
         scale = (b - a) * max(z0 + a * (z1 - z0), z0 + b * (z1 - z0)) ** lam
         np.testing.assert_allclose(got, want, atol=CLOSED * scale + 1e-13)
@@ -88,15 +91,15 @@ def test_the_force_is_continuous_where_a_bristle_yields(lam: float, sign: float)
     for other in (0.3, 1.0, 2.5):
         for order in (1, -1):
             pairs = [(sign * (1.0 + side * near), sign * other)[::order] for side in (-1.0, 1.0)]
-            below, above = (mobilised_integrals(0.1, 0.8, 0.4, 1.3, lam, *pair, BRISTLE) for pair in pairs)
+            below, above = (called(mobilised_integrals)(0.1, 0.8, 0.4, 1.3, lam, *pair, BRISTLE) for pair in pairs)
             # sigma changes by 2e-9 at most between the two, times z^lam of up to 1.3^2; the rest as above.
             np.testing.assert_allclose(below, above, atol=4e-9 + CLOSED * 1.7)
 
 
 def test_far_beyond_yield_is_the_bound() -> None:
     for sign in (-1.0, 1.0):
-        got = mobilised_integrals(0.1, 0.8, 0.4, 1.3, 1.1, sign * 1e9, sign * 3e12, BRISTLE)
-        assert got == tuple(sign * j for j in part_integrals(0.1, 0.8, 0.4, 1.3, 1.1))
+        got = called(mobilised_integrals)(0.1, 0.8, 0.4, 1.3, 1.1, sign * 1e9, sign * 3e12, BRISTLE)
+        assert got == tuple(sign * j for j in called(part_integrals)(0.1, 0.8, 0.4, 1.3, 1.1))
 
 
 def test_a_smooth_sign_is_integrated_by_three_gauss_points() -> None:
@@ -106,7 +109,7 @@ def test_a_smooth_sign_is_integrated_by_three_gauss_points() -> None:
     for d in sizes:
         z, s = (0.7, 0.7 + 0.3 * d), (0.2, 0.2 + d)
         want = by_quadrature(0.0, 1.0, z, 1.1, s, SMOOTH)
-        errors.append(np.subtract(mobilised_integrals(0.0, 1.0, *z, 1.1, *s, SMOOTH), want))
+        errors.append(np.subtract(called(mobilised_integrals)(0.0, 1.0, *z, 1.1, *s, SMOOTH), want))
     # The sixth derivative of sigma z^lam falls with d^6, that of its product with N_e, linear in xi, with d^5.
     assert fitted_order(sizes, np.abs(np.sum(errors, axis=1)), 1e-13) > 5.8
     assert fitted_order(sizes, np.abs(errors).max(axis=1), 1e-13) == pytest.approx(5.0, abs=0.3)

@@ -7,6 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from support_parts import called
 from support_slow import Link, kernel, medium
 
 from granular_contact.laws.lee_marghitu import LeeMarghitu, VerticalResistance
@@ -24,7 +25,7 @@ LINE, LEVEL = np.zeros(1, lines.LINE)[0], np.zeros((1, 2))
 
 def direction(stretch: float, v: float, m: np.void) -> float:
     """Regularised sign at a point."""
-    return friction.direction(friction.drive(stretch, v, m), m)
+    return called(friction.direction)(called(friction.drive)(stretch, v, m), m)
 
 
 def cycle(path: np.ndarray, m: np.void) -> tuple[np.ndarray, np.ndarray]:
@@ -32,7 +33,7 @@ def cycle(path: np.ndarray, m: np.void) -> tuple[np.ndarray, np.ndarray]:
     sigma, anchors, anchor = np.zeros(len(path)), np.zeros(len(path)), path[0]
     for i, p in enumerate(path):
         sigma[i] = direction(p - anchor, 0.0, m)
-        anchor = drag_component(p, anchor, m)
+        anchor = called(drag_component)(p, anchor, m)
         anchors[i] = anchor
     return sigma, anchors
 
@@ -52,11 +53,11 @@ def test_a_bristle_that_yields_is_led_by_the_velocity() -> None:
     for m, tau in ((PLASTIC, 0.0), (DAMPED, 1e-3)):
         for share, time in ((1.0, friction.SWITCH), (0.75, 0.5 * (tau + friction.SWITCH)), (0.5, tau), (0.1, tau)):
             e, v = share * U_Y, 2e-4
-            assert friction.drive(e, v, m) == pytest.approx((e + time * v) / U_Y, rel=1e-12)
-            assert friction.drive(e, -v, m) == pytest.approx((e - tau * v) / U_Y, rel=1e-12)
-        assert friction.drive(3.0 * U_Y, 0.0, m) == pytest.approx(1.0, rel=1e-15)
+            assert called(friction.drive)(e, v, m) == pytest.approx((e + time * v) / U_Y, rel=1e-12)
+            assert called(friction.drive)(e, -v, m) == pytest.approx((e - tau * v) / U_Y, rel=1e-12)
+        assert called(friction.drive)(3.0 * U_Y, 0.0, m) == pytest.approx(1.0, rel=1e-15)
     slow = medium(static=Elastoplastic(U_Y, 0.05))[0]  # its own tau is more than T
-    assert friction.drive(U_Y, 1e-4, slow) == pytest.approx(1.0 + 0.05 * 1e-4 / U_Y, rel=1e-12)
+    assert called(friction.drive)(U_Y, 1e-4, slow) == pytest.approx(1.0 + 0.05 * 1e-4 / U_Y, rel=1e-12)
 
 
 def test_saturates_at_one() -> None:
@@ -74,8 +75,8 @@ def test_the_way_of_a_step_does_not_outweigh_the_velocity_at_its_end() -> None:
     """A body that went 1 mm ahead in a step, and at its end goes back or aside at 0.1 m/s, has turned its direction."""
     assert direction(1e-3, -0.1, DAMPED) == -1.0
     # The bristle still leans ahead by u_y, of tau v = 10 u_y.
-    q = planar_friction.drive((1e-3, 0.0), (0.0, 0.1), DAMPED)
-    (ux, uy), share = planar_friction.mobilised(q, DAMPED)
+    q = called(planar_friction.drive)((1e-3, 0.0), (0.0, 0.1), DAMPED)
+    (ux, uy), share = called(planar_friction.mobilised)(q, DAMPED)
     assert (ux / uy, share) == pytest.approx((0.1, 1.0), rel=1e-12)
 
 
@@ -83,18 +84,18 @@ def test_planar_direction_is_that_of_a_component_along_an_axis() -> None:
     rng = np.random.default_rng(3)
     for stretch, v in rng.uniform(-2, 2, (100, 2)) * [U_Y, 5e-3]:
         for m in (PLASTIC, DAMPED, SMOOTH):
-            q = planar_friction.drive((0.0, stretch), (0.0, v), m)
-            (ux, uy), share = planar_friction.mobilised(q, m)
+            q = called(planar_friction.drive)((0.0, stretch), (0.0, v), m)
+            (ux, uy), share = called(planar_friction.mobilised)(q, m)
             assert ux == 0.0
             # The share is that of the magnitude: the same operations, but for a quotient and its inverse; round-off.
             assert share * uy == pytest.approx(direction(stretch, v, m), rel=1e-14)
 
 
 def test_anchor_is_mapped_back_to_the_yield_displacement() -> None:
-    assert drag_component(0.3 * U_Y, 0.0, PLASTIC) == pytest.approx(0.0, abs=1e-20)
+    assert called(drag_component)(0.3 * U_Y, 0.0, PLASTIC) == pytest.approx(0.0, abs=1e-20)
     # Round-off of 1e-5 m.
-    assert drag_component(3.0 * U_Y, 0.0, PLASTIC) == pytest.approx(2.0 * U_Y, rel=1e-14)
-    assert drag_component(-3.0 * U_Y, 0.0, PLASTIC) == pytest.approx(-2.0 * U_Y, rel=1e-14)
+    assert called(drag_component)(3.0 * U_Y, 0.0, PLASTIC) == pytest.approx(2.0 * U_Y, rel=1e-14)
+    assert called(drag_component)(-3.0 * U_Y, 0.0, PLASTIC) == pytest.approx(-2.0 * U_Y, rel=1e-14)
 
 
 def test_return_mapping_is_the_incremental_one() -> None:
@@ -110,7 +111,7 @@ def test_no_creep_under_a_constant_load() -> None:
     p = anchor = 0.7 * U_Y
     p += 0.6 * U_Y  # a load of 0.6 of the bound is carried here
     for _ in range(10_000):
-        anchor = drag_component(p, anchor, DAMPED)
+        anchor = called(drag_component)(p, anchor, DAMPED)
     # p - (p - anchor) may round once, in the last place of 1e-5 m; a millionth of u_y would be creep.
     assert anchor == pytest.approx(0.7 * U_Y, abs=1e-20)
     assert direction(p - anchor, 0.0, DAMPED) == pytest.approx(0.6, rel=1e-12)
@@ -166,7 +167,7 @@ def test_a_strip_driven_to_and_fro_takes_energy() -> None:
     for i, x in enumerate(path):
         P = P0 + np.array([x, 0.0])
         force[i] = kernel(P, V, link, record, anchors)[0][:, 0].sum()
-        lines.drag_anchors(P, anchors, LINE, LEVEL, medium_record(record)[0])
+        called(lines.drag_anchors)(P, anchors, LINE, LEVEL, medium_record(record)[0])
     # Closed expression of the bound, round-off (stretches of 1e-5 m next to positions of 1e-2 m: 1e-13).
     assert np.abs(force).max() == pytest.approx(bound, rel=1e-11)
     done = float(np.sum(0.5 * (force[1:] + force[:-1]) * np.diff(path)))
@@ -181,7 +182,7 @@ def test_a_strip_driven_to_and_fro_takes_energy() -> None:
 def test_anchors_are_free_above_the_surface() -> None:
     P = np.array([[0.0, 0.2], [0.1, 0.1], [0.2, -0.1]])
     anchors = np.full((3, 2), 0.5)
-    lines.drag_anchors(P, anchors, LINE, LEVEL, medium_record(medium(static=Elastoplastic(U_Y, 0.0)))[0])
+    called(lines.drag_anchors)(P, anchors, LINE, LEVEL, medium_record(medium(static=Elastoplastic(U_Y, 0.0)))[0])
     # The first is where its station is: no strip beside it is in the sand. The upper end of the strip that pierces the
     # surface is dragged along as its lower end is; round-off of 0.1 m.
     np.testing.assert_allclose(anchors, [P[0], P[1] + U_Y, P[2] + U_Y], atol=1e-15)
@@ -191,7 +192,7 @@ def test_the_sign_changes_near_where_the_velocity_does() -> None:
     """Between two saturated bristles of opposite sign: off by no more of a strip than `friction` says."""
     rng = np.random.default_rng(5)
     for back, ahead in 10.0 ** rng.uniform(-4, 1, (100, 2)):
-        s0, s1 = friction.drive(-U_Y, -back, DAMPED), friction.drive(U_Y, ahead, DAMPED)
+        s0, s1 = called(friction.drive)(-U_Y, -back, DAMPED), called(friction.drive)(U_Y, ahead, DAMPED)
         of_s, of_v = s0 / (s0 - s1), back / (back + ahead)
         w = back + ahead
         # The bound is reached where one of the ends stands still; round-off.

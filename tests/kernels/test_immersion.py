@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad
+from support_parts import called
 
 from granular_contact.sand.kernels.immersion import LEVEL, immersed_interval, moments, part_integrals, sign_change
 
@@ -29,7 +30,7 @@ def ends(kind: str, rng: np.random.Generator) -> tuple[float, float]:
 
 
 def integrals(z0: float, z1: float, lam: float) -> tuple[float, float]:
-    return part_integrals(*immersed_interval(z0, z1), z0, z1, lam)
+    return called(part_integrals)(*called(immersed_interval)(z0, z1), z0, z1, lam)
 
 
 def by_quadrature(z0: float, z1: float, lam: float) -> tuple[float, float]:
@@ -93,7 +94,7 @@ def test_parts_match_quadrature(kind: str, lam: float) -> None:
         want = [quad(density, a, b, args=(end,), epsabs=0.0, epsrel=1e-12)[0] for end in (0, 1)]
         # quad is asked for 1e-12; three Gauss points on parts that are level within LEVEL: 6e-11; the closed form
         # cancels to eps (z/dz)^2 = 6e-13.
-        np.testing.assert_allclose(part_integrals(a, b, z0, z1, lam), want, rtol=1e-10)
+        np.testing.assert_allclose(called(part_integrals)(a, b, z0, z1, lam), want, rtol=1e-10)
 
 
 @pytest.mark.parametrize("lam", EXPONENTS)
@@ -102,9 +103,9 @@ def test_parts_add_up_to_what_is_immersed(lam: float) -> None:
     for _ in range(100):
         z0, z1 = rng.uniform(-1.0, 1.0, 2)
         cuts = [0.0, *np.sort(rng.uniform(0.0, 1.0, 3)), 1.0]
-        immersed = immersed_interval(z0, z1)
+        immersed = called(immersed_interval)(z0, z1)
         inside = np.clip(cuts, *immersed)
-        parts = np.sum([part_integrals(a, b, z0, z1, lam) for a, b in pairwise(inside)], axis=0)
+        parts = np.sum([called(part_integrals)(a, b, z0, z1, lam) for a, b in pairwise(inside)], axis=0)
         # As above; the ends of the part lie on the surface only up to round-off.
         np.testing.assert_allclose(parts, integrals(z0, z1, lam), rtol=1e-9, atol=1e-12)
 
@@ -120,7 +121,7 @@ def test_moments_match_quadrature(kind: str, lam: float) -> None:
         want = quad(
             lambda xi, z0=z0, z1=z1: ((1 - xi) * z0 + xi * z1) ** lam * xi**2, 0.0, 1.0, epsabs=0.0, epsrel=1e-12
         )[0]
-        *others, square = moments(z0, z1, lam)
+        *others, square = called(moments)(z0, z1, lam)
         # Differences of powers over dz^3: eps (z/dz)^3, which is 1e-16 x 50^3 = 3e-11 where three Gauss points take
         # over; those are off by (dz/z)^6 = 6e-11 there.
         np.testing.assert_allclose(square, want, rtol=2e-10)
@@ -134,7 +135,7 @@ def test_moments_are_continuous_at_the_switch(lam: float) -> None:
         sides = []
         for side in (1 - 1e-13, 1 + 1e-13):
             level = LEVEL * side
-            sides.append(moments(*(0.7, 0.7 * (1 + level) / (1 - level))[::turn], lam))
+            sides.append(called(moments)(*(0.7, 0.7 * (1 + level) / (1 - level))[::turn], lam))
         # As above, both.
         np.testing.assert_allclose(*sides, rtol=2e-10)
 
@@ -143,18 +144,18 @@ def test_moments_of_hardly_any_depth() -> None:
     for z in (1e-310, 1e-120, 1e-60):
         # Exponent 0: one third, whatever the depth; three Gauss points on a cubic are exact.
         for ends in ((0.0, z), (z, 0.0)):
-            assert moments(*ends, 0.0) == pytest.approx((0.5, 0.5, 1.0 / 3.0), rel=1e-12)
-        assert max(moments(0.0, z, 1.1)) < 1e-60
+            assert called(moments)(*ends, 0.0) == pytest.approx((0.5, 0.5, 1.0 / 3.0), rel=1e-12)
+        assert max(called(moments)(0.0, z, 1.1)) < 1e-60
 
 
 def test_where_a_sign_changes() -> None:
-    assert sign_change(0.0, 1.0, -1.0, 3.0) == 0.25
-    assert sign_change(0.0, 1.0, 3.0, -1.0) == 0.75
+    assert called(sign_change)(0.0, 1.0, -1.0, 3.0) == 0.25
+    assert called(sign_change)(0.0, 1.0, 3.0, -1.0) == 0.75
     # Never outside the part that was asked for; at its end where there is no change, at rest included.
-    assert sign_change(0.3, 0.9, -1.0, 3.0) == 0.3
-    assert sign_change(0.3, 0.6, 3.0, -1.0) == 0.6
+    assert called(sign_change)(0.3, 0.9, -1.0, 3.0) == 0.3
+    assert called(sign_change)(0.3, 0.6, 3.0, -1.0) == 0.6
     for pair in ((1.0, 2.0), (-1.0, -2.0), (0.0, 0.0), (0.0, 1.0), (-1.0, 0.0)):
-        assert sign_change(0.3, 0.6, *pair) == 0.6
+        assert called(sign_change)(0.3, 0.6, *pair) == 0.6
 
 
 def test_switching_the_ends_switches_the_results() -> None:
@@ -175,7 +176,7 @@ def test_switching_the_ends_switches_the_results() -> None:
     ],
 )
 def test_interval(z0: float, z1: float, expected: tuple[float, float]) -> None:
-    assert immersed_interval(z0, z1) == expected
+    assert called(immersed_interval)(z0, z1) == expected
 
 
 depth = st.floats(-1.0, 1.0).filter(lambda z: abs(z) > 1e-3)
@@ -184,7 +185,7 @@ depth = st.floats(-1.0, 1.0).filter(lambda z: abs(z) > 1e-3)
 @settings(max_examples=60, deadline=None)
 @given(depth, depth, st.floats(0.001, 0.999))
 def test_interval_holds_what_is_immersed(z0: float, z1: float, xi: float) -> None:
-    first, last = immersed_interval(z0, z1)
+    first, last = called(immersed_interval)(z0, z1)
     z = (1 - xi) * z0 + xi * z1
     if abs(z) > 1e-9:  # on the surface itself either answer is right
         assert (first < xi < last) == (z > 0.0)

@@ -7,6 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from support_laws import stations
+from support_parts import called
 from support_slow import TRUE_SIGN, TWO_WAYS, Link, fitted_order, kernel, medium
 
 from granular_contact.sand.kernels import kinematics, law, lines, spatial
@@ -119,9 +120,9 @@ def test_virtual_work(geometry: np.ndarray, size: int) -> None:
         F, out = rng.uniform(-10, 10, P.shape), np.zeros(size)
         F[:, : i % 3] = 0.0  # both components, y alone, none
         if size == spatial.SIZE:
-            spatial.spatial_scatter(q, geometry, F, out)
+            called(spatial.spatial_scatter)(q, geometry, F, out)
         else:
-            kinematics.scatter(q, geometry, P, F, out)
+            called(kinematics.scatter)(q, geometry, P, F, out)
         # The same products in another order: round-off of some 30 terms of 10 W.
         assert out @ v == pytest.approx((F * V).sum(), abs=1e-12)
 
@@ -139,10 +140,10 @@ def test_power_of_a_run_is_that_of_its_generalised_forces(geometry: np.ndarray, 
     out, row = np.zeros(size), np.zeros(lines.FIRST + 13)
     level, sand = np.array([[0.0, surface]]), medium_record(medium(TWO_WAYS, TRUE_SIGN))
     contact, totals_too = law.Contact(geometry, run, level, sand, anchors, *np.zeros((3, n, 2))), np.zeros((3, 3))
-    lines.force(q, v, contact, totals_too, out)
+    called(lines.force)(q, v, contact, totals_too, out)
     columns = lines.FIRST + np.array([0, 1, 10])
     work = totals_too, np.zeros(size)
-    depth, speed = lines.accept(q, v, contact, *work, row, columns, False, False)
+    depth, speed = called(lines.accept)(q, v, contact, *work, row, columns, False, False)
     # Sums of some 30 products, round-off.
     assert out @ v == pytest.approx((F * V).sum(), rel=1e-12)
     assert row[lines.FIRST] == pytest.approx(out @ v, rel=1e-12)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from support_laws import BAR_LAWS, SOFT, SURFACE_LAWS, Array, G, label
+from support_parts import called
 from support_slow import fitted_order
 
 from granular_contact.laws.surface_pressure import SurfacePressure
@@ -22,7 +23,7 @@ def layered(top: float, bottom: float, width: float = 0.01) -> np.ndarray:
 
 def forces(P: Array, V: Array, anchors: Array, run: np.ndarray, record: np.ndarray, profile: Array = LEVEL) -> Array:
     F, totals = np.zeros_like(P), np.zeros((law.TERMS, 3))
-    strips.distributed_forces(P, V, anchors, run[0], profile, medium_record(record)[0], F, totals)
+    called(strips.distributed_forces)(P, V, anchors, run[0], profile, medium_record(record)[0], F, totals)
     # What reaches the stations is what is in the totals.
     np.testing.assert_allclose(F.sum(axis=0), totals[:, :2].sum(axis=0), atol=1e-12 * max(1.0, np.abs(F).max()))
     return F

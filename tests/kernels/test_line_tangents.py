@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 from support_laws import BAR_LAWS, MASS, SCALAR_LAWS, SURFACE_LAWS, Array, G, label, stations
+from support_parts import called
 
 from granular_contact.laws.floor import Floor
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
@@ -72,7 +73,7 @@ class Sand:
 
     def force(self, q: Array, v: Array) -> Array:
         out = np.zeros(q.size)
-        lines.force(q, v, self.around, np.zeros((law.TERMS, 3)), out)
+        called(lines.force)(q, v, self.around, np.zeros((law.TERMS, 3)), out)
         return out
 
     def tangent(self, fq: float, fv: float) -> Array:
@@ -84,9 +85,9 @@ class Sand:
         geometry, run, profile, *_ = self.around
         here, places = self.force(self.q, self.v), np.zeros((len(geometry), 2))
         stations(self.q, self.v, geometry, places, np.zeros_like(places))
-        if lines.immersed(places, run[0], profile):
+        if called(lines.immersed)(places, run[0], profile):
             room = np.zeros((3, self.q.size))
-            lines.differences(self.q, self.v, self.v, self.around, room, here, fq, fv, out)
+            called(lines.differences)(self.q, self.v, self.v, self.around, room, here, fq, fv, out)
 
     def moved(self, j: int, fq: float, fv: float) -> Array:
         """Force where coordinate j has gone on by fq, and its rate by fv."""

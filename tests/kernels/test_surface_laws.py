@@ -128,7 +128,7 @@ def test_an_outline_that_rests_is_loaded_as_its_bristles_are_stretched_along_the
     """Not by their angle, which a hundredth of a micrometre changes: the force would be that stiff a spring."""
     m = Rft(GENERIC).record(Elastoplastic(yield_displacement=1e-5), G).view(np.recarray)[0]
     for along in (0.0, 0.5e-5, 1e-5):
-        got = [leading.py_func((1.0, 0.0), (along, -share * PRESSED * 1e-5), -1, m) for share in (-0.5, 0.0, 0.5, 1.0)]
+        got = [leading((1.0, 0.0), (along, -share * PRESSED * 1e-5), -1, m) for share in (-0.5, 0.0, 0.5, 1.0)]
         np.testing.assert_allclose(got, [0.0, 0.0, 0.5, 1.0], rtol=1e-12)
 
 

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from support_laws import BAR_LAWS, LOOSE, SAND, SURFACE_LAWS, TRUE_SIGN, Array, G, label, run_record
+from support_parts import called
 from support_sharp import force
 from support_slow import fitted_order
 
@@ -219,7 +220,7 @@ def test_bristles_of_a_turning_strip_take_what_the_true_sign_takes(medium: Any) 
                 F = np.zeros((2, 2))
                 probe(P, V, at, run, LEVEL, record, F, np.zeros((law.TERMS, 3)))
                 power.append(float((F * V).sum()))
-            lines.drag_anchors(P, anchors, run[0], LEVEL, medium_record(soft)[0])
+            called(lines.drag_anchors)(P, anchors, run[0], LEVEL, medium_record(soft)[0])
         # In a part `wrong` of the strip about its centre the sign is another (see `friction`), and the speed is so much
         # less: 2 wrong^2 of an integral of the speed that is 1/4 at least, at no more than the mean depth. Another
         # direction may also take more, as the stress is not that which takes the most.

@@ -49,7 +49,7 @@ def forgotten() -> Iterator[None]:
 
 def test_what_is_wanted_is_what_kernels_call() -> None:
     stubs: dict[str, Callable[..., Any]] = {
-        **{name: getattr(law, name).py_func for name in ("strip_force", "cap_force", "ball_force", "drag_anchor")},
+        **{name: getattr(law, name) for name in ("strip_force", "cap_force", "ball_force", "drag_anchor")},
         **{"stress": plates.stress, "traction": plates.traction},
         **{f"facet_{name}": getattr(facets, name) for name in ("stress", "traction", "inertia", "force")},
     }

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from exudyn import itemInterface as items
 from exudyn.rigidBodyUtilities import RigidBodyInertia, RotationMatrixX, RotationMatrixY, RotationMatrixZ
+from support_parts import called
 from support_runs import order
 
 from granular_contact import preset
@@ -294,11 +295,11 @@ def replay(table: np.ndarray, bed: GranularBed, surface: float) -> np.ndarray:
     medium = medium_record(bed.load.records[0])[0]
     P, V, F = (np.zeros((17, 2)) for _ in range(3))
     for i, state in enumerate(table):
-        kinematics.stations(state[1:4] + START, state[4:7], geometry, P, V)
+        called(kinematics.stations)(state[1:4] + START, state[4:7], geometry, P, V)
         anchors = P.copy() if anchors is None else anchors
-        strips.distributed_forces(P, V, anchors, run[0], profile, medium, F, np.zeros((3, 3)))
+        called(strips.distributed_forces)(P, V, anchors, run[0], profile, medium, F, np.zeros((3, 3)))
         power[i] = (F * V).sum()
-        lines.drag_anchors(P, anchors, run[0], profile, medium)
+        called(lines.drag_anchors)(P, anchors, run[0], profile, medium)
     return power
 
 

@@ -16,6 +16,7 @@ import numpy as np
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 from pydantic import TypeAdapter
+from support_parts import called
 
 from granular_contact.config import schema
 from granular_contact.laws.floor import Floor
@@ -66,7 +67,7 @@ class State:
     def accepted(self) -> State:
         """The state after its step was accepted: the anchors follow."""
         anchors = self.anchors.copy()
-        lines.drag_anchors(self.P, anchors, self.run[0], self.profile, medium_record(self.record)[0])
+        called(lines.drag_anchors)(self.P, anchors, self.run[0], self.profile, medium_record(self.record)[0])
         return replace(self, anchors=anchors)
 
     def rested(self) -> State:

@@ -8,6 +8,7 @@ from collections.abc import Callable
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support_parts import called
 from support_properties import COMMON, Array, State, floors, states
 
 from granular_contact.sand.kernels import kinematics, law, lines
@@ -36,7 +37,7 @@ def forces(q: Array, v: Array, around: law.Contact) -> Callable[[Array], Array]:
 
     def at(x: Array) -> Array:
         out = np.zeros(3)
-        lines.force(q + x[:3], v + x[3:], around, np.zeros((law.TERMS, 3)), out)
+        called(lines.force)(q + x[:3], v + x[3:], around, np.zeros((law.TERMS, 3)), out)
         return out
 
     return at
@@ -53,7 +54,7 @@ def test_tangents_are_the_derivatives_of_the_forces() -> None:
         here, h = at(np.zeros(6)), 20.0 * D
         for fq, fv in ((1.0, 0.0), (0.0, 1.0), (0.7, -1.3)):
             got, steps = np.zeros((3, 3)), np.vstack([fq * np.eye(3), fv * np.eye(3)])
-            lines.differences(q, v, v, around, np.zeros((3, 3)), here, fq, fv, got)
+            called(lines.differences)(q, v, v, around, np.zeros((3, 3)), here, fq, fv, got)
             d = min(D / max(fq, 1e-300), 1e-6 / max(abs(fv), 1e-300))
             h = 20.0 * d
             for j in range(3):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from support_parts import called
 from support_pendulum import CROOKED, lagrange, mass_matrix, reduce
 from support_runs import GRAVITY_MOMENT, INERTIA, L_RB, LENGTH, LINE_MASS, STIFFNESS, order, scenario_of, scene_of
 
@@ -35,7 +36,7 @@ def test_equations_of_motion_are_those_of_lagrange(text, modes):
     w.pendulum["d"] = 0.0
     q, v = state(modes)
     forces = np.empty(modes + 1)
-    pendulum.own_forces(q, v, w.pendulum[0], forces)
+    called(pendulum.own_forces)(q, v, w.pendulum[0], forces)
     slow = lagrange(reduced, q, v)
     matrix = mass_matrix(reduced, q)
     # Rigid links have the rotary inertia of their section besides, which points on the axis have not.
@@ -44,7 +45,7 @@ def test_equations_of_motion_are_those_of_lagrange(text, modes):
     # Central differences with a step of 1e-6: 1e-10 of the largest term, which is elastic.
     np.testing.assert_allclose(forces, slow, atol=1e-8 * max(1.0, np.abs(slow).max()))
     acceleration = forces.copy()
-    pendulum.accelerate(q, acceleration, w.pendulum[0])
+    called(pendulum.accelerate)(q, acceleration, w.pendulum[0])
     np.testing.assert_allclose(matrix @ acceleration, forces, atol=1e-12 * max(1.0, np.abs(forces).max()))
 
 
@@ -67,17 +68,17 @@ def test_forces_do_the_work_of_their_stations():
     q, v = state(4)
     n = len(geometry)
     place, speed, none, forces = np.empty((n, 2)), np.empty((n, 2)), np.empty((n, 2)), RNG.standard_normal((n, 2))
-    stations(q, v, geometry, place, speed)
+    called(stations)(q, v, geometry, place, speed)
     columns = []
     for step in 1e-6 * np.eye(5):
         ahead, behind = np.empty((n, 2)), np.empty((n, 2))
-        stations(q + step, v, geometry, ahead, none)
-        stations(q - step, v, geometry, behind, none)
+        called(stations)(q + step, v, geometry, ahead, none)
+        called(stations)(q - step, v, geometry, behind, none)
         columns.append((ahead - behind) / 2e-6)
     jacobian = np.array(columns)
     np.testing.assert_allclose(speed, np.einsum("kpc,k->pc", jacobian, v), atol=1e-9)
     out = np.zeros(5)
-    scatter(np.cos(q[0]), np.sin(q[0]), q, geometry, place, forces, out)
+    called(scatter)(np.cos(q[0]), np.sin(q[0]), q, geometry, place, forces, out)
     np.testing.assert_allclose(out, np.einsum("kpc,pc->k", jacobian, forces), atol=1e-8)
 
 
@@ -87,7 +88,7 @@ def test_resultant_moment_is_the_generalised_force_of_the_angle():
     w = arrays_of(reduced)
     q, v = state(3)
     totals, out = np.zeros((3, 3)), np.zeros(4)
-    load(q, v, np.ones(2), w, totals, out)
+    called(load)(q, v, np.ones(2), w, totals, out)
     assert abs(out[0]) > 0.1
     assert out[0] == pytest.approx(-totals[:, 2].sum(), rel=1e-12)
 

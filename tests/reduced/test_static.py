@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from support_parts import called
 from support_pendulum import reduce
 from support_runs import scene_of
 
@@ -82,7 +83,7 @@ def test_scipy_integrates_the_same_motion_before_the_stop(integrator):
     start, regime, slopes = march.y.copy(), march.regime.copy(), np.empty_like(march.y)
 
     def slope(_, y):
-        rates(np.ascontiguousarray(y), regime, march.arrays, np.zeros_like(regime), np.zeros((3, 3)), slopes)
+        called(rates)(np.ascontiguousarray(y), regime, march.arrays, np.zeros_like(regime), np.zeros((3, 3)), slopes)
         return slopes.copy()
 
     exact = solve_ivp(slope, (0.0, end), start, integrator, rtol=1e-10, atol=1e-13, max_step=1e-4).y[:, -1]
@@ -109,15 +110,15 @@ def test_rows_and_bias_are_derivatives_of_the_slip_velocity():
     q, v, a = march.y[:4].copy(), rng.standard_normal(4), rng.standard_normal(4)
     q[1:] = 1e-3 * rng.standard_normal(3)
     rows, bias = np.zeros((2, 4)), np.zeros(2)
-    slip_rows(q, march.arrays, rows)
-    slip_bias(q, v, march.arrays, bias)
+    called(slip_rows)(q, march.arrays, rows)
+    called(slip_bias)(q, v, march.arrays, bias)
     speed = np.zeros(2)
-    slip_velocity(q, v, march.arrays, speed)
+    called(slip_velocity)(q, v, march.arrays, speed)
     np.testing.assert_allclose(rows @ v, speed, atol=1e-14)
     # d/dt along q + t v, v + t a; differences of 1e-5 s leave 1e-9.
     ends = np.zeros((2, 2))
     for end, t in zip(ends, (-1e-5, 1e-5), strict=True):
-        slip_velocity(q + t * v, v + t * a, march.arrays, end)
+        called(slip_velocity)(q + t * v, v + t * a, march.arrays, end)
     np.testing.assert_allclose(rows @ a + bias, (ends[1] - ends[0]) / 2e-5, atol=1e-7)
 
 
@@ -129,12 +130,12 @@ def test_what_sticks_has_no_acceleration():
         s[stuck] = 0.0
         dy, sigma, totals = np.empty(8), np.zeros(2), np.zeros((3, 3))
         h = np.zeros(3)
-        hold(march.y[:3], march.y[3:6], h, s, march.arrays, sigma)
+        called(hold)(march.y[:3], march.y[3:6], h, s, march.arrays, sigma)
         assert np.isfinite(sigma[stuck])
-        rates(march.y, s, march.arrays, sigma, totals, dy)
+        called(rates)(march.y, s, march.arrays, sigma, totals, dy)
         rows, bias = np.zeros((2, 3)), np.zeros(2)
-        slip_rows(march.y[:3], march.arrays, rows)
-        slip_bias(march.y[:3], march.y[3:6], march.arrays, bias)
+        called(slip_rows)(march.y[:3], march.arrays, rows)
+        called(slip_bias)(march.y[:3], march.y[3:6], march.arrays, bias)
         gained = rows @ dy[3:6] + bias
         if abs(sigma[stuck]) < 1:
             assert abs(gained[stuck]) < 1e-8 * abs(gained).max()
@@ -148,7 +149,7 @@ def test_a_stopped_pendulum_sticks_where_the_bound_holds_its_weight(eta_v, stick
     decide(march.y, march.regime, np.array([True]), march.arrays)
     assert march.regime[0] == (0 if sticks else 1)
     margin = np.empty(1)
-    margins(march.y, march.regime, march.arrays, margin)
+    called(margins)(march.y, march.regime, march.arrays, margin)
     assert margin[0] > 0
 
 
@@ -163,13 +164,13 @@ def test_withdrawing_has_its_own_bound():
         if regime == 0:
             # The multiplier belongs to the bound on its own side: nothing moves.
             dy, sigma = np.empty(4), np.zeros(1)
-            rates(march.y, march.regime, march.arrays, sigma, np.zeros((3, 3)), dy)
+            called(rates)(march.y, march.regime, march.arrays, sigma, np.zeros((3, 3)), dy)
             assert 1e-3 < np.sign(gravity) * sigma[0] < 1
             assert abs(dy[1]) < 1e-10 * 57  # rad/s2, of what gravity alone would give
         else:
             # Were it held, its bound would be passed.
             margin = np.empty(1)
-            margins(march.y, np.zeros(1), march.arrays, margin)
+            called(margins)(march.y, np.zeros(1), march.arrays, margin)
             assert margin[0] < 0
 
 
@@ -178,13 +179,13 @@ def test_what_sticks_loses_its_last_speed():
     march.y[3:6] = 0.3, -0.5, 0.2
     for _ in range(40):  # bring the middle near rest, with the link still vibrating
         speed, rows = np.zeros(2), np.zeros((2, 3))
-        slip_velocity(march.y[:3], march.y[3:6], march.arrays, speed)
-        slip_rows(march.y[:3], march.arrays, rows)
+        called(slip_velocity)(march.y[:3], march.y[3:6], march.arrays, speed)
+        called(slip_rows)(march.y[:3], march.arrays, rows)
         march.y[3:6] -= np.linalg.pinv(rows) @ (speed - 1e-9)
     decide(march.y, march.regime, np.array([True, True]), march.arrays)
     stuck = march.regime == 0
     assert np.any(stuck)
-    slip_velocity(march.y[:3], march.y[3:6], march.arrays, speed)
+    called(slip_velocity)(march.y[:3], march.y[3:6], march.arrays, speed)
     assert np.abs(speed[stuck]).max() < 1e-15
 
 

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from support_parts import called
 from support_space import FLAT, PAIRS, SAND, Motion, both, driven, load_on, message
 
 from granular_contact import Bar, Layer, Plate, Rft
@@ -31,7 +32,7 @@ def test_the_part_of_a_facet_between_two_depths_has_its_area_and_moments() -> No
         depth, wide = z + d @ dz, z + e @ dz
         for four, points, z_of in ((False, d, depth), (True, e, wide)):
             part = (z_of > top) & (z_of < bottom)
-            found = between(four, z, dz @ one, dz @ two, tuple(one), tuple(two), top, bottom)
+            found = called(between)(four, z, dz @ one, dz @ two, tuple(one), tuple(two), top, bottom)
             moments = [part.mean(), np.mean(part * z_of), *np.mean(part[:, None] * points, axis=0)]
             moments += [*np.mean((part * z_of)[:, None] * points, axis=0)]
             np.testing.assert_allclose(found, moments, atol=2e-2)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
+from support_parts import called
 from support_runs import ROOT
 from support_space import SAND, Array, load_on, state
 
@@ -92,7 +93,7 @@ def test_facets_have_the_values_of_their_cubes_whatever_was_asked_before() -> No
         path = (begin[0][2] - at[0][2]) / GRAIN
         i = int(path)
         q = (path - i) ** 2 * (3.0 - 2.0 * (path - i))
-        ends = np.array([[value(7, i + k, int(cube)) for k in (0, 1)] for cube in cubes])
+        ends = np.array([[called(value)(7, i + k, int(cube)) for k in (0, 1)] for cube in cubes])
         factors = 1.0 + s * (ends @ [1.0 - q, q]) / np.hypot(1.0 - q, q)
         force, without = (one.force(*at, np.zeros(7))[2] for one in (kept, plain))
         assert force == pytest.approx(without * np.average(factors, weights=E[:, 7]), rel=1e-12)

@@ -17,11 +17,10 @@ from types import FunctionType
 from typing import Any
 
 import numpy as np
-from numba.extending import register_jitable
 from numpy.typing import NDArray
 
 from granular_contact.jit.chosen import provide
-from granular_contact.jit.compiled import part
+from granular_contact.jit.compiled import is_part, part
 from granular_contact.jit.records import record_dtype
 from granular_contact.sand.kernels import law, plates
 from granular_contact.sand.kernels.bar_statics import component_return
@@ -29,7 +28,6 @@ from granular_contact.sand.kernels.planar_friction import radial_return
 from granular_contact.sand.kernels.signatures import IN_PLANE, IN_SPACE
 
 PARTS = {"constants", "by_component", *IN_PLANE, *IN_SPACE}  # of a law, that make it another one for the kernels
-_called: set[FunctionType] = set()
 
 
 def blank(owner: Any) -> NDArray[np.void]:
@@ -59,18 +57,8 @@ def record_type(owner: Any) -> np.dtype:
     if "traction" in forces:
         provide(plates.traction, dtype, forces.pop("traction"))
         forces.setdefault("strip_force", plates.traction_force)
-    law.LAWS[dtype] = {name: compiled(function) for name, function in forces.items()}
+    law.LAWS[dtype] = forces
     return dtype
-
-
-def compiled(function: Any) -> Any:
-    """As numba compiles it when its address is asked for; kept on disk where the function has a file."""
-    if not isinstance(function, FunctionType):
-        return function
-    try:
-        return part(function)
-    except RuntimeError:  # of a notebook
-        return part(function, cache=False)
 
 
 def _content(owner: Any) -> str:
@@ -83,11 +71,14 @@ def _content(owner: Any) -> str:
 
 def let_call_others(function: Callable[..., Any], inline: bool = False) -> None:
     """Let compiled code call the plain functions that a plain function calls; inline: always within it."""
-    if not isinstance(function, FunctionType):  # compiled already
+    if not isinstance(function, FunctionType) or is_part(function):  # it does already
         return
-    for name in function.__code__.co_names:
-        other = function.__globals__.get(name)
-        if isinstance(other, FunctionType) and other not in _called:
-            _called.add(other)
-            register_jitable(forceinline=inline)(other)
-            let_call_others(other, inline)
+    new = [function]
+    while new:
+        one = new.pop()
+        others = map(one.__globals__.get, one.__code__.co_names)
+        new += [
+            part(other, cache=False, inline=inline)
+            for other in others
+            if isinstance(other, FunctionType) and not is_part(other)
+        ]

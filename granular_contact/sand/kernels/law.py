@@ -203,7 +203,7 @@ def lowering(P, V, i, line, medium):
     return _lowering(medium, (P, V, i, line))
 
 
-LAWS: dict[np.dtype, dict[str, Any]] = {}  # by record type: compiled functions of a law, by their names in LAW
+LAWS: dict[np.dtype, dict[str, Any]] = {}  # by record type: functions of a law, by their names in LAW
 
 
 def record_of(own: np.ndarray, forms: dict[str, Any]) -> np.ndarray:

@@ -7,10 +7,10 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
-from numba import from_dtype, types
+from numba import from_dtype, njit, types
 
 from granular_contact.jit.calls import OWN
-from granular_contact.jit.compiled import part
+from granular_contact.jit.compiled import PLAIN
 from granular_contact.sand.kernels import law, space_law
 from granular_contact.sand.kernels.signatures import IN_PLANE, IN_SPACE, VECTORS, arguments, wanted
 
@@ -33,7 +33,7 @@ def _reasons(owner: Any, record: Any) -> Iterator[str]:
             continue
         kinds = _kinds(name, record)
         try:
-            compiled = part(getattr(function, "py_func", function), cache=False)
+            compiled = njit(getattr(function, "py_func", function), **PLAIN)
             compiled.compile(kinds)
         except Exception as error:
             yield f"{name}{_place(error)}: {_of_constant(owner, error) or _first_line(error)}"

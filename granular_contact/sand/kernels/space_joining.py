@@ -18,7 +18,7 @@ from granular_contact.sand.kernels import bars, facet_paths, facets, slices, spa
 from granular_contact.sand.kernels.facet_layers import between
 from granular_contact.sand.kernels.facet_slopes import facet_slopes
 from granular_contact.sand.kernels.ground import tangent_plane
-from granular_contact.sand.kernels.joining import PARTS, compiled, let_call_others, record_type
+from granular_contact.sand.kernels.joining import PARTS, let_call_others, record_type
 from granular_contact.sand.kernels.space_bodies import body_forces
 from granular_contact.sand.kernels.space_coordinates import by_six
 from granular_contact.sand.kernels.space_friction import parted_return, whole_return
@@ -97,9 +97,8 @@ def _functions(owner: Any, kind: str) -> dict[str, Any]:
             found["lead"] = facets.lead
     for method, name in METHODS[kind].items():
         if hasattr(owner, method):
-            function = getattr(owner, method)
-            let_call_others(function)
-            found[name] = compiled(function)
+            found[name] = getattr(owner, method)
+            let_call_others(found[name])
     return found
 
 

@@ -1,0 +1,16 @@
+"""Parts of kernels as tests call them: compiled, with the arguments of Python."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from typing import Any
+
+from numba import njit
+
+
+@cache
+def called(part: Callable[..., Any]) -> Callable[..., Any]:
+    """A part as kernels have it: it takes records, overflows and finds arrays as compiled code does."""
+    found: Callable[..., Any] = njit(lambda *arguments: part(*arguments))
+    return found
