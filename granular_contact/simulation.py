@@ -6,28 +6,27 @@ One path with runs in one call: both go on by the same solve, which here pauses 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from granular_contact.config import Loaded, Scenario, scenario_to_dict
 from granular_contact.config.differences import differing_keys
+from granular_contact.control_values import ControlValues
 from granular_contact.controllers import Controller, Controls, checked_rate, finite, steer
-from granular_contact.errors import MOST_NAMES, ControlError, ControllerError, unknown_name
+from granular_contact.errors import ControlError, ControllerError
 from granular_contact.results import Compiling, Outline, Progress, Results, Status
 from granular_contact.results.observation import results
 from granular_contact.results.observed import Observations
 from granular_contact.results.stopping import ended, paused
 from granular_contact.run import Begun, Solving, begin, scenario_of
 from granular_contact.scene.build import build
-from granular_contact.scene.drives import Beyond, Control, controls_of, range_warnings
+from granular_contact.scene.drives import Beyond
 from granular_contact.scene.types import Scene
 
 SHORTEST = 1e-4  # of solver.step_s: a shorter pause is no step
-ROUND_OFF = 1e-9  # of a range: what lies beyond it by less was meant to be its end
 
 
 @dataclass(frozen=True, repr=False)
@@ -102,12 +101,8 @@ class Simulation:
         self.close()
         self._begun = begun
         self.scene, self.scenario = scene, scenario_of(scene)
-        self._controls: dict[str, Control] = controls_of(scene)
-        self.controls = tuple(self._controls)
-        self._plain = {name: (one.joint, one.unit) for name, one in self._controls.items()}
-        self._set = {control.joint: control.start for control in self._controls.values()}
-        self._ranges = {control.joint: control.bounds_in_si for control in self._controls.values()}
-        self._beyond: dict[str, Beyond] = {}
+        self._values = ControlValues(scene)
+        self.controls = self._values.names
         self._failed: Status | None = None
         self._end = self.scenario.solver.end_time_s
         self._shortest = SHORTEST * scene.solver.step_s
@@ -232,60 +227,13 @@ class Simulation:
         if (self._failed is not None or solving.over) and (over := self.ended) is not None:
             raise ControlError(f"the run is over ({over.message}): reset() begins anew, restore() goes back")
         if controls is not None:
-            for joint, given in self._checked(controls).items():
-                least, most = self._ranges[joint]
-                value = given if least <= given <= most else self._cut(joint, given)
+            values = self._values
+            for joint, given in values.checked(controls).items():
+                value = values.within(joint, given)
                 solving.set_to(joint, value)  # type: ignore[attr-defined]  # reduced models have no drives
-                self._set[joint] = value
+                values.set_to[joint] = value
         solving.advance(until if self._end - until > self._shortest else math.inf)
         return solving.observe()
-
-    def _checked(self, controls: Mapping[str, float] | ArrayLike) -> dict[str, float]:
-        """What to set, by joint and in SI units."""
-        given = controls if type(controls) is dict or isinstance(controls, Mapping) else self._named(controls)
-        found = {}
-        for name, value in given.items():  # a step of 1 ms has no time for more, where nothing is wrong
-            plain = self._plain.get(name)
-            if plain is None or type(value) is not float or not -math.inf < value < math.inf:
-                return self._checked_one_by_one(given)
-            joint, unit = plain
-            found[joint] = unit * value
-        return found
-
-    def _checked_one_by_one(self, given: Mapping[str, Any]) -> dict[str, float]:
-        """The same, of other numbers and names too; with every fault."""
-        faults, found = [], {}
-        for name, value in given.items():
-            control = self._controls.get(name) or self._controls.get(name.removesuffix("_rad") + "_deg")
-            if control is None:
-                faults.append(unknown_name("control", name, self.controls))
-            elif (number := finite(value)) is None:
-                faults.append(f"{name}: got {value!r}, allowed is a finite number")
-            else:
-                found[control.joint] = control.in_si(name, number)
-        if faults:
-            raise ControlError("\n".join(faults))
-        return found
-
-    def _cut(self, joint: str, value: float) -> float:
-        """The end of a range, of what lies beyond it; which is kept, to be reported."""
-        least, most = self._ranges[joint]
-        end = min(max(value, least), most)
-        if (excess := abs(value - end)) > ROUND_OFF * (most - least):
-            self._beyond[joint] = self._beyond.get(joint, Beyond()).and_by(excess)
-        return end
-
-    def _named(self, controls: Any) -> dict[str, Any]:
-        """Controls that were given in their order."""
-        try:
-            values = np.asarray(controls)
-        except ValueError:  # rows of different lengths
-            raise ControlError(f"controls: got {controls!r:.80}, allowed is one number for each control") from None
-        if values.shape != (len(self.controls),):
-            count, names = len(self.controls), ", ".join(self.controls[:MOST_NAMES]) or "none"
-            names += ", ..." * (count > MOST_NAMES)
-            raise ControlError(f"controls: got the shape {values.shape}, allowed is ({count},): {names}")
-        return dict(zip(self.controls, values.tolist(), strict=True))
 
     # ---- what is seen ----
 
@@ -317,7 +265,7 @@ class Simulation:
     @property
     def bounds(self) -> NDArray[np.float64]:
         """Ranges (controls, 2) within which controls can be set, in the units of their names; infinite for any."""
-        return np.array([control.bounds for control in self._controls.values()]).reshape(-1, 2)
+        return self._values.bounds
 
     def results(self, most_frames: int = 0) -> Results:
         """Results of the run so far.
@@ -337,7 +285,7 @@ class Simulation:
         if status is not None:
             trajectory = replace(trajectory, status=status)
         assert self._begun is not None  # or there were no trajectory
-        seen = replace(self._begun.observe(trajectory), steered=tuple(range_warnings(self._controls, self._beyond)))
+        seen = replace(self._begun.observe(trajectory), steered=self._values.warnings)
         return results(seen, scenario_to_dict(self.scenario), most_frames)
 
     # ---- back to an earlier state ----
@@ -351,8 +299,8 @@ class Simulation:
             It can be sent to another process.
         """
         random = self.random.bit_generator.state
-        set_to = tuple(self._set.values())
-        beyond = dict(self._beyond)
+        set_to = tuple(self._values.set_to.values())
+        beyond = dict(self._values.beyond)
         return State(self.time, self.scenario, self._solving.state(), set_to, beyond, dict(random), self._failed)
 
     def restore(self, state: State) -> Observations:
@@ -379,8 +327,8 @@ class Simulation:
             keys = differing_keys(scenario_to_dict(state.scenario), scenario_to_dict(self.scenario))
             raise ControlError(f"restore: the state is one of another scene: they differ in {keys}")
         self._solving.restore(state.solve)
-        self._set = dict(zip(self._set, state.controls, strict=True))
-        self._beyond = dict(state.beyond)
+        self._values.set_to = dict(zip(self._values.set_to, state.controls, strict=True))
+        self._values.beyond = dict(state.beyond)
         self.random.bit_generator.state = state.random
         self._failed = state.failed
         return self.observe()

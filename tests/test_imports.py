@@ -38,6 +38,7 @@ FLOORS = (
     ("engines.exudyn", "engines.tree", "engines.modal", "engines.mujoco"),
     ("run",),
     ("controllers", "report"),
+    ("control_values",),
     ("simulation",),
     ("steering", "gym"),
     ("studies.sweep",),
