@@ -87,7 +87,7 @@ class Found:
     @property
     def alike(self) -> float:
         """How far an image of it may be off."""
-        return max(ALIKE, self.accuracy, self.steps if math.isfinite(self.steps) else 0.0)
+        return max(ALIKE, self.accuracy, _finite(self.steps), _finite(self.half))
 
     @property
     def cause(self) -> str:

@@ -87,7 +87,7 @@ STUDIES = (
     Entry("strips"),
     Entry("strip_estimates"),
     Entry("facet_estimates"),
-    _script("space_configs"),
+    Entry("space_configs"),
     Entry("settling"),
     _script("standing"),
     # Other tools
@@ -123,6 +123,7 @@ STUDIES = (
     Entry("lean_scenes"),
     # Robustness
     Entry("properties"),
+    Entry("properties_in_space"),
     Entry("stability"),
     _script("fuzz", full=("--count", "10000"), quick=()),
     _script("mutants", by_hand="it needs cosmic-ray, and half an hour"),
