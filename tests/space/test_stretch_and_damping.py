@@ -160,7 +160,9 @@ def test_internal_damping_is_that_of_kelvin_and_voigt(way: str) -> None:
         "model": {"in_space": True, "name": "swings", "bodies": bodies, "joints": joints},
         "drives": {"shove": {"type": "motion", "angle_deg" if turns else "position_m": table}},
         "gravity_m_s2": 0.0,
-        "solver": {"end_time_s": 2.4 * period, "step_s": period / 200.0, "tolerance": 1e-10},
+        # Of bending forces are 2e-5 N, where 1e-5 of the weight is 5e-6 N: a tolerance that is measured by that alone
+        # took 7 % off the decrement.
+        "solver": {"end_time_s": 2.4 * period, "step_s": period / 200.0},
     }
     found = simulate(load(given))[column]
     late = np.abs(found[len(found) // 3 :])

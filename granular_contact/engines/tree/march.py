@@ -48,6 +48,7 @@ LASTING = (
     *("s", "rates", "s2", "lagged", "joint", "matrix", "state", "clock", "counts", "iterated", "home"),
     "inverse",
 )
+SLOW = 1e-3  # of the speed of rest: what is slower is solved as if it were as fast
 ANY = 1e-3  # accuracy, where steps are fixed and nothing asks for it
 
 
@@ -189,6 +190,7 @@ def _limits(scene: Scene) -> NDArray[np.void]:
     control["rest_time"] = math.inf if scene.rest_time is None else scene.rest_time
     control["away"], control["most"] = FASTEST, most_steps(scene)
     control["tolerance"] = solver.tolerance * scene.force_scale / scene.mass
+    control["share"], control["slow"] = solver.tolerance, SLOW * solver.rest_speed_m_s
     return control
 
 

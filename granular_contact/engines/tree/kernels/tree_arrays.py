@@ -70,9 +70,11 @@ NODE = record_dtype(
 )
 # alpha_m ... gamma, of the scheme; fixed: whether steps are.
 SCHEME = record_dtype([*fields("f8", "alpha_m", "alpha_f", "beta", "gamma"), ("fixed", "i8")])
-# Times and speeds in SI units. tolerance (m/s2): change of an acceleration at which iterations end; away (m/s): speed
-# from which on a motion has run away; most: steps.
-CONTROL = record_dtype([*fields("f8", "end", "rest_speed", "rest_time", "tolerance", "away"), ("most", "i8")])
+# Times and speeds in SI units. tolerance (m/s2), share, slow (m/s): of accelerations, and of speeds but not of slower
+# ones, at which iterations end; away (m/s): speed from which on a motion has run away; most: steps.
+CONTROL = record_dtype(
+    [*fields("f8", "end", "rest_speed", "rest_time", "tolerance", "share", "slow", "away"), ("most", "i8")]
+)
 
 # Addresses, see `tree_calls`.
 CALL = record_dtype(

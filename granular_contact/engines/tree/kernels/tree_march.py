@@ -117,12 +117,23 @@ def keep(w):
 
 
 @part
+def allowed(h, w):
+    """Change of speeds (m/s) at which the iterations of a step of h (s) end.
+
+    A share of what the forces of the scene change in the step, and of the fastest speed so far: where elastic forces
+    are small beside the weight of what they move, the first alone leaves as much of them as there is.
+    """
+    control, fastest = controls(w, CONTROLS)[0], row(w, CLOCK)[FASTEST]
+    return min(control.tolerance * h, control.share * max(fastest, control.slow))
+
+
+@part
 def chosen(h, w):
     """Step by h (s), or by less, as the error allows; its length (s), 0 if no step can be solved."""
-    clock, choice, control, counts = row(w, CLOCK), choices(w, CHOICES)[0], controls(w, CONTROLS)[0], numbers(w, COUNTS)
+    clock, choice, counts = row(w, CLOCK), choices(w, CHOICES)[0], numbers(w, COUNTS)
     refused, matrix = False, row(w, MATRIX)
     while True:
-        if not attempt(h, control.tolerance * h, w):
+        if not attempt(h, allowed(h, w), w):
             matrix[0] = 0.0
             h *= 0.5
             if h < choice.least:
@@ -142,8 +153,8 @@ def chosen(h, w):
 @part
 def fixed(h, w):
     """Step by h (s), or by half of it and so on where that can't be solved; its length (s), 0 if none can be."""
-    tolerance, whole, least = controls(w, CONTROLS)[0].tolerance, h, choices(w, CHOICES)[0].least
-    while not attempt(h, tolerance * h, w):
+    whole, least = h, choices(w, CHOICES)[0].least
+    while not attempt(h, allowed(h, w), w):
         row(w, MATRIX)[0] = 0.0
         h *= 0.5
         if h < least:
