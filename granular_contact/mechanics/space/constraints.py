@@ -36,8 +36,15 @@ class SpatialConstraints:
         return (self._turned(joint) if joint.kind == "hinge" else self._apart(joint)).along(axis)
 
     def coordinates(self, joint: SpatialJoint) -> Rows:
-        """The coordinate of a hinge or slider; of a ball joint the three of its turn, by small angles (rad)."""
-        return self._turned(joint) if joint.kind == "ball" else self.moved(joint)
+        """The coordinate of a hinge or slider; of a ball joint the three of its turn, by small angles (rad).
+
+        Between elements of a link that bends these are along the axes of its frame; the last is its stretch (m).
+        """
+        if joint.elastic is None:
+            return self._turned(joint) if joint.kind == "ball" else self.moved(joint)
+        axes = (self.motion.rotation(joint.parent) @ joint.parent_turn).transpose(0, 2, 1)
+        turned = self._turned(joint).along(axes)
+        return together([turned, self._apart(joint).along(axes[:, :1])]) if joint.elastic.axial else turned
 
     def _apart(self, joint: SpatialJoint) -> Rows:
         """Of the child's point in the frame of the parent: less the parent's own point that is there, and Coriolis'."""

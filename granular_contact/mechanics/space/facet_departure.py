@@ -48,13 +48,11 @@ def mechanisms(scene: SpatialScene) -> dict[str, str]:
 
 
 def errors(observer: Any, doubtful: float, coarser: Track | None = None) -> Errors:
-    """Estimated errors; of links that bend there is none, as their springs would be needed.
+    """Estimated errors.
 
     coarser: the same run with larger facets of some mechanisms, with which their errors are found; those of others are
     what they were.
     """
-    if observer.scene.bends:
-        return {}
     if coarser is None:
         return estimate(observer, doubtful)
     found = of_two(coarser, observer)
@@ -201,13 +199,23 @@ def _freedoms(seen: SpatialKinematics) -> tuple[Vector, Vector, Vector]:
     W = left_by(held) if held.shape[1] else np.broadcast_to(np.eye(m), (n, m, m))
     K, D = np.zeros((n, m, m)), np.zeros((n, m, m))
     for joint in joints:
-        if joint.name in moved or not (joint.has_coordinate or joint.is_sprung):
+        if joint.name in moved or not (joint.has_coordinate or joint.acts):
             continue
         J = seen.constraints.coordinates(joint).J
-        stiffness, damping = slopes(seen, joint, scene.drive(joint.name))
-        K += stiffness[:, None, None] * (J.transpose(0, 2, 1) @ J)
-        D += damping[:, None, None] * (J.transpose(0, 2, 1) @ J)
+        stiffness, damping = _acting(seen, joint)
+        K += J.transpose(0, 2, 1) @ (stiffness * J)
+        D += J.transpose(0, 2, 1) @ (damping * J)
     return W, K, D
+
+
+def _acting(seen: SpatialKinematics, joint: Any) -> tuple[Vector, Vector]:
+    """Stiffness and damping of what acts in a joint, to be multiplied with the rows (n, k, m) of its coordinates."""
+    elastic = joint.elastic
+    if elastic is None:
+        stiffness, damping = slopes(seen, joint, seen.scene.drive(joint.name))
+        return stiffness[:, None, None], damping[:, None, None]
+    axial = np.reshape(elastic.axial or (), (2, -1))
+    return np.append(elastic.stiffness, axial[0])[:, None], np.append(elastic.damping, axial[1])[:, None]
 
 
 _ENTRIES = np.array([[1, 2, 3], [0, 3, 2], [3, 0, 1], [2, 1, 0]])  # of e in the matrix of e (0, w) / 2

@@ -23,14 +23,14 @@ def edges(rows: Vector) -> Vector:
 
 
 def numbers(motion: SpatialKinematics, error: float) -> dict[str, Any]:
-    """Of the summary: the estimated error, which of links that bend is not known; of each body number and edges."""
+    """Of the summary: the estimated error; of each body number and edges."""
     bodies: dict[str, dict[str, float]] = {}
     for one in (one for one in motion.system.facets.lines if one.meets == "surface"):
         rows = one.rows[one.rows[:, FORM] != RIM]
         body = bodies.setdefault(mechanism.label(link_of(one.body.name)), {"number": 0, "edge_m": 0.0})
         body["number"] += len(rows)
         body["edge_m"] = max(body["edge_m"], float(edges(rows).max()))
-    return {"error": None if motion.scene.bends else float(error), "bodies": bodies} if bodies else {}
+    return {"error": float(error), "bodies": bodies} if bodies else {}
 
 
 def explained(system: Any, trajectory: Any) -> Iterator[str]:
@@ -48,5 +48,5 @@ def explained(system: Any, trajectory: Any) -> Iterator[str]:
         return
     allowed = asked(motion.scene)
     chosen = "as the config has them" if allowed is None else f"for an error of {100.0 * allowed:g} % of the path"
-    told = "not estimated, as links bend" if found["error"] is None else f"{100.0 * found['error']:.2g} %"
+    told = f"{100.0 * found['error']:.2g} %"
     yield f"facets are chosen {chosen}; estimated error of the motion by them: {told}"
