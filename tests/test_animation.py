@@ -179,6 +179,7 @@ def near(picture: animation.Picture, colour: str, within: int = 12) -> np.ndarra
     return np.asarray(np.abs(picture.astype(int) - target).max(axis=2) <= within)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("overrides", [(), ("medium=null", "solver.end_time_s=0.05"), ("surface_height_m=-0.2",)])
 def test_pictures_are_to_scale(overrides: tuple[str, ...]) -> None:
     """The centre of every part is where the stage says, in its colour."""
@@ -265,6 +266,7 @@ def test_arrows_are_as_long_as_forces_are_strong() -> None:
     assert pixels[strongest] > 1.2 * pixels[mild] > 0
 
 
+@pytest.mark.slow
 def test_a_picture_does_not_depend_on_those_before_it() -> None:
     results = filmed()
     alone = dataclasses.replace(results, frames=(results.frames[0], *results.frames[-1:]))
@@ -306,6 +308,7 @@ def test_a_corner_keeps_the_width_of_a_bar() -> None:
 # ---- films ----
 
 
+@pytest.mark.slow
 def test_a_gif_decodes_to_all_frames_and_is_small(tmp_path: Path) -> None:
     results = filmed()
     film.write(results, tmp_path / "a.gif")

@@ -115,6 +115,7 @@ def test_schema_is_json(command):
     assert "solver" in json.loads(done.stdout)["properties"]
 
 
+@pytest.mark.slow
 def test_a_reader_that_leaves_is_no_error():
     line = f"'{sys.executable}' -m granular_contact schema | true"
     done = subprocess.run(["bash", "-c", line], cwd=ROOT, env=ENVIRONMENT, capture_output=True, text=True, timeout=60)

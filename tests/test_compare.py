@@ -57,6 +57,7 @@ def test_verdict_names_the_cheapest_within_the_tolerance(comparison: Comparison)
     assert strict.verdict.startswith("No model is within 1e-07 % of FE, 8 elements")
 
 
+@pytest.mark.slow
 def test_table_holds_the_rows(comparison: Comparison, tmp_path: Path) -> None:
     write(comparison, tmp_path / "out", figures=False)
     with (tmp_path / "out" / "compare.csv").open(encoding="utf-8") as file:

@@ -70,6 +70,7 @@ def in_a_process(code: str, cache: Path | None = None) -> subprocess.CompletedPr
     )
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="processes can't be copied here")
 def test_compiling_is_no_wall_time() -> None:
     code = SLOWLY.replace("TESTS", repr(str(ROOT / "tests"))).replace("SOLVERS", repr(SOLVERS))
@@ -118,6 +119,7 @@ def cache_without(kernel: str, folder: Path) -> Path:
     return folder
 
 
+@pytest.mark.slow
 def test_the_command_says_on_stderr_what_it_compiles_the_first_time_only(tmp_path: Path) -> None:
     """A library call says nothing."""
     simulate("pendulum_rigid", "solver.end_time_s=0.005")  # the others are compiled

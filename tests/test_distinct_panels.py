@@ -94,6 +94,7 @@ def sweep(folder: Path, slips: np.ndarray) -> Folder:
     return Folder(folder, "sweep")
 
 
+@pytest.mark.slow
 def test_the_page_of_a_wheel_over_slip_draws_nothing_twice_and_nothing_constant(tmp_path: Path) -> None:
     folder = sweep(tmp_path, np.array([-0.5, 0.0, 0.5]))
     (tmp_path / "figures").mkdir()

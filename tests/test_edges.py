@@ -62,6 +62,7 @@ def moved(name: str, x: float, y: float) -> tuple[str, ...]:
     return f"model.joints.pivot.parent_point_m=[{x},{y}]", f"surface_height_m={surface + y!r}"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "method"),
     [

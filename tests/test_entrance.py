@@ -34,6 +34,7 @@ def test_the_version_names_the_engine_too(capsys: pytest.CaptureFixture[str]) ->
 NAMES = starter.names()  # which reads all configs
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_what_new_writes_is_a_run_of_the_shipped_model(
     name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
@@ -88,6 +89,7 @@ def test_a_shipped_file_leads_editors_to_the_schema_of_its_kind(path: Path) -> N
     assert schema.stem == kinds.get(path.parent.name, next((kind for kind, key in ways if key in keys), None))
 
 
+@pytest.mark.slow
 def test_the_schemas_that_lines_for_editors_name_are_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """By `schema --write`; by `examples` beside models and configs: there the line of each leads to a file."""
     monkeypatch.setattr(schema, "files", cache(schema.files))
@@ -166,6 +168,7 @@ if __name__ == "__main__":
 """
 
 
+@pytest.mark.slow
 def test_settings_of_the_engine_in_the_users_home_print_nothing_of_ours(tmp_path: Path) -> None:
     """Not in what a command prints, nor by workers; a program of the user's that imports the engine keeps them."""
     (tmp_path / ".exudyn").mkdir()

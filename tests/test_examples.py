@@ -41,6 +41,7 @@ def told(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
     return folder, out.getvalue()
 
 
+@pytest.mark.slow
 def test_all_models_and_configs_are_written_and_say_what_next(told: tuple[Path, str]) -> None:
     folder, out = told
     written = {p.relative_to(folder).as_posix(): p for p in folder.rglob("*.*")}
@@ -98,6 +99,7 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "site"
 
 
+@pytest.mark.slow
 def test_a_wheel_writes_them_and_its_own_checkout_is_not_needed(wheel: Path, tmp_path: Path) -> None:
     """In a clean folder, with the unpacked wheel first on the path and no checkout in sight."""
     # One of each kind: whether all are right says test_cli_check.py. A fit would compile its law for this copy alone.

@@ -140,6 +140,7 @@ class Outline(HTMLParser):
 # ---- what is in it ----
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_pages_are_well_formed_and_need_nothing_else(kind: str, pages: dict[str, Path]) -> None:
     outline = Outline(pages[kind].read_text(encoding="utf-8"))
@@ -186,6 +187,7 @@ WORDS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_pages_tell_what_they_are_for(kind: str, pages: dict[str, Path]) -> None:
     text = "".join(Outline(pages[kind].read_text(encoding="utf-8")).text)
@@ -325,6 +327,7 @@ def test_results_without_words_of_their_own_show_tables_and_figures(tmp_path: Pa
         assert ("<img " in page) == name.endswith(".png")
 
 
+@pytest.mark.slow
 def test_several_runs_make_a_gallery(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     for name in ("one", "two"):
         report.write(make(), tmp_path / name, figures=name == "one")
@@ -504,6 +507,7 @@ def undamaged(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "content", "words"), DAMAGES)
 def test_a_damaged_file_is_named(
     undamaged: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str, content: bytes, words: str
@@ -815,6 +819,7 @@ def test_the_player_in_space_moves_its_bodies(tmp_path: Path, browser: Browser) 
     assert browser.faults() == []
 
 
+@pytest.mark.slow
 @IN_BROWSER
 def test_a_foreign_script_is_not_run(pages: dict[str, Path], browser: Browser) -> None:
     opened(browser, pages["run"])
@@ -823,6 +828,7 @@ def test_a_foreign_script_is_not_run(pages: dict[str, Path], browser: Browser) -
     assert any("Content Security Policy" in one for one in browser.faults())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("size", [1e-6, 1.0, 1e3])
 def test_the_player_in_the_plane_draws_any_size_in_pixels(size: float) -> None:
     """In metres browsers do not draw what is micrometres long."""

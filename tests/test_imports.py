@@ -263,12 +263,14 @@ def after() -> dict[str, set[str]]:
     return loaded(WITH_THE_ENGINE)
 
 
+@pytest.mark.slow
 def test_run_without_figures_loads_no_matplotlib(after: dict[str, set[str]]) -> None:
     modules = after["a run without figures"]
     assert "matplotlib" not in modules
     assert {"numba", "exudyn"} <= modules  # the tests would see them
 
 
+@pytest.mark.slow
 def test_a_planar_run_loads_nothing_of_space(after: dict[str, set[str]]) -> None:
     names = after["a run without figures"]
     assert "granular_contact.sand.kernels.lines" in names  # the test would see it
@@ -282,6 +284,7 @@ def of_space(names: set[str]) -> set[str]:
     return (ours & kernels) | {name for name in ours if ".space" in name or "space_" in name}
 
 
+@pytest.mark.slow
 def test_scene_without_medium_and_bed_out_of_reach_load_no_numba(after: dict[str, set[str]]) -> None:
     assert "exudyn" in after["a run without a medium"]
     assert "numba" not in after["a run without a medium"]
@@ -304,6 +307,7 @@ def test_building_a_scene_loads_no_engine(after: dict[str, set[str]]) -> None:
     assert not after["a scene is built"] & {"numba", "exudyn", "matplotlib"}
 
 
+@pytest.mark.slow
 def test_given_poses_reduced_and_minimal_coordinates_load_no_engine() -> None:
     after = loaded(WITHOUT_THE_ENGINE)
     assert "numba" in after["a bed on given poses"]  # the test would see it
@@ -312,6 +316,7 @@ def test_given_poses_reduced_and_minimal_coordinates_load_no_engine() -> None:
     assert of_space(after["a run in minimal coordinates"]) == set()
 
 
+@pytest.mark.slow
 def test_commands_without_runs_load_nothing_heavy() -> None:
     after, heavy = loaded(WITHOUT_RUNS), {"exudyn", "numba", "matplotlib"}
     assert not after["the command prints its help"] & {"pydantic", "yaml", "numpy", *heavy}

@@ -64,6 +64,7 @@ def test_media_lists_all_presets(capsys: pytest.CaptureFixture[str]) -> None:
     assert all(name in shown for name in NAMES)
 
 
+@pytest.mark.slow
 def test_media_shows_one_with_its_figure(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["media", "rft3d_sand", "--out", str(tmp_path / "shown")]) == 0
     shown = capsys.readouterr().out
@@ -82,6 +83,7 @@ def test_media_shows_one_with_its_figure(tmp_path: Path, capsys: pytest.CaptureF
     assert capsys.readouterr().err.startswith("medium: got 'quicksand', but")
 
 
+@pytest.mark.slow
 def test_compare_media(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     config, out = str(CONFIGS / "pendulum_rigid.yaml"), tmp_path / "out"
     media = "play_sand,poppy_seeds_close,rft_generic"

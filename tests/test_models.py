@@ -38,6 +38,7 @@ def test_every_model_has_a_config_and_a_comment() -> None:
         assert any(model == path.stem for model in used), path.stem
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("angle", [20, 60, 90])
 @pytest.mark.parametrize("speed", [0.5, 2.0])
 def test_a_rod_dropped_at_any_angle_stops(angle: int, speed: float) -> None:
@@ -81,6 +82,7 @@ def test_the_c_leg_lifts_its_hip_at_every_turn() -> None:
     assert "forward_speed_m_s" not in results.summary  # its rail is upright
 
 
+@pytest.mark.slow
 def test_the_runner_keeps_up_with_its_clock_and_less_so_uphill() -> None:
     sets = ("solver.end_time_s=1.5", "signals.stride.frequency_Hz=2")
     forward = simulate("runner", *sets).summary["forward_speed_second_half_m_s"]
@@ -92,6 +94,7 @@ def test_the_runner_keeps_up_with_its_clock_and_less_so_uphill() -> None:
     assert 0.0 < up < 0.95 * forward
 
 
+@pytest.mark.slow
 def test_the_walker_goes_the_way_that_its_knees_say() -> None:
     forward = simulate("walker", "solver.end_time_s=1")
     assert forward.summary["forward_speed_m_s"] > 0.1
@@ -108,6 +111,7 @@ def test_the_stepping_leg_draws_its_carriage_along_within_the_torque_that_it_has
     assert len(results.summary["contacts"]["shank"]) >= 1
 
 
+@pytest.mark.slow
 def test_the_soft_walker_bends_its_shanks_both_ways_and_falls_behind() -> None:
     soft, stiff = (simulate(name, "solver.end_time_s=1") for name in ("soft_walker", "walker_in_space"))
     assert 0.8 * stiff["trunk_x_m"][-1] < soft["trunk_x_m"][-1] < stiff["trunk_x_m"][-1]
@@ -117,6 +121,7 @@ def test_the_soft_walker_bends_its_shanks_both_ways_and_falls_behind() -> None:
     assert 0.3 < soft.summary["links"]["shank_front_left"]["stress_Pa"] / 5e7 < 1.0  # of the yield stress
 
 
+@pytest.mark.slow
 def test_a_tail_turns_its_body_the_farther_the_stiffer_it_is() -> None:
     """Nothing turns before the tail beats; it beats to the left, so the body turns to the right."""
     yaws = []
@@ -130,6 +135,7 @@ def test_a_tail_turns_its_body_the_farther_the_stiffer_it_is() -> None:
     assert -35.0 < stiff < 1.2 * soft < -10.0
 
 
+@pytest.mark.slow
 def test_a_flexible_leg_of_rising_stiffness_becomes_the_rigid_one() -> None:
     short = "solver.end_time_s=0.6"
     rigid = simulate("flexible_leg_rigid", short)["carriage_x_m"][-1]

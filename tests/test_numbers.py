@@ -183,6 +183,7 @@ def test_instants_left_out_change_no_number(name: str) -> None:
         assert got[key] == pytest.approx(value, abs=allowed), (key, abs(got[key] - value) / allowed)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["pendulum", "free_link", "double_pendulum", "walker", "wheel", "chain_flexible"])
 def test_rows_at_an_interval_change_no_number(name: str) -> None:
     """The table has fewer rows; the summary is made of all steps, and is the same to the last digit."""

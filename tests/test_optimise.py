@@ -89,6 +89,7 @@ def found(held: Study, workers: int = 1, function=hill, **more) -> Outcome:
 # ---- what is found ----
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", METHODS)
 def test_the_top_is_found_and_workers_do_not_matter(tmp_path, method):
     held = study(tmp_path, f"{FILE}method: {method}\nseed: 3\n")
@@ -181,6 +182,7 @@ def history(folder: Path) -> list[dict[str, str]]:
         return [{key: cell for key, cell in row.items() if key != "cost.solve_s"} for row in csv.DictReader(file)]
 
 
+@pytest.mark.slow
 def test_a_search_killed_goes_on_to_the_same_best(tmp_path, monkeypatch, capsys):
     (tmp_path / "search.yaml").write_text(REAL, encoding="utf-8")
     words = ["optimise", str(tmp_path / "search.yaml"), "--out", str(tmp_path / "out"), "--workers", "2"]
@@ -242,6 +244,7 @@ def here(monkeypatch):
 TINY = REAL.replace("evaluations: 30", "evaluations: 20").replace("false", "true")
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("here")
 def test_the_command_its_folder_and_its_page(tmp_path, capsys):
     text = TINY.replace("constraints: {max_depth_m: {at_most: 0.02}}\n", "")

@@ -43,6 +43,7 @@ def awkward() -> Results:
     return dataclasses.replace(one, table=table, summary={**one.summary, "extra": (np.float64("inf"), np.int64(3))})
 
 
+@pytest.mark.slow
 def test_folder_holds_the_files_and_figures(tmp_path: Path) -> None:
     report.write(make(), tmp_path / "deep" / "run")
     assert names(tmp_path / "deep") == ["run"]
@@ -125,6 +126,7 @@ class TestWholeOrNotAtAll:
         assert names(tmp_path) == ["run"]
         assert names(tmp_path / "run") == NAMES[1:]
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("error", [OSError(28, "No space left on device"), KeyboardInterrupt()])
     @pytest.mark.parametrize("where", ["scenario_text", "_write_series", "swap"])
     def test_a_failure_leaves_the_old_folder(
@@ -142,6 +144,7 @@ class TestWholeOrNotAtAll:
         assert content(tmp_path) == before
         assert names(tmp_path) == ["run"]
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("error", [ValueError("no rows"), MemoryError()])
     def test_a_failing_figure_is_told_and_costs_only_itself(
         self, error: Exception, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -207,6 +210,7 @@ def test_what_no_run_wrote_is_not_replaced(tmp_path: Path) -> None:
     assert names(tmp_path) == ["file", "run"]
 
 
+@pytest.mark.slow
 def test_matplotlib_is_imported_for_figures_only_and_pyplot_never(tmp_path: Path) -> None:
     code = "import sys; from pathlib import Path; from support_results import make; from granular_contact import report"
     for drawn, unwanted in (

@@ -57,6 +57,7 @@ def case(angle: float, speed: float) -> tuple[str, str]:
 # ---- stopping ----
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("angle", "speed", "time", "stop_angle"), TABLE)
 def test_rigid_pendulum_stops_where_and_when_the_table_says(
     angle: float, speed: float, time: float, stop_angle: float
@@ -198,6 +199,7 @@ def drift(config: str, *overrides: str) -> float:
     return float(np.hypot(np.ptp(results["tip_x_m"][late]), np.ptp(results["tip_y_m"][late])))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("step", ["2e-4", "2e-3"])
 @BOTH
 def test_elastoplastic_friction_holds_still(config: str, step: str) -> None:
@@ -226,6 +228,7 @@ def test_run_ends_at_rest() -> None:
 # ---- convergence ----
 
 
+@pytest.mark.slow
 def test_elements_converge() -> None:
     # Newton's method goes to the end: its usual tolerance leaves as much as strips of 32 elements do.
     setting = ("solver.step_s=1e-4", "solver.rest_time_s=null", "solver.end_time_s=0.04", "solver.tolerance=1e-9")
@@ -348,6 +351,7 @@ def test_power_in_the_table_is_that_of_the_moments_for_a_rigid_pendulum() -> Non
     np.testing.assert_allclose(results["granular_work_J"], work, atol=1e-6 * np.abs(work).max())
 
 
+@pytest.mark.slow
 @BOTH
 def test_surface_may_cross_an_element_anywhere(config: str) -> None:
     """The same strike with other divisions of the link, so that the surface crosses strips at other places."""
@@ -375,6 +379,7 @@ def test_an_interval_far_below_the_step_keeps_every_row() -> None:
     np.testing.assert_allclose(rows, [0.0, 6e-4, 1e-3, 1.6e-3, 2e-3], atol=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["engine", "{reduced: {modes: 0}}"])
 def test_depth_in_vacuum_is_that_of_all_that_sand_might_meet(method: str) -> None:
     """A plate, which the reduced models know in vacuum only; and nothing, where no shape is meant for sand."""

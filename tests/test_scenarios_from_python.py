@@ -64,6 +64,7 @@ NOTHING: tuple[tuple[str, object], ...] = (
 )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("key", "left"), NOTHING)
 def test_none_takes_a_key_away_at_every_depth(key: str, left: object) -> None:
     leg = load("stepping_leg")

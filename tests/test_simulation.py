@@ -86,6 +86,7 @@ def go_on(simulation: Simulation, pauses: int) -> list[np.ndarray]:
 # ---- the same run ----
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "pauses", "more"),
     [("pendulum_rigid", 1000, ()), ("pendulum", 100, ()), ("pendulum", 1000, SCENES["reduced"][1][2:])],
@@ -149,6 +150,7 @@ def test_a_scene_that_settles_starts_where_its_run_does() -> None:
 # ---- back to a state ----
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SCENES)
 def test_a_state_in_mid_stride_has_the_same_future_bit_by_bit(name: str) -> None:
     simulation = of(name)

@@ -14,6 +14,8 @@ from granular_contact.cli import many
 from granular_contact.errors import GranularContactError
 from granular_contact.studies.sweep import WorkerPool
 
+pytestmark = pytest.mark.slow
+
 MOST = 400  # letters of a sentence
 
 

@@ -31,6 +31,8 @@ from granular_contact.studies.sweep import Row, runner, table
 from granular_contact.studies.sweep import local_processes as local
 from granular_contact.studies.sweep.worker import _flat, simulate
 
+pytestmark = pytest.mark.slow
+
 
 def timeless(row: dict[str, str]) -> dict[str, str]:
     return {name: cell for name, cell in row.items() if name != TIME}

@@ -24,6 +24,8 @@ from granular_contact.studies.optimise.search import search
 from granular_contact.studies.sweep import cluster
 from granular_contact.studies.sweep.cluster import cluster_pool
 
+pytestmark = pytest.mark.slow
+
 pytest.importorskip("distributed")
 SCATTER = "medium.scatter={relative: 0.3, length_m: 0.003, seed: 11}"
 QUICK = f"""set: {{method: {{reduced: {{modes: 0}}}}, output.figures: false}}

@@ -84,6 +84,7 @@ def kill_workers(process: subprocess.Popen[str]) -> None:
         worker.kill()
 
 
+@pytest.mark.slow
 def test_a_sweep_killed_whose_workers_are_killed_too_gives_the_same_table(whole, tmp_path):
     many(tmp_path)
     process = start(tmp_path)

@@ -43,6 +43,7 @@ def within(found: np.ndarray, ends: np.ndarray, exact: list[float], share: float
     assert np.all(np.abs(found - exact) <= np.maximum(width, 1e-3))
 
 
+@pytest.mark.slow
 def test_a_linear_function(tmp_path):
     """Of a1 x1 + a2 x2 + a3 x3, x even over one range: a_i^2 over their sum, alone and in total."""
     slopes = np.array([1.0, 2.0, 4.0])
@@ -54,6 +55,7 @@ def test_a_linear_function(tmp_path):
     within(found.total, found.total_interval, exact, 0.3)
 
 
+@pytest.mark.slow
 def test_too_few_points_are_told(tmp_path):
     slopes = np.array([1.0, 2.0, 4.0])
     for count, told in ((2, True), (256, False)):
@@ -81,6 +83,7 @@ def test_what_makes_indices_doubtful(first, total, width, why):
     assert bool(found) == bool(why)
 
 
+@pytest.mark.slow
 def test_ishigami(tmp_path):
     """Its third input does nothing alone and a quarter together with the first (Ishigami and Homma 1990)."""
     a, b = 7.0, 0.1
@@ -106,6 +109,7 @@ def test_ishigami(tmp_path):
     assert np.array_equal(again.total_interval, found.total_interval)
 
 
+@pytest.mark.slow
 def test_intervals_hold_what_they_say(tmp_path):
     """95 % intervals over 8 designs of 64 points miss the exact value of a linear function in few."""
     slopes = np.array([1.0, 2.0, 4.0])
@@ -168,6 +172,7 @@ def here(monkeypatch):
     monkeypatch.setattr(many, "pool", lambda *_: WorkerPool(1, ThreadPoolExecutor))
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("here")
 def test_as_users_run_it(tmp_path, capsys):
     """A rigid link has no deflection, which refuses the indices of that; faster impacts stop sooner, whatever eta_d."""

@@ -22,6 +22,7 @@ from granular_contact.config.yaml_source import read_file
 from granular_contact.laws.catalogue import LAWS
 
 
+@pytest.mark.slow
 def test_json_schema_takes_names_and_mappings():
     model, medium = (json_schema()["properties"][key]["anyOf"] for key in ("model", "medium"))
     assert [option.get("type") for option in model] == [None, "object", None, None, "object"]  # and a robot file
@@ -128,6 +129,7 @@ def printed(capsys: pytest.CaptureFixture[str], kind: str) -> dict[str, Any]:
     return json.loads(capsys.readouterr().out)
 
 
+@pytest.mark.slow
 def test_every_shipped_file_fits_the_printed_schema(capsys):
     schemas = {kind: printed(capsys, kind) for kind in ("run", "sweep", "fit", "optimise")}
     files = [path for path in sorted(CONFIGS.glob("*.yaml")) if not is_fit(path)]
@@ -145,6 +147,7 @@ def test_every_shipped_file_fits_the_printed_schema(capsys):
         assert not fits(schemas["fit"], spoilt, schemas["fit"])
 
 
+@pytest.mark.slow
 def test_a_sweep_holds_a_whole_config_and_one_kind_of_cases(capsys):
     whole = printed(capsys, "sweep")
     config = yaml.safe_load((CONFIGS / "pendulum.yaml").read_text())

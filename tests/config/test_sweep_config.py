@@ -176,6 +176,7 @@ FAULTS = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", FAULTS)
 def test_one_fault_at_its_line(faults, case):
     text, line, key, words = FAULTS[case]

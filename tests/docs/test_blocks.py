@@ -15,6 +15,8 @@ from support_figures import sketched
 
 from granular_contact.studies.sweep import WorkerPool
 
+pytestmark = pytest.mark.slow
+
 DOCS = ROOT / "docs"
 NEEDS = {"howto/gym.md": "gymnasium", "howto/optimise.md": "cma", "tutorials/robot.md": "trimesh"}
 OWN = ("tutorials/fit.md", "tutorials/sweep.md")  # those with more to be asked of

@@ -10,6 +10,8 @@ from pathlib import Path
 import pytest
 from support_blocks import ROOT, assert_told, forget
 
+pytestmark = pytest.mark.slow
+
 EXAMPLES = ROOT / "examples"
 PAGE = (EXAMPLES / "README.md").read_text(encoding="utf-8")
 SCRIPTS = sorted(path.stem for path in EXAMPLES.glob("*.py") if path.stem not in ("common", "make_gallery"))

@@ -18,6 +18,7 @@ from granular_contact.config.schema import shapes
 from granular_contact.config.schema.space import shapes as shapes_in_space
 from granular_contact.laws.catalogue import LAWS
 
+pytestmark = pytest.mark.slow  # building it takes ten seconds
 BUILD = "from mkdocs.__main__ import cli; cli(['build', '--strict', '-d', {!r}])"  # (with -q warnings do not count)
 
 
@@ -45,6 +46,7 @@ def ids(html: str) -> set[str]:
     return set(re.findall(r'id="([^"]+)"', html))
 
 
+@pytest.mark.slow
 def test_every_public_name_is_in_the_reference(site: dict[str, str]) -> None:
     page = site["reference/python.html"]
     shown = {one.rpartition(".")[2] for one in ids(page)} | set(re.findall(r"<code>(\w+)</code>", page))
@@ -87,6 +89,7 @@ def test_pages_of_readmes_lead_to_pages_and_copies(site: dict[str, str]) -> None
     assert Path("README.md").name not in "".join(re.findall(r'href="([^"]*)"', index))
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(DRIVER is None, reason="no chromedriver")
 @pytest.mark.parametrize("page", ["index.html", "howto/plate.html"])
 def test_pages_opened_from_the_disk_are_searched(built: Path, page: str) -> None:

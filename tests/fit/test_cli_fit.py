@@ -31,6 +31,7 @@ def folder(data: Path, tmp_path_factory) -> Path:
     return out
 
 
+@pytest.mark.slow
 def test_what_a_fit_leaves_behind(folder: Path) -> None:
     assert {path.name for path in folder.iterdir()} == {"fit.json", "medium.yaml", "residuals.csv", "figures"}
     figures = {path.name: path.stat().st_size for path in (folder / "figures").iterdir()}
@@ -94,6 +95,7 @@ def test_a_misfit_is_printed_even_when_quiet(tmp_path: Path, capsys) -> None:
     assert "does not describe" in yaml.safe_load((tmp_path / "out" / "medium.yaml").read_text())["source"]
 
 
+@pytest.mark.slow
 def test_several_runs_and_named_columns_on_the_command_line(tmp_path: Path) -> None:
     for i in range(2):
         measure(tmp_path / f"{i}.csv", RIGID, seed=i, factor=1e3, offset=0.005, head="t,X,Y")

@@ -27,6 +27,7 @@ DISC = BALL.replace(
 ).replace("law: poncelet, constant_force_N: 3.0, drag_kg_m: 1.0", "law: rft, zeta: 1.5")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("text", "key", "true", "size"),
     # of a disc the width of its rim

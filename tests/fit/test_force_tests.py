@@ -107,6 +107,7 @@ def test_a_steady_force_is_the_mean_of_what_scatters_and_all_of_what_builds_up()
 # ---- what a fit finds ----
 
 
+@pytest.mark.slow
 def test_three_plates_and_one_command(tmp_path: Path) -> None:
     files = [
         table(tmp_path / f"{i}.csv", "z,F", 1e3 * DEPTH, forces(PLATE, [RFT], DEPTH)["force_N"], noise=0.3, seed=i)

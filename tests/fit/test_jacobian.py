@@ -22,6 +22,7 @@ def derivatives(folder: Path, modes: int, rtol: float) -> np.ndarray:
 
 # Measured 1.0e-5 and, over six impacts, 1.6e-2 at the worst of the three parameters; half as much again is allowed, or
 # twice as much.
+@pytest.mark.slow
 @pytest.mark.parametrize(("modes", "within"), [(0, 2e-5), (1, 2.4e-2)])
 def test_derivatives_are_as_right_as_they_are_said_to_be(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, modes: int, within: float

@@ -36,6 +36,7 @@ def recovered(tmp_path_factory):
     return fitted(folder, f"parameters:\n{ALL}\n{four(folder)}")
 
 
+@pytest.mark.slow
 def test_four_impacts_give_all_four_coefficients_within_their_errors(recovered) -> None:
     assert max(near(recovered)) < FAR
     assert recovered.goodness.status == "fits"
@@ -47,6 +48,7 @@ def test_four_impacts_give_all_four_coefficients_within_their_errors(recovered) 
     assert max(relative) < 0.05
 
 
+@pytest.mark.slow
 def test_noise_is_found(recovered) -> None:
     # A standard deviation of 200 values is known to 1 in sqrt(400): 5 %; three of these.
     for column in recovered.goodness.columns:
@@ -54,6 +56,7 @@ def test_noise_is_found(recovered) -> None:
         assert not column.noise_given
 
 
+@pytest.mark.slow
 def test_the_beam_of_the_engine_fits_as_well(tmp_path: Path) -> None:
     measure(tmp_path / "data.csv", "method=engine", end=0.06)
     text = "parameters: {medium.eta_d: {start: 7}}\nset: {method: engine}\n" + "\n".join(one_run().split("\n")[1:])
@@ -72,6 +75,7 @@ OTHERS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("overrides", OTHERS.values(), ids=OTHERS)
 def test_data_of_another_model_are_a_misfit(tmp_path: Path, overrides: tuple[str, ...]) -> None:
     keys = "parameters: [medium.eta_d, medium.eta_h, medium.plunging.eta_v]"
@@ -83,6 +87,7 @@ def test_data_of_another_model_are_a_misfit(tmp_path: Path, overrides: tuple[str
     assert any("the model does not describe these data" in warning for warning in found.warnings)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(1, 3))
 def test_the_right_model_is_no_misfit(tmp_path: Path, seed: int) -> None:
     found = fitted(tmp_path, f"parameters: [medium.eta_d, medium.plunging.eta_v]\n{four(tmp_path, seed=seed)}")
@@ -102,6 +107,7 @@ def test_a_given_noise_that_is_too_small_is_a_misfit(tmp_path: Path) -> None:
     assert len(found.goodness.words) == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("end", [0.06, 0.1])
 def test_an_unknown_clock_is_found(tmp_path: Path, end: float) -> None:
     measure(tmp_path / "data.csv", offset=0.0113, end=end)
@@ -139,6 +145,7 @@ def test_a_parameter_of_one_run_alone(tmp_path: Path) -> None:
     assert speed.error < 0.1
 
 
+@pytest.mark.slow
 def test_outliers_pull_a_robust_fit_less(tmp_path: Path) -> None:
     # One column only: a linear fit of two would take all noise for that of the spoilt one, and use the other.
     file = measure(tmp_path / "data.csv", columns=("tip_x_m",))
@@ -167,6 +174,7 @@ def test_data_without_noise_are_met(tmp_path: Path) -> None:
     assert found.uncertainty.estimates[0].error > 1e-6  # the computation has errors too
 
 
+@pytest.mark.slow
 def test_one_impact_does_not_tell_the_static_coefficients_apart(tmp_path: Path) -> None:
     measure(tmp_path / "data.csv")
     text = one_run().replace("[medium.eta_d, medium.plunging.eta_v]", "[medium.eta_h, medium.plunging.eta_v]")
@@ -184,6 +192,7 @@ def test_a_coefficient_beyond_its_bounds_is_told(tmp_path: Path) -> None:
     assert "medium.eta_d is at its lower bound, 7: the best value is beyond it" in found.warnings[-1]
 
 
+@pytest.mark.slow
 def test_starts_agree_and_are_the_same_for_a_seed(tmp_path: Path) -> None:
     measure(tmp_path / "data.csv")
     made = problem(tmp_path, one_run("starts: 4", "seed: 3"))
@@ -196,6 +205,7 @@ def test_starts_agree_and_are_the_same_for_a_seed(tmp_path: Path) -> None:
     assert found.agreeing == 4
 
 
+@pytest.mark.slow
 def test_workers_change_nothing(tmp_path: Path, monkeypatch) -> None:
     """Threads in place of processes, which take seconds to begin; what is sent to those is pickled all the same."""
     measure(tmp_path / "data.csv")

@@ -68,6 +68,7 @@ def _value(signs: np.ndarray, t: np.ndarray) -> np.ndarray:
     return both / np.sqrt((1.0 - q) ** 2 + q**2)
 
 
+@pytest.mark.slow
 def test_scatter_noise_and_coefficient_are_told_apart(tmp_path: Path) -> None:
     one = fitted(tmp_path, text(tmp_path, 4, 1, True))
     value, error = found(one)["medium.zeta"]
@@ -95,6 +96,7 @@ def test_without_scatter_none_is_found(tmp_path: Path) -> None:
     assert one.scatter.noise == pytest.approx(NOISE, rel=0.2)
 
 
+@pytest.mark.slow
 def test_the_medium_that_is_written_scatters(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     text(tmp_path, 2, 11, True)
     files = [str(tmp_path / f"{i}.csv") for i in range(2)]

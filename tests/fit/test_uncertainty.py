@@ -37,6 +37,7 @@ def noisy(made: Problem, seed: int) -> tuple[Problem, np.ndarray]:
     return replace(made, runs=tuple(runs)), np.concatenate([one.ravel() for one in added])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(2))
 def test_a_small_noise_moves_the_estimates_as_linear_theory_says(exact: Problem, seed: int) -> None:
     made, added = noisy(exact, seed)
@@ -50,6 +51,7 @@ def test_a_small_noise_moves_the_estimates_as_linear_theory_says(exact: Problem,
     assert np.max(np.abs(expected) / deviation) > 0.3  # there is something to see
 
 
+@pytest.mark.slow
 def test_covariance_is_that_of_linear_least_squares(exact: Problem) -> None:
     made, _ = noisy(exact, 0)
     solution = solve(made)
@@ -109,6 +111,7 @@ def test_what_the_data_do_not_move_is_not_determined(exact: Problem) -> None:
     assert np.isnan(found.correlation[0, 1])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("modes", [0, 1])
 def test_derivatives_are_right(tmp_path: Path, modes: int) -> None:
     text = f"{KEYS}\n{four(tmp_path, cases=TWO)}"

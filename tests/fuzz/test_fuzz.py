@@ -15,6 +15,8 @@ from validation.fuzzing.judgement import judge
 from validation.fuzzing.mutations import damaged
 from validation.fuzzing.scenarios import scenario
 
+pytestmark = pytest.mark.slow
+
 COUNT = 50
 
 

@@ -138,6 +138,7 @@ def undefined(t, u, m):  # type: ignore[no-untyped-def]  # noqa: ARG001
     return 0.0, m.k * something  # type: ignore[name-defined]  # noqa: F821
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("forgotten")
 @pytest.mark.parametrize(
     ("members", "said"),

@@ -16,6 +16,8 @@ import pytest
 import support_short_scenes
 from support_short_scenes import numbers
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).parents[2]
 
 

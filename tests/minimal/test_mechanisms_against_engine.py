@@ -82,6 +82,7 @@ def minimal(case: str, accuracy: float = 1e-4) -> Results:
     return simulate(text, *more, *own)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", CASES)
 def test_both_tell_the_same(case: str) -> None:
     ours, theirs = minimal(case), by_engine(case)
@@ -107,6 +108,7 @@ def test_torques_of_drives_are_the_engine_s(case: str) -> None:
         assert np.sqrt(np.mean((a - b) ** 2)) < 0.01 * np.ptp(theirs[name])
 
 
+@pytest.mark.slow
 def test_error_of_what_is_driven_follows_the_accuracy() -> None:
     fine = minimal("layers, springs, stops", 1e-5)
     travelled = np.abs(np.diff(np.column_stack([fine["tip_x_m"], fine["tip_y_m"]]), axis=0)).sum()

@@ -45,6 +45,7 @@ def fixed(step: float, *more: str) -> Results:
     return simulate(FORK, "method=minimal", f"solver.step_s={step}", "solver.tolerance=1e-8", *more)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("by", [by_engine, fixed])
 def test_both_go_to_one_limit(by: Callable[[float], Results]) -> None:
     """The same law and bristles: what is left of either falls with its step."""
@@ -55,6 +56,7 @@ def test_both_go_to_one_limit(by: Callable[[float], Results]) -> None:
     assert errors[-1] < 3e-8
 
 
+@pytest.mark.slow
 def test_error_follows_the_accuracy() -> None:
     # Strips, too, are chosen by the accuracy: here they are as short as they get, so that steps alone are compared.
     strips = "load.strips_per_rigid_part=128"

@@ -97,6 +97,7 @@ def dense_masses(w: dict[str, Array]) -> Array:
     return M
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [1, 2, 6])
 def test_what_joints_lack_is_that_of_the_dense_equations(count: int) -> None:
     """R = J^T (M A + spin x I spin - f) - tau, with A = J s'' + J' s' and J' along the motion."""

@@ -93,6 +93,7 @@ def of_two_rods(_: float, y: Array) -> Array:
     return np.concatenate([*rates, found[3:6], found[9:12]])
 
 
+@pytest.mark.slow
 def test_two_rods_on_ball_joints_move_as_newton_and_euler_say() -> None:
     """Joint forces as unknowns and Runge-Kutta steps of order 8 by scipy; ours are of order two."""
     coarse = solved(TWO_RODS, step_s=1e-3)
@@ -148,6 +149,7 @@ def of_arm(_: float, y: Array) -> Array:
     return np.concatenate([rates, np.linalg.solve(M, right)])
 
 
+@pytest.mark.slow
 def test_an_arm_of_four_links_moves_as_kane_says() -> None:
     """Hinges along axes in all directions; Runge-Kutta steps of order 8 by scipy, ours are of order two."""
     names = "abcd"
@@ -263,6 +265,7 @@ def test_a_tumbling_tree_keeps_momentum_and_energy_to_order_two() -> None:
     assert lost[-1] < 1e-3
 
 
+@pytest.mark.slow
 def test_a_body_rests_on_a_slope() -> None:
     """Laid on sand that rises by 10 degrees it comes to rest, and then creeps by less than 1 um/s over 20 s."""
     box = {"type": "rigid", "density_kg_m3": 1500, "shapes": [{"type": "box", "size_m": [0.08, 0.06, 0.03]}]}
@@ -324,12 +327,14 @@ def off(config: Any) -> float:
     return float(np.linalg.norm(paths[0] - paths[1], axis=2).max() / max(way, 1e-3))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(6))
 def test_random_trees_move_as_by_the_engine(seed: int) -> None:
     # An error of 1e-3 of the way is promised of either.
     assert off(load(random_tree(seed)).scenario) < 2e-3
 
 
+@pytest.mark.slow
 def test_a_body_on_one_joint_is_solved_with_any_accuracy() -> None:
     # The engine's accelerations went to and fro ever more as steps shrank, down to 20 ns, 200,000 steps in 6 ms.
     fine = {"solver.accuracy": 3e-5, "solver.end_time_s": 0.02, "solver.max_wall_s": 60.0}
@@ -338,6 +343,7 @@ def test_a_body_on_one_joint_is_solved_with_any_accuracy() -> None:
     assert off(scenario) < 1e-4
 
 
+@pytest.mark.slow
 def test_what_is_apart_falls_with_the_accuracy() -> None:
     scenario = load(random_tree(2)).scenario.replace({"solver.accuracy": 1e-4})
     assert off(scenario) < 2e-4
@@ -359,12 +365,14 @@ SHIPPED = {  # s
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SHIPPED)
 def test_shipped_runs_move_as_by_the_engine(name: str) -> None:
     scenario = load(name).scenario.replace({"solver.end_time_s": SHIPPED[name], "solver.accuracy": 1e-3})
     assert off(scenario) < 1e-3
 
 
+@pytest.mark.slow
 def test_results_are_those_of_the_engine() -> None:
     """Columns, torques and energies of what a motion is prescribed of, and of springs in ball joints."""
     # Facets so small that neither run is repeated with others: a repeat has as many as its own estimate asks for.
@@ -408,6 +416,7 @@ def test_what_it_does_not_serve_is_refused() -> None:
         build(scenario.replace({"method": "minimal"}))
 
 
+@pytest.mark.slow
 def test_walls_are_watched_as_by_the_engine() -> None:
     """How far what is immersed reaches, over a floor that bears, in layers."""
     scenario, reached = load("thin_sand").scenario.replace({"solver.end_time_s": 0.06}), []
@@ -420,6 +429,7 @@ def test_walls_are_watched_as_by_the_engine() -> None:
     np.testing.assert_allclose(reached[0], reached[1], atol=1e-3 * 0.12)  # what steps leave of a way of 0.12 m
 
 
+@pytest.mark.slow
 def test_links_that_bend_move_as_by_the_engine() -> None:
     """A hub with a rod that is thrown into sand: ball joints with springs of bending and torsion between its pieces."""
     hub = {"type": "rigid", "density_kg_m3": 2000, "shapes": [{"type": "box", "size_m": [0.06, 0.04, 0.03]}]}

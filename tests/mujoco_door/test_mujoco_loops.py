@@ -41,6 +41,7 @@ ROBOT = """
 </mujoco>"""
 
 
+@pytest.mark.slow
 def test_a_robot_written_as_in_the_menagerie_stands_as_it_is(tmp_path: Path) -> None:
     from validation.menagerie import model_of as read
     from validation.menagerie import stand

@@ -149,6 +149,7 @@ def test_nothing_is_written_into_the_model_while_it_is_in_use() -> None:
     assert all(seen)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("integrator", "cone"), [*zip(INTEGRATORS, cycle(("pyramidal", "elliptic")), strict=False)])
 def test_a_leg_with_a_servo_dry_friction_and_a_stop_stands_by_any_integrator(integrator: str, cone: str) -> None:
     """Constraints that push in every step: those of dry friction and of the stop."""

@@ -92,6 +92,7 @@ def scene(medium: str) -> Any:
     return simulate(load({"model": model, "solver": solver, "medium": medium, "bed": {"height_m": SURFACE}}))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("medium", ["play_sand", "rft3d_sand"])
 def test_a_rod_of_a_script_falls_as_that_of_a_scene(medium: str) -> None:
     """Elements of 1/16 of the length are off by some 2e-3 of the way in the air, see validation/spatial_beam.py.

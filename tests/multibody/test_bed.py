@@ -303,6 +303,7 @@ def replay(table: np.ndarray, bed: GranularBed, surface: float) -> np.ndarray:
     return power
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("newton", [6, 30])
 def test_rejected_steps_leave_no_trace(newton: int) -> None:
     """What the bed keeps follows from the accepted states alone, however often the engine tried."""
@@ -370,6 +371,7 @@ def test_reading_during_a_step_changes_nothing() -> None:
     np.testing.assert_array_equal(table_read, table)
 
 
+@pytest.mark.slow
 def test_explicit_integrator_agrees_with_the_implicit_one() -> None:
     ends, works = [], []
     for step, kind in ((5e-6, exu.DynamicSolverType.GeneralizedAlpha), (2e-5, exu.DynamicSolverType.RK44)):
@@ -571,6 +573,7 @@ def dropped(spatial: bool, step: float) -> tuple[np.ndarray, GranularBed]:
     return np.array(tip)[:2], bed
 
 
+@pytest.mark.slow
 def test_spatial_bodies_move_as_planar_ones() -> None:
     (flat, flat_bed), (deep, deep_bed) = dropped(False, 1e-4), dropped(True, 1e-4)
     # Rates of Euler parameters are integrated to second order too: at half the step the two are four times closer.

@@ -65,6 +65,7 @@ def frequency(count: int, mode: int) -> float:
     return np.pi / 2 / float(time[k] + (time[k + 1] - time[k]) * x[k] / (x[k] - x[k + 1]))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mode", [1, 2])
 def test_frequencies_of_many_links_approach_those_of_the_hanging_chain(mode: int) -> None:
     exact = 0.5 * jn_zeros(0, mode)[-1] * np.sqrt(9.81)
@@ -75,6 +76,7 @@ def test_frequencies_of_many_links_approach_those_of_the_hanging_chain(mode: int
     assert order([1 / n for n in counts], errors) == pytest.approx(2.0, abs=0.2)
 
 
+@pytest.mark.slow
 def test_beams_that_stiffen_become_rigid_links() -> None:
     times, errors, moduli = np.linspace(0.0, 0.1, 51), [], [2e7, 1e8, 5e8]
     settings = ("solver.step_s=1e-4", "solver.end_time_s=0.1", "solver.rest_time_s=null", "solver.tolerance=1e-7")
@@ -88,6 +90,7 @@ def test_beams_that_stiffen_become_rigid_links() -> None:
     assert order([1 / modulus for modulus in moduli], errors) == pytest.approx(1.0, abs=0.2)
 
 
+@pytest.mark.slow
 def test_several_links_meet_the_sand_at_once() -> None:
     run = simulate(
         chain(6, 0.05),

@@ -48,6 +48,7 @@ DRIVES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", DRIVES)
 def test_work_of_drives_is_in_the_balance(case: str) -> None:
     start = "{joints: {}}" if "shoulder: {type: motion" in DRIVES[case] else "{impact_angle_deg: 15}"
@@ -85,6 +86,7 @@ def test_motion_is_followed_and_its_torque_is_that_of_newton() -> None:
     np.testing.assert_allclose(run["shoulder_torque_Nm"], torque, atol=1e-6 * np.abs(torque).max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("accuracy", [1e-2, 1e-3])
 def test_chosen_steps_leap_over_no_pulse_of_a_drive(accuracy: float) -> None:
     """A weight on a rail is pushed for 2 ms within half a second: the impulse is the area of the table."""
@@ -128,6 +130,7 @@ def test_control_keeps_to_its_limit_and_holds_with_the_error_that_its_gain_leave
     assert run["shoulder_torque_Nm"][-1] == pytest.approx(-weight, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_drive_on_a_flexible_link() -> None:
     flexible = "model.bodies.upper.flexible={youngs_modulus_Pa: 2.0e+11}"
     drive = "drives={shoulder: {type: motion, angle_deg: {type: ramp, from: 30, to: 110, duration_s: 0.4}}, " + (
@@ -204,6 +207,7 @@ def test_a_table_may_start_with_a_rate() -> None:
     np.testing.assert_allclose(run["rail_force_N"], MASS * 9.81, rtol=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("solver", ["step_s: 4e-4", "step_s: 1.3e-4", "accuracy: 1e-3"])
 def test_a_smoothed_jump_takes_a_force_that_steps_do_not_change_and_balances(solver: str) -> None:
     run = simulate(LIFT, f"drives={{{CORNERED}, smooth_s: 0.02}}}}", f"solver={{end_time_s: 0.5, {solver}}}")
@@ -227,6 +231,7 @@ def test_chosen_steps_do_not_shrink_before_a_prescribed_motion(accuracy: float) 
     assert run.summary["energy"]["imbalance_relative"] < 2e-2 * accuracy + 5e-5  # 1.1e-4 at the first, when written
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("config", ["flexible_leg_rigid", "c_leg"])
 def test_torques_of_shipped_legs_do_not_depend_on_how_steps_are_chosen(config: str) -> None:
     """They were 25 N m where 0.03 are at work, in steps of 5e-8 s."""
@@ -238,6 +243,7 @@ def test_torques_of_shipped_legs_do_not_depend_on_how_steps_are_chosen(config: s
     assert max(peaks) < 1.003 * min(peaks)
 
 
+@pytest.mark.slow
 def test_a_smoothed_angle_balances_on_a_flexible_link_too() -> None:
     table = "{type: table, time_s: [0.05, 0.2, 0.3], values: [0, 40, 0], interpolation: linear}"
     drive = f"drives={{elbow: {{type: motion, angle_deg: {table}, smooth_s: 0.04}}}}"
@@ -270,6 +276,7 @@ solver: {end_time_s: 0.14, rest_time_s: null}
 """
 
 
+@pytest.mark.slow
 def test_jumps_of_a_prescribed_acceleration_leave_no_oscillation() -> None:
     """A cubic through a table has jumps of the acceleration at its start; the torque must not swing about its value."""
     default, fine = simulate(TURNED), simulate(TURNED, "solver.step_s=1e-5")

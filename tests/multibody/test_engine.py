@@ -123,6 +123,7 @@ def let_go() -> tuple[np.ndarray, np.ndarray]:
     return run["time_s"], run["deflection_m"]
 
 
+@pytest.mark.slow
 def test_first_frequency_of_the_clamped_link() -> None:
     time, deflection = let_go()
     swing = deflection - STATIC
@@ -135,6 +136,7 @@ def test_first_frequency_of_the_clamped_link() -> None:
     assert frequency == pytest.approx(FREQUENCIES[0], rel=3e-4)
 
 
+@pytest.mark.slow
 def test_second_frequency_of_the_clamped_link() -> None:
     time, deflection = let_go()
     points = 2**18
@@ -163,6 +165,7 @@ def test_free_vibration_keeps_its_energy() -> None:
     assert exchanged == pytest.approx(9.81 * LINE_MASS * LENGTH * 0.4 * 2 * STATIC, rel=0.05)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["bending_damping_N_m2_s=0.002", "axial_damping_N_s=500"])
 def test_internal_damping_closes_the_balance(kind: str) -> None:
     """Bending is struck by letting go a level link, stretching by letting go one that hangs down."""

@@ -149,6 +149,7 @@ def test_the_motion_is_the_same_within_the_error_of_its_steps(case: str, monkeyp
     assert ends(other, usual) < 0.5 * ends(finer, usual)
 
 
+@pytest.mark.slow
 @each
 def test_chosen_steps_keep_their_accuracy(case: str, monkeypatch: PATCH) -> None:
     """Where none can be set, they are refused by the same estimate."""

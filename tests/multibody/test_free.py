@@ -55,6 +55,7 @@ def test_a_free_link_stops_in_sand_and_its_balances_close() -> None:
     assert energy["granular_work_J"] == pytest.approx(energy["final_J"] - energy["initial_J"], rel=1e-3)
 
 
+@pytest.mark.slow
 def test_penetration_ends_where_the_lower_end_stops_falling_and_converges() -> None:
     run = simulate(ROD)
     k = np.flatnonzero(np.diff(run["tip_y_m"]) >= 0.0)[0]
@@ -75,6 +76,7 @@ def test_a_level_and_an_upright_drop_stop_too() -> None:
         assert run.summary["energy"]["imbalance_relative"] < 5e-3
 
 
+@pytest.mark.slow
 def test_settled_in_sand_a_rod_stays_where_it_is() -> None:
     run = simulate(ROD, "initial={settle: true, joints: {air: {angle_deg: 60}}}", "solver.rest_time_s=null")
     assert run["time_s"][0] == 0.0

@@ -77,6 +77,7 @@ def test_damper_takes_what_the_swing_loses() -> None:
 STOPS = "model.joints.pin.stops={lower_deg: -20, upper_deg: 40, stiffness_Nm_per_rad: 200"
 
 
+@pytest.mark.slow
 def test_stops_without_dissipation_give_everything_back() -> None:
     run = simulate(SWING, STOPS + "}", "initial.impact_speed_rad_s=3", "solver.step_s=5e-5")
     kinetic = 0.5 * INERTIA * 9.0
@@ -87,6 +88,7 @@ def test_stops_without_dissipation_give_everything_back() -> None:
     assert imbalance(run) < 1e-3 * kinetic
 
 
+@pytest.mark.slow
 def test_stops_take_what_a_bounce_loses() -> None:
     run = simulate(SWING, STOPS + ", dissipation_s_per_rad: 0.2}", "initial.impact_speed_rad_s=3", "solver.step_s=1e-4")
 
@@ -160,6 +162,7 @@ HELD = (
 )
 
 
+@pytest.mark.slow
 def test_joints_on_a_stiff_beam_act_as_on_a_rigid_one() -> None:
     bent, rigid = (simulate(FLEXIBLE, *HELD, *more) for more in ((), ("model.bodies.bar.flexible=null",)))
     # The root of the beam turns by about m g l^2 / (2 E I) = 0.014 deg against its chord, let go by twice that.

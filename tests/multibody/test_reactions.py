@@ -95,6 +95,7 @@ def run_of(case: dict[str, Any], in_space: bool, **solver: Any) -> Any:
     return simulate(load(tree_of(case, in_space, **solver)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("in_space", "name"), CASES, ids=str)
 def test_power_is_the_rate_of_the_energy_however_steps_are_chosen(in_space: bool, name: str) -> None:
     case = (DEEP if in_space else FLAT)[name]

@@ -85,6 +85,7 @@ def leg_mass(foot: str) -> float:
     return round_mass if foot == "round" else plate_mass
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("height", [0.1201, 0.135, 0.3])
 @pytest.mark.parametrize("foot", FEET)
 def test_a_robot_stands_as_deep_as_one_that_is_lowered(foot: str, height: float) -> None:
@@ -97,6 +98,7 @@ def test_a_robot_stands_as_deep_as_one_that_is_lowered(foot: str, height: float)
     assert abs(run["trunk_orientation_deg"][0]) < 1e-3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("tilt", [0.0, 6.0])
 @pytest.mark.parametrize(("foot", "load_at"), [("round", 0.02), ("plate", 0.02), ("plate", -0.03)])
 def test_one_that_leans_stands_on_every_foot_as_deep_as_that_bears(foot: str, load_at: float, tilt: float) -> None:

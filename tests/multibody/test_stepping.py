@@ -41,6 +41,7 @@ def stiff(factor: float, elements: int) -> tuple[str, ...]:
     return (f"{FLEXIBLE}.bending_stiffness_N_m2={15.1642 * factor:.9g}", f"{FLEXIBLE}.elements={elements}")
 
 
+@pytest.mark.slow
 def test_accuracy_bounds_the_error_and_costs_fewer_steps() -> None:
     """A third of the accuracy times the way: 6.5 um of 24 and 1.2 of 7.2 when written."""
     reference = simulate("pendulum", *TO_40_MS, "solver.step_s=2e-5")
@@ -56,6 +57,7 @@ def test_accuracy_bounds_the_error_and_costs_fewer_steps() -> None:
     assert errors[0] < tip_error(fixed, reference, fixed["time_s"])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("medium", "angle"), [("poppy_seeds_close", 30), ("rft3d_sand", 60), ("play_sand", 30)])
 def test_accuracy_bounds_the_error_of_a_free_link(medium: str, angle: float) -> None:
     """0.6, 0.3 and 0.5 of the accuracy when written; with the direction of half a step before, 14, 13 and 1.4."""
@@ -70,6 +72,7 @@ def test_accuracy_bounds_the_error_of_a_free_link(medium: str, angle: float) -> 
         assert results.summary["cost"]["steps"] < 160  # of 250 of the default step
 
 
+@pytest.mark.slow
 def test_steps_of_joined_bodies_shrink_no_more_than_the_accuracy_asks() -> None:
     """Two links that fall, and then strike; what their joints do to accelerations is no jump of the force.
 
@@ -160,6 +163,7 @@ output: {bodies: all}
 """
 
 
+@pytest.mark.slow
 def test_accuracy_bounds_the_error_of_a_block_that_rolls_over() -> None:
     """Steps and strips together: it was 1.7 times the accuracy by steps, then 1.4 by strips that no power told of."""
     reference = simulate(BLOCK, "solver.step_s=2e-5", "load.strips_per_rigid_part=256")
@@ -170,6 +174,7 @@ def test_accuracy_bounds_the_error_of_a_block_that_rolls_over() -> None:
         assert np.abs(off).max() < 1e-2 * way, column
 
 
+@pytest.mark.slow
 def test_accuracy_bounds_the_error_of_a_slow_rest_of_the_motion() -> None:
     """0.8 of the accuracy when written; 2.7 where the speed of the impact alone says what an error is beside."""
     reference = simulate(DISC, "solver.step_s=5e-5")
@@ -208,6 +213,7 @@ def test_a_reduced_model_chooses_its_steps_by_itself() -> None:
         scenario_of("pendulum_rigid", "method=reduced", "solver.accuracy=1e-3")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("more", [stiff(1e6, 4), stiff(1e6, 32), stiff(1e3, 64)])
 def test_the_stiffest_beams_are_solved_as_rigid_ones(more: tuple[str, ...]) -> None:
     """Residuals below their round-off were never reached: such runs crept with steps of 1e-8 s, or failed."""
@@ -311,6 +317,7 @@ def test_a_run_that_its_bristles_fail_names_them(friction: str, key: str) -> Non
     assert told.endswith(f"take {key} load.friction.{friction.replace('=', ' (now ').replace('1e-9', '1e-09')})")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("more", "words"),
     [

@@ -30,6 +30,7 @@ def test_a_chain_whose_first_link_still_falls_has_no_stopping_time() -> None:
     assert run.summary["stopping_time_measure"] == REST_MEASURE
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "case", [CHAIN.format(surface=-0.1, rate=0, elbow=-40, end=2.0), "double_pendulum", "free_link"]
 )
@@ -45,6 +46,7 @@ def test_a_stopping_time_of_many_parts_is_that_of_rest(case: str) -> None:
     assert fastest[run["time_s"] < stops].max() > 1.0
 
 
+@pytest.mark.slow
 def test_a_run_that_is_cut_before_the_rest_has_lasted_has_no_stopping_time() -> None:
     whole = simulate("double_pendulum")
     rests = whole.summary["touch_time_s"] + whole.summary["stopping_time_s"]

@@ -25,6 +25,7 @@ def cantilever(in_space: bool, section: str, **flexible: Any) -> Results:
     return simulate(load({"model": model, "gravity_m_s2": 1.0, "initial": {"settle": True}, "solver": solver}))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("section", SECTIONS)
 @pytest.mark.parametrize("in_space", [False, True])
 def test_strain_at_the_root_is_that_of_the_moment_there(in_space: bool, section: str) -> None:
@@ -42,6 +43,7 @@ def test_strain_at_the_root_is_that_of_the_moment_there(in_space: bool, section:
     assert most["place_m"] < 0.01
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("in_space", [False, True])
 def test_a_yield_stress_that_is_passed_is_told(in_space: bool) -> None:
     """From both sides: a little above the greatest stress, and a little below it."""

@@ -19,6 +19,7 @@ output: {bodies: all}
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("strips", [16, 32])
 def test_a_rod_that_turns_about_its_tip_needs_no_more_strips(strips: int) -> None:
     """The tip turns within the only strip or two that are immersed, for 0.1 s; about 13 mm deep, the tip goes 16 mm."""

@@ -115,6 +115,7 @@ print("closed")
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(shutil.which("Xvfb") is None, reason="no Xvfb on this machine to make a display")
 def test_it_plays_on_a_display_until_it_is_closed() -> None:
     server = subprocess.Popen(

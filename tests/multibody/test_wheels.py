@@ -71,6 +71,7 @@ def test_grousers_are_teeth() -> None:
     assert shape.wheel.radius == pytest.approx(0.05 + 0.004)
 
 
+@pytest.mark.slow
 def test_the_run_of_a_wheel_is_that_of_its_drives() -> None:
     short = simulate("wheel", *QUICK, SURFACE)
     rate, speed = 0.05 / 0.8 / 0.058, 0.05
@@ -124,6 +125,7 @@ solver: {end_time_s: 1.5, step_s: 5.0e-3}
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("medium", ["rft_generic", "poppy_seeds_close", "rft3d_sand"])
 def test_a_rolling_disc_is_as_round_as_one_of_256_strips(medium: str) -> None:
     """At 20 % slip push and pull all but cancel; the mean of the rest was 20 % off, and its ripple four times that."""
@@ -147,6 +149,7 @@ def test_grousers_pull() -> None:
     assert np.ptp(toothed["wheel_drawbar_pull_N"][150:]) > 0.2  # one after the other
 
 
+@pytest.mark.slow
 def test_a_torque_drives_and_a_pull_holds_back() -> None:
     wheel = "wheel={torque_Nm: 0.3, pull_N: 2, load_N: 30}"
     run = simulate("wheel", QUICK[0], "solver={step_s: 2e-3, end_time_s: 1}", wheel)
@@ -251,6 +254,7 @@ solver: {{end_time_s: 0.2, step_s: 5.0e-3}}
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("slope", "slip"), [(25.0, 0.2), (-18.0, 0.6), (25.0, -0.4)])
 def test_slip_pull_load_and_sinkage_are_along_and_across_a_slope(slope: float, slip: float) -> None:
     c, s = math.cos(math.radians(slope)), math.sin(math.radians(slope))
@@ -289,6 +293,7 @@ def sunk_from_the_surface(*overrides: str) -> Results:
     return simulate("wheel", *STEADY, *overrides, SURFACE, "solver.end_time_s=40", "method=minimal")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("slip", "more"),
     [

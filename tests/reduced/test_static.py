@@ -49,6 +49,7 @@ def test_rigid_pendulum_of_the_table(angle, speed, time, at_stop):
     assert run.turns == 1  # it stops once, and the bound holds the weight
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("modes", [0, 1])
 @pytest.mark.parametrize(("angle", "speed"), [case[:2] for case in TABLE])
 def test_true_sign_and_bristle_stop_alike(angle, speed, modes):
@@ -76,6 +77,7 @@ def test_the_medium_takes_energy_all_the_way():
         assert run.work[-1] < -0.02
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("integrator", ["DOP853", "Radau"])
 def test_scipy_integrates_the_same_motion_before_the_stop(integrator):
     end = 0.01  # s: no part of the link turns round before

@@ -65,6 +65,7 @@ MENDED = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", MENDED)
 def test_a_mended_copy_has_no_faults(tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str) -> None:
     corners, volume, done, triangles = MENDED[name]

@@ -136,6 +136,7 @@ def test_its_mirror_image_walks_in_mirrored_steps() -> None:
         np.testing.assert_allclose(found, sign * wanted, atol=1e-2 if column.endswith("deg") else 2e-5)
 
 
+@pytest.mark.slow
 def test_a_looser_accuracy_takes_fewer_steps_and_keeps_its_promise() -> None:
     # By order two steps are sqrt(100) times as long for a hundredth of the accuracy; where feet strike and signals bend
     # they are no longer than they were.

@@ -49,6 +49,7 @@ def with_slivers(corners: np.ndarray, count: int, seed: int) -> np.ndarray:
     return np.array(found)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(6))
 def test_a_mesh_without_its_empty_triangles_is_closed_and_of_the_same_volume(seed: int) -> None:
     whole = with_slivers(bracket(), 12, seed)
@@ -112,6 +113,7 @@ def test_a_doubtful_mesh_is_never_replaced_by_its_hull() -> None:
     assert quality(*found).volume == pytest.approx(1e-3 + 0.05**3, rel=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("short", [0.01, 0.04, 0.3])
 @pytest.mark.parametrize("rpy", [(0.0, 0.0, 0.0), (0.4, -0.3, 1.0)])
 def test_small_moments_are_raised_and_all_else_stays(

@@ -46,6 +46,7 @@ def load(path: Path, **model: Any) -> Any:
     return loaded.scenario.model, scene.build(loaded)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", RIGHTED)
 def test_keys_beside_the_file_put_it_right(tmp_path: Path, name: str) -> None:
     changes, keys = RIGHTED[name]

@@ -59,6 +59,7 @@ FAULTS = [
 ]  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("old", "new", "line", "key", "words"), FAULTS)
 def test_each_fault_has_its_line_and_key(tmp_path: Path, old: str, new: str, line: int, key: str, words: str) -> None:
     path = robot_in(tmp_path, (old, new))

@@ -225,6 +225,7 @@ def test_a_loop_is_closed_from_angles_that_are_far_off() -> None:
     np.testing.assert_allclose(gap, 0.0, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_a_loop_that_no_configuration_closes_is_refused_with_the_least_gap() -> None:
     (fault,) = faults_of(FOUR_BAR, "model.joints.d.parent_point_m=[0.9, -0.2]")
     assert fault.key == "model.closures.c"

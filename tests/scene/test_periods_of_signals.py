@@ -96,6 +96,7 @@ def test_what_fixed_steps_see_badly_is_told_and_what_they_see_is_not() -> None:
     assert not any(told in one for one in simulate(rod(sine(50), step_s=1e-3)).warnings)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("method", "step"), [("minimal", None), ("engine", 5e-3), ("in space", None)])
 def test_chosen_steps_pass_nothing_by(method: str, step: float | None) -> None:
     """Angle of a torque A sin(w t) from rest: A / (I w) (t - sin(w t) / w); of pulses: their impulses over I, each from

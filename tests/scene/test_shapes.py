@@ -59,6 +59,7 @@ SOLIDS: dict[str, dict[str, Any]] = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("keys", SOLIDS.values(), ids=list(SOLIDS))
 def test_solids_have_the_mass_of_their_outline(keys: dict[str, Any]) -> None:
     solid, lump = made("part", shape(**keys), STRIPS)
@@ -81,6 +82,7 @@ BARS: dict[str, dict[str, Any]] = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("keys", BARS.values(), ids=list(BARS))
 def test_flat_bars_have_the_mass_of_their_band(keys: dict[str, Any]) -> None:
     bar, lump = made("part", shape(**keys), STRIPS)

@@ -103,6 +103,7 @@ def test_rates_jump_at_the_corners_of_a_linear_table_and_nowhere_else() -> None:
     assert [jump.time for jump in jumps(piecewise(line, np.round(3.0 * line, 5), cubic=False))] == [0.0, 1.0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["smoothed", "smoothed over neighbours"])
 def test_a_smoothed_table_is_continuous_to_its_acceleration(name: str) -> None:
     signal: Signal = SIGNALS[name]

@@ -76,6 +76,7 @@ def shifted(text: str, overrides: tuple[str, ...], by: tuple[float, float]) -> s
     return [[can_be_immersed(scene.bed, body, shape) for shape in body.shapes] for body in scene.rigid]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("text", "overrides"), SCENES)
 @settings(deadline=None, max_examples=5)
 @given(by=st.tuples(st.floats(-1e3, 1e3), st.floats(-1e3, 1e3)))

@@ -41,6 +41,7 @@ def tip(results: Results) -> Any:
 # ---- theory ----
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("angle", [0.0, 45.0, 90.0])
 def test_a_strip_bends_as_a_rod_of_kirchhoff_does(angle: float) -> None:
     """Weight at the end of a strip whose section is turned: large bending about both axes, and torsion."""
@@ -90,6 +91,7 @@ def test_saint_venants_constant_of_torsion() -> None:
 # ---- against the plane ----
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("bending", "elements", "slender"), [(15.1642, 8, 1.0), (0.15, 16, 4.0)])
 def test_a_pendulum_in_space_moves_as_in_the_plane(bending: float, elements: int, slender: float) -> None:
     """Two different beams, cables of cubic elements and rigid elements with springs, each by steps of its own.

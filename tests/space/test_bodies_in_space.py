@@ -91,6 +91,7 @@ FALLS: dict[str, tuple[Any, Any, dict[str, Any]]] = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FALLS)
 def test_the_energy_of_a_fall_is_balanced(name: str) -> None:
     medium, shape, given = FALLS[name]
@@ -103,6 +104,7 @@ def test_the_energy_of_a_fall_is_balanced(name: str) -> None:
     np.testing.assert_allclose(thrown.bed.force, wrench[:3])
 
 
+@pytest.mark.slow
 def test_the_kind_of_coordinates_and_the_direction_of_up_do_not_matter() -> None:
     plain = Thrown(SAND, Box(SIDES)).solve(0.1, 2.5e-4).place
     angles = Thrown(SAND, Box(SIDES), node=ANGLES).solve(0.1, 2.5e-4).place

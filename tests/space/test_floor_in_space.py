@@ -75,6 +75,7 @@ def test_up_is_any_direction_and_the_floor_is_level_there() -> None:
     assert np.abs(plain.floor_work).max() > 1e-3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["rft3d", "lee_marghitu", "ball"])
 def test_the_tangent_has_the_floor_and_its_spring_keeps_its_energy(name: str) -> None:
     medium, shape = PAIRS[name]

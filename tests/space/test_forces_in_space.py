@@ -41,6 +41,7 @@ def test_a_dragged_plate_is_that_of_the_plane(law: str, static: Any) -> None:
     np.testing.assert_allclose(other, one, rtol=1e-10, atol=1e-10)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", MEDIA)
 def test_a_disc_is_that_of_the_plane(law: str) -> None:
     # What only moves on is the same to round-off; where it turns both are cut finely, and come together.
@@ -102,6 +103,7 @@ def _square(normal: Array) -> tuple[Array, Array]:
     return 0.005 * np.array([-a - b, a - b, a + b, b - a]), np.array([[0, 1, 2], [0, 2, 3]])
 
 
+@pytest.mark.slow
 def test_3d_rft_has_the_published_values() -> None:
     rough = Rft3d(1600.0, 0.5, 1e6)  # without the limit on the tangential part
     for beta, gamma, shown in ((0, 45, (-0.199, 0.761)), (90, 0, (-0.192, 0.075)), (45, 45, (-0.342, 0.583))):
@@ -225,6 +227,7 @@ def test_a_box_of_twelve_triangles_is_cut_fine_enough() -> None:
         assert np.linalg.norm((forces[name] - forces["fine"])[:3]) < 2e-3 * np.linalg.norm(forces["fine"][:3])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("shape", "coarse"), [(Sphere(0.1), 0.02), (Box((0.1, 0.08, 0.06)), 0.04)], ids=["sphere", "box"]
 )
@@ -287,6 +290,7 @@ def test_a_state_with_gaps_in_its_array_compiles_nothing() -> None:
     assert after == before
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", PAIRS)
 def test_sand_never_drives_what_moves_through_it(name: str) -> None:
     # Bodies that come back to where they were, bristles and all: on the second round sand has only taken energy. A law

@@ -69,6 +69,7 @@ def columns(results: Results, *names: str, at: Any) -> np.ndarray:
     return np.column_stack([np.interp(at, results["time_s"], results[name]) for name in names])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "width"), [*((name, None) for name in EXTRUDED), ("plate", 0.05), ("bar", 0.006)])
 def test_what_is_extruded_moves_as_in_the_plane(name: str, width: float | None) -> None:
     """On a bed of one medium, and on one with a layer and a floor that bears."""

@@ -100,6 +100,7 @@ def test_facets_have_the_values_of_their_cubes_whatever_was_asked_before() -> No
         assert abs(force / without - 1.0) > 1e-3
 
 
+@pytest.mark.slow
 def test_one_seed_converges_with_the_step_by_order_two() -> None:
     plain = {"solver.accuracy": None, "solver.rest_time_s": None, "solver.end_time_s": 0.008}
     plain |= {"initial.joints.cone.z_m": 0.3, "initial.joints.ball.z_m": 0.3}  # out of the way

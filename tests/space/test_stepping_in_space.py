@@ -78,6 +78,7 @@ def go_on(simulation: Simulation, pauses: int) -> list[np.ndarray]:
     return seen
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("solver", [{}, {"accuracy": 1e-2}], ids=["fixed steps", "chosen steps"])
 def test_a_state_in_space_has_the_same_future_bit_by_bit(solver: dict[str, Any]) -> None:
     simulation = sculler(**solver)
@@ -99,6 +100,7 @@ def test_a_state_in_space_has_the_same_future_bit_by_bit(solver: dict[str, Any])
     assert simulation.step(None, 1.0)["hip_right_angle_deg"] == pytest.approx(450.0, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_what_is_seen_in_space_are_the_columns_of_the_results() -> None:
     simulation = sculler()
     seen = go_on(simulation, PAUSES)[-1]
@@ -115,6 +117,7 @@ def test_what_is_seen_in_space_are_the_columns_of_the_results() -> None:
     assert simulation.outlines()
 
 
+@pytest.mark.slow
 def test_a_controller_steers_a_run_in_space() -> None:
     """One that does nothing leaves the run as it is in one call; one that pushes is heard."""
     still = load(SCULLER)

@@ -43,6 +43,7 @@ def hanging(flexible: Config, *, by_tip: bool = False, **more: Any) -> Config:
     return {"model": {"in_space": True, "name": "hangs", "bodies": bodies, "joints": joints}, **more}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("by_tip", [False, True])
 def test_a_rod_that_hangs_is_as_long_as_hooke_says(by_tip: bool) -> None:
     """(M + m / 2) g L / E A, whose integral over the rod the rule of midpoints has without error; strain at its top."""

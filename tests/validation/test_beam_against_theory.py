@@ -10,6 +10,7 @@ import pytest
 from validation import beam_against_theory as study
 
 
+@pytest.mark.slow
 def test_every_claim_holds() -> None:
     claims = study.study(True).claims
     assert len(claims) == 11

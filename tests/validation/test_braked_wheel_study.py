@@ -29,6 +29,7 @@ def test_the_level_surface_is_the_package_s_wheel_and_that_of_the_first_trial() 
     assert rut == (pytest.approx(0.0607, rel=0.01), pytest.approx(-27.0, abs=0.15))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CANDIDATES)
 def test_candidates_are_the_level_surface_at_no_strength_and_differ_at_full(name: str) -> None:
     effects = CANDIDATES[name]

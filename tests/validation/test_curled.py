@@ -7,6 +7,7 @@ import pytest
 from validation import curled
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["rope that falls", "soft rope that falls and curls"])
 def test_what_is_told_of_a_rope_that_curls_is_its_error(name: str) -> None:
     """From both sides: a link of 16 elements, 2 % off, was silent; estimates are 0.7 to 1.5 times the error here."""

@@ -7,6 +7,8 @@ import pytest
 
 from validation import error_vs_run_time as study
 
+pytestmark = pytest.mark.slow
+
 NONE = dict.fromkeys(study.KEYS, 0.0)
 
 

@@ -10,6 +10,8 @@ import pytest
 from validation import fit_recovery as study
 from validation.study import Outcome
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def outcome() -> Outcome:

@@ -21,6 +21,7 @@ ADVICE = "run python validation/gallery.py, and look at what it changed"
 EARLY = {"dropped": ("solver.end_time_s=0.08", 3e-3), "thin_sand": ("solver.end_time_s=0.05", 3e-3)}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", gallery.names(is_run))
 def test_a_config_gives_the_number_shown(name: str) -> None:
     assert name in SHOWN, ADVICE
@@ -42,6 +43,7 @@ def split(number: str) -> tuple[str, float, str]:
     return words, float(value), unit
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", gallery.names(is_sweep))
 def test_a_sweep_comes_to_its_end(name: str) -> None:
     """One in eleven, of inputs in which neighbours differ; tests/docs/test_blocks.py runs all of the sensitivity's."""
@@ -51,6 +53,7 @@ def test_a_sweep_comes_to_its_end(name: str) -> None:
     assert done == of
 
 
+@pytest.mark.slow
 def test_the_page_shows_what_there_is_and_no_more() -> None:
     kinds = (is_run, is_sweep, is_optimise, is_fit)
     assert set(SHOWN) == {name for kind in kinds for name in gallery.names(kind)}, ADVICE

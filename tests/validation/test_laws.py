@@ -7,6 +7,8 @@ import pytest
 from validation import laws as study
 from validation.study import Outcome
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def outcome() -> Outcome:

@@ -14,6 +14,7 @@ def held(claims: list[Claim]) -> dict[str, bool]:
     return {claim.name.removeprefix("measured."): claim.held for claim in claims}
 
 
+@pytest.mark.slow
 def test_plates_and_the_wheel() -> None:
     found = held([*measured.plates()[1], *measured.pressed()[1], *measured.wheel(True)[1]])
     assert [name for name, kept in found.items() if kept] == [
@@ -40,6 +41,7 @@ def test_a_wrong_density_would_be_seen(monkeypatch: pytest.MonkeyPatch) -> None:
     assert not held(measured.plates()[1])["3D-RFT, nothing fitted: plate of 60 mm within a third"]
 
 
+@pytest.mark.slow
 def test_the_ball_and_the_dragged_plate() -> None:
     found = held([*measured.ball(True)[1], *measured.drag()[1]])
     assert [name for name, kept in found.items() if not kept] == ["ball: stopping time is three times depth over speed"]
@@ -49,6 +51,7 @@ def test_the_ball_and_the_dragged_plate() -> None:
     assert 0.9 < depth / (2 * others.G / others.K_OVER_M) < 1.0
 
 
+@pytest.mark.slow
 def test_intervals_of_force_tests_hold_the_true_value(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(force_tests, "QUICK_DRAWS", 4)
     claims = [force_tests.coverage(name, 4)[1][0] for name in ("zeta", "k and n")]

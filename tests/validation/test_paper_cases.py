@@ -9,6 +9,8 @@ import pytest
 from validation import paper_cases as study
 from validation.study import Claim, Outcome
 
+pytestmark = pytest.mark.slow
+
 NOT_HELD = "paper_cases.deflection grows with angle"
 
 

@@ -28,11 +28,13 @@ def drawn(tmp_path_factory: pytest.TempPathFactory):
     return [draw(seed, folder) for seed in SEEDS]
 
 
+@pytest.mark.slow
 def test_a_seed_is_a_scene(tmp_path: Path, drawn) -> None:
     assert draw(7, tmp_path) == drawn[7]
     assert draw(8, tmp_path) != drawn[7]
 
 
+@pytest.mark.slow
 def test_the_draws_are_of_every_kind(drawn) -> None:
     kinds, solvers = Counter(one.kind for one in drawn), Counter(one.solver for one in drawn)
     assert len(kinds) >= len(KINDS) - 2  # 60 draws of 15 kinds, the rarest one in 17
@@ -45,6 +47,7 @@ def test_the_draws_are_of_every_kind(drawn) -> None:
     assert joints == {"hinge", "slider", "weld", "free"}
 
 
+@pytest.mark.slow
 def test_images_are_scenes_and_the_mirror_image_of_a_mirror_image_is_the_scene(drawn, tmp_path: Path) -> None:
     made: Counter[str] = Counter()
     for one in drawn[:30]:
@@ -129,6 +132,7 @@ def test_what_is_wrong_without_a_word_is_counted() -> None:
     assert "above 1 %" in study.silent_table([right], lambda one: one.kind, "space")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", CHEAP)
 def test_beginnings_of_scenes_keep_the_properties(seed: int) -> None:
     found = study.look(seed, quick=True)
@@ -142,6 +146,7 @@ def test_beginnings_of_scenes_keep_the_properties(seed: int) -> None:
     assert found.seed == seed
 
 
+@pytest.mark.slow
 def test_a_foot_that_grazes_the_surface_does_so_a_kilometre_away(tmp_path: Path) -> None:
     """There a step that Newton's method failed in led to 7678 short ones, and 0.6 % of the way."""
     scene = draw(451, tmp_path).tree

@@ -24,6 +24,7 @@ def drawn(tmp_path_factory: pytest.TempPathFactory):
     return [draw(seed, folder) for seed in range(36)]
 
 
+@pytest.mark.slow
 def test_the_draws_are_of_every_kind(drawn) -> None:
     text = str([one.tree for one in drawn])
     for word in (*SOLIDS, "mesh", "bar", "slope_deg", "height_map", "layers", "'floor'", "'motion'", "'pd'"):
@@ -35,6 +36,7 @@ def test_the_draws_are_of_every_kind(drawn) -> None:
     }
 
 
+@pytest.mark.slow
 def test_images_are_scenes_and_twice_a_mirror_image_is_the_scene(drawn, tmp_path: Path) -> None:
     made = dict.fromkeys(SPACE.images, 0)
     for one in drawn[:12]:
@@ -76,6 +78,7 @@ def test_an_image_that_does_not_end_breaks_its_property(tmp_path: Path, monkeypa
     assert np.isnan(again.off(dict, {}))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [1])
 def test_beginnings_of_scenes_keep_the_properties(seed: int) -> None:
     found = study.look(seed, quick=True, world="space")

@@ -8,6 +8,8 @@ import pytest
 
 from validation import runner as study
 
+pytestmark = pytest.mark.slow
+
 RISES = "runner.speed rises with limb frequency while legs carry the trunk"
 
 

@@ -55,6 +55,7 @@ def test_what_the_load_does_is_linear_in_the_links() -> None:
     assert all(0.9 < each < 1.1 for each in calls)
 
 
+@pytest.mark.slow
 def test_mujoco_and_minimal_coordinates_agree() -> None:
     pytest.importorskip("mujoco")
     from validation import peer_chains
@@ -68,6 +69,7 @@ def test_mujoco_and_minimal_coordinates_agree() -> None:
     assert plain[0] / plain[1] == pytest.approx(2.0, abs=0.2)  # Euler, of first order
 
 
+@pytest.mark.slow
 def test_a_chain_of_links_that_bend_in_the_sand_seldom_repeats_a_step() -> None:
     """Where bristles of many links yield at once iterations go to and fro; 262 steps and 263 Jacobians were taken."""
     cost = scaling.once(scaling.set_up("flexible", "lowest quarter", 16), empty=False)
@@ -75,6 +77,7 @@ def test_a_chain_of_links_that_bend_in_the_sand_seldom_repeats_a_step() -> None:
     assert cost.jacobians < 200  # 124
 
 
+@pytest.mark.slow
 def test_chains_that_bend_take_at_most_three_times_the_iterations_in_sand() -> None:
     """Unresolved vibrations of links that bend let bristles yield and hold anew; without sand it takes 432 and 4."""
     cost = scaling.once(scaling.set_up("flexible", "lowest quarter", 32), empty=False)

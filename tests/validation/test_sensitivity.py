@@ -10,6 +10,8 @@ import pytest
 from granular_contact.studies.sweep import WorkerPool
 from validation import sensitivity as study
 
+pytestmark = pytest.mark.slow
+
 SIX, ONE_IMPACT = (design.name for design in study.DESIGNS)
 
 

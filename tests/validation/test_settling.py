@@ -10,6 +10,7 @@ from validation import settling
 CASES = [name for name in settling.CASES if name not in ("walker_in_space", "snake")]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
 def test_sinkage_is_that_of_the_static_balance(name: str) -> None:
     found = settling.settled(settling.tree_of(name))

@@ -15,6 +15,8 @@ from validation import single_mode_vs_fe as study
 from validation.single_mode.cases import DENSITY, DIAMETER, EI, HUB, LENGTH, Case, Point, frequencies, shortfall
 from validation.single_mode.numbers import NUMBERS, fit, misjudged
 
+pytestmark = pytest.mark.slow
+
 
 def hermite_frequencies(elements: int = 24) -> np.ndarray:
     """Hertz of the paper's link on its hinge with cubic beam elements, the hub a rigid arm with its inertia."""

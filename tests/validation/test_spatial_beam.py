@@ -8,6 +8,8 @@ import pytest
 from validation import oblique_modes
 from validation import spatial_beam as study
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.mark.parametrize("kind", [study.CABLE, study.BEAM, study.EXACT])
 def test_elements_of_the_engine_come_to_the_same_strip(kind: str) -> None:

@@ -34,6 +34,7 @@ def found() -> list[study.Found]:
     return [study.look(case, False) for case in chosen]
 
 
+@pytest.mark.slow
 def test_cells_keep_the_claims(found: list[study.Found]) -> None:
     names = ("no NaN", "no hang, no unexplained failure", "energy balance", "difference")
     held = {claim.name: claim.held for claim in study.claims(found, 0.0, True)}
@@ -51,6 +52,7 @@ def test_a_wrong_answer_without_a_word_is_seen() -> None:
     assert study.unexplained([wrong, hung]) == [hung]
 
 
+@pytest.mark.slow
 def test_ten_times_the_step_is_told() -> None:
     found = [study.ten_times(study.CONFIGS / f"{name}.yaml") for name in ("pendulum", "impact_61deg", "runner")]
     assert study.coarse_claim(found).held

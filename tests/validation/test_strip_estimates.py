@@ -37,6 +37,7 @@ ROD = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", SEEDS, ids=SEEDS.get)
 def test_an_estimate_is_within_a_factor_of_ten_of_the_error(seed: int, tmp_path: Path) -> None:
     found = study.judge(SEEDS[seed], draw(seed, tmp_path).tree, tmp_path)
@@ -54,6 +55,7 @@ def test_an_estimate_that_shows_nothing_would_be_noticed() -> None:
     assert not outcome.claims[0].held
 
 
+@pytest.mark.slow
 def test_wheels_that_turn_are_not_told_to_be_wrong(tmp_path: Path) -> None:
     """A cart whose strips are right within 0.1 %: no run was as good as told, and 128 strips were taken for nothing."""
     found = study.judge("cart", study.cart(0), tmp_path)
@@ -65,6 +67,7 @@ def test_wheels_that_turn_are_not_told_to_be_wrong(tmp_path: Path) -> None:
     assert not any("strips" in sentence for sentence in results.warnings)
 
 
+@pytest.mark.slow
 def test_a_rod_that_stands_on_its_end_gets_the_strips_that_its_accuracy_needs(tmp_path: Path) -> None:
     """It topples, which lets errors grow: 16 strips, 0.43 % off, were taken to be enough for 0.1 %."""
     asked = solved(study.settings(ROD, 16, accuracy=1e-3), tmp_path)
