@@ -46,7 +46,10 @@ KINDS = {"rigid": False, "flexible": True}
 
 @dataclass(frozen=True)
 class Cost:
-    """Least times of a case: of the solver (s), and of a run from scene to columns (s); its steps and iterations."""
+    """Least time (s) of the solver in a case, and time (s) of a run from scene to columns; its steps and iterations.
+
+    The latter has the estimate of the error by strips; infinite where it was not looked at.
+    """
 
     solve: float
     whole: float
@@ -65,8 +68,8 @@ class Cost:
         return 1e6 * self.solve / self.iterations
 
 
-def once(scene: Scene, empty: bool) -> Cost:
-    """One run; empty: with a user function that has nothing to give."""
+def once(scene: Scene, empty: bool, whole: bool = False) -> Cost:
+    """One run; empty: with a user function that has nothing to give; whole: to its columns."""
     began = time.process_time()
     system = build(scene)
     if empty:
@@ -74,8 +77,9 @@ def once(scene: Scene, empty: bool) -> Cost:
     ready = time.process_time()
     trajectory = solve(system)
     solved = time.process_time()
-    observe(system, trajectory).columns()
-    done = time.process_time()
+    if whole:
+        observe(system, trajectory).columns()
+    done = time.process_time() if whole else math.inf
     cost = trajectory.cost
     return Cost(solved - ready, done - began, cost.steps, cost.newton_iterations, cost.jacobians)
 
@@ -110,7 +114,10 @@ def set_up(kind: str, case: str, links: int) -> Scene:
 def measure(kind: str, links: int, repeats: int) -> dict[str, Cost]:
     """All cases on a chain, by name, in turn, after a warm-up: the clock of a processor is not always as fast."""
     scenes = {case: set_up(kind, case, links) for case in CASES}
-    rounds = [{case: once(scene, case == EMPTY) for case, scene in scenes.items()} for _ in range(repeats + 1)]
+    rounds = [
+        {case: once(scene, case == EMPTY, whole=i == repeats) for case, scene in scenes.items()}
+        for i in range(repeats + 1)
+    ]
     found = {}
     for case in CASES:
         costs = [costs[case] for costs in rounds[1:]]
