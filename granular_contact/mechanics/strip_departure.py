@@ -21,7 +21,7 @@ from granular_contact.sand.of_scene import lines_of, load_of, section
 from granular_contact.scene.workspace import immersible
 
 OF_JOINED, OF_HALVED = 1.0 / 3.0, 4.0 / 3.0
-GLANCE, LOOK = 24, 96  # of the motion at which its departure is followed: a glance, and a look
+GLANCE, LOOK = 24, 160  # of the motion at which its departure is followed: a glance, and a look
 
 
 def estimate(observer: Kinematics, doubtful: float) -> float:
