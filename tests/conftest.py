@@ -37,6 +37,7 @@ os.environ.setdefault("NUMBA_CACHE_DIR", str(_folder))
 # that none of them is left over for one worker at the end.
 FIRST = (
     "test_run.py",
+    "test_static.py",
     "test_mujoco_motion.py",
     "test_plots.py",
     "test_site.py",

@@ -20,6 +20,8 @@ from granular_contact.results.observation import results
 from granular_contact.run import Begun
 from granular_contact.scene import build
 
+pytestmark = pytest.mark.slow
+
 Array = NDArray[np.float64]
 # Of every config so much as takes seconds: the impacts whole, of gaits the first stride.
 LONG = (
@@ -183,7 +185,6 @@ def test_instants_left_out_change_no_number(name: str) -> None:
         assert got[key] == pytest.approx(value, abs=allowed), (key, abs(got[key] - value) / allowed)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("name", ["pendulum", "free_link", "double_pendulum", "walker", "wheel", "chain_flexible"])
 def test_rows_at_an_interval_change_no_number(name: str) -> None:
     """The table has fewer rows; the summary is made of all steps, and is the same to the last digit."""

@@ -31,6 +31,8 @@ from granular_contact.report.figures.style import style
 from granular_contact.report.units import unit_for
 from granular_contact.results import Column, Outline, Results, Snapshot
 
+pytestmark = pytest.mark.slow
+
 CASES: dict[str, dict[str, Any]] = {
     "shallow": {"angle_deg": 22, "rate": 1.75, "flexible": True, "before": 0.008},
     "vacuum": {"medium": False, "stopped": False},
@@ -138,7 +140,6 @@ def drawn(request: pytest.FixtureRequest) -> dict[str, Figure]:
     return made
 
 
-@pytest.mark.slow
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize(
     ("case", "expected"),
@@ -183,7 +184,6 @@ def words_of(figure: Figure) -> list[Text]:
     return [text for text in found if text.get_text() and text.get_visible()]
 
 
-@pytest.mark.slow
 def test_words_do_not_overlap_nor_leave_the_page(drawn: dict[str, Figure]) -> None:
     for name, figure in drawn.items():
         page = Bbox.from_bounds(0, 0, *figure.canvas.get_width_height())
@@ -206,7 +206,6 @@ def test_the_overlap_test_can_fail() -> None:
             test_words_do_not_overlap_nor_leave_the_page({"motion": figure})
 
 
-@pytest.mark.slow
 def test_the_depth_stands_within_its_panel(drawn: dict[str, Figure]) -> None:
     for axes in drawn["mechanism"].axes[1:]:
         box, frame = axes.texts[-1].get_window_extent(), axes.get_window_extent()
@@ -361,7 +360,6 @@ def test_unit_brings_the_largest_into_one_to_a_thousand(largest: float, name: st
     assert unit.factor == pytest.approx(factor, rel=1e-12)
 
 
-@pytest.mark.slow
 def test_a_long_run_with_a_gap_is_drawn_by_few_of_its_rows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """What a figure costs is its points: curves of 30 000 rows are drawn with as many as can be seen."""
     one = make(flexible=True, rows=30_000)

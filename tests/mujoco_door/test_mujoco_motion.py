@@ -17,6 +17,8 @@ from granular_contact.sand.contact_lines import Body, outline, polyline
 mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed")
 from granular_contact.mujoco import MujocoBed  # noqa: E402
 
+pytestmark = pytest.mark.slow
+
 PLAY = LeeMarghitu(2500.0, 6.5, 8.0, VerticalResistance(22.0, 1.1))
 FALLS: dict[str, tuple[Any, str, float]] = {
     "box": (SAND, BOX, 0.12),
@@ -49,7 +51,6 @@ BEDS: dict[str, tuple[Any, Floor | None]] = {
 }
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("name", BEDS)
 def test_shorter_steps_lead_to_the_motion_of_the_other_engine_with_order_one(name: str) -> None:
     pytest.importorskip("exudyn")
@@ -67,7 +68,6 @@ def test_shorter_steps_lead_to_the_motion_of_the_other_engine_with_order_one(nam
         assert np.linalg.norm(box.in_medium(SAND).by_mujoco(0.1, steps[0]) - there) > 10 * errors[-1]
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("geom", ["box", "ball"])
 def test_what_stands_on_a_floor_stands_at_any_step_where_its_springs_bear_it(geom: str) -> None:
     """At the longer step the springs would turn by more than a radian; the medium above the floor bears nothing."""
@@ -138,7 +138,6 @@ def hexapod() -> Any:
     return hexapod
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("step", [1e-3, 2e-3])
 def test_a_robot_stands_still_under_its_servos(hexapod: Any, step: float) -> None:
     model, bed = hexapod.make(step)
@@ -151,7 +150,6 @@ def test_a_robot_stands_still_under_its_servos(hexapod: Any, step: float) -> Non
     np.testing.assert_allclose(bed.of(data).force, [0.0, 0.0, weight], atol=1e-4 * weight)
 
 
-@pytest.mark.slow
 def test_a_robot_walks_as_far_with_steps_of_two_milliseconds(hexapod: Any) -> None:
     far = []
     for step in (2e-3, 1e-3):
@@ -166,7 +164,6 @@ def test_a_robot_walks_as_far_with_steps_of_two_milliseconds(hexapod: Any) -> No
     assert far[0] == pytest.approx(far[1], rel=0.02)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("step", [1e-3, 2e-3, 4e-3])
 def test_what_was_dropped_on_round_legs_comes_to_rest(step: float) -> None:
     """Faces of the legs' sides rest beside their bristles' yield: whether they are loaded must not go to and fro."""

@@ -24,6 +24,8 @@ from granular_contact.results import Results
 from granular_contact.results.energy import accumulate, work
 from granular_contact.scene import build
 
+pytestmark = pytest.mark.slow
+
 Array = NDArray[np.float64]
 MASS = DENSITY * np.pi / 4 * 0.01**2 * 0.2
 INERTIA = MASS * (0.2**2 / 3 + 0.01**2 / 16)  # about an end

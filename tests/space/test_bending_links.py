@@ -18,6 +18,8 @@ from granular_contact.sand.space.beam_shape import Beam
 from granular_contact.scene import build
 from granular_contact.scene.space.section import Section
 
+pytestmark = pytest.mark.slow
+
 Config = dict[str, Any]
 SOFT = {"youngs_modulus_Pa": 2e9, "elements": 6}
 ROD = {"type": "link", "length_m": 0.2, "diameter_m": 0.006, "density_kg_m3": 1200}
@@ -41,7 +43,6 @@ def tip(results: Results) -> Any:
 # ---- theory ----
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("angle", [0.0, 45.0, 90.0])
 def test_a_strip_bends_as_a_rod_of_kirchhoff_does(angle: float) -> None:
     """Weight at the end of a strip whose section is turned: large bending about both axes, and torsion."""
@@ -91,7 +92,6 @@ def test_saint_venants_constant_of_torsion() -> None:
 # ---- against the plane ----
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(("bending", "elements", "slender"), [(15.1642, 8, 1.0), (0.15, 16, 4.0)])
 def test_a_pendulum_in_space_moves_as_in_the_plane(bending: float, elements: int, slender: float) -> None:
     """Two different beams, cables of cubic elements and rigid elements with springs, each by steps of its own.
