@@ -16,11 +16,13 @@ Source: R. D. Skeel, "Thirteen ways to estimate global error", Numer. Math. 48 (
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from granular_contact.mechanics.system import Trajectory
 from granular_contact.sand.load import GranularLoad
 
 Vector = NDArray[np.float64]
@@ -77,9 +79,11 @@ def instants(observer: Any, count: int) -> NDArray[np.int64]:
     return first + np.unique([0, *at, len(steps)])
 
 
-def blocks(at: NDArray[np.int64], rates: int) -> list[NDArray[np.int64]]:
-    """Instants in parts of which all W (m, d), with as many freedoms as rates at most, take `BLOCK` bytes."""
-    return np.array_split(at, min(len(at), 1 + len(at) * 8 * rates**2 // BLOCK))
+def pieces(observer: Any, trajectory: Trajectory, count: int) -> Iterator[Trajectory]:
+    """So many instants of the trajectory of a load, in pieces of which all W (m, d), d <= m, take `BLOCK` bytes."""
+    at, t = instants(observer, count), trajectory
+    for some in np.array_split(at, min(len(at), 1 + len(at) * 8 * observer.trajectory.v.shape[1] ** 2 // BLOCK)):
+        yield replace(t, time=t.time[some], q=t.q[some], v=t.v[some], load=None, a=None, multipliers={}, set_to={})
 
 
 def departures(observer: Any, motion: Iterator[Instant], own: GranularLoad, other: GranularLoad, chart: Flat) -> Vector:

@@ -8,11 +8,10 @@ be a tenth of the error or less, rarely both (`validation/strip_estimates.py`). 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 
 import numpy as np
 
-from granular_contact.mechanics.departure import Flat, Instant, blocks, departures, instants
+from granular_contact.mechanics.departure import Flat, Instant, departures, pieces
 from granular_contact.mechanics.freedoms import freedoms
 from granular_contact.mechanics.kinematics import Kinematics
 from granular_contact.sand.contact_lines import ELEMENTS_PER_LINE, Body, ContactLine, beam, coarser
@@ -45,12 +44,10 @@ def _departure(observer: Kinematics, own: GranularLoad, other: GranularLoad, cou
 
 def _motion(observer: Kinematics, count: int) -> Iterator[Instant]:
     """The motion at so many of its instants."""
-    t = observer.trajectory
-    for at in blocks(instants(observer, count), t.q.shape[1]):
-        part = replace(t, time=t.time[at], q=t.q[at], v=t.v[at], load=None, a=None, multipliers={}, set_to={})
-        free = freedoms(type(observer)(observer.system, part))
-        for i, time in enumerate(part.time.tolist()):
-            yield Instant(time, part.q[i], part.v[i], free.W[i], t.mass, free.K[i], free.D[i])
+    for t in pieces(observer, observer.trajectory, count):
+        free = freedoms(type(observer)(observer.system, t))
+        for i, time in enumerate(t.time.tolist()):
+            yield Instant(time, t.q[i], t.v[i], free.W[i], t.mass, free.K[i], free.D[i])
 
 
 def _load(observer: Kinematics, split: int = 1) -> GranularLoad:

@@ -11,14 +11,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import replace
 from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from granular_contact.mechanics.constraints import together
-from granular_contact.mechanics.departure import Flat, Instant, blocks, departures, instants
+from granular_contact.mechanics.departure import Flat, Instant, departures, pieces
 from granular_contact.mechanics.freedoms import left_by, slopes
 from granular_contact.mechanics.space.kinematics import SpatialKinematics
 from granular_contact.mechanics.space.system import SpatialSystem
@@ -177,9 +176,7 @@ def load_with(system: SpatialSystem, share: float) -> SpatialLoad:
 
 def _motion(observer: Any, count: int) -> Iterator[Instant]:
     """The motion at so many of its instants, with its freedoms there."""
-    t = observer.engine
-    for at in blocks(instants(observer, count), observer.trajectory.v.shape[1]):
-        some = replace(t, time=t.time[at], q=t.q[at], v=t.v[at], load=None, a=None, multipliers={}, set_to={})
+    for some in pieces(observer, observer.engine, count):
         seen = SpatialKinematics(observer.system, some)
         W, K, D = _freedoms(seen)
         places = [one for name in seen.system.rigid for one in (seen.center(name)[0], seen.quaternion(name))]
