@@ -5,6 +5,7 @@ Their triangles are those of a body with many sides, with as much area in every 
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -20,8 +21,24 @@ MOST_CHORDS = 10_000  # of a profile: with as many facets around it there are to
 SIDES = 48  # of a circle that is drawn; half as many of a sphere
 
 
+class _Straight(Shape):
+    """A shape whose profile has straight sides alone."""
+
+    @abstractmethod
+    def _profile(self) -> list[tuple[float, float]]:
+        """Points r, z (m), from the bottom to the top."""
+
+    def corners(self, size: float | None = None) -> Vector:
+        """As `Shape.corners`."""
+        return _turned(self._profile(), size)
+
+    def drawn(self) -> Vector:
+        """As `Shape.drawn`."""
+        return _turned(self._profile(), np.inf, SIDES)
+
+
 @dataclass(frozen=True)
-class Cylinder(Shape):
+class Cylinder(_Straight):
     """Cylinder around the z axis, from -length/2 to length/2.
 
     Parameters
@@ -35,14 +52,6 @@ class Cylinder(Shape):
 
     def __post_init__(self) -> None:
         positive("Cylinder", diameter=self.diameter, length=self.length)
-
-    def corners(self, size: float | None = None) -> Vector:
-        """As `Shape.corners`."""
-        return _turned(self._profile(), size)
-
-    def drawn(self) -> Vector:
-        """As `Shape.drawn`."""
-        return _turned(self._profile(), np.inf, SIDES)
 
     def rims(self) -> Vector:
         """As `Shape.rims`."""
@@ -138,7 +147,7 @@ class Capsule(Shape):
 
 
 @dataclass(frozen=True)
-class Cone(Shape):
+class Cone(_Straight):
     """Cone around the z axis: its tip at the origin, its base at z = height.
 
     Parameters
@@ -154,14 +163,6 @@ class Cone(Shape):
 
     def __post_init__(self) -> None:
         positive("Cone", diameter=self.diameter, height=self.height)
-
-    def corners(self, size: float | None = None) -> Vector:
-        """As `Shape.corners`."""
-        return _turned(self._profile(), size)
-
-    def drawn(self) -> Vector:
-        """As `Shape.drawn`."""
-        return _turned(self._profile(), np.inf, SIDES)
 
     def rims(self) -> Vector:
         """As `Shape.rims`."""
