@@ -292,14 +292,14 @@ def _nominal_facets(scene: Any, progress: Progress | None, compiling: Compiling 
 
     Each member of an ensemble would choose others by its own draws, which are no errors of facets.
     """
-    key = None if scene.scenario is None else json.dumps(_unscattered(scenario_to_dict(scene.scenario)), default=str)
-    if key is None or key not in _NOMINAL:
+    key = "" if scene.scenario is None else json.dumps(_unscattered(scenario_to_dict(scene.scenario)), default=str)
+    if not key or key not in _NOMINAL:
         layers = tuple(replace(one, medium=one.medium.model_copy(update={"scatter": None})) for one in scene.bed.layers)
         begun, trajectory = _chosen(replace(scene, bed=replace(scene.bed, layers=layers)), progress, compiling)
         _NOMINAL.clear()
-        _NOMINAL[key or ""] = begun.system.scene.facet_shares, trajectory.strip_error  # type: ignore[union-attr]
+        _NOMINAL[key] = begun.system.scene.facet_shares, trajectory.strip_error  # type: ignore[union-attr]
         begun.solving.close()
-    return _NOMINAL[key or ""]
+    return _NOMINAL[key]
 
 
 def _unscattered(tree: Any) -> Any:

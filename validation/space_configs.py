@@ -78,8 +78,7 @@ def judged(path: Path) -> tuple[list[Any], float, float, float, float]:
     asked = built.solver.named or FACET_ERROR
     facets = summary.get("facets", {"error": 0.0, "bodies": {}})
     count = sum(one["number"] for one in facets["bodies"].values())
-    by_facets = "not estimated" if facets["error"] is None else f"{facets['error']:.2%}"
-    row = [path.stem, f"{results['time_s'][-1]:.3g}", f"{asked:g}", f"{error:.2%}", by_facets]
+    row = [path.stem, f"{results['time_s'][-1]:.3g}", f"{asked:g}", f"{error:.2%}", f"{facets['error']:.2%}"]
     row += [summary["cost"]["steps"], count, f"{first:.2f}", f"{spent:.2f}", f"{imbalance:.1e}", number(summary)]
     row.append("; ".join(results.warnings) or "none")
     depths = (

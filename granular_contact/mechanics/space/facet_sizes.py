@@ -48,5 +48,4 @@ def explained(system: Any, trajectory: Any) -> Iterator[str]:
         return
     allowed = asked(motion.scene)
     chosen = "as the config has them" if allowed is None else f"for an error of {100.0 * allowed:g} % of the path"
-    told = f"{100.0 * found['error']:.2g} %"
-    yield f"facets are chosen {chosen}; estimated error of the motion by them: {told}"
+    yield f"facets are chosen {chosen}; estimated error of the motion by them: {100.0 * found['error']:.2g} %"
