@@ -5,8 +5,9 @@ x in the freedoms of the mechanism, has
 
     M x'' = W^T [Q*(q + W x, v + W x') - Q(q, v)] - K x - D x'
 
-with the mass matrix M, and K and D of what acts in joints. Both media keep friction states of their own, led along the
-motion and along what departs from it. What long steps leave out of the motion is the same in both, so it cancels.
+with the mass matrix M, and K and D of what acts in joints and bends links. Both media keep friction states of their
+own, led along the motion and along what departs from it. What long steps leave out of the motion is the same in both,
+so it cancels.
 Backward Euler in a few long steps, first order in the step, with Newton's method, of which a step is shortened where it
 leads farther away; some ten evaluations of the forces a step, which take the time. Left out: how W changes with x.
 
@@ -35,7 +36,7 @@ class Instant(NamedTuple):
     """A motion at an instant, of c coordinates of the load and m rates with d freedoms.
 
     time (s); q (c,); v (m,); W (m, d): rates by those of the freedoms; mass (m, m), sparse or not; K, D (d, d):
-    stiffness and damping of joints.
+    stiffness and damping of joints, and of links that bend.
     """
 
     time: float

@@ -1,7 +1,10 @@
-"""The freedoms of a mechanism along its motion: how they move all coordinates, and what acts on them in joints.
+"""The freedoms of a mechanism along its motion: how they move all coordinates, and what acts on them.
 
-Links that bend count as rigid in the shape that they have. Freedoms are the coordinates of joints that nothing
-prescribes, three of a body that flies free; where loops close, what of these the loops allow.
+Freedoms are the coordinates of joints that nothing prescribes, three of a body that flies free; where loops close, what
+of these the loops allow. Links that bend keep their length, and do so in two shapes (Ritz): from the end at which a
+joint holds them, sections turn by x / L and (x / L)^2 at x m of L. A clamped link has a first natural frequency that is
+0.5 % too high (of four elements 2.7 %), and a second that is 58 % too high. Where there would be more than `MOST`
+freedoms, such links count as rigid in the shape that they have.
 """
 
 from __future__ import annotations
@@ -15,6 +18,8 @@ from granular_contact.mechanics.kinematics import Kinematics
 from granular_contact.scene.types import Drive, Joint, Vector
 
 REGULAR = 1e-8  # of the greatest singular value: what is less is no constraint of its own
+BENDING = 2  # shapes in which a link bends, fewer where it has fewer elements
+MOST = 100  # freedoms, by the third power of which an estimate grows
 SLIDES = 10.0  # slips a second, from which on friction in a joint slides
 
 
@@ -22,7 +27,7 @@ SLIDES = 10.0  # slips a second, from which on friction in a joint slides
 class Freedoms:
     """Of n instants, m coordinates and d freedoms: W (n, m, d), rates of the coordinates by those of the freedoms.
 
-    K, D (n, d, d): stiffness and damping of what acts in joints.
+    K, D (n, d, d): stiffness and damping of what acts in joints, and of links as they bend.
     """
 
     W: Vector
@@ -35,13 +40,15 @@ def freedoms(motion: Kinematics) -> Freedoms:
     scene, (n, m) = motion.scene, motion.trajectory.q.shape
     moved = {drive.joint for drive in scene.drives if drive.kind == "motion"}
     tree, closures = ([joint for joint in scene.joints if joint.closes is closes] for closes in (False, True))
-    columns, size = {}, 0
-    for joint in tree:
-        columns[joint.name] = size
-        size += 3 if joint.kind == "free" else int(joint.has_coordinate and joint.name not in moved)
-    twists = _twists(motion, tree, columns, moved, size)
+    sizes = [3 if one.kind == "free" else int(one.has_coordinate and one.name not in moved) for one in tree]
+    ends = np.cumsum([0, *sizes])
+    columns, size = {joint.name: int(end) for joint, end in zip(tree, ends[:-1], strict=True)}, int(ends[-1])
+    bending = _shapes(motion, tree, size)
+    size = max([size, *(shapes.stop for shapes in bending.values())])
     W, K, D = np.zeros((n, m, size)), np.zeros((n, size, size)), np.zeros((n, size, size))
-    for name, twist in twists.items():
+    for joint in (one for one in tree if one.child in bending):
+        _bend(motion, joint, bending[joint.child], W, K, D)
+    for name, twist in _twists(motion, tree, columns, moved, W).items():
         _move(motion, name, twist, W)
     for joint in tree:
         if joint.has_coordinate and joint.name not in moved:
@@ -56,16 +63,47 @@ def freedoms(motion: Kinematics) -> Freedoms:
     return Freedoms(W @ Z, turned @ K @ Z, turned @ D @ Z)
 
 
+def _shapes(motion: Kinematics, tree: list[Joint], size: int) -> dict[str, slice]:
+    """Columns of the shapes in which links bend, after those of joints; none where they would be too many."""
+    links, found, first = motion.system.links, {}, size
+    for name in (joint.child for joint in tree if joint.child in links):
+        found[name] = slice(size, size := size + min(BENDING, links[name].link.elements))
+    return found if first == size or size <= MOST else {}
+
+
+def _bend(motion: Kinematics, joint: Joint, columns: slice, W: Vector, K: Vector, D: Vector) -> None:
+    """Fill in how a link bends from the end at which a joint holds it: its sections turn by powers of the way there."""
+    handle, q = motion.system.links[joint.child], motion.trajectory.q
+    link, nodes = handle.link, np.array(motion.nodes(joint.child))
+    from_tip = handle.end(joint.child_point) == -1
+    along, power = np.linspace(0.0, 1.0, len(nodes)), np.arange(1, columns.stop - columns.start + 1)
+    turn = (1.0 - along if from_tip else along)[:, None] ** power
+    steps = np.diff(q[:, nodes[:, :2]], axis=1)
+    across = np.stack([-steps[..., 1], steps[..., 0]], axis=2)[..., None]
+    moved = np.zeros((len(q), len(nodes), 2, len(power)))
+    np.cumsum(across * 0.5 * (turn[1:] + turn[:-1])[:, None], axis=1, out=moved[:, 1:])
+    if from_tip:
+        moved = moved - moved[:, -1:]
+    tilted = np.stack([-q[:, nodes[:, 3]], q[:, nodes[:, 2]]], axis=2)[..., None] * turn[:, None]
+    W[:, nodes, columns] = np.concatenate([moved, tilted], axis=2)
+    curvatures = power[:, None] * power / (power[:, None] + power - 1.0) / link.length  # integrals of their products
+    K[:, columns, columns] = link.bending_stiffness * curvatures
+    D[:, columns, columns] = link.bending_damping * curvatures
+
+
 def _twists(
-    motion: Kinematics, tree: list[Joint], columns: dict[str, int], moved: set[str], size: int
+    motion: Kinematics, tree: list[Joint], columns: dict[str, int], moved: set[str], W: Vector
 ) -> dict[str, Vector]:
-    """Of each body the rates (n, 3, size) of its centre (x, y) and of its turn, counter-clockwise."""
+    """Of each body the rates (n, 3, d) of its centre (x, y) and of its turn, counter-clockwise.
+
+    W (n, m, d): how links bend, which what hangs on them follows.
+    """
     twists: dict[str, Vector] = {}
     waiting = list(tree)
     while waiting:
         joint = next(one for one in waiting if one.parent is None or one.parent in twists)
         waiting.remove(joint)
-        twist, i = np.zeros((len(motion.trajectory.time), 3, size)), columns[joint.name]
+        twist, i = np.zeros((len(W), 3, W.shape[2])), columns[joint.name]
         twists[joint.child] = twist
         if joint.kind == "free":
             twist[:, [0, 1, 2], [i, i + 1, i + 2]] = 1.0
@@ -73,6 +111,8 @@ def _twists(
         place = motion.position(joint.child, joint.child_point)[0]
         if joint.parent is not None:
             twist[:] = _at(twists[joint.parent], place - motion.center(joint.parent)[0])
+            if joint.parent in motion.system.links:
+                twist += _end(motion, joint, W)
         if joint.name not in moved and joint.kind == "slider":
             assert joint.axis is not None
             angle = motion.angle(joint.parent, joint.parent_point)[0] + np.arctan2(joint.axis[1], joint.axis[0])
@@ -91,15 +131,24 @@ def _at(twist: Vector, arm: Vector) -> Vector:
     return there
 
 
+def _end(motion: Kinematics, joint: Joint, W: Vector) -> Vector:
+    """Rates (n, 3, d) of the end of the parent of a joint by how this bends, W (n, m, d)."""
+    node = motion.system.places(joint.parent or "", joint.parent_point)
+    x, y = motion.trajectory.q[:, node[2:]].T[:, :, None]
+    turn = (x * W[:, node[3]] - y * W[:, node[2]]) / (x**2 + y**2)
+    return np.concatenate([W[:, node[:2]], turn[:, None]], axis=1)
+
+
 def _move(motion: Kinematics, name: str, twist: Vector, W: Vector) -> None:
-    """Fill the rows of a body's coordinates in W."""
+    """Add a body's rates to the rows of its coordinates in W."""
     if name in motion.system.rigid:
         W[:, motion.system.places(name, np.zeros(2))] = twist
         return
     center, q = motion.center(name)[0], motion.trajectory.q
     for node in motion.nodes(name):
-        W[:, node[:2]] = _at(twist, q[:, node[:2]] - center)[:, :2]
-        W[:, node[2]], W[:, node[3]] = -q[:, node[3], None] * twist[:, 2], q[:, node[2], None] * twist[:, 2]
+        W[:, node[:2]] += _at(twist, q[:, node[:2]] - center)[:, :2]
+        W[:, node[2]] -= q[:, node[3], None] * twist[:, 2]
+        W[:, node[3]] += q[:, node[2], None] * twist[:, 2]
 
 
 def slopes(motion: Kinematics, joint: Joint, drive: Drive | None) -> tuple[Vector, Vector]:
