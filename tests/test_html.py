@@ -277,6 +277,20 @@ def test_numbers_of_a_sweep_are_of_cases_that_came_to_an_end(tmp_path: Path) -> 
     assert "0.002 % at most, in case b" in audit
 
 
+def test_numbers_that_are_the_same_in_all_cases_are_one_line(tmp_path: Path) -> None:
+    """A number that one case lacks is none of them; a single case has nothing to differ from."""
+    head = "case,initial.impact_speed_rad_s,status,message,stopping_time_s,max_depth_m,max_deflection_m"
+    lines = ["a,1,rest,fine,0.02,0.005,0.001", "b,2,rest,fine,0.03,0.005,", "c,3,rest,fine,0.04,0.005,0.001"]
+    for count, constant in ((3, "The same in all cases: largest depth 5 mm."), (1, None)):
+        (tmp_path / "table.csv").write_text("\n".join([head, *lines[:count]]))
+        text = "".join(Outline(html(tmp_path)).text).split("Key numbers")[-1].split("Figures")[0]
+        assert ("The same in all cases" in text) == (constant is not None)
+        before, _, table = text.partition("What the cases found.")
+        assert constant is None or constant in before
+        assert ("largest depth" in table) == (constant is None)
+        assert "largest deflection" in table
+
+
 def test_warnings_that_differ_in_numbers_are_one_kind(tmp_path: Path) -> None:
     same = [f"s{i},1,rest,fine,0.02,1e-5,faster than 1.{i} m/s" for i in range(40)]
     others = [f"o{i},1,rest,fine,0.02,1e-5,kind {'x' * i}" for i in range(14)]

@@ -1,4 +1,4 @@
-"""The gallery: every config in configs/ run, a picture of each model, and a number of each config that the tests hold.
+"""The gallery: every config in configs/ run, a picture and a number of each, which the tests hold.
 
     python validation/gallery.py
 
@@ -10,7 +10,7 @@ from __future__ import annotations
 import itertools
 import re
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -37,6 +37,7 @@ NUMBERS = (
 STAYS = 0.01  # m/s: what is slower does not get ahead
 EDITORS = "# yaml-language-server:"  # begins the line for editors, which is no comment on the config
 PANELS, WIDTH, FRAMES = 4, 1200, 151  # of a picture
+COLUMNS = 3  # of the page
 INTRODUCTION = """# Configs
 
 Every file here runs as it is, after `granular-contact examples DIR` from an installed package too:
@@ -46,7 +47,7 @@ granular-contact run configs/pendulum.yaml --animate
 ```
 
 This page is written by `python validation/gallery.py`; the tests run every config and hold the number that stands here.
-Arrows are forces of the medium, thin lines the path of the tip.
+Arrows are forces of the medium, thin lines the path of the tip. A picture leads to itself in full size.
 """
 FITS = """## Fits
 
@@ -59,12 +60,11 @@ stands in [validation](../docs/studies/gaits.md)."""
 
 @dataclass(frozen=True)
 class Entry:
-    """A config of one run: its name, what its comment says first, the model's name and description, what came of it."""
+    """A config of one run: its name, what its comment says first, whether in space, what came of it."""
 
     name: str
     words: str
-    model: str
-    description: str
+    in_space: bool
     results: Results
 
     @property
@@ -93,8 +93,7 @@ def entry(name: str, frames: int = 0, overrides: Sequence[str] = ()) -> Entry:
     path = CONFIGS / f"{name}.yaml"
     scenario = config.load(path, overrides).scenario
     results = run(build(scenario), scenario, most_frames=frames)
-    model = scenario.model
-    return Entry(name, comment(path), model.name or name, model.description or "", results)
+    return Entry(name, comment(path), scenario.model.in_space, results)
 
 
 def cases(name: str, every: int = 1) -> str:
@@ -131,41 +130,35 @@ def comment(path: Path) -> str:
     return re.split(r"(?<=\.) ", words)[0]
 
 
-def draw(one: Entry, name: str) -> Path:
+def draw(one: Entry) -> Path:
     """Write the picture of a config as a PNG of few colours; its path."""
     from validation.stills import write_strip
 
-    path = FIGURES / f"gallery_{name}.png"
+    path = FIGURES / f"gallery_{one.name}.png"
     write_strip(one.results, path, PANELS, WIDTH)
     return path
 
 
-def sections(entries: list[Entry]) -> Iterator[str]:
-    """A section for each model, with a picture of each of its configs; that of its name, or the plainest, first."""
-    for model in dict.fromkeys(one.model for one in entries):
-        own = [one for one in entries if one.model == model]
-        shown = min(own, key=lambda one: (one.name != model, len(one.name)))
-        yield f"## {model}\n\n{shown.description}.\n"
-        for one in (shown, *(one for one in own if one is not shown)):
-            path = draw(one, model if one is shown else one.name)
-            yield f"![{one.words}](../{path.relative_to(HERE.parent).as_posix()})\n"
-        yield table([(one.name, one.words, one.number) for one in own])
+def grid(cells: Sequence[tuple[str, str, str, Path]]) -> str:
+    """Markdown of a few small pictures in a row; below each its config, what it is, and its number."""
+    shown = [
+        f"[![{words}]({link})]({link})<br>**[{name}]({name}.yaml)**: {words}<br>{found}"
+        for name, words, found, path in cells
+        for link in [f"../{path.relative_to(HERE.parent).as_posix()}"]
+    ]
+    shown += [""] * (-len(shown) % COLUMNS)
+    lines = [f"|{' |' * COLUMNS}", f"|{' --- |' * COLUMNS}"]
+    lines += [f"| {' | '.join(shown[i : i + COLUMNS])} |" for i in range(0, len(shown), COLUMNS)]
+    return "\n".join(lines) + "\n"
 
 
 # Of sweeps and fits the figures of their studies.
 PICTURES = {
-    "Sweeps": (
-        ("The stopping time of the twelve impacts against their speed.", "paper_cases_stopping"),
-        ("Which part of the variance of the stopping time each of six inputs explains.", "sensitivity_six"),
-        ("Forward force on the wheel and its sinkage against slip, by three laws and measured.", "measured_wheel"),
-    ),
-    "Fits": (("Pressure under the plates against depth, by three laws and measured.", "measured_plates"),),
+    "paper_cases": "paper_cases_stopping",
+    "sensitivity": "sensitivity_six",
+    "wheel_slip": "measured_wheel",
+    "fit_cmu_plates": "measured_plates",
 }
-
-
-def pictures(heading: str) -> str:
-    """Lines of the pictures below a heading."""
-    return "".join(f"![{words}](../validation/figures/{name}.png)\n\n" for words, name in PICTURES[heading])
 
 
 def table(rows: list[tuple[str, str, str]]) -> str:
@@ -175,18 +168,30 @@ def table(rows: list[tuple[str, str, str]]) -> str:
     return "\n".join(lines) + "\n"
 
 
+def of_kind(is_kind: Callable[[Path], bool], count: Callable[[str], str]) -> list[tuple[str, str, str]]:
+    """Configs of a kind: name, what it does, its number."""
+    return [(name, comment(CONFIGS / f"{name}.yaml"), count(name)) for name in names(is_kind)]
+
+
+def with_studies(kind: list[tuple[str, str, str]]) -> str:
+    """The grid of sweeps or fits, with the figures of their studies."""
+    return grid([(*one, FIGURES / f"{PICTURES[one[0]]}.png") for one in kind])
+
+
 def main() -> None:
     """Write page and pictures."""
     entries = [entry(name, FRAMES) for name in names(config.is_run)]
-    sweeps = [(name, comment(CONFIGS / f"{name}.yaml"), cases(name)) for name in names(config.is_sweep)]
-    searches = [(name, comment(CONFIGS / f"{name}.yaml"), runs(name)) for name in names(config.is_optimise)]
-    fits = [(name, comment(CONFIGS / f"{name}.yaml"), rows(name)) for name in names(config.is_fit)]
-    tables = (
-        f"## Sweeps\n\n{pictures('Sweeps')}{table(sweeps)}",
-        f"{SEARCHES}\n\n{table(searches)}",
-        f"{FITS}\n\n{pictures('Fits')}{table(fits)}",
-    )
-    parts = [INTRODUCTION, *sections(entries), *tables]
+    space = [one for one in entries if one.in_space]
+    plane = [one for one in entries if not one.in_space]
+    runs_of = [grid([(one.name, one.words, one.number, draw(one)) for one in kind]) for kind in (space, plane)]
+    parts = [
+        INTRODUCTION,
+        f"## In space\n\n{runs_of[0]}",
+        f"## In the plane\n\n{runs_of[1]}",
+        f"## Sweeps\n\n{with_studies(of_kind(config.is_sweep, cases))}",
+        f"{SEARCHES}\n\n{table(of_kind(config.is_optimise, runs))}",
+        f"{FITS}\n\n{with_studies(of_kind(config.is_fit, rows))}",
+    ]
     PAGE.write_text("\n".join(parts), encoding="utf-8")
 
 

@@ -41,14 +41,14 @@ def write_strip(results: Results, file: Path, count: int = 4, width: int = 1200)
 
 
 def strip(results: Results, count: int, width: int) -> Picture:
-    """Pictures of `count` (even) frames as one, about so many px wide; the wider the stage, the fewer in a row.
+    """Pictures of `count` (even) frames as one, about so many px wide; two in a row, or one where the stage is wide.
 
     From each to the next the mechanism moves equally far, which seldom takes equally long.
     """
     low, high = bounds(results.frames)
     ratio = float(np.divide(*np.maximum(high - low, 1e-9)))
-    in_row = count if ratio < 2.0 else 2 if ratio < 9.0 else 1
-    stage = stage_of(results, width // in_row, 0.6 if in_row == count else 0.2)
+    in_row = 2 if ratio < 9.0 else 1
+    stage = stage_of(results, width // in_row, 0.6 if ratio < 2.0 else 0.2)
     shown = list(Film(results, stage, words=False).pictures(evenly_moved(results.frames, count)))
     rows = [_joined(shown[i : i + in_row], axis=1) for i in range(0, count, in_row)]
     return _joined(rows, axis=0)

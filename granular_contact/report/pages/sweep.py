@@ -81,6 +81,7 @@ def content(folder: Folder, place: Path) -> dict[str, Any]:
         "varied": cases.varied,
         "warnings": [*_warnings(table), *_vague(folder)],
         "statistics": list(_statistics(cases)),
+        "constants": [f"{label(name)} {quantity(name, cases.ended.numbers(name)[0])}" for name in _constant(cases)],
         "pictures": [*((path, _caption(path.stem)) for path in pictures), *_overviews(cases, place, shown)],
         "sensitivity": folder.table(SENSITIVITY) if folder.has(SENSITIVITY) else None,
         "failures": _failures(table),
@@ -185,11 +186,21 @@ def _vague(folder: Folder) -> list[str]:
 
 
 def _statistics(cases: _Cases) -> Iterator[list[Any]]:
-    for name in _ordered(cases.found):
+    constant = _constant(cases)
+    for name in _ordered(name for name in cases.found if name not in constant):
         values = cases.ended.numbers(name)
         values = values[np.isfinite(values)]
         spread = (values.min(), np.median(values), values.max())
         yield [label(name), len(values), *(quantity(name, float(value)) for value in spread)]
+
+
+def _constant(cases: _Cases) -> list[str]:
+    """Key numbers that several cases have, all of them the same."""
+    if len(cases.ended.rows) < 2:
+        return []
+    differing = _differing(cases, cases.found)
+    every = [name for name in cases.found if np.isfinite(cases.ended.numbers(name)).all()]
+    return _ordered(name for name in every if name not in differing)
 
 
 def _overviews(cases: _Cases, place: Path, shown: Collection[str]) -> Iterator[tuple[Path, str]]:
