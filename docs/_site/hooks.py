@@ -67,7 +67,7 @@ def _of_words(found: re.Match[str]) -> str:
     head = re.findall(r"<th[^>]*>(.*?)</th>", found[0], flags=re.DOTALL)
     rows = [re.findall(r"<td[^>]*>.*?</td>", row, flags=re.DOTALL) for row in found[0].split("<tr>")[2:]]
     long = [[len(re.sub(r"<[^>]*>", "", cell)) > LONG for cell in row] for row in rows]
-    if len(head) < 3 or not any(map(any, long)):
+    if len(head) < 3 or not any(map(any, long)) or "<img" in found[0]:
         return found[0]
     body = ""
     for row, marks in zip(rows, long, strict=True):
@@ -104,12 +104,14 @@ def _meant(page: str, target: str) -> str | None:
 
 
 def _copied(page: str, text: str) -> list[str]:
-    found = [_meant(page, one[2]) for one in _LINK.findall(text)]
+    links = _LINK.findall(text)
+    found = [_meant(page, one[2]) for one in (*links, *(inner for one in links for inner in _LINK.findall(one[1])))]
     return [name for name in found if name and name.endswith(COPIED) and not name.startswith("docs/")]
 
 
 def _link(page: str, found: re.Match[str]) -> str:
-    sign, words, target, part = found[1], found[2], found[3], found[4] or ""
+    sign, target, part = found[1], found[3], found[4] or ""
+    words = _LINK.sub(lambda inner: _link(page, inner), found[2])  # a picture that is a link
     name = _meant(page, target)
     if name is None or page.startswith("reference/"):
         return found[0]

@@ -86,6 +86,7 @@ def test_pages_of_readmes_lead_to_pages_and_copies(site: dict[str, str]) -> None
     index, gallery = site["index.html"], site["gallery.html"]
     assert 'href="howto/mechanisms.html"' in index
     assert 'href="files/configs/runner.yaml"' in gallery
+    assert all(f'{key}="files/validation/figures/gallery_runner.png"' in gallery for key in ("href", "src"))
     assert Path("README.md").name not in "".join(re.findall(r'href="([^"]*)"', index))
 
 
