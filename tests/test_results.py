@@ -132,6 +132,22 @@ def test_columns_by_name() -> None:
         results["q"]
 
 
+def test_a_column_of_a_welded_body_is_that_of_the_body_it_is_welded_to() -> None:
+    """Through two welds, and none to the ground; a name that is wrong for another reason has no word of welds."""
+    arm = {"type": "link", "length_m": 0.1, "diameter_m": 0.01, "density_kg_m3": 2700}
+    joints = {"pivot": {"type": "hinge", "parent": "ground", "child": "arm"}}
+    for parent, child in (("arm", "finger"), ("finger", "nail")):
+        joints[f"at_{child}"] = {"type": "weld", "parent": parent, "child": child, "parent_point_m": [0.1, 0]}
+    model = {"name": "hand", "bodies": dict.fromkeys(("arm", "finger", "nail"), arm), "joints": joints}
+    found = simulate({"model": model, "medium": None, "solver": {"end_time_s": 0.002}, "output": {"bodies": "all"}})
+    for body in ("finger", "nail"):
+        with pytest.raises(KeyError, match=f"{body} is welded to arm: .* its columns begin with arm_"):
+            found[f"{body}_x_m"]
+    with pytest.raises(KeyError) as caught:
+        found["arm_q_m"]
+    assert "welded" not in str(caught.value)
+
+
 def test_plots_have_a_panel_for_each_unit_and_show_in_notebooks() -> None:
     results = swung()
     figure = results.plot("tip_x_m", "pivot_rate_rad_s", "tip_y_m")

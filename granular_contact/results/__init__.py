@@ -37,6 +37,7 @@ STOP_MEASURE = "from touch to the first zero of the mean rate (angular momentum 
 REST_MEASURE = "from touch until all of it came to rest, and stayed there"
 # Columns of a term of the medium's force: about the pivot, or about the centre of mass of what has none.
 MOMENT, CENTRAL_MOMENT = "moment_Nm", "moment_about_center_of_mass_Nm"
+WELDS = ("weld", "fixed")
 FINISHED: tuple[StatusCode, ...] = ("rest", "end_time")  # what can be relied on
 # Called now and then with how far a run is: simulated time and end time (s).
 Progress = Callable[[float, float], None]
@@ -146,7 +147,20 @@ class Results:
         for i, column in enumerate(self.columns):
             if column.name == name:
                 return self.table[:, i]
-        raise KeyError(unknown_name("column", name, self.names))
+        raise KeyError(unknown_name("column", name, self.names) + self._welded(name))
+
+    def _welded(self, name: str) -> str:
+        """A sentence, if a column is asked for of a body that moves with the one that it is welded to; else none."""
+        model = self.scenario.get("model")
+        joints = model.get("joints") if isinstance(model, dict) else None
+        parents = {one["child"]: one["parent"] for one in (joints or {}).values() if one["type"] in WELDS}
+        for body in parents:
+            if name.startswith(f"{body}_") and not any(one.startswith(f"{body}_") for one in self.names):
+                root = body
+                while root in parents:
+                    root = parents[root]
+                return f" {body} is welded to {root}: they are one body, and its columns begin with {root}_"
+        return ""
 
     @property
     def names(self) -> list[str]:
