@@ -161,10 +161,16 @@ def test_no_number_is_zero_to_the_eye(capsys: pytest.CaptureFixture[str]) -> Non
         "stopping_time_s": 4e-6,
         "stopping_time_measure": "mean rate",
         "forward_speed_second_half_m_s": 1e-7,
+        "links": {"rod": {"strain": 1e-9, "stress_Pa": 2.0}, "wire": {"strain": 2e-9, "stress_Pa": None}},
     }
     results = Results("rod", Status("rest", "at rest"), (), np.zeros((0, 0)), summary, {}, (), None)
     said = "\n".join(_summary(results, False, "1 s", Path("r")))
-    for words in ("largest depth   260.0 nm", "stopping time   4.000 µs", "forward speed   1.000e-07 m/s"):
+    for words in (
+        "largest depth   260.0 nm",
+        "stopping time   4.000 µs",
+        "forward speed   1.000e-07 m/s",
+        "2e-07 % at most, at the skin of wire\n",
+    ):
         assert words in said
     print_numbers(
         ["case"],

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 import shutil
 import sys
 import time
@@ -253,6 +254,14 @@ _LINES = (  # key, unit that gets a prefix if it is a length or a time, digits, 
 )
 
 
+def _strain(links: dict[str, dict[str, Any]]) -> str:
+    """A line on the link that is strained most."""
+    name, most = max(links.items(), key=lambda item: item[1]["strain"])
+    stress = most["stress_Pa"]
+    mega = f"; stress {1e-6 * stress:.3g} MPa (von Mises)" if stress is not None and math.isfinite(stress) else ""
+    return f"  strain          {100.0 * most['strain']:.3g} % at most, at the skin of {name}{mega}"
+
+
 def _summary(results: Results, surface_follows: bool, elapsed: str, folder: Path) -> Iterator[str]:
     """Lines that summarise a run; quantities that it does not have are left out."""
     from granular_contact.report.units import sized
@@ -268,6 +277,8 @@ def _summary(results: Results, surface_follows: bool, elapsed: str, folder: Path
         value = found.get(key)
         if value is not None and not (key == "max_depth_m" and value < 0.0):
             yield line.format(sized(value, unit, form) if unit in ("s", "m") else f"{value:{form}} {unit}")
+    if links := found.get("links"):
+        yield _strain(links)
     if wheel := found.get("wheel"):
         sinkage = f"sinkage {sized(wheel['sinkage_m'], 'm', '#.4g')}"
         yield f"  wheel           slip {wheel['slip']:.3f}, {sinkage}, means of the last half"

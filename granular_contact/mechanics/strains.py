@@ -37,10 +37,10 @@ class Strains:
         }
 
     def numbers(self, time: Vector) -> dict[str, float | None]:
-        """Greatest strain and stress, where (m from the root) and when (s), and those at the root."""
+        """Greatest strain and stress, where (m from the root) and when (s) this is, and those at the root."""
         instant, place = np.unravel_index(int(self.stress.argmax()), self.stress.shape)
         return {
-            "strain": float(self.strain[instant, place]),
+            "strain": float(self.strain.max()),
             "stress_Pa": float(self.stress[instant, place]),
             "place_m": float(self.places[place]),
             "time_s": float(time[instant]),
@@ -62,7 +62,8 @@ def yielding(strains: dict[str, Strains], time: Vector) -> list[str]:
         most = one.numbers(time)
         stress, limit = most["stress_Pa"], one.yield_stress
         if limit is not None and stress is not None and stress > limit:
-            where = f"{most['place_m']:.3g} m from its root at {most['time_s']:.3g} s"
+            place = f"{most['place_m']:.3g} m from its root" if most["place_m"] else "at its root"
+            where = f"{place} at {most['time_s']:.3g} s"
             words = f"the stress of {name} comes to {stress:.3g} Pa, {where}, above its yield_stress_Pa, {limit:.3g}"
             found.append(f"{words}: it would stay bent, which is not computed")
     return found

@@ -41,6 +41,7 @@ def test_strain_at_the_root_is_that_of_the_moment_there(in_space: bool, section:
     assert most["stress_Pa"] == pytest.approx(stress, rel=0.01)
     assert most["root_stress_Pa"] == pytest.approx(stress, rel=0.01)
     assert most["place_m"] < 0.01
+    assert most["strain"] == found["link_strain"].max() >= most["root_strain"]
 
 
 @pytest.mark.slow
@@ -52,7 +53,7 @@ def test_a_yield_stress_that_is_passed_is_told(in_space: bool) -> None:
         found = cantilever(in_space, "round", yield_stress_Pa=factor * most)
         sentences = [one for one in found.warnings if "yield_stress_Pa" in one]
         assert bool(sentences) is told
-        assert all(one.startswith("the stress of link comes to") for one in sentences)
+        assert all(one.startswith("the stress of link comes to") and ", at its root at" in one for one in sentences)
 
 
 def test_torsion_has_its_shear_in_the_stress() -> None:
