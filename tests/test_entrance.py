@@ -26,6 +26,16 @@ def test_the_bare_command_lists_the_commands(capsys: pytest.CaptureFixture[str])
     assert all(f"\n    {name} " in told for name in ("new", "run", "check", "schema", "warm"))
 
 
+def test_what_a_command_does_not_take_is_told_with_what_it_takes(capsys: pytest.CaptureFixture[str]) -> None:
+    commands = (("schema model", "--of {run,model"), ("check a.yaml --strict", "--mend OUT"), ("--nope", "COMMAND"))
+    for given, usage in commands:
+        with pytest.raises(SystemExit):
+            main(given.split())
+        said = capsys.readouterr().err
+        assert usage in said
+        assert f"unrecognized arguments: {given.split()[-1]}" in said
+
+
 def test_the_version_names_the_engine_too(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["--version"]) == 0
     assert re.match(rf"granular-contact {re.escape(__version__)}, exudyn \d+\.\d+", capsys.readouterr().out)

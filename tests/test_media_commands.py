@@ -73,6 +73,7 @@ def test_media_shows_one_with_its_figure(tmp_path: Path, capsys: pytest.CaptureF
         "1617",
         "one source",
         "not stated",
+        "surfaces (links, and all shapes but bar)",
     ):
         assert words in shown
     assert (tmp_path / "shown" / "law.png").stat().st_size > 20_000

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from math import isfinite
+from math import floor, isfinite, log10
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -92,7 +92,8 @@ def _show(found: Fit) -> None:
     rows = []
     for one in found.uncertainty.estimates:
         label = one.parameter.label + (" (at its bound)" if one.at_bound else "")
-        rows.append([label, f"{one.value:.6g}", *(_known(x, ".4g") for x in (one.error, one.low, one.high))])
+        ends = (_known(x, f".{digits(x, one.error)}g") for x in (one.low, one.high))
+        rows.append([label, f"{one.value:.6g}", _known(one.error, ".4g"), *ends])
     print_table("parameter", ("value", "standard error", "95 % from", "to"), rows)
     shared = [j for j, p in enumerate(found.problem.parameters) if p.shared]
     if 1 < len(shared) <= MOST_SHOWN:
@@ -119,6 +120,13 @@ def _show(found: Fit) -> None:
     )
     for warning in found.warnings:
         say(f"warning: {warning}")
+
+
+def digits(value: float, error: float) -> int:
+    """How many significant digits of a value are shown: two of those that its standard error reaches, and four."""
+    if not (isfinite(value) and isfinite(error) and value and error):
+        return 4
+    return min(max(4, 2 + floor(log10(abs(value))) - floor(log10(error))), 12)
 
 
 def _known(value: float, form: str) -> str:

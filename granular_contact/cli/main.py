@@ -26,7 +26,9 @@ COMMANDS = (
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; `arguments` default to those of the process. Returns the exit code."""
     parser = _parser()
-    chosen = parser.parse_args(arguments)
+    chosen, unknown = parser.parse_known_args(arguments)
+    if unknown:
+        chosen.parser.error(f"unrecognized arguments: {' '.join(unknown)}")
     if chosen.version:
         print(_versions())
         return FINE
@@ -67,11 +69,11 @@ def _parser() -> argparse.ArgumentParser:
         "Exit codes: 0 fine, 2 faulty input, 3 failed, 4 time limit, 5 a result is not usable, 130 interrupted.",
     )
     parser.add_argument("--version", action="store_true", help="print the versions of the program and of the engine")
-    parser.set_defaults(command=None)
+    parser.set_defaults(command=None, parser=parser)
     commands = parser.add_subparsers(title="commands", metavar="COMMAND")
     for name in COMMANDS:
         module = import_module(f"granular_contact.cli.{name.replace('-', '_')}")
         command = commands.add_parser(name, help=module.HELP)
         module.add_arguments(command)
-        command.set_defaults(command=module.execute)
+        command.set_defaults(command=module.execute, parser=command)
     return parser

@@ -13,3 +13,9 @@ WORDS: dict[Kind, str] = {
     "outline": "outlines (disc, foot, polygon)",
     "ball": "spheres",
 }
+# In space, by what `space_joining.kinds_of` calls them.
+IN_SPACE = {
+    "surface": "surfaces (links, and all shapes but bar)",
+    "bar": "round bars (bar, and links with a diameter)",
+    "ball": "spheres",
+}

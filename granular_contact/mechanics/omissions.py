@@ -13,7 +13,11 @@ from granular_contact.scene.build import LEAST_BOW
 from granular_contact.scene.workspace import can_be_immersed
 
 # What is imported only where it is used, and for what.
-PACKAGES = (("numba", "no force of a medium was compiled"), ("matplotlib", "nothing is drawn"), ("scipy", "no use"))
+PACKAGES = (
+    ("numba", "no force of a medium was compiled"),
+    ("matplotlib", "the run itself draws nothing"),
+    ("scipy", "no use"),
+)
 
 # Coefficients of media that a force is a multiple of.
 FACTORS = (

@@ -143,7 +143,7 @@ def strip_warnings(observer: Kinematics) -> Iterator[AccuracyWarning]:
         share = math.sqrt(allowed / (SAFE_IN_SPACE * error))
         yield AccuracyWarning(
             f"the facets on which the medium acts are too large: the error of the motion is about {error:.1%} of its "
-            f"path; take facet_size_m in its shapes, {share:.2g} times their present size",
+            f"path; take facet_size_m of its shapes and links, {share:.2g} times their edges (facets in summary.json)",
             error,
         )
         return

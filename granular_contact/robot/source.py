@@ -217,7 +217,7 @@ def _checked(path: Path, raw: bytes) -> Parsed:
     try:
         root, more = root_of(text)
     except ImportError:
-        raise refused(path, "robot files are read by lxml: pip install 'granular-contact[robot]'") from None
+        raise refused(path, "needs lxml, which reads robot files: pip install 'granular-contact[robot]'") from None
     except DamagedXML as error:
         raise refused(path, f"is not valid XML: {' '.join(str(error).split())[:160]}", error.line) from None
     found = [Fault(str(path), line, "", words) for line, words in (*notices, *more)]

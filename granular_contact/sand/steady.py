@@ -50,7 +50,8 @@ class SteadyBody:
 
     def __init__(self, scene: Scene, name: str | None = None) -> None:
         if scene.in_space:
-            raise scene_error("model", "a steady motion is one of the plane; of bodies in space a run gives the forces")
+            words = "a steady motion is one of the plane; in space fit the forces of a run over time, by --columns"
+            raise scene_error("model", f"{words} time_s=HEADER,BODY_granular_z_N=HEADER")
         self._scene, self.body = scene, _chosen(scene, name)
         if scene.bed is None or not scene.bed.layers:
             raise scene_error("medium", "a steady motion needs a medium; got none")

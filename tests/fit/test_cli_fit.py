@@ -13,6 +13,7 @@ from support_fit import CONFIG, RIGID, measure
 
 from granular_contact import config
 from granular_contact.cli import main
+from granular_contact.cli.fit import digits
 from granular_contact.scene import build
 
 FAST = ("--set", "method.reduced.modes=0", "--starts", "2", "--workers", "1")
@@ -83,6 +84,14 @@ def test_what_is_printed(data: Path, tmp_path: Path, capsys) -> None:
     assert "(estimated, 50 values)" in shown
     assert "fits: the residuals look like noise" in shown
     assert not (tmp_path / "out" / "figures").exists()
+
+
+@pytest.mark.parametrize(("value", "error"), [(1999.85, 0.1378), (-2e-3, 3e-6), (5.00073, 0.01462), (7.0, 9.0)])
+def test_the_ends_of_an_interval_are_told_apart(value: float, error: float) -> None:
+    """Each is shown to a tenth of the standard error or better."""
+    for end in (value - 2.0 * error, value + 2.0 * error):
+        assert abs(float(f"{end:.{digits(end, error)}g}") - end) <= 0.1 * error
+    assert digits(value, float("nan")) == digits(0.0, error) == 4
 
 
 def test_a_misfit_is_printed_even_when_quiet(tmp_path: Path, capsys) -> None:

@@ -193,7 +193,7 @@ def _named(table: Table, known: Sequence[str]) -> Chosen:
     # bends.
     own = [name for name in table.header if name.endswith(tuple(KINDS))]
     own += OF_FLEXIBLE_LINKS if own else ()
-    hint = "(or say which to take: --columns time_s=NAME,..., columns: {time_s: NAME, ...} in a fit file)"
+    hint = "(or say which to take, also forces: --columns time_s=NAME,..., columns: {time_s: NAME, ...} in a fit file)"
     if all(column != TIME for column, _ in found.values()):
         hint += "; a force test needs no times, but force_N, torque_Nm or pressure_Pa"
     refuse(
