@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -89,9 +89,15 @@ class MissingPackageError(GranularContactError, ImportError):
     """A package that only this call needs is not installed; the message is one line, with how to install it."""
 
 
-def unknown_name(what: str, name: Any, known: Iterable[str]) -> str:
-    """That there is no column, control, ... of a name, with the names nearest to it, or the first of all."""
+def unknown_name(what: str, name: Any, known: Iterable[str], welded: Mapping[str, str] | None = None) -> str:
+    """That there is no column, control, ... of a name, with the names nearest to it, or the first of all.
+
+    welded: by whose name those of a body go that is welded to another.
+    """
     names = [*known]
+    for body, root in (welded or {}).items():
+        if str(name).startswith(f"{body}_") and not any(one.startswith(f"{body}_") for one in names):
+            return f"no {what} {name!r}; {body} is welded to {root}: they are one body, whose names begin with {root}_"
     if near := get_close_matches(str(name), names, 3):
         return f"no {what} {name!r}; did you mean {' or '.join(near)}?"
     more = f", and {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else ""

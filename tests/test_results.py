@@ -15,7 +15,7 @@ import pytest
 from support_runs import CONFIGS, ROOT
 
 import granular_contact
-from granular_contact import load, simulate
+from granular_contact import Simulation, load, simulate
 from granular_contact.cli import main
 from granular_contact.config import scenario_to_dict
 from granular_contact.config.schema.scenario import Load, Output, Scenario, Solver
@@ -141,8 +141,11 @@ def test_a_column_of_a_welded_body_is_that_of_the_body_it_is_welded_to() -> None
     model = {"name": "hand", "bodies": dict.fromkeys(("arm", "finger", "nail"), arm), "joints": joints}
     found = simulate({"model": model, "medium": None, "solver": {"end_time_s": 0.002}, "output": {"bodies": "all"}})
     for body in ("finger", "nail"):
-        with pytest.raises(KeyError, match=f"{body} is welded to arm: .* its columns begin with arm_"):
+        with pytest.raises(KeyError, match=f"{body} is welded to arm: .* whose names begin with arm_"):
             found[f"{body}_x_m"]
+    simulation = Simulation({"model": model, "medium": None})
+    with pytest.raises(KeyError, match=r"no observation 'nail_x_m'; nail is welded to arm: .* names begin with arm_"):
+        simulation.step(None, 1e-3)["nail_x_m"]
     with pytest.raises(KeyError) as caught:
         found["arm_q_m"]
     assert "welded" not in str(caught.value)
@@ -203,6 +206,27 @@ def test_files_names_and_mappings_are_the_same() -> None:
     held = {"name": "pendulum", "model": "compound_pendulum", "medium": "play_sand"}
     held |= {"initial": {"impact_angle_deg": 31, "impact_speed_rad_s": np.float64(6.24)}}
     assert load(held).scenario == known
+
+
+@pytest.mark.parametrize(
+    "function",
+    [
+        granular_contact.build,
+        granular_contact.simulate,
+        Simulation,
+        lambda given: granular_contact.sweep(given, {"medium.eta_d": [4.0]}),
+        granular_contact.ensemble,
+        lambda given: granular_contact.optimise(given, {"medium.eta_d": [4, 6]}, minimise="max_depth_m"),
+    ],
+)
+def test_all_that_runs_a_config_takes_what_load_takes(function) -> None:
+    """Each loads what it is given: a name that is none, and a mapping with a fault, are refused as `load` does."""
+    for given in ("pendulun", {"model": "no_such"}):
+        with pytest.raises(ConfigError) as told:
+            load(given)
+        with pytest.raises(ConfigError, match=re.escape(str(told.value))):
+            function(given)
+    assert granular_contact.build("pendulum_rigid").name == "pendulum_rigid"
 
 
 def test_changes_as_texts_mappings_and_keywords_are_the_same() -> None:

@@ -43,6 +43,7 @@ class Senses:
             tuple(joint.kind == "hinge" for joint in joints),
             tuple(label(name) for name in bodies),
             tuple(label(name) for name in met),
+            tuple((part, label(name)) for name in bodies for part in name.split("+")[1:]),
         )
         self._met = np.array([bodies.index(name) for name in met], int)
         self._find(joints)

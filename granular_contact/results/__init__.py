@@ -147,20 +147,20 @@ class Results:
         for i, column in enumerate(self.columns):
             if column.name == name:
                 return self.table[:, i]
-        raise KeyError(unknown_name("column", name, self.names) + self._welded(name))
+        raise KeyError(unknown_name("column", name, self.names, self._welded()))
 
-    def _welded(self, name: str) -> str:
-        """A sentence, if a column is asked for of a body that moves with the one that it is welded to; else none."""
+    def _welded(self) -> dict[str, str]:
+        """Of each body that is welded to another, the one nearest to the ground that it moves with."""
         model = self.scenario.get("model")
-        joints = model.get("joints") if isinstance(model, dict) else None
-        parents = {one["child"]: one["parent"] for one in (joints or {}).values() if one["type"] in WELDS}
+        joints = (model.get("joints") if isinstance(model, dict) else None) or {}
+        parents = {one["child"]: one["parent"] for one in joints.values() if one["type"] in WELDS}
+        found = {}
         for body in parents:
-            if name.startswith(f"{body}_") and not any(one.startswith(f"{body}_") for one in self.names):
-                root = body
-                while root in parents:
-                    root = parents[root]
-                return f" {body} is welded to {root}: they are one body, and its columns begin with {root}_"
-        return ""
+            root = body
+            while root in parents:
+                root = parents[root]
+            found[body] = root
+        return found
 
     @property
     def names(self) -> list[str]:

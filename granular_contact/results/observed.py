@@ -25,7 +25,7 @@ class Seen:
     """Whose numbers stand where in observations.
 
     joints: of hinges and sliders; hinges: which of them are hinges; bodies: by the label of their columns; met: those
-    that can meet the medium.
+    that can meet the medium; welded: bodies that go by the label of the one that they are welded to, and this.
     """
 
     _WRENCH: ClassVar[Sequence[str]] = ("x_N", "y_N", "moment_Nm")
@@ -34,6 +34,7 @@ class Seen:
     hinges: tuple[bool, ...]
     bodies: tuple[str, ...]
     met: tuple[str, ...]
+    welded: tuple[tuple[str, str], ...] = ()
 
     @cached_property
     def places(self) -> dict[str, Place]:
@@ -182,7 +183,7 @@ class Observations(Mapping[str, float]):
         body = name.removesuffix("_contact")
         if body != name and body in self.seen.met:
             return float(self.depths[self.seen.met.index(body)] > 0.0)
-        raise KeyError(unknown_name("observation", name, self))
+        raise KeyError(unknown_name("observation", name, self, dict(self.seen.welded)))
 
     def array(self, names: Iterable[str]) -> Vector:
         """Numbers of some names, in their order, (names,)."""
