@@ -35,13 +35,16 @@ def write(results: Results, file: Path) -> None:
     _WRITERS[file.suffix](make(results), file)
 
 
+_SIDE_VIEW = "the film shows the side view, each part by its convex outline (a C-leg is filled)"
+
+
 def why_flat(results: Results) -> str:
     """Why the film of a run in space is no shaded one, in a sentence; empty where it is, and of a run in the plane."""
     if not _in_space(results) or rendering.works():
         return ""
     if find_spec("pyvista") is None:
-        return "the film shows the side view; pip install 'granular-contact[render]' for shaded pictures"
-    return "the film shows the side view, as pyvista can't draw here (it needs OpenGL)"
+        return f"{_SIDE_VIEW}; pip install 'granular-contact[render]' for shaded pictures"
+    return f"{_SIDE_VIEW}, as pyvista can't draw here (it needs OpenGL)"
 
 
 def _in_space(results: Results) -> bool:
