@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from granular_contact.config import Loaded, Scenario, scenario_to_dict
+from granular_contact.config import Given, Scenario, scenario_to_dict
 from granular_contact.config.differences import differing_keys
 from granular_contact.control_values import ControlValues
 from granular_contact.controllers import Controller, Controls, checked_rate, finite, steer
@@ -54,8 +54,8 @@ class Simulation:
 
     Parameters
     ----------
-    scenario : Scenario or Loaded
-        What `load` gives, or the scenario in it.
+    scenario : Scenario, Loaded, str, path or mapping
+        What `load` gave, or takes.
     compiling : callable, optional
         Called with a sentence when kernels have to be compiled.
 
@@ -82,7 +82,7 @@ class Simulation:
     '33.9 deg, 11.2 mm deep'
     """
 
-    def __init__(self, scenario: Scenario | Loaded, *, compiling: Compiling | None = None) -> None:
+    def __init__(self, scenario: Given, *, compiling: Compiling | None = None) -> None:
         self._compiling = compiling
         self._begun: Begun | None = None
         self.random = np.random.default_rng(0)

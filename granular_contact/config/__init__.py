@@ -17,7 +17,7 @@ many       sweep, sweep_cases                   a config and what to replace in 
 from granular_contact.config import schema
 from granular_contact.config.export import json_schema, scenario_to_dict
 from granular_contact.config.file_kind import is_fit, is_optimise, is_run, is_sweep
-from granular_contact.config.load import load, load_medium, load_scenario
+from granular_contact.config.load import Given, load, load_medium, load_scenario, loaded, scenario_given
 from granular_contact.config.optimise import Study, load_optimise
 from granular_contact.config.references import medium_names
 from granular_contact.config.schema import Scenario
@@ -28,6 +28,7 @@ from granular_contact.config.written_numbers import write_numbers
 
 __all__ = [
     "Case",
+    "Given",
     "Loaded",
     "Scenario",
     "SourceMap",
@@ -43,7 +44,9 @@ __all__ = [
     "load_optimise",
     "load_scenario",
     "load_sweep",
+    "loaded",
     "medium_names",
+    "scenario_given",
     "scenario_to_dict",
     "schema",
     "write_numbers",

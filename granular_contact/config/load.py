@@ -29,6 +29,9 @@ if TYPE_CHECKING:
     from granular_contact.config.given import Changes
     from granular_contact.laws.law import Law
 
+# What the functions that run a config take: what `load` gave, or takes.
+Given = Scenario | Loaded | str | PathLike[str] | Mapping[str, Any]
+
 
 def load(
     source: str | PathLike[str] | Mapping[str, Any],
@@ -78,6 +81,17 @@ def load(
     values = [] if isinstance(overrides, Mapping) else setting.parse(overrides, faults)
     given = changes_of({**overrides, **changes} if isinstance(overrides, Mapping) else changes, "load", faults)
     return Template(root, path, faults).make(setting.effective([*values, *given]), faults)
+
+
+def loaded(given: Given) -> Scenario | Loaded:
+    """What is given, loaded if it is not yet; raises as `load`."""
+    return given if isinstance(given, Scenario | Loaded) else load(given)
+
+
+def scenario_given(given: Given) -> Scenario:
+    """The scenario of what is given; raises as `load`."""
+    found = loaded(given)
+    return found.scenario if isinstance(found, Loaded) else found
 
 
 def _file(source: str | PathLike[str], faults: list[Fault]) -> Path:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Literal
 
 import gymnasium
@@ -12,7 +11,7 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from granular_contact.config import Loaded, Scenario, load
+from granular_contact.config import Given, loaded
 from granular_contact.controllers import checked_rate, finite
 from granular_contact.errors import ControlError
 from granular_contact.report.figures.animation import still
@@ -43,7 +42,7 @@ class GranularEnv(gymnasium.Env[Array, Array]):
 
     Parameters
     ----------
-    config : path, Scenario or Loaded
+    config : Scenario, Loaded, str, path or mapping
         What to simulate.
     observation : sequence of str, or callable
         Names of observations (see `granular_contact.results.observed`), or a function of them that gives numbers.
@@ -74,7 +73,7 @@ class GranularEnv(gymnasium.Env[Array, Array]):
 
     def __init__(
         self,
-        config: str | Path | Scenario | Loaded,
+        config: Given,
         *,
         observation: Observe,
         reward: str | Reward,
@@ -89,7 +88,7 @@ class GranularEnv(gymnasium.Env[Array, Array]):
         for key, how in (vary or {}).items():
             if not callable(how) and (np.shape(how) != (2,) or None in map(finite, how)):
                 raise ControlError(f"vary: {key}: got {how!r}, allowed is (least, greatest) or a function")
-        scenario = config if isinstance(config, Scenario | Loaded) else load(config)
+        scenario = loaded(config)
         self.simulation = Simulation(scenario)
         self.render_mode, self.metadata = render_mode, self.metadata | {"render_fps": control_rate_Hz}
         self._observation, self._terminated = observation, terminated

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from granular_contact.config import Loaded, schema
+from granular_contact.config import Given, Loaded, loaded, schema
 from granular_contact.config.changed import checked
 from granular_contact.errors import Fault, SceneError, scene_fault
 from granular_contact.scene.bed import Bed, bed
@@ -29,13 +29,13 @@ MOST_BODIES = 32  # whose motion is reported unless the run asks for it
 LEAST_BOW = 1e-7  # of a link's length: what bends less is rigid, as its elastic forces would be those of round-off
 
 
-def build(scenario: schema.Scenario | Loaded) -> Scene:
+def build(scenario: Given) -> Scene:
     """Resolve a scenario into a scene, which holds it as its `scenario`.
 
     Parameters
     ----------
-    scenario : Scenario or Loaded
-        Of what `load` gave, faults get the lines that their keys were written in.
+    scenario : Scenario, Loaded, str, path or mapping
+        What `load` gave, or takes; but of a Scenario faults get the lines that their keys were written in.
 
     Returns
     -------
@@ -54,6 +54,7 @@ def build(scenario: schema.Scenario | Loaded) -> Scene:
     >>> simulate(scene).status.code  # doctest: +SKIP
     'rest'
     """
+    scenario = loaded(scenario)
     if isinstance(scenario, Loaded):
         try:
             return build(scenario.scenario)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from granular_contact.config import Loaded, Scenario, Sweep
+from granular_contact.config import Given, Scenario, Sweep, scenario_given
 from granular_contact.config.sweep import case_faults, sweep_of
 from granular_contact.errors import ConfigError, Fault
 from granular_contact.laws.scatter import SEEDS
@@ -43,13 +43,13 @@ def cases(scenario: Scenario, count: int, first: int | None = None, name: str = 
     return sweep_of(root, Path(name), [], Builder(), lambda found, all_, probe: case_faults(found, all_[:1], probe))
 
 
-def ensemble(scenario: Scenario | Loaded, count: int = 200, *, workers: int | None = None) -> Summary:
+def ensemble(scenario: Given, count: int = 200, *, workers: int | None = None) -> Summary:
     """Run a scenario with many seeds of its medium's scatter in worker processes; nothing is saved.
 
     Parameters
     ----------
-    scenario : Scenario or Loaded
-        Of a medium with `scatter`; its seed is the first one.
+    scenario : Scenario, Loaded, str, path or mapping
+        What `load` gave, or takes; of a medium with `scatter`; its seed is the first one.
     count : int, optional
         Runs.
     workers : int, optional
@@ -72,6 +72,6 @@ def ensemble(scenario: Scenario | Loaded, count: int = 200, *, workers: int | No
     >>> found = ensemble(load("pendulum", medium={"scatter": {"relative": 0.15, "length_m": 0.003}}), 50)
     >>> found.numbers["stopping_time_s"].mean
     """
-    sweep = cases(scenario.scenario if isinstance(scenario, Loaded) else scenario, count)
+    sweep = cases(scenario_given(scenario), count)
     with WorkerPool(workers) as pool:
         return of_rows(run(sweep, pool, function=observed))

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from granular_contact import scene
-from granular_contact.config import Loaded, Scenario
+from granular_contact.config import Given
 from granular_contact.config.optimise import study_of
 from granular_contact.studies.optimise.outcome import Outcome
 from granular_contact.studies.optimise.search import search
@@ -16,7 +16,7 @@ from granular_contact.studies.sweep.executor import WorkerPool
 
 
 def optimise(
-    scenario: Scenario | Loaded,
+    scenario: Given,
     parameters: Mapping[str, Any],
     *,
     maximise: str | Mapping[str, float] | None = None,
@@ -32,8 +32,8 @@ def optimise(
 
     Parameters
     ----------
-    scenario : Scenario or Loaded
-        What all runs start from; the first run is of it as it is.
+    scenario : Scenario, Loaded, str, path or mapping
+        What all runs start from, as `load` gave or takes it; the first run is of it as it is.
     parameters : mapping
         Ranges by dotted key: `[from, to]`, or a mapping with from, to, scale and keys, as in a file.
     maximise, minimise : str or mapping

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from granular_contact.config import Loaded, Scenario, scenario_to_dict, tree
+from granular_contact.config import Given, scenario_given, scenario_to_dict, tree
 from granular_contact.config.given import plain_data
 from granular_contact.config.sweep import sweep_of
 from granular_contact.scene.again import Builder
@@ -14,16 +14,16 @@ from granular_contact.studies.sweep.executor import WorkerPool
 from granular_contact.studies.sweep.runner import run
 
 
-def file_of(scenario: Scenario | Loaded, name: str, **keys: Any) -> tree.Mapping:
+def file_of(scenario: Given, name: str, **keys: Any) -> tree.Mapping:
     """The tree of a file of many runs of a scenario, with those of its other keys that are not None."""
-    config = scenario_to_dict(scenario.scenario if isinstance(scenario, Loaded) else scenario)
+    config = scenario_to_dict(scenario_given(scenario))
     given = {key: one for key, one in {"config": config, **keys}.items() if one is not None}
     at = tree.Position(name, None)
     return tree.mapping({key: tree.made(plain_data(one), at) for key, one in given.items()}, at)
 
 
 def sweep(
-    scenario: Scenario | Loaded,
+    scenario: Given,
     vary: Mapping[str, Any] | None = None,
     *,
     sample: Mapping[str, Any] | None = None,
@@ -34,8 +34,8 @@ def sweep(
 
     Parameters
     ----------
-    scenario : Scenario or Loaded
-        What all cases start from.
+    scenario : Scenario, Loaded, str, path or mapping
+        What all cases start from: what `load` gave, or takes.
     vary : mapping, optional
         Values by dotted key: a list or an array, or a range `{"from": 1, "to": 9, "count": 5, "scale": "log"}`.
     sample : mapping, optional
