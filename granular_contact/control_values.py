@@ -17,6 +17,9 @@ from granular_contact.scene.types import Scene
 ROUND_OFF = 1e-9  # of a range: what lies beyond it by less was meant to be its end
 
 
+AN_EXTERNAL = "as {type: external, torque_Nm: 0}"
+
+
 class ControlValues:
     """Values of the controls of a scene.
 
@@ -65,7 +68,9 @@ class ControlValues:
         faults, found = [], {}
         for name, value in given.items():
             control = self._controls.get(name) or self._controls.get(name.removesuffix("_rad") + "_deg")
-            if control is None:
+            if not self._controls:
+                faults.append(f"no control {name!r}: no drive is external; give a joint one, {AN_EXTERNAL}")
+            elif control is None:
                 faults.append(unknown_name("control", name, self.names))
             elif (number := finite(value)) is None:
                 faults.append(f"{name}: got {value!r}, allowed is a finite number")

@@ -304,6 +304,11 @@ def test_bad_controls_are_told_and_change_nothing(controls: Any, dt: float, word
     assert list(simulation.step(None, 0.01).values()) == future
 
 
+def test_a_run_without_external_drives_says_what_gives_a_control() -> None:
+    with pytest.raises(ControlError, match=r"no control 'hip_torque_Nm': no drive is external; give a joint one"):
+        of("flexible").step({"hip_torque_Nm": 1.0}, 0.01)
+
+
 def test_a_step_after_the_end_is_refused() -> None:
     simulation = of("flexible")
     seen = simulation.step(None, 1.0)

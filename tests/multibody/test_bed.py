@@ -670,6 +670,7 @@ def test_a_beam_in_several_pieces_is_one_body() -> None:
     bed = GranularBed(mbs, SAND, 0.0)
     bed.add_cables(cables(mbs, 2 * ELEMENTS_PER_LINE + 1), 0.01)
     assert len(bed.load.lines) == 3
+    bed.attach()
     assert list(bed.bodies) == [mbs.GetObject(0)["name"]]
 
 

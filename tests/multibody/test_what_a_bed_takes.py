@@ -90,6 +90,18 @@ def test_what_it_cannot_see_is_refused_by_its_kind(made: Callable[[Any], Any], k
     assert kind in fault.message or (kind, add) == ("RotVec", cables)  # there the body is none, too
 
 
+def test_a_bed_that_was_not_attached_has_nothing_to_tell() -> None:
+    """Its forces were zeros, which looks like a body above the sand."""
+    mbs = exu.SystemContainer().AddSystem()
+    body = mbs.CreateRigidBody(inertia=RIGID, referencePosition=[0, 0, 0.04])
+    bed = GranularBed(mbs, preset("rft3d_sand"), 0.0, up=(0, 0, 1))
+    bed.add_body(body, Box((0.1, 0.1, 0.1)))
+    mbs.Assemble()
+    for told in (lambda: bed.force, lambda: bed.work, lambda: bed.bodies, lambda: bed.history):
+        with pytest.raises(SceneError, match=r"it does not act, .*: call attach\(\) before mbs.Assemble\(\)"):
+            told()
+
+
 def test_the_page_says_so() -> None:
     page = PAGE.read_text(encoding="utf-8")
     for kind in ("ObjectKinematicTree", "ObjectBeamGeometricallyExact2D", "mass points", "rotation vectors"):

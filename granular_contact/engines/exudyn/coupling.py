@@ -241,6 +241,8 @@ class Coupling:
 
     def present(self) -> AbstractContextManager[None]:
         """The system's current state counts as accepted within; it is taken back afterwards."""
+        if not self.load.batches:
+            raise scene_error("bed", "it does not act, so it has nothing to tell: call attach() before mbs.Assemble()")
         if self.load.time is None or not self.mbs.systemData.GetTime() > self.load.time:
             return nullcontext()
         return self.load.accepted(*self._present())
