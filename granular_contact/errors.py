@@ -7,8 +7,10 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from difflib import get_close_matches
+from numbers import Integral
 from typing import Any
 
+_LONGEST = 60  # characters of a value, in a message
 MOST_NAMES = 12  # of what there is, in a message
 
 
@@ -102,6 +104,44 @@ def unknown_name(what: str, name: Any, known: Iterable[str], welded: Mapping[str
         return f"no {what} {name!r}; did you mean {' or '.join(near)}?"
     more = f", and {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else ""
     return f"no {what} {name!r}; there are: {', '.join(names[:MOST_NAMES]) or 'none'}{more}"
+
+
+def of_type(name: str, given: Any, kinds: type | tuple[type, ...], allowed: str) -> None:
+    """Refuse an argument of a public function that is of none of these types.
+
+    Raises
+    ------
+    TypeError
+        With its name, what was given and what is allowed, in one line.
+    """
+    if not isinstance(given, kinds):
+        text = " ".join(repr(given).split())
+        text = text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."
+        raise TypeError(f"{name}: got {text} of type {type(given).__name__}; allowed is {allowed}")
+
+
+def listed(name: str, given: Any, kind: type, allowed: str) -> None:
+    """Refuse what is no list of things of a type, as `of_type`; a text is none."""
+    of_type(name, given, () if isinstance(given, str) else Sequence, allowed)
+    for one in given:
+        of_type(name, one, kind, allowed)
+
+
+def callables(**given: Any) -> None:
+    """Refuse what can't be called among optional functions, as `of_type`."""
+    for name, one in given.items():
+        if one is not None and not callable(one):
+            of_type(name, one, (), "a function, or None")
+
+
+def whole(name: str, given: Any, least: int, none: bool = False) -> None:
+    """Refuse what is no whole number from a least one on: TypeError as of `of_type`, or ValueError."""
+    if given is None and none:
+        return
+    words = f"a whole number from {least} on" + ", or None" * none
+    of_type(name, given, Integral, words)
+    if isinstance(given, bool) or given < least:
+        raise ValueError(f"{name}: got {given!r}; allowed is {words}")
 
 
 class FigureWarning(UserWarning):

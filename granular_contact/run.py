@@ -6,12 +6,13 @@ import json
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
+from types import NoneType
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeVar
 
-from granular_contact.config import Scenario, scenario_to_dict
+from granular_contact.config import Loaded, Scenario, scenario_to_dict
 from granular_contact.config.changed import checked
 from granular_contact.config.differences import differing_keys
-from granular_contact.errors import scene_error
+from granular_contact.errors import of_type, scene_error
 from granular_contact.jit.compiling import announced
 from granular_contact.laws.kinds import WORDS
 from granular_contact.results import Compiling, Outline, Progress, Results, Status
@@ -28,7 +29,7 @@ Made = TypeVar("Made")
 
 def run(
     scene: Scene,
-    scenario: Scenario | None = None,
+    scenario: Scenario | Loaded | None = None,
     progress: Progress | None = None,
     *,
     most_frames: int = 0,
@@ -41,7 +42,7 @@ def run(
     ----------
     scene : Scene
         What `granular_contact.scene.build` made of the scenario.
-    scenario : Scenario, optional
+    scenario : Scenario or Loaded, optional
         What the scene was built from; the scene knows it, and any other is refused.
     progress : callable, optional
         Called now and then with the simulated time and the end time (s).
@@ -108,12 +109,15 @@ def tried(function: Callable[..., Made], *given: Any) -> Made | Exception:
         return error
 
 
-def scenario_of(scene: Scene, given: Scenario | None = None) -> Scenario:
+def scenario_of(scene: Scene, given: Scenario | Loaded | None = None) -> Scenario:
     """The scenario that a scene was built from, which results may name; a given one has to be the same."""
     built = scene.scenario
     if built is None:
         why = "the scene was changed after it was built, so no scenario says what it is"
         raise scene_error("scene", f"{why}; change the scenario with its replace() and build that")
+    told = "what the scene was built from; values to change go into load(config, ...)"
+    of_type("scenario", given, (Scenario, Loaded, NoneType), told)
+    given = given.scenario if isinstance(given, Loaded) else given
     if given is None or given is built or given == built or checked(given) == built:
         return built
     keys = differing_keys(scenario_to_dict(given), scenario_to_dict(built))

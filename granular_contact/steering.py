@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from granular_contact.config import Loaded, Scenario, load
 from granular_contact.controllers import Controller
+from granular_contact.errors import callables, of_type, whole
 from granular_contact.results import Compiling, Progress, Results
 from granular_contact.results.frames import MOST
 from granular_contact.run import run, scenario_of
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 
 def simulate(
     scene: Scene | Scenario | Loaded | str | PathLike[str] | Mapping[str, Any],
-    scenario: Scenario | None = None,
+    scenario: Scenario | Loaded | None = None,
     progress: Progress | None = None,
     *,
     laws: Sequence[type[Law]] = (),
@@ -40,7 +41,7 @@ def simulate(
     ----------
     scene : Scene, Scenario, Loaded, str, path or mapping
         What `load` gave, or takes; or the scenario in it; or what `build` made of one.
-    scenario : Scenario, optional
+    scenario : Scenario or Loaded, optional
         What the scene was built from; the scene knows it, and any other is refused.
     progress : callable, optional
         Called now and then with the simulated time and the end time (s).
@@ -67,6 +68,8 @@ def simulate(
 
     Raises
     ------
+    TypeError, ValueError
+        An argument is of another type than stands above, or no number of pictures.
     ConfigError
         The config is at fault, as of `load`.
     SceneError
@@ -83,6 +86,10 @@ def simulate(
     >>> results.status.code, f"{1e3 * results.summary['stopping_time_s']:.1f} ms"
     ('rest', '25.5 ms')
     """
+    kinds = (Scene, Scenario, Loaded, str, PathLike, Mapping)
+    of_type("scene", scene, kinds, "the name of a config, as 'pendulum', its file, a mapping, or what `load` gives")
+    callables(progress=progress, control=control, inspect=inspect, compiling=compiling)
+    whole("most_frames", most_frames, 0)
     if isinstance(scene, str | PathLike | Mapping):
         scene = load(scene, laws=laws)
     if isinstance(scene, Loaded | Scenario):

@@ -6,6 +6,7 @@ from pydantic import BaseModel
 
 from granular_contact.config import allowed
 from granular_contact.config.schema import Bed, BedLayer, Scenario
+from granular_contact.errors import of_type
 from granular_contact.laws.catalogue import LAWS
 from granular_contact.laws.functions import refuse_faulty
 from granular_contact.laws.law import Law
@@ -35,6 +36,7 @@ def add_law(law: type[Law]) -> None:
     >>> from granular_contact.laws.albert import Albert
     >>> add_law(Albert)  # a law that is registered already stays so
     """
+    of_type("law", law, type, "a subclass of Law")
     refuse_faulty(law)
     held = LAWS.get(law.tag())
     if held is law:

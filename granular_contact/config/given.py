@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from os import PathLike
+from types import NoneType
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from pydantic import BaseModel
 
 from granular_contact.config import overrides, tree
-from granular_contact.errors import Fault
+from granular_contact.errors import Fault, of_type
 
 if TYPE_CHECKING:
     from typing_extensions import TypedDict
@@ -77,6 +78,12 @@ def changes(values: Mapping[str, Any], caller: str, faults: list[Fault]) -> list
     caller: what messages name as their place.
     """
     return overrides.effective([one for key, value in values.items() for one in _leaves(key, value, caller, faults)])
+
+
+def merged(values: Mapping[str, Any] | None, more: Mapping[str, Any]) -> dict[str, Any]:
+    """Values by dotted key and by the keys of a config together; TypeError where the first are no mapping."""
+    of_type("values", values, (Mapping, NoneType), "a mapping from dotted keys to values, as {'solver.end_time_s': 1}")
+    return {**(values or {}), **more}
 
 
 def _leaves(key: str, value: Any, caller: str, faults: list[Fault]) -> Iterator[overrides.Override]:

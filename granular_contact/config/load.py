@@ -20,7 +20,7 @@ from granular_contact.config.references import MEDIA, Resolver, shown
 from granular_contact.config.schema import Medium, Scenario
 from granular_contact.config.template import NAMELESS, Loaded, Template
 from granular_contact.config.yaml_source import read_file
-from granular_contact.errors import ConfigError, Fault
+from granular_contact.errors import ConfigError, Fault, listed, of_type
 from granular_contact.values.strict import did_you_mean
 
 if TYPE_CHECKING:
@@ -70,6 +70,10 @@ def load(
     >>> load("runner", solver={"accuracy": 1e-3}, medium="poppy_seeds_loose").scenario.solver.accuracy
     0.001
     """
+    of_type("source", source, (str, PathLike, Mapping), "the name of a config, as 'pendulum', its file, or a mapping")
+    if not isinstance(overrides, Mapping):
+        listed("overrides", overrides, str, "['solver.end_time_s=1'] or {'solver.end_time_s': 1}")
+    listed("laws", laws, type, "a list of classes, as [MyLaw]")
     for law in laws:
         add_law(law)
     faults: list[Fault] = []
@@ -125,6 +129,7 @@ def load_medium(name: str, **values: Any) -> Medium:
         There is no such medium, or its file is at fault.
     """
     faults: list[Fault] = []
+    of_type("name", name, str, "the name of a preset, as 'play_sand', or the path of a YAML file, as a text")
     at = tree.Position("", None)
     node = Resolver(Path("medium"), faults).resolve(tree.Scalar(at, name, name), MEDIA)
     if not faults:

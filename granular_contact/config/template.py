@@ -19,6 +19,7 @@ from granular_contact.config.columns import KEYS as COLUMN_KEYS
 from granular_contact.config.columns import with_columns, with_tables
 from granular_contact.config.file_kind import scenario_class, with_paths
 from granular_contact.config.given import changes as changes_of
+from granular_contact.config.given import merged
 from granular_contact.config.messages import by_place, faults_of, of_file
 from granular_contact.config.references import MEDIA, MODELS, Resolver, restated_each
 from granular_contact.config.schema import Scenario
@@ -85,7 +86,7 @@ class Loaded(NamedTuple):
             With every fault, each with its key, what was got and what is allowed.
         """
         faults: list[Fault] = []
-        given = changes_of({**(values or {}), **changes}, "replace", faults)
+        given = changes_of(merged(values, changes), "replace", faults)
         return Template(self.sources.root, Path(self.scenario.name or NAMELESS), []).make(given, faults)
 
     def _repr_html_(self) -> str:

@@ -159,8 +159,9 @@ class Scenario(Strict):
             With every fault, each with its key, what was got and what is allowed.
         """
         from granular_contact.config.changed import replaced  # which needs this class
+        from granular_contact.config.given import merged
 
-        return replaced(self, {**(values or {}), **changes})
+        return replaced(self, merged(values, changes))
 
     def __repr__(self) -> str:
         medium = " and ".join(law.name or law.law for law in self.media) or "vacuum"

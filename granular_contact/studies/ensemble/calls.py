@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from numbers import Integral
 from pathlib import Path
 
 from granular_contact.config import Given, Scenario, Sweep, scenario_given
 from granular_contact.config.sweep import case_faults, sweep_of
-from granular_contact.errors import ConfigError, Fault
+from granular_contact.errors import ConfigError, Fault, of_type
 from granular_contact.laws.scatter import SEEDS
 from granular_contact.scene.again import Builder
 from granular_contact.studies.ensemble.runs import observed
@@ -72,6 +73,7 @@ def ensemble(scenario: Given, count: int = 200, *, workers: int | None = None) -
     >>> found = ensemble(load("pendulum", medium={"scatter": {"relative": 0.15, "length_m": 0.003}}), 50)
     >>> found.numbers["stopping_time_s"].mean
     """
+    of_type("count", count, Integral, "a whole number")
     sweep = cases(scenario_given(scenario), count)
     with WorkerPool(workers) as pool:
         return of_rows(run(sweep, pool, function=observed))

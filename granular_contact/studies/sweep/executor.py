@@ -6,6 +6,7 @@ from collections.abc import Callable
 from concurrent.futures import Executor
 from types import TracebackType
 
+from granular_contact.errors import whole
 from granular_contact.studies.processes import cores, local_processes
 
 ExecutorFactory = Callable[[int], Executor]
@@ -27,6 +28,7 @@ class WorkerPool:
     def __init__(
         self, workers: int | None = None, factory: ExecutorFactory = local_processes, *, local: bool = True
     ) -> None:
+        whole("workers", workers, 1, none=True)
         self.count, self.local = workers or cores(), local
         self._factory = factory
         self._executor: Executor | None = None
