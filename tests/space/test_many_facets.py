@@ -95,13 +95,13 @@ def test_all_shapes_of_a_bed_count(monkeypatch: Any) -> None:
 
 
 def test_making_them_counts_as_wall_time(monkeypatch: Any) -> None:
-    made = elements.surface
+    made = elements.cut
 
     def slow(*given: Any) -> Any:
         time.sleep(0.5)
         return made(*given)
 
-    monkeypatch.setattr(elements, "surface", slow)
+    monkeypatch.setattr(elements, "cut", slow)
     results = simulate({**foot(type="sphere", diameter_m=0.1), "solver": {"end_time_s": 10, "max_wall_s": 0.5}})
     assert results.status.code == "time_limit"
     assert results["time_s"][-1] < 1.0

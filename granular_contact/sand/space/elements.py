@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -36,26 +37,30 @@ class Elements:
     again: bool = False
 
 
-def surface(
-    body: Body,
-    shape: Shape,
-    place: Vector,
-    turn: Vector,
-    size: float | None,
-    accuracy: float | None = None,
-    share: float = 1.0,
-) -> Elements:
-    """Facets of a shape at a place (3,) m, turned by (3, 3), with edges of at most `size` (m).
+class Cut(NamedTuple):
+    """A surface that is cut into facets, in the frame of its shape: rows as of `Elements`, corners (n, 3) m."""
+
+    rows: Vector
+    corners: Vector
+    thin: bool
+
+
+def cut(shape: Shape, size: float | None, accuracy: float | None = None, share: float = 1.0) -> Cut:
+    """Facets of a shape, with edges of at most `size` (m).
 
     Unless that is given they are as small as the error of the motion that is allowed (of the way) needs; share: of that
     size, which is taken.
     """
-    made, rims = facets.moved(shape.facets(size, accuracy, share), place, turn), shape.rims()
-    rims[:, :3], rims[:, 3:6] = rims[:, :3] @ turn.T + place, rims[:, 3:6] @ turn.T
-    rows = facets.rows(made, rims, shape.thin)
+    rows = facets.rows(shape.facets(size, accuracy, share), shape.rims(), shape.thin)
+    return Cut(rows, shape.corners(np.inf).reshape(-1, 3), shape.thin)
+
+
+def surface(body: Body, made: Cut, place: Vector, turn: Vector) -> Elements:
+    """Facets of a shape at a place (3,) m, turned by (3, 3)."""
+    rows = facets.placed(made.rows, place, turn)
     clusters = triangles.clusters_of(rows[:, :3], rows[:, 3], facets.sides(rows))
-    least = float(np.ptp(shape.corners(np.inf).reshape(-1, 3) @ turn.T, axis=0).min())
-    return Elements(body, "surface", "flat" if shape.thin else "outline", rows, clusters, least)
+    least = float(np.ptp(made.corners @ turn.T, axis=0).min())
+    return Elements(body, "surface", "flat" if made.thin else "outline", rows, clusters, least)
 
 
 def bar(body: Body, shape: Bar, place: Vector, turn: Vector) -> Elements:

@@ -118,6 +118,16 @@ def rows(facets: Facets, rims: Vector, thin: bool) -> Vector:
     return np.ascontiguousarray(made[triangles.neighbours(made[:, :3])])
 
 
+def placed(rows: Vector, place: Vector, turn: Vector) -> Vector:
+    """Rows in a frame in which theirs lies at a place (3,) m, turned by (3, 3)."""
+    there, rims = rows.copy(), rows[:, FORM] == RIM
+    for first in (0, 4, 8, 11):
+        there[:, first : first + 3] = rows[:, first : first + 3] @ turn.T
+    there[:, :3] += place
+    there[rims, 8:11] = rows[rims, 8:11]  # radii
+    return there
+
+
 def sides(rows: Vector) -> Vector:
     """Half the sides (n, 3) m of boxes around the centroids of facets as `rows` has them, along the axes of a frame."""
     a, b, form = rows[:, 8:11], rows[:, 11:14], rows[:, [FORM]]

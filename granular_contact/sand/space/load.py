@@ -92,6 +92,7 @@ class SpatialLoad(GranularLoad):
             self.ground = np.concatenate([self.ground, heights.numbers])
             self.ground[3] = np.sqrt(1.0 + heights.steepest**2)
         self.resultant, self.end_cap = False, end_cap
+        self._cut: dict[Any, tuple[Shape, elements.Cut]] = {}  # see `_surface`
 
     def add_shape(
         self,
@@ -126,7 +127,7 @@ class SpatialLoad(GranularLoad):
             if meets == "ball" and layered:
                 raise scene_error("bed", "a ball is met as a whole, but the bed has layers: allowed is one medium")
             if meets == "surface":
-                made.append(elements.surface(body, shape, place, turn, facet_size, accuracy, share))
+                made.append(elements.surface(body, self._surface(shape, facet_size, accuracy, share), place, turn))
             elif isinstance(shape, Bar):
                 made.append(elements.bar(body, shape, place, turn))
                 made[-1].clusters["cap"] &= self.end_cap
@@ -139,6 +140,13 @@ class SpatialLoad(GranularLoad):
         self.lines += [replace(one, again=i > 0) for i, one in enumerate(made)]
         self.table = self._new_table()
         self.building_s += time.perf_counter() - began
+
+    def _surface(self, shape: Shape, *sizes: float | None) -> elements.Cut:
+        """Facets of a shape, cut once for all bodies that share it; sizes: arguments of `elements.cut`."""
+        key = id(shape), sizes
+        if key not in self._cut:
+            self._cut[key] = shape, elements.cut(shape, *sizes)
+        return self._cut[key][1]
 
     def pieces(self) -> Iterator[tuple[float, float]]:
         """Nothing: no door takes a map of heights."""
@@ -159,6 +167,7 @@ class SpatialLoad(GranularLoad):
 
     def close(self) -> None:
         """Form the batches, of the elements that the floor or one medium meets as one kind; `start` does it too."""
+        self._cut.clear()
         if self.floor is not None:
             ground, owner = np.array([self.floor.height, 0.0, 0.0, 1.0]), self.floor.record_in_space()
             for kind in dict.fromkeys(one.meets for one in self.lines):

@@ -99,12 +99,12 @@ def clusters_of(places: Vector, reach: Vector | float, sides: Vector | float, ea
     starts = np.arange(0, len(places), each)
     made = np.zeros(len(starts), CLUSTER)
     made["first"], made["last"] = starts, np.append(starts[1:], len(places))
-    reaches, boxes = np.broadcast_to(reach, len(places)), np.broadcast_to(sides, places.shape)
-    for cluster in made:
-        part = slice(cluster["first"], cluster["last"])
-        centre = around(cluster, places[part], reaches[part])
-        half = (np.abs(places[part] - centre) + boxes[part]).max(axis=0)
-        cluster["along_x"], cluster["along_y"], cluster["along_z"] = half
+    of = np.arange(len(places)) // each
+    centre = 0.5 * (np.minimum.reduceat(places, starts) + np.maximum.reduceat(places, starts))
+    off = places - centre[of]
+    made["x"], made["y"], made["z"] = centre.T
+    made["radius"] = np.maximum.reduceat(np.linalg.norm(off, axis=1) + reach, starts)
+    made["along_x"], made["along_y"], made["along_z"] = np.maximum.reduceat(np.abs(off) + sides, starts).T
     return made
 
 

@@ -41,7 +41,7 @@ from granular_contact.scene.space.types import Meets, Part, SpatialWheel, Vector
 CHORDS = 96  # of a full circle of an arc: trajectories of a C-leg are then within 3e-4 of the path
 ON_A_RIM = 192  # points: between them a rim is 1.3e-4 of its radius deeper
 NOT_CUT = math.inf
-_MESHES = 64  # that are kept
+_KEPT = 64  # shapes, and meshes of files, that many bodies share
 
 
 def orientation(spec: Oriented) -> Vector:
@@ -127,12 +127,12 @@ def _link(name: str, spec: schema.SpatialLink | Element, media: Collection[str],
         return _bar(name, made.Bar(np.array([a, b]), own.diameter, strips, element.ends[1]), True), mass
     if own.diameter is not None and not isinstance(spec, Element):
         turn = rotations.to_axis(np.array([1.0, 0.0, 0.0]))
-        tube = round_shapes.Cylinder(own.diameter, length)
+        tube = _shared(round_shapes.Cylinder, own.diameter, length)
         return _part(name, tube, ("surface",), 0.5 * (a + b), turn, True, link.facet_size_m), mass
     size = link.facet_size_m
     if size is None and isinstance(spec, Element):
         size = max(0.25 * length / element.share, min(own.width, own.thickness))
-    shape: Any = Beam(length, (own.width, own.thickness), own.diameter is not None, element.ends)
+    shape = _shared(Beam, length, (own.width, own.thickness), own.diameter is not None, element.ends)
     return _part(name, shape, ("surface",), 0.5 * (a + b), np.eye(3), True, size), mass
 
 
@@ -153,8 +153,15 @@ def moved(part: Part, position: Vector, rotation: Vector) -> Part:
 # ---- shapes in their own frames ----
 
 
+@lru_cache(maxsize=_KEPT)
+def _shared(kind: Any, *numbers: Any) -> Any:
+    """A shape of a kind, one for all bodies that have it."""
+    return kind(*numbers)
+
+
+@lru_cache(maxsize=_KEPT)
 def _made(spec: Any) -> tuple[Any, Mass]:
-    """Shape of a config in its own frame, with its mass properties."""
+    """Shape of a config in its own frame, with its mass properties; bodies with the same one share it."""
     if isinstance(spec, shapes_schema.SpatialPolygon):
         body = _extruded(np.array(spec.points_m), spec.width_m)
         return body, of_surface(body.vertices[body.faces])
@@ -194,7 +201,7 @@ def _mesh_of(spec: shapes_schema.SpatialMesh) -> tuple[Any, Mass, tuple[str, ...
     return found, mass, (*found.notes, *doubts)
 
 
-@lru_cache(maxsize=_MESHES)
+@lru_cache(maxsize=_KEPT)
 def _looked_through(
     path: Path, changed: int | None, scale: float | tuple[float, ...] | None, thin: bool, thickness: float
 ) -> tuple[Any, Mass]:
@@ -204,7 +211,7 @@ def _looked_through(
     return found, of_sheet(found, thickness) if thin else of_surface(found.vertices[found.faces])
 
 
-@lru_cache(maxsize=_MESHES)
+@lru_cache(maxsize=_KEPT)
 def _doubts(path: Path, changed: int | None, scale: float | tuple[float, ...] | None) -> tuple[str, ...]:
     """What makes forces on the mesh of a file uncertain."""
     found, _ = _looked_through(path, changed, scale, False, 0.0)
