@@ -16,7 +16,7 @@ Source: R. D. Skeel, "Thirteen ways to estimate global error", Numer. Math. 48 (
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -51,9 +51,9 @@ class Instant(NamedTuple):
 class Flat:
     """Coordinates of a load whose rates are those of the motion: of bodies in the plane."""
 
-    def moved(self, q: Vector, off: Vector) -> Vector:
-        """Coordinates (c,) of what has departed by off (m,)."""
-        return q + off
+    def moved(self, q: Vector, by: Vector) -> Vector:
+        """Coordinates (c,) that have changed by so much (c,)."""
+        return q + by
 
     def rates(self, q: Vector, v: Vector) -> Vector:
         """Rates of the coordinates (c,) by those of the motion (m,); of several motions (m, d) in columns (c, d)."""
@@ -87,57 +87,73 @@ def pieces(observer: Any, trajectory: Trajectory, count: int) -> Iterator[Trajec
         yield replace(t, time=t.time[some], q=t.q[some], v=t.v[some], load=None, a=None, multipliers={}, set_to={})
 
 
-def departures(observer: Any, motion: Iterator[Instant], own: GranularLoad, other: GranularLoad, chart: Flat) -> Vector:
-    """Greatest departures (m,) of points with another load by rate, as parts of the distance that the fastest travels.
+def departures(
+    observer: Any, motion: Iterator[Instant], own: GranularLoad, others: Sequence[GranularLoad], chart: Flat
+) -> Vector:
+    """Greatest departures (k, m) of points with k other loads by rate, as parts of the distance that the fastest
+    travels.
 
-    own, other: loads on the motion's coordinates, which begin anew.
+    own, others: loads on the motion's coordinates, which begin anew.
     """
     t, lever = observer.trajectory, observer.lever
     close = CLOSE * observer.path_length / (t.time[-1] - t.time[0])
     before = next(motion)
-    off = last = most = np.zeros(len(before.v))
-    for load in (own, other):
+    off, last, most = np.zeros((3, len(others), len(before.v)))
+    for load in (own, *others):
         load.start(before.q)
     for now in motion:
-        if now.W.shape[1] > 0:
-            off, last = _Step(now, now.time - before.time, off, last, own, other, chart).end(close, lever)
+        at = _Known(now, own, chart)
+        for i, other in enumerate(others):
+            if now.W.shape[1] > 0:
+                off[i], last[i] = _Step(at, now.time - before.time, off[i], last[i], other).end(close, lever)
+            there = chart.moved(now.q, chart.rates(now.q, off[i]))
+            other.accept(now.time, there, chart.rates(there, now.v + last[i]))
         own.accept(now.time, now.q, chart.rates(now.q, now.v))
-        there = chart.moved(now.q, off)
-        other.accept(now.time, there, chart.rates(there, now.v + last))
         before, most = now, np.maximum(most, np.abs(off))
     return np.asarray(most * lever / max(observer.path_length, observer.scene.least_path))
+
+
+class _Known:
+    """What is known at an instant before another load is: M (d, d), momenta (m, d) by the rates of freedoms, rates
+    (c, d) of the load's coordinates by them, and the forces (m,) of the motion's own load.
+    """
+
+    def __init__(self, now: Instant, own: GranularLoad, chart: Flat) -> None:
+        self.now, self.chart = now, chart
+        self.momenta = now.mass @ now.W
+        self.M = now.W.T @ self.momenta
+        self.by = chart.rates(now.q, now.W)
+        self.force = chart.forces(own, now.q, now.v)
 
 
 class _Step:
     """A step of h s of backward Euler to an instant, from the departure off (m,) before it and its rates."""
 
-    def __init__(
-        self, now: Instant, h: float, off: Vector, rates: Vector, own: GranularLoad, other: GranularLoad, chart: Flat
-    ) -> None:
-        self.now, self.h, self.other, self.chart = now, h, other, chart
-        momenta = now.mass @ now.W
-        self.M = now.W.T @ momenta
-        self.x, self.rate = np.linalg.solve(self.M, momenta.T @ np.column_stack([off, rates])).T
-        self.own = chart.forces(own, now.q, now.v)
+    def __init__(self, at: _Known, h: float, off: Vector, rates: Vector, other: GranularLoad) -> None:
+        self.at, self.now, self.chart, self.h, self.other = at, at.now, at.chart, h, other
+        self.M, self.masses = at.M, np.diag(at.M)
+        self.x, self.rate = np.linalg.solve(at.M, at.momenta.T @ np.column_stack([off, rates])).T
 
     def missing(self, rate: Vector) -> tuple[Vector, float, Vector]:
         """Impulses (d,) that are missing at a rate, their square over the masses, and where that is."""
         W, x = self.now.W, self.x + self.h * rate
-        there = self.chart.moved(self.now.q, W @ x)
+        there = self.chart.moved(self.now.q, self.at.by @ x)
         force = self.chart.forces(self.other, there, self.now.v + W @ rate)
         left: Vector = self.M @ (rate - self.rate) + self.h * (self.now.K @ x + self.now.D @ rate)
-        left -= self.h * (W.T @ (force - self.own))
-        return left, float(np.sum(left**2 / np.diag(self.M))), there
+        left -= self.h * (W.T @ (force - self.at.force))
+        return left, float(np.sum(left**2 / self.masses)), there
 
     def matrix(self, there: Vector, rate: Vector) -> Vector:
         """Derivative (d, d) of the missing impulses by the rate; few coordinates are in the sand."""
         W = self.now.W
         rates, by = self.chart.rates(there, self.now.v + W @ rate), self.chart.rates(there, W)
-        rows, columns, values = self.other.tangent(there, rates, self.h, 1.0).T
-        loaded, at = np.unique(np.concatenate([rows, columns]).astype(int), return_inverse=True)
-        slopes = np.zeros((len(loaded), len(loaded)))
-        np.add.at(slopes, tuple(at.reshape(2, -1)), values)
-        of_sand = by[loaded].T @ slopes @ by[loaded]
+        entries = self.other.tangent(there, rates, self.h, 1.0)
+        places = entries[:, :2].T.astype(int)
+        loaded = np.flatnonzero(np.bincount(places.ravel()))
+        row, column = np.searchsorted(loaded, places)
+        size = len(loaded)
+        slopes = np.bincount(size * row + column, entries[:, 2], size * size).reshape(size, size)
+        of_sand = by[loaded].T @ (slopes @ by[loaded])
         return np.asarray(self.M + self.h * (self.h * self.now.K + self.now.D - of_sand))
 
     def end(self, close: float, lever: Vector) -> tuple[Vector, Vector]:

@@ -29,17 +29,12 @@ def estimate(observer: Kinematics, doubtful: float) -> float:
     A glance at few instants, and where that finds more than what is doubtful a look at more of them.
     """
     own, halved = _load(observer), _load(observer, 2)
-    error = OF_HALVED * _departure(observer, own, halved, GLANCE)
+    error = OF_HALVED * float(departures(observer, _motion(observer, GLANCE), own, [halved], Flat()).max())
     if error > doubtful:
-        error = OF_HALVED * _departure(observer, own, halved, LOOK)
         joined = _of_lines(observer, [coarser(line) for line in own.lines])
-        error = max(error, OF_JOINED * _departure(observer, own, joined, LOOK))
+        of_halved, of_joined = departures(observer, _motion(observer, LOOK), own, [halved, joined], Flat())
+        error = max(OF_HALVED * float(of_halved.max()), OF_JOINED * float(of_joined.max()))
     return error
-
-
-def _departure(observer: Kinematics, own: GranularLoad, other: GranularLoad, count: int) -> float:
-    """Greatest departure of any point with another load, as a part of the distance that the fastest one travels."""
-    return float(departures(observer, _motion(observer, count), own, other, Flat()).max())
 
 
 def _motion(observer: Kinematics, count: int) -> Iterator[Instant]:

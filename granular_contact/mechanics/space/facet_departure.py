@@ -90,7 +90,7 @@ def estimate(observer: Any, doubtful: float) -> Errors:
 
 def _seen(observer: Any, other: Others, of: dict[str, str], count: int) -> Errors:
     """Errors by the departure that so many instants of the motion show."""
-    rates = departures(observer, _motion(observer, count), observer.system.facets, other.load, Poses())
+    (rates,) = departures(observer, _motion(observer, count), observer.system.facets, [other.load], Poses())
     far = rates.reshape(-1, 6).max(axis=1)
     found: Errors = {}
     for name, one in zip(observer.system.rigid, far.tolist(), strict=True):
@@ -225,10 +225,10 @@ _BY_E[_ENTRIES, [[3], [4], [5], [6]], [3, 4, 5]] = _SIGNS
 class Poses(Flat):
     """Places and Euler parameters of bodies, seven coordinates each, whose rates are six: as of `SpatialKinematics`."""
 
-    def moved(self, q: Vector, off: Vector) -> Vector:
+    def moved(self, q: Vector, by: Vector) -> Vector:
         """As of `Flat`."""
-        there = (q + self.rates(q, off)).reshape(-1, 7)
-        there[:, 3:] /= np.linalg.norm(there[:, 3:], axis=1, keepdims=True)
+        there = (q + by).reshape(-1, 7)
+        there[:, 3:] /= np.sqrt((there[:, 3:] ** 2).sum(axis=1, keepdims=True))
         return there.ravel()
 
     def rates(self, q: Vector, v: Vector) -> Vector:
