@@ -10,6 +10,8 @@ freedoms, such links count as rigid in the shape that they have.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
@@ -41,19 +43,22 @@ def freedoms(motion: Kinematics) -> Freedoms:
     moved = {drive.joint for drive in scene.drives if drive.kind == "motion"}
     tree, closures = ([joint for joint in scene.joints if joint.closes is closes] for closes in (False, True))
     sizes = [3 if one.kind == "free" else int(one.has_coordinate and one.name not in moved) for one in tree]
-    ends = np.cumsum([0, *sizes])
-    columns, size = {joint.name: int(end) for joint, end in zip(tree, ends[:-1], strict=True)}, int(ends[-1])
-    bending = _shapes(motion, tree, size)
-    size = max([size, *(shapes.stop for shapes in bending.values())])
+    ends = np.cumsum([0, *sizes]).tolist()
+    columns = {joint.name: slice(*both) for joint, both in zip(tree, pairwise(ends), strict=True)}
+    bending = _shapes(motion, tree, ends[-1])
+    size = max([ends[-1], *(shapes.stop for shapes in bending.values())])
     W, K, D = np.zeros((n, m, size)), np.zeros((n, size, size)), np.zeros((n, size, size))
-    for joint in (one for one in tree if one.child in bending):
-        _bend(motion, joint, bending[joint.child], W, K, D)
-    for name, twist in _twists(motion, tree, columns, moved, W).items():
-        _move(motion, name, twist, W)
+    turns = Turns(np.zeros((n, size)), np.zeros((n, size, 2)), np.zeros((n, size, 2)))
     for joint in tree:
-        if joint.has_coordinate and joint.name not in moved:
-            i = columns[joint.name]
-            K[:, i, i], D[:, i, i] = slopes(motion, joint, scene.drive(joint.name))
+        if joint.child in bending:
+            _bend(motion, joint, bending[joint.child], W, K, D)
+            _turn_by_bending(motion, joint, bending[joint.child], W, turns)
+        if columns[joint.name].start < columns[joint.name].stop:
+            _turn_by_joint(motion, joint, columns[joint.name], turns)
+            if joint.kind != "free":
+                i = columns[joint.name].start
+                K[:, i, i], D[:, i, i] = slopes(motion, joint, scene.drive(joint.name))
+    _carry(motion, turns, _carried(motion, tree, columns, bending, size), W)
     if not closures:
         return Freedoms(W, K, D)
     held = [motion.constraints.held(joint) for joint in closures]
@@ -91,64 +96,74 @@ def _bend(motion: Kinematics, joint: Joint, columns: slice, W: Vector, K: Vector
     D[:, columns, columns] = link.bending_damping * curvatures
 
 
-def _twists(
-    motion: Kinematics, tree: list[Joint], columns: dict[str, int], moved: set[str], W: Vector
-) -> dict[str, Vector]:
-    """Of each body the rates (n, 3, d) of its centre (x, y) and of its turn, counter-clockwise.
+class Turns(NamedTuple):
+    """What freedoms do to all that they carry: a point r moves at s e_z x (r - place) + along.
 
-    W (n, m, d): how links bend, which what hangs on them follows.
+    s (n, d): turn, counter-clockwise; place (n, d, 2) m; along (n, d, 2).
     """
-    twists: dict[str, Vector] = {}
+
+    s: Vector
+    place: Vector
+    along: Vector
+
+
+def _turn_by_joint(motion: Kinematics, joint: Joint, columns: slice, turns: Turns) -> None:
+    """Fill in the freedoms of a joint."""
+    if joint.kind == "free":  # two ways, and a turn about the centre
+        turns.along[:, columns] = [[1.0, 0.0], [0.0, 1.0], [0.0, 0.0]]
+        turns.s[:, columns] = [0.0, 0.0, 1.0]
+        turns.place[:, columns] = motion.center(joint.child)[0][:, None]
+    elif joint.kind == "slider":
+        assert joint.axis is not None
+        angle = motion.angle(joint.parent, joint.parent_point)[0] + np.arctan2(joint.axis[1], joint.axis[0])
+        turns.along[:, columns.start] = np.column_stack([np.cos(angle), np.sin(angle)])
+    else:  # coordinates of hinges turn clockwise
+        turns.s[:, columns], turns.place[:, columns.start] = -1.0, motion.position(joint.child, joint.child_point)[0]
+
+
+def _turn_by_bending(motion: Kinematics, joint: Joint, columns: slice, W: Vector, turns: Turns) -> None:
+    """Fill in what the shapes of a link that bends, W (n, m, d), do to all that hangs on its other end."""
+    handle = motion.system.links[joint.child]
+    end = motion.nodes(joint.child)[-1 - handle.end(joint.child_point)]
+    turns.s[:, columns], turns.place[:, columns] = 1.0, motion.trajectory.q[:, None, end[:2]]
+    turns.along[:, columns] = W[:, end[:2], columns].transpose(0, 2, 1)
+
+
+def _carried(
+    motion: Kinematics, tree: list[Joint], columns: dict[str, slice], bending: dict[str, slice], size: int
+) -> dict[str, Vector]:
+    """By body which freedoms carry it (d,): 1, else 0."""
+    carried: dict[str, Vector] = {}
+    held: dict[str, int] = {}  # by link the end at which a joint holds it
     waiting = list(tree)
     while waiting:
-        joint = next(one for one in waiting if one.parent is None or one.parent in twists)
+        joint = next(one for one in waiting if one.parent is None or one.parent in carried)
         waiting.remove(joint)
-        twist, i = np.zeros((len(W), 3, W.shape[2])), columns[joint.name]
-        twists[joint.child] = twist
-        if joint.kind == "free":
-            twist[:, [0, 1, 2], [i, i + 1, i + 2]] = 1.0
-            continue
-        place = motion.position(joint.child, joint.child_point)[0]
-        if joint.parent is not None:
-            twist[:] = _at(twists[joint.parent], place - motion.center(joint.parent)[0])
-            if joint.parent in motion.system.links:
-                twist += _end(motion, joint, W)
-        if joint.name not in moved and joint.kind == "slider":
-            assert joint.axis is not None
-            angle = motion.angle(joint.parent, joint.parent_point)[0] + np.arctan2(joint.axis[1], joint.axis[0])
-            twist[:, 0, i], twist[:, 1, i] = np.cos(angle), np.sin(angle)
-        elif joint.name not in moved and joint.kind == "hinge":
-            twist[:, 2, i] = -1.0  # coordinates of hinges turn clockwise
-        twist[:] = _at(twist, motion.center(joint.child)[0] - place)
-    return twists
+        by = np.zeros(size) if joint.parent is None else carried[joint.parent].copy()
+        if joint.parent in bending and motion.system.links[joint.parent].end(joint.parent_point) != held[joint.parent]:
+            by[bending[joint.parent]] = 1.0
+        by[columns[joint.name]] = 1.0
+        carried[joint.child] = by
+        if joint.child in bending:
+            held[joint.child] = motion.system.links[joint.child].end(joint.child_point)
+    return carried
 
 
-def _at(twist: Vector, arm: Vector) -> Vector:
-    """The twist (n, 3, size) as of a point that is farther by arm (n, 2) m."""
-    there = twist.copy()
-    there[:, 0] -= arm[:, 1:] * twist[:, 2]
-    there[:, 1] += arm[:, :1] * twist[:, 2]
-    return there
-
-
-def _end(motion: Kinematics, joint: Joint, W: Vector) -> Vector:
-    """Rates (n, 3, d) of the end of the parent of a joint by how this bends, W (n, m, d)."""
-    node = motion.system.places(joint.parent or "", joint.parent_point)
-    x, y = motion.trajectory.q[:, node[2:]].T[:, :, None]
-    turn = (x * W[:, node[3]] - y * W[:, node[2]]) / (x**2 + y**2)
-    return np.concatenate([W[:, node[:2]], turn[:, None]], axis=1)
-
-
-def _move(motion: Kinematics, name: str, twist: Vector, W: Vector) -> None:
-    """Add a body's rates to the rows of its coordinates in W."""
-    if name in motion.system.rigid:
-        W[:, motion.system.places(name, np.zeros(2))] = twist
-        return
-    center, q = motion.center(name)[0], motion.trajectory.q
-    for node in motion.nodes(name):
-        W[:, node[:2]] += _at(twist, q[:, node[:2]] - center)[:, :2]
-        W[:, node[2]] -= q[:, node[3], None] * twist[:, 2]
-        W[:, node[3]] += q[:, node[2], None] * twist[:, 2]
+def _carry(motion: Kinematics, turns: Turns, carried: dict[str, Vector], W: Vector) -> None:
+    """Add to W (n, m, d) how freedoms carry bodies, and the nodes of links."""
+    q, rigid = motion.trajectory.q, motion.system.rigid
+    bodies = [(motion.system.places(name, np.zeros(2)), by) for name, by in carried.items() if name in rigid]
+    nodes = [(node, by) for name, by in carried.items() if name not in rigid for node in motion.nodes(name)]
+    x, y = np.array([place[:2] for place, _ in (*bodies, *nodes)]).T
+    along, (place_x, place_y), s = turns.along[:, None], turns.place.transpose(2, 0, 1)[:, :, None], turns.s[:, None]
+    by = np.array([one for _, one in (*bodies, *nodes)])
+    W[:, x] += by * (along[..., 0] - s * (q[:, y, None] - place_y))
+    W[:, y] += by * (along[..., 1] + s * (q[:, x, None] - place_x))
+    for place, one in bodies:
+        W[:, place[2]] = one * turns.s
+    for (_, _, tx, ty), one in nodes:
+        W[:, tx] -= q[:, ty, None] * one * turns.s
+        W[:, ty] += q[:, tx, None] * one * turns.s
 
 
 def slopes(motion: Kinematics, joint: Joint, drive: Drive | None) -> tuple[Vector, Vector]:

@@ -141,11 +141,11 @@ class SpatialLoad(GranularLoad):
         self.table = self._new_table()
         self.building_s += time.perf_counter() - began
 
-    def _surface(self, shape: Shape, *sizes: float | None) -> elements.Cut:
-        """Facets of a shape, cut once for all bodies that share it; sizes: arguments of `elements.cut`."""
-        key = id(shape), sizes
+    def _surface(self, shape: Shape, size: float | None, accuracy: float | None, share: float) -> elements.Cut:
+        """Facets of a shape, cut once for all bodies that share it; arguments as of `elements.cut`."""
+        key = id(shape), size, accuracy, share
         if key not in self._cut:
-            self._cut[key] = shape, elements.cut(shape, *sizes)
+            self._cut[key] = shape, elements.cut(shape, size, accuracy, share)
         return self._cut[key][1]
 
     def pieces(self) -> Iterator[tuple[float, float]]:
