@@ -11,6 +11,7 @@ import pytest
 
 from granular_contact import Box, Capsule, Cone, Cylinder, Mesh, Plate, Sphere, load, preset, simulate
 from granular_contact.errors import SceneError
+from granular_contact.run import begin
 from granular_contact.sand.contact_lines import Body
 from granular_contact.sand.space import elements, triangles
 from granular_contact.sand.space.load import SpatialLoad
@@ -105,6 +106,16 @@ def test_making_them_counts_as_wall_time(monkeypatch: Any) -> None:
     results = simulate({**foot(type="sphere", diameter_m=0.1), "solver": {"end_time_s": 10, "max_wall_s": 0.5}})
     assert results.status.code == "time_limit"
     assert results["time_s"][-1] < 1.0
+
+
+@pytest.mark.parametrize("config", ["hexapod", "snake", "walker_in_space"])
+def test_a_shape_that_bodies_share_is_cut_once(config: str, monkeypatch: Any) -> None:
+    scene: Any = build(load(config))
+    cut, made = [], elements.cut
+    monkeypatch.setattr(elements, "cut", lambda shape, *sizes: cut.append(shape) or made(shape, *sizes))
+    begin(scene, None, None)
+    parts = [part for body in scene.rigid for part in body.parts if part.in_sand]
+    assert len(cut) == len({id(part.shape) for part in parts}) <= 0.5 * len(parts)
 
 
 # ---- sizes of bodies ----
