@@ -58,6 +58,14 @@ def test_check_reports_the_bad_and_the_good(command, tmp_path):
     ]
 
 
+def test_a_model_is_no_config_and_says_so(command):
+    """Of bodies, and from a robot file; its own keys are not told as unknown."""
+    for name in ("walker", "hexapod"):
+        done = command("check", f"models/{name}.yaml")
+        said = f"models/{name}.yaml: is a model, and not the config of a run, which names it: `model: FILE`\n"
+        assert (done.returncode, done.stderr) == (2, said)
+
+
 def test_a_fault_of_the_geometry_gets_its_line(command, tmp_path):
     """A pendulum that is welded to the ground and yet turns passes the schema; only the scene sees it."""
     text = """\

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 
 # What the functions that run a config take: what `load` gave, or takes.
 Given = Scenario | Loaded | str | PathLike[str] | Mapping[str, Any]
+_OF_A_MODEL = {"urdf", "bodies", "chain"}  # keys, of which a file of a model has one
 
 
 def load(
@@ -82,6 +83,9 @@ def load(
     else:
         path = _file(source, faults)
         root = tree.Broken(tree.Position(str(path), None)) if faults else read_file(path, faults)
+    if isinstance(root, tree.Mapping) and "model" not in root.nodes and _OF_A_MODEL & set(root.nodes):
+        words = "is a model, and not the config of a run, which names it: `model: FILE`"
+        raise ConfigError([tree.Position(str(path), None).fault((), words)])
     values = [] if isinstance(overrides, Mapping) else setting.parse(overrides, faults)
     given = changes_of({**overrides, **changes} if isinstance(overrides, Mapping) else changes, "load", faults)
     return Template(root, path, faults).make(setting.effective([*values, *given]), faults)

@@ -71,7 +71,7 @@ def listed(words: Sequence[str], between: str = ", ") -> str:
 
 def did_you_mean(word: str, known: Collection[str]) -> str:
     """Which of `known` the unknown `word` may have meant, as a question; empty if it is like none."""
-    near = get_close_matches(word, known, 1)
+    near = get_close_matches(word, known, 1) or [one for one in known if one.startswith(f"{word}_")]  # without its unit
     return f"did you mean {near[0]}?" if near else ""
 
 

@@ -67,6 +67,7 @@ FAULTS = {
         changed("initial.joints.flight.quaternion", [1, 0, 0, 0]),
         "initial.joints.flight.quaternion: stands beside rpy_deg",
     ),
+    "key without its unit": (changed("initial.joints.flight.z", 1.0), "flight.z: unknown key; did you mean z_m?"),
     "key of the plane": (changed("initial.joints.flight.angle_deg", 3), "flight is a free joint; allowed are x_m"),
     "method": (changed("method", "reduced"), "method.reduced.modes: got 1, but the model has no link that bends"),
     "no mesh": (
@@ -75,7 +76,8 @@ FAULTS = {
     ),
     "law of bars": (
         changed("medium", "hill_cylinders"),
-        "model.bodies.box: its box can get into the sand, but in space hill_cylinders takes bars",
+        "model.bodies.box: its box can get into the sand, but in space hill_cylinders takes bars; "
+        "laws for it are rft, drft, rft3d, pressure_sinkage, reece, table; or say in_sand: false of the shape",
     ),
 }
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from granular_contact.errors import scene_error
+from granular_contact.laws.catalogue import LAWS
 from granular_contact.laws.floor import Floor, InSpace
 from granular_contact.laws.law import Law
 from granular_contact.laws.layer import Layer
@@ -266,6 +267,11 @@ def _two_sided(one: elements.Elements) -> elements.Elements:
 def kinds(medium: Law) -> list[str]:
     """As what a medium meets bodies in space: surface, bar, ball."""
     return sorted(kinds_of(type(medium)))
+
+
+def laws_for(meets: Collection[str]) -> list[str]:
+    """Tags of the laws that meet bodies in space as one of these."""
+    return [tag for tag, law in LAWS.items() if kinds_of(law) & set(meets)]
 
 
 def turn_to(up: ArrayLike) -> Vector:

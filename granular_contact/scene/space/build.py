@@ -11,7 +11,7 @@ import numpy as np
 from granular_contact.config.schema import space as schema
 from granular_contact.errors import Fault, SceneError, scene_fault
 from granular_contact.laws.law import Law
-from granular_contact.sand.space.load import kinds
+from granular_contact.sand.space.load import kinds, laws_for
 from granular_contact.scene.bed import places
 from granular_contact.scene.checks import beyond_numbers, closure_faults, media_notes, too_steep
 from granular_contact.scene.drives import drives
@@ -116,8 +116,8 @@ def _inapplicable_at(top: float, here: dict[str, Law], parts: list[Part]) -> Ite
             key, what = f"model.bodies.{name}", f"its {shape} can get into the sand"
             if top > 0.0:
                 key, what = next(iter(media)), f"the {shape} of {name} may get that deep"
-            words = f"{what}, but in space {accepted}: take another law or shape, or say in_sand: false of the shape"
-            yield scene_fault(key, words)
+            fit = f"laws for it are {', '.join(laws_for(meets))}; or say in_sand: false of the shape"
+            yield scene_fault(key, f"{what}, but in space {accepted}; {fit}")
     met = {kind for part in parts for kind in part.meets}
     for key, (one, found) in media.items():
         if not met & set(found):
