@@ -42,6 +42,7 @@ class _PointBed:
     """Stands where the bed stands in a system, so that the same recorder serves the naive way."""
 
     active = True  # whether anything may be touched
+    building_s = 0.0  # nothing is built before the solve
 
     def __init__(self, system: System, points: list[FloatPoint]) -> None:
         self.system, self.points, self.load_calls = system, points, 0
