@@ -8,9 +8,18 @@ from typing import Any
 
 from numba import njit
 
+from granular_contact.engines.tree.kernels.tree_arrays import view
+
 
 @cache
 def called(part: Callable[..., Any]) -> Callable[..., Any]:
     """A part as kernels have it: it takes records, overflows and finds arrays as compiled code does."""
     found: Callable[..., Any] = njit(lambda *arguments: part(*arguments))
+    return found
+
+
+@cache
+def of_tree(part: Callable[..., Any]) -> Callable[..., Any]:
+    """A part that takes a view of a tree's arrays as its last argument, which here is where they are."""
+    found: Callable[..., Any] = njit(lambda *arguments: part(*arguments[:-1], view(arguments[-1])))
     return found

@@ -20,7 +20,6 @@ import numpy as np
 
 from granular_contact import preset
 from granular_contact.jit.compiled import ready
-from granular_contact.jit.lending import places
 from granular_contact.laws.law import Law
 from granular_contact.laws.static_friction import Elastoplastic
 from granular_contact.sand.kernels import batches, kinematics, planar_sand
@@ -44,10 +43,19 @@ def calls(medium: Law) -> tuple[Callable[[], None], Callable[[], None]]:
     q, v, where = np.array([0.0, -0.02, -0.7]), np.array([0.3, -1.0, 2.0]), np.column_stack([np.arange(3)] * 2)
     n = len(geometry)
     ends, active, out, triplets = np.array([[0, 0], [n, 3]]), np.ones(1, dtype=bool), np.zeros(3), np.zeros((9, 3))
-    sand = np.array([[0.0, 0.0]]), medium_record(medium.record(Elastoplastic(), 9.81)), np.zeros((n, 2))
-    of_end = np.zeros((1, 3), np.int64), np.zeros((1, 3))
-    group = np.zeros(3), active, ends, where, geometry, run, *sand, *batches.work(ends, sand[-1]), *of_end
-    words = places(*group)[None, :]
+    anchors = np.zeros((n, 2))
+    room, body = batches.work(ends, anchors)
+    arrays = {
+        **{"reference": np.zeros(3), "active": active, "ends": ends, "places": where, "geometry": geometry},
+        **{
+            "lines": run,
+            "profile": np.array([[0.0, 0.0]]),
+            "medium": medium_record(medium.record(Elastoplastic(), 9.81)),
+        },
+        **{"anchors": anchors, "room": room, "body": body},
+        **{"columns": np.zeros((1, 3), np.int64), "proximity": np.zeros((1, 3))},
+    }
+    words = planar_sand.LINES.places(arrays)[None, :]
     force, tangent = (
         ready(planar_sand.force, words, q, v, out),
         ready(planar_sand.tangent, words, q, v, 1.0, 1.0, triplets),
@@ -57,7 +65,7 @@ def calls(medium: Law) -> tuple[Callable[[], None], Callable[[], None]]:
         force(words, q, v, out)
 
     def tangents() -> None:
-        assert group  # whose arrays the words are of
+        assert arrays  # where the words are
         tangent(words, q, v, 1.0, 1.0, triplets)
 
     return forces, tangents

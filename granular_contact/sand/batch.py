@@ -9,15 +9,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from granular_contact.jit.lending import places
 from granular_contact.laws.kinds import Kind
 from granular_contact.sand.contact_lines import ContactLine
 from granular_contact.sand.kernels import batches as kernels
 from granular_contact.sand.kernels.forces import medium_record
 from granular_contact.sand.kernels.kinematics import SPATIAL
 from granular_contact.sand.kernels.path_length import COLUMNS
+from granular_contact.sand.kernels.planar_sand import LINES
 
 Vector = NDArray[np.float64]
+# Those of its arrays that kernels know by the same names.
+OWN = "reference", "active", "ends", "places", "geometry", "profile", "medium", "anchors", "columns", "proximity"
 
 
 class Batch:
@@ -70,15 +72,15 @@ class Batch:
         self.forget()
 
     def start(self, where: NDArray[np.int64] | None, reference: Vector) -> NDArray[np.int64]:
-        """Begin anew, with arguments as of `GranularLoad.start`; where all arrays are, in the order of `SAND`."""
+        """Begin anew, with arguments as of `GranularLoad.start`; where all arrays are, as kernels find them."""
         if where is not None:
             self.places[:, 0] = where[self.places[:, 1]]
         self.active[:] = True
         self.reference = reference
         self._forces[:] = np.nan
-        at = (self.reference, self.active, self.ends, self.places, self.geometry)
-        sand = (self.records, self.profile, self.medium, self.anchors, *self.work)
-        return places(*at, *sand, self.columns, self.proximity)
+        room, body = self.work
+        own = {name: getattr(self, name) for name in OWN}
+        return LINES.places(own | {"lines": self.records, "room": room, "body": body})
 
     @property
     def leans(self) -> bool:

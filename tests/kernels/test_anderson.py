@@ -7,9 +7,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from granular_contact.jit.lending import places
 from granular_contact.mechanics.kernels import anderson
-from granular_contact.mechanics.kernels import iterations as of
+from granular_contact.mechanics.kernels.iterations import ITERATIONS, room
 from granular_contact.mechanics.kernels.numerics import CONTRACTION
 
 UNKNOWNS = 4
@@ -26,12 +25,10 @@ class Iterations:
     def __post_init__(self) -> None:
         self.q, self.v = np.zeros(UNKNOWNS), np.zeros(UNKNOWNS)
         self.v_before = np.zeros(UNKNOWNS)
-        before = self.v_before, self.a.copy(), np.zeros(1)
-        kept = np.zeros((3, UNKNOWNS)), np.zeros((2, 1)), np.zeros(3)
-        pairs = [np.zeros((rows, of.DEPTH)) for rows in (UNKNOWNS, 1, UNKNOWNS, of.DEPTH)]
-        now = self.q, self.v, self.a, self.multipliers
-        self.arrays = [*now, *before, np.ones(UNKNOWNS), *kept, *pairs, np.zeros(of.NUMBERS, np.int64)]
-        self.words = places(*self.arrays)
+        now = {"q": self.q, "v": self.v, "a": self.a, "multipliers": self.multipliers}
+        before = {"v_before": self.v_before, "a_before": self.a.copy(), "multipliers_before": np.zeros(1)}
+        self.arrays = now | before | {"lever": np.ones(UNKNOWNS)} | room(UNKNOWNS, 1)
+        self.words = ITERATIONS.places(self.arrays)
         self.begin()
 
     def begin(self) -> None:

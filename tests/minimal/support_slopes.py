@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
-from support_parts import called
+from support_parts import of_tree
 
 from granular_contact.engines.tree.march import March
 
@@ -29,7 +29,7 @@ def slopes_of_what_joints_lack(
             w["rates"][j] += sign * by * of_v
             w["s2"][j] += sign * by
             for part in parts:
-                called(part)(march._words)
+                of_tree(part)(march._words)
             ends.append(w["rest"].copy())
         slopes.append((ends[0] - ends[1]) / (2.0 * by))
     return np.array(slopes).T

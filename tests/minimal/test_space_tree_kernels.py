@@ -5,13 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
-from support_parts import called
+from support_parts import of_tree
 from support_runs import scene_of
 from support_slopes import slopes_of_what_joints_lack
 
 from granular_contact.engines.tree.kernels import space_fold, space_load, space_rotations, space_tree
-from granular_contact.engines.tree.kernels.space_arrays import NODE, room
-from granular_contact.engines.tree.kernels.tree_arrays import words
+from granular_contact.engines.tree.kernels.space_arrays import room
+from granular_contact.engines.tree.kernels.tree_arrays import SPACE_NODE as NODE
+from granular_contact.engines.tree.kernels.tree_arrays import places
 from granular_contact.engines.tree.march import March
 from granular_contact.engines.tree.space_tree import tree as make_tree
 from granular_contact.geometry import rotations
@@ -108,13 +109,13 @@ def test_what_joints_lack_is_that_of_the_dense_equations(count: int) -> None:
         w["s2"][:], w["effort"][:] = rng.uniform(-50, 50, n), rng.uniform(-0.1, 0.1, n)
         w["force"][:] = rng.uniform(-2, 2, (n, 6)) * [1, 1, 1, 0.1, 0.1, 0.1] * (w["nodes"]["mass"] > 0.0)[:, None]
         for step in (space_tree.place, space_tree.carry, space_tree.lack):
-            called(step)(words(w))
+            of_tree(step)(places(w))
         J, masses = jacobian(w, w["s"]), dense_masses(w)
         last = (w["nodes"]["kind"] != BALL) | (w["nodes"]["which"] == space_tree.LAST)  # the others are no bodies
         rows = np.repeat(last, 6)
-        places = np.array([[*x, *R.ravel()] for x, R in placed(w, w["s"])])
-        np.testing.assert_allclose(w["pose"][last, :3], places[last, :3], atol=1e-13)
-        np.testing.assert_allclose(w["turned"][last], places[last, 3:], atol=1e-13)
+        at = np.array([[*x, *R.ravel()] for x, R in placed(w, w["s"])])
+        np.testing.assert_allclose(w["pose"][last, :3], at[last, :3], atol=1e-13)
+        np.testing.assert_allclose(w["turned"][last], at[last, 3:], atol=1e-13)
         np.testing.assert_allclose(w["twist"].ravel()[rows], (J @ w["rates"])[rows], atol=1e-9)
         turned = (jacobian(w, w["s"] + h * w["rates"]) - jacobian(w, w["s"] - h * w["rates"])) / (2 * h)
         moved, spins = J @ w["s2"] + turned @ w["rates"], w["twist"][:, 3:]
@@ -135,8 +136,8 @@ def test_folded_matrix_is_the_dense_one(count: int) -> None:
         w = random_tree(rng, count)
         n, bodies = len(w["s"]), w["nodes"]["mass"] > 0.0
         w["prescribed"][:] = rng.integers(2, size=n) * (w["nodes"]["kind"] != BALL)
-        called(space_tree.place)(words(w))
-        called(space_fold.inertias)(0.0, words(w))
+        of_tree(space_tree.place)(places(w))
+        of_tree(space_fold.inertias)(0.0, places(w))
         masses = w["body"].reshape(n, 6, 6).copy()
         own = dense_masses(w).reshape(n, 6, n, 6)
         np.testing.assert_allclose(masses, own[np.arange(n), :, np.arange(n)], atol=1e-15)
@@ -150,7 +151,7 @@ def test_folded_matrix_is_the_dense_one(count: int) -> None:
             c[first : first + 3, first : first + 3] = w["coupled"][first : first + 3]
         w["rest"][:] = rng.uniform(-1, 1, n)
         for step in (space_fold.fold, space_fold.solve):
-            called(step)(words(w))
+            of_tree(step)(places(w))
         J, B, free = jacobian(w, w["s"]), np.zeros((6 * n, 6 * n)), w["prescribed"] == 0
         for i, one in enumerate(body):
             B[6 * i : 6 * i + 6, 6 * i : 6 * i + 6] = one
@@ -191,11 +192,11 @@ def test_a_new_chart_leaves_the_motion_as_it_is() -> None:
     w["s2"][:] = rng.uniform(-50, 50, len(w["s"]))
     seen = ("pose", "twist", "acceleration")
     for step in (space_tree.place, space_tree.carry):
-        called(step)(words(w))
+        of_tree(step)(places(w))
     bodies = w["nodes"]["mass"] > 0.0
     before = {name: w[name][bodies].copy() for name in seen}
     for step in (space_tree.recentre, space_tree.place, space_tree.carry):
-        called(step)(words(w))
+        of_tree(step)(places(w))
     assert not w["s"][w["nodes"]["kind"] == BALL].any()
     for name in seen:
         np.testing.assert_allclose(w[name][bodies], before[name], rtol=1e-12, atol=1e-11, err_msg=name)
@@ -209,8 +210,8 @@ def test_matrix_of_newton_is_the_slope_of_what_joints_lack() -> None:
         march.proceed()
     w, h = march.arrays, 1e-3
     fq, fv, n = 0.25 * h * h, 0.5 * h, len(w["s"])
-    called(space_load.act)(march._words)
-    called(space_load.tangent)(fq, fv, march._words)
+    of_tree(space_load.act)(march._words)
+    of_tree(space_load.tangent)(fq, fv, march._words)
     c, J, B = w["stiffness"].copy(), jacobian(w, w["s"]), np.zeros((6 * n, 6 * n))
     for i, one in enumerate(w["body"].reshape(-1, 6, 6)):
         B[6 * i : 6 * i + 6, 6 * i : 6 * i + 6] = one

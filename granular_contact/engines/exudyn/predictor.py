@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 from granular_contact.engines.exudyn.views import Views
 from granular_contact.scene.types import Vector
 
-GIVEN = 8  # arrays of `mechanics.kernels.iterations` that are the engine's, or stay as they are
+# Arrays of `mechanics.kernels.iterations` that are the engine's.
+OF_ENGINE = "q", "v", "a", "multipliers", "v_before", "a_before", "multipliers_before"
 
 
 class Predictor:
@@ -45,7 +46,7 @@ class Predictor:
         self._accelerate: Callable[..., Any] | None = None
         self._words = np.zeros(0, np.int64)  # where their arrays are
         self._where: tuple[int, ...] = ()  # the engine's of them
-        self._arrays: tuple[NDArray[Any], ...] = ()
+        self._room: dict[str, NDArray[Any]] = {}  # the other arrays of an iteration, but for the lever
 
     def __call__(self, mbs: Any, t: float, iteration: int, discontinuous: int) -> None:
         """Before the residual of an iteration of the step to t (s)."""
@@ -84,11 +85,11 @@ class Predictor:
     @property
     def kept(self) -> tuple[NDArray[Any], ...]:
         """What the iterations to come depend on, of those before."""
-        return tuple(array.copy() for array in self._arrays[GIVEN:])
+        return tuple(array.copy() for array in self._room.values())
 
     def restore(self, kept: tuple[NDArray[Any], ...]) -> None:
         """Go back to what was kept."""
-        for array, old in zip(self._arrays[GIVEN:], kept, strict=True):
+        for array, old in zip(self._room.values(), kept, strict=True):
             array[:] = old
 
     def load(self, views: Views) -> None:
@@ -96,16 +97,11 @@ class Predictor:
         if self.lever is None or self._where == views.where:
             return
         self._where = views.where
-        from granular_contact.jit.lending import places
-        from granular_contact.mechanics.kernels import iterations as of
+        from granular_contact.mechanics.kernels.iterations import ITERATIONS, room
 
-        size, constraints = len(views.q), len(views.multipliers)
-        before = views.v_before, views.a_before, views.multipliers_before
-        now = views.q, views.v, views.a, views.multipliers
-        kept = np.zeros((3, size)), np.zeros((2, constraints)), np.zeros(3)
-        pairs = (np.zeros((rows, of.DEPTH)) for rows in (size, constraints, size, of.DEPTH))
-        self._arrays = *now, *before, self.lever, *kept, *pairs, np.zeros(of.NUMBERS, np.int64)
-        self._words = places(*self._arrays)
+        own = {name: getattr(views, name) for name in OF_ENGINE} | {"lever": self.lever}
+        self._room = room(len(views.q), len(views.multipliers))
+        self._words = ITERATIONS.places(own | self._room)
         self._begin_step, self._accelerate = _compiled()
 
 

@@ -33,7 +33,6 @@ class StepControl:
 
     def __init__(self, system: System, solver: Any, lever: Vector, accuracy: float, *, sets: bool = True) -> None:
         from granular_contact.jit.compiled import ready
-        from granular_contact.jit.lending import places
         from granular_contact.mechanics.kernels import step_choice, step_error  # here, as fixed steps need no numba
 
         scene = system.scene
@@ -44,8 +43,9 @@ class StepControl:
         self.group, means = _groups(system, len(lever))
         # Accelerations at the start of the step, how they have changed, and by the time in the step before.
         self.start, self.change, self.slope = np.zeros((3, len(lever)))
-        self._arrays = self.lever, self.group, self.start, self.change, self.slope, np.zeros((means, 3))
-        self._words, self._places = np.zeros(0, np.int64), places
+        of_step = {"start": self.start, "change": self.change, "slope": self.slope, "means": np.zeros((means, 3))}
+        self._arrays = {"lever": self.lever, "group": self.group} | of_step
+        self._words, self._places = np.zeros(0, np.int64), step_error.CHANGES.places
         signals = signals_of(scene) if len(followed) else []
         tables = tabulate(signals, scene.solver.end_time_s) if signals else NO_TABLE
         (knots, pieces), found = tables, np.zeros((len(signals), 3))
@@ -112,7 +112,7 @@ class StepControl:
     def bind(self, views: Views) -> None:
         """Learn where the engine keeps its vectors in the part of the solve that begins."""
         self._views, self._own = views, (views.a, views.v)
-        self._words = self._places(*self._own, *self._arrays)
+        self._words = self._places({"a": self._own[0], "v": self._own[1]} | self._arrays)
 
     def _read(self) -> None:
         """Read accelerations and rates anew where they do not stay in one place."""

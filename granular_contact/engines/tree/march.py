@@ -23,16 +23,15 @@ from granular_contact.engines.tree.kernels.tree_arrays import (
     STEP,
     TRIED,
     WHOLE,
-    words,
+    places,
 )
 from granular_contact.engines.tree.kernels.tree_arrays import FASTEST as SO_FAR
 from granular_contact.engines.tree.kernels.tree_calls import record as calls
 from granular_contact.engines.tree.kernels.tree_newton import attempt
 from granular_contact.engines.tree.tree import Tree
 from granular_contact.jit.compiled import ready
-from granular_contact.jit.lending import places
-from granular_contact.mechanics.kernels import iterations as of
 from granular_contact.mechanics.kernels import step_error
+from granular_contact.mechanics.kernels.iterations import ITERATIONS, room
 from granular_contact.mechanics.kernels.numerics import SHORTEST
 from granular_contact.mechanics.scheme import spectral_radius
 from granular_contact.mechanics.stepping import choice, learn, most_steps, usual_step
@@ -68,8 +67,11 @@ class March:
         arrays["states"] = np.zeros((1 + SHARE, shown + 2 * nodes))
         arrays["table"] = np.zeros((1 + SHARE, len(table.blank)))
         self._newton, self._changes = _iterations(arrays), _changes(arrays)
-        arrays["iterations"], arrays["changes"] = places(*self._newton), places(*self._changes)
-        self._words = words(arrays)
+        arrays["iterations"], arrays["changes"] = (
+            ITERATIONS.places(self._newton),
+            step_error.CHANGES.places(self._changes),
+        )
+        self._words = places(arrays)
         self._start, self._march = ready(kernels.start, True, self._words), ready(kernels.march, 0, self._words)
         self.begin()
 
@@ -110,7 +112,7 @@ class March:
         for name in ("states", "table"):
             old = self.arrays[name]
             self.arrays[name] = np.concatenate([old, np.zeros((more, old.shape[1]))])
-        self._words[:] = words(self.arrays)
+        self._words[:] = places(self.arrays)
 
     @property
     def states(self) -> Vector:
@@ -153,7 +155,7 @@ class March:
     def _lasting(self) -> list[NDArray[Any]]:
         """All that its future depends on, but for rows and what the bed keeps."""
         own = (self.arrays[name] for name in LASTING if name in self.arrays)
-        return [*own, *self._newton, *self._changes]
+        return [*own, *self._newton.values(), *self._changes.values()]
 
     def kept(self) -> tuple[list[NDArray[Any]], Vector, Vector]:
         """Copies of all that its future and its rows depend on."""
@@ -206,14 +208,11 @@ def _scheme(scene: Scene) -> NDArray[np.void]:
     return scheme
 
 
-def _iterations(arrays: dict[str, NDArray[Any]]) -> list[NDArray[Any]]:
+def _iterations(arrays: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
     """Arrays of `mechanics.kernels.iterations`: there are no multipliers."""
-    nodes, none = len(arrays["nodes"]), np.zeros(0)
-    now, before = (arrays[name] for name in ("s", "rates", "s2")), (arrays["rates_before"], arrays["s2_before"])
-    given = [*now, none, *before, none, _levers(arrays)]
-    kept = [np.zeros((3, nodes)), np.zeros((2, 0)), np.zeros(3)]
-    pairs = [np.zeros((rows, of.DEPTH)) for rows in (nodes, 0, nodes, of.DEPTH)]
-    return [*given, *kept, *pairs, np.zeros(of.NUMBERS, np.int64)]
+    given = {"q": "s", "v": "rates", "a": "s2", "v_before": "rates_before", "a_before": "s2_before"}
+    own = {name: arrays[of_tree] for name, of_tree in given.items()}
+    return own | {"lever": _levers(arrays)} | room(len(arrays["nodes"]), 0)
 
 
 def _levers(arrays: dict[str, NDArray[Any]]) -> Vector:
@@ -230,10 +229,11 @@ def _levers(arrays: dict[str, NDArray[Any]]) -> Vector:
     return found
 
 
-def _changes(arrays: dict[str, NDArray[Any]]) -> list[NDArray[Any]]:
+def _changes(arrays: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
     """Arrays of `mechanics.kernels.step_error`, on the accelerations of nodes that have a mass."""
     lever = arrays["lever"]
     counts = np.repeat(arrays["nodes"]["mass"] > 0.0, arrays["twist"].shape[1])
     group = np.where(counts, step_error.EACH, step_error.NONE).astype(np.int64)
-    flat = arrays["acceleration"].reshape(-1), arrays["twist"].reshape(-1)
-    return [*flat, lever.copy(), group, *np.zeros((3, len(lever))), np.zeros((0, 3))]
+    given = {"a": arrays["acceleration"].reshape(-1), "v": arrays["twist"].reshape(-1), "lever": lever.copy()}
+    start, change, slope = np.zeros((3, len(lever)))
+    return given | {"group": group, "start": start, "change": change, "slope": slope, "means": np.zeros((0, 3))}

@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.engines.tree.kernels import space_ball_joints, space_load, space_modes
-from granular_contact.engines.tree.kernels.space_arrays import NODE, room
+from granular_contact.engines.tree.kernels.space_arrays import room
 from granular_contact.engines.tree.kernels.space_tree import BALL, HINGE, LAST, SLIDER
+from granular_contact.engines.tree.kernels.tree_arrays import SPACE_NODE as NODE
 from granular_contact.engines.tree.tree import BodyCoordinates, Tree, acting, joint_loads, levers, outward, sand_of
 from granular_contact.geometry import rotations
 from granular_contact.mechanics.joint_loads import fill

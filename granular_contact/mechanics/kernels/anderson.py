@@ -22,44 +22,29 @@ import math
 from granular_contact.jit.compiled import kernel, part
 from granular_contact.jit.memory import clear, room1, room2
 from granular_contact.mechanics.kernels.iterations import (
-    A_BEFORE,
-    BENT,
     CHANGE,
     FOLLOWS,
     FROM,
+    ITERATIONS,
     JACOBIAN,
-    KEPT,
-    KEPT_MULTIPLIERS,
     LED,
-    LED_APART,
-    LED_CONSTRAINTS,
-    LEVER,
-    MULTIPLIERS,
-    MULTIPLIERS_BEFORE,
     NEXT,
-    NUMBER,
-    OF,
     PAIRS,
-    PRODUCTS,
     SIZE,
-    A,
-    Q,
-    V,
-    numbers,
-    row,
-    rows,
 )
 from granular_contact.mechanics.kernels.numerics import CONTRACTION, DEPTH, LEAST_DIFFERENCE, REGULARISATION
 
+view = ITERATIONS.view
 _SAME_STEP = 1e-6  # of a step: round-off of its length
 
 
 @kernel
 def begin(words, of_q, of_v):
     """Begin a step with the accelerations and multipliers of the last one; of_q, of_v: from now on in `of`."""
-    q, v, a, multipliers, of = row(words, Q), row(words, V), row(words, A), row(words, MULTIPLIERS), row(words, OF)
-    a_before, multipliers_before = row(words, A_BEFORE), row(words, MULTIPLIERS_BEFORE)
-    kept, kept_multipliers, number = rows(words, KEPT), rows(words, KEPT_MULTIPLIERS), numbers(words, NUMBER)
+    w = view(words)
+    q, v, a, multipliers, of = w.q, w.v, w.a, w.multipliers, w.of
+    a_before, multipliers_before = w.a_before, w.multipliers_before
+    kept, kept_multipliers, number = w.kept, w.kept_multipliers, w.number
     if abs(of_v - of[1]) > _SAME_STEP * of_v:
         number[PAIRS], number[NEXT] = 0, 0
     of[0], of[1], of[SIZE] = of_q, of_v, math.inf
@@ -74,16 +59,11 @@ def begin(words, of_q, of_v):
 
 
 @part
-def keep_pair(words, column):
+def keep_pair(w, column):
     """Keep what differs between this iteration and the one before, and its products with the other pairs."""
-    a, multipliers, lever = row(words, A), row(words, MULTIPLIERS), row(words, LEVER)
-    kept, kept_multipliers = rows(words, KEPT), rows(words, KEPT_MULTIPLIERS)
-    led, led_constraints, bent, products = (
-        rows(words, LED_APART),
-        rows(words, LED_CONSTRAINTS),
-        rows(words, BENT),
-        rows(words, PRODUCTS),
-    )
+    a, multipliers, lever = w.a, w.multipliers, w.lever
+    kept, kept_multipliers = w.kept, w.kept_multipliers
+    led, led_constraints, bent, products = w.led, w.led_constraints, w.bent, w.products
     sums = room1(DEPTH)
     clear(sums)
     for i in range(a.shape[0]):
@@ -98,9 +78,9 @@ def keep_pair(words, column):
 
 
 @part
-def coefficients(words, pairs, change, c):
+def coefficients(w, pairs, change, c):
     """Fill c (DEPTH,) with the least-squares coefficients, by elimination; change: size of g (m/s2)."""
-    bent, products, kept = rows(words, BENT), rows(words, PRODUCTS), rows(words, KEPT)
+    bent, products, kept = w.bent, w.products, w.kept
     M, scale = room2(DEPTH, DEPTH), room1(DEPTH)
     clear(c)
     for i in range(kept.shape[1]):
@@ -130,10 +110,10 @@ def coefficients(words, pairs, change, c):
 
 
 @part
-def extrapolate(words, c):
+def extrapolate(w, c):
     """Move by -E c from where the iteration led."""
-    q, v, a, multipliers, of = row(words, Q), row(words, V), row(words, A), row(words, MULTIPLIERS), row(words, OF)
-    led, led_constraints = rows(words, LED_APART), rows(words, LED_CONSTRAINTS)
+    q, v, a, multipliers, of = w.q, w.v, w.a, w.multipliers, w.of
+    led, led_constraints = w.led, w.led_constraints
     for i in range(a.shape[0]):
         further = 0.0
         for k in range(DEPTH):
@@ -147,9 +127,9 @@ def extrapolate(words, c):
 
 
 @part
-def distance(words):
+def distance(w):
     """Distance (m/s2) of the present accelerations from where the iteration began; its parts: row CHANGE of `kept`."""
-    a, lever, kept = row(words, A), row(words, LEVER), rows(words, KEPT)
+    a, lever, kept = w.a, w.lever, w.kept
     square = 0.0
     for i in range(a.shape[0]):
         kept[CHANGE, i] = lever[i] * (a[i] - kept[FROM, i])
@@ -158,10 +138,10 @@ def distance(words):
 
 
 @part
-def keep_as(words, to):
+def keep_as(w, to):
     """Keep the present accelerations and multipliers as those of a row."""
-    a, multipliers = row(words, A), row(words, MULTIPLIERS)
-    kept, kept_multipliers = rows(words, KEPT), rows(words, KEPT_MULTIPLIERS)
+    a, multipliers = w.a, w.multipliers
+    kept, kept_multipliers = w.kept, w.kept_multipliers
     for i in range(a.shape[0]):
         kept[to, i] = a[i]
     for i in range(multipliers.shape[0]):
@@ -174,22 +154,23 @@ def accelerate(words, jacobians):
 
     jacobians: how many were computed so far.
     """
-    number, of = numbers(words, NUMBER), row(words, OF)
+    w = view(words)
+    number, of = w.number, w.of
     if jacobians != number[JACOBIAN]:
         number[JACOBIAN], number[PAIRS], number[NEXT], number[FOLLOWS] = jacobians, 0, 0, 0
         of[SIZE] = math.inf
     if number[FOLLOWS]:
-        keep_pair(words, number[NEXT])
+        keep_pair(w, number[NEXT])
         number[NEXT] = (number[NEXT] + 1) % DEPTH
         number[PAIRS] = min(number[PAIRS] + 1, DEPTH)
-    change = distance(words)
+    change = distance(w)
     slow = change > CONTRACTION * of[SIZE]
-    keep_as(words, LED)
+    keep_as(w, LED)
     number[FOLLOWS] = 1
     of[SIZE] = change
     if number[PAIRS] > 0:
         c = room1(DEPTH)
-        coefficients(words, number[PAIRS], change, c)
-        extrapolate(words, c)
-    keep_as(words, FROM)
+        coefficients(w, number[PAIRS], change, c)
+        extrapolate(w, c)
+    keep_as(w, FROM)
     return slow

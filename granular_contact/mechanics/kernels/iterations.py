@@ -1,6 +1,6 @@
 """Arrays of Newton's method as `anderson` goes on with it, the engine's own among them.
 
-They are found by their places (`lending`), in this order:
+Of a view `w` of ITERATIONS (`jit.layout`):
 
     q, v, a             (m,) coordinates, rates and accelerations, and the multipliers (k,) of constraints, which are
     multipliers         moved: with a change of a go of[0] times as much of q and of[1] times as much of v
@@ -18,17 +18,21 @@ They are found by their places (`lending`), in this order:
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+from numpy.typing import NDArray
 
-from granular_contact.jit.lending import lender
-from granular_contact.mechanics.kernels.numerics import DEPTH as DEPTH
+from granular_contact.jit.layout import Layout
+from granular_contact.mechanics.kernels.numerics import DEPTH
 
-Q, V, A, MULTIPLIERS, V_BEFORE, A_BEFORE, MULTIPLIERS_BEFORE, LEVER = 0, 1, 2, 3, 4, 5, 6, 7
-KEPT, KEPT_MULTIPLIERS, OF, LED_APART, LED_CONSTRAINTS, BENT, PRODUCTS, NUMBER = 8, 9, 10, 11, 12, 13, 14, 15
-GIVEN = LEVER + 1  # arrays that are the engine's, or stay as they are
-row, rows = (lender(np.float64, axes) for axes in (1, 2))
-numbers = lender(np.int64, 1)
-
+ITERATIONS = Layout(
+    "iterations",
+    **dict.fromkeys(("q", "v", "a", "multipliers", "v_before", "a_before", "multipliers_before", "lever"), (float, 1)),
+    **dict.fromkeys(("kept", "kept_multipliers", "led", "led_constraints", "bent", "products"), (float, 2)),
+    of=(float, 1),
+    number=(np.int64, 1),
+)
 # Rows of `kept`, of which `kept_multipliers` has the first two: accelerations from which the iteration under way began,
 # those that the one before led to, its change.
 FROM, LED, CHANGE = 0, 1, 2
@@ -36,3 +40,13 @@ SIZE = 2  # of `of`
 # Of `number`: pairs there are, column of the next one, Jacobians that were computed when the last one was kept, whether
 # an iteration with the same Jacobian came before this one.
 PAIRS, NEXT, JACOBIAN, FOLLOWS, NUMBERS = 0, 1, 2, 3, 4
+
+
+def room(coordinates: int, constraints: int) -> dict[str, NDArray[Any]]:
+    """Those arrays of so many coordinates and constraints that are neither the engine's nor stay as they are."""
+    sizes = {"led": coordinates, "led_constraints": constraints, "bent": coordinates, "products": DEPTH}
+    return {
+        **{"kept": np.zeros((3, coordinates)), "kept_multipliers": np.zeros((2, constraints)), "of": np.zeros(3)},
+        **{name: np.zeros((size, DEPTH)) for name, size in sizes.items()},
+        "number": np.zeros(NUMBERS, np.int64),
+    }

@@ -1,6 +1,6 @@
 """What a choice of steps asks of accelerations, in one call; see `mechanics.stepping`.
 
-Arrays are found by their places (`lending`), in this order:
+Arrays, of a view `w` of CHANGES (`jit.layout`):
 
     a, v    (m,) accelerations and rates, as the engine has them
     lever   (m,) factors from rates to speeds
@@ -19,12 +19,17 @@ import math
 import numpy as np
 
 from granular_contact.jit.compiled import kernel, part
-from granular_contact.jit.lending import lender
+from granular_contact.jit.layout import Layout
 from granular_contact.jit.memory import clear
 
 EACH, NONE = -1, -2
-_row, _rows = (lender(np.float64, axes) for axes in (1, 2))
-_groups = lender(np.int64, 1)
+CHANGES = Layout(
+    "changes",
+    **dict.fromkeys(("a", "v", "lever", "start", "change", "slope"), (float, 1)),
+    group=(np.int64, 1),
+    means=(float, 2),
+)
+view = CHANGES.view
 
 
 @part
@@ -44,8 +49,9 @@ def measure(words, step):
 
     Changes in m/s2; all are infinite where a number is none. `change` is filled.
     """
-    a, v, lever, group = _row(words, 0), _row(words, 1), _row(words, 2), _groups(words, 3)
-    start, change, slope, means = _row(words, 4), _row(words, 5), _row(words, 6), _rows(words, 7)
+    w = view(words)
+    a, v, lever, group = w.a, w.v, w.lever, w.group
+    start, change, slope, means = w.start, w.change, w.slope, w.means
     clear(means)
     jump, whole, most = 0.0, 0.0, 0.0
     for i in range(a.shape[0]):
@@ -71,8 +77,9 @@ def measure(words, step):
 @kernel
 def begin(words, last):
     """Begin a step after one of `last` (s): fill start and slope; the greatest speed (m/s)."""
-    a, v, lever = _row(words, 0), _row(words, 1), _row(words, 2)
-    start, change, slope = _row(words, 4), _row(words, 5), _row(words, 6)
+    w = view(words)
+    a, v, lever = w.a, w.v, w.lever
+    start, change, slope = w.start, w.change, w.slope
     for i in range(a.shape[0]):
         start[i] = lever[i] * a[i]
         slope[i] = change[i] / last

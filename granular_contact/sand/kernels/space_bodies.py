@@ -2,8 +2,8 @@
 
 Arguments that they share:
 
-    sand                where the arrays of the elements of one kind in one medium are, in the order of `SAND`, see
-                        `lending`
+    words               where the arrays of the elements of one kind in one medium are, those of `space_law.BODIES`
+                        (`jit.layout`), of which w is a view
     system_q, system_v  coordinates (without reference values) and rates of the whole system, views of the engine's
                         memory
 
@@ -31,7 +31,6 @@ from __future__ import annotations
 import numpy as np
 
 from granular_contact.jit.compiled import kernel, part
-from granular_contact.jit.lending import lender
 from granular_contact.jit.memory import clear, room1, room2, rows
 from granular_contact.sand.kernels import space_law as law
 from granular_contact.sand.kernels.batches import gather
@@ -48,15 +47,7 @@ from granular_contact.sand.kernels.space_clusters import (
 )
 from granular_contact.sand.kernels.space_coordinates import by_parameters
 
-SAND = (
-    *("reference", "places", "bodies", "turn", "clusters", "elements", "anchors", "active", "ground", "medium"),
-    *("poses", "proximity", "columns"),
-)
-REFERENCE, PLACES, BODIES, TURN, CLUSTERS, ELEMENTS, ANCHORS, ACTIVE, GROUND, MEDIUM, *_OF_STEPS = range(len(SAND))
-POSES, PROXIMITY, COLUMNS = _OF_STEPS
-_row, _rows, _poses = (lender(np.float64, axes) for axes in (1, 2, 3))
-_numbers, _marks = lender(np.int64, 2), lender(np.bool_, 1)
-_bodies, _clusters, _media = (lender(kind, 1) for kind in (law.BODY, law.CLUSTER, law.SPACE_LAW))
+view = law.BODIES.view
 
 
 @part
@@ -96,18 +87,18 @@ def place(q, v, body, turn, medium, pose, G):
 
 
 @part
-def body_forces(q, v, body, sand, medium, pose, W, out):
+def body_forces(q, v, body, w, medium, pose, W, out):
     """Set out (7,) to the generalised forces on a body; whether there are any.
 
     W (TERMS, 6) is filled with its wrench in the bed's frame.
     """
     turn, clusters, elements, anchors = (
-        _rows(sand, TURN),
-        _clusters(sand, CLUSTERS),
-        _rows(sand, ELEMENTS),
-        _rows(sand, ANCHORS),
+        w.turn,
+        w.clusters,
+        w.elements,
+        w.anchors,
     )
-    active, ground, G, some = _marks(sand, ACTIVE), _row(sand, GROUND), room2(3, 4), 0.0
+    active, ground, G, some = w.active, w.ground, room2(3, 4), 0.0
     place(q, v, body, turn, medium, pose, G)
     clear(W)
     for c in range(body.first, body.last):
@@ -130,17 +121,18 @@ def body_forces(q, v, body, sand, medium, pose, W, out):
 
 
 @kernel
-def force(sand, system_q, system_v, out):
+def force(words, system_q, system_v, out):
     """Add the generalised forces of the active clusters to out, the coordinates of the bed."""
+    w = view(words)
     q, v, f, pose, W = room1(7), room1(7), room1(7), room2(6, 3), room2(TERMS, 6)
-    bodies, active, medium = _bodies(sand, BODIES), _marks(sand, ACTIVE), _media(sand, MEDIUM)[0]
+    bodies, active, medium = w.bodies, w.active, w.medium[0]
     for b in range(bodies.shape[0]):
         body = bodies[b]
         if not acts(body, active):
             continue
-        at = rows(_numbers(sand, PLACES), body.start, body.places)
-        read(system_q, system_v, _row(sand, REFERENCE), at, body, q, v)
-        law.body_forces(medium, (q, v, body, sand, pose, W, f))
+        at = rows(w.places, body.start, body.places)
+        read(system_q, system_v, w.reference, at, body, q, v)
+        law.body_forces(medium, (q, v, body, w, pose, W, f))
         for i in range(body.places):
             out[at[i, 1]] += spread(f, body, i)
 
@@ -163,17 +155,18 @@ def acts(body, active):
 
 
 @kernel
-def tangent(sand, system_q, system_v, fq, fv, triplets, count):
+def tangent(words, system_q, system_v, fq, fv, triplets, count):
     """Append the entries of fq df/dq + fv df/dv as rows (row, column, value) to the first `count` triplets."""
+    w = view(words)
     q, v, K = room1(7), room1(7), room2(7, 7)
-    bodies, active, medium = _bodies(sand, BODIES), _marks(sand, ACTIVE), _media(sand, MEDIUM)[0]
+    bodies, active, medium = w.bodies, w.active, w.medium[0]
     for b in range(bodies.shape[0]):
         body = bodies[b]
         if not acts(body, active):
             continue
-        at = rows(_numbers(sand, PLACES), body.start, body.places)
-        read(system_q, system_v, _row(sand, REFERENCE), at, body, q, v)
-        if law.tangent(medium, (q, v, body, sand, fq, fv, K)):
+        at = rows(w.places, body.start, body.places)
+        read(system_q, system_v, w.reference, at, body, q, v)
+        if law.tangent(medium, (q, v, body, w, fq, fv, K)):
             count = append(K, body, at, triplets, count)
     return count
 
@@ -202,45 +195,46 @@ def append(K, body, at, triplets, count):
 
 
 @kernel
-def accept(sand, system_q, system_v, row, begins):
+def accept(words, system_q, system_v, row, begins):
     """End of a step: power and wrenches go into a history row, then the anchors of the active clusters follow.
 
     poses and proximity are filled. The row begins with `space_law.DEPTH` and its neighbours, after the time. begins: a
     solve begins here instead, with no bristle stretched; of poses, proximity and row only the poses are filled.
     """
+    w = view(words)
     q, v, f, W = room1(7), room1(7), room1(7), room2(TERMS, 6)
-    bodies, medium, columns = _bodies(sand, BODIES), _media(sand, MEDIUM)[0], _numbers(sand, COLUMNS)
+    bodies, medium, columns = w.bodies, w.medium[0], w.columns
     for b in range(bodies.shape[0]):
-        body, pose, near = bodies[b], _poses(sand, POSES)[b], _rows(sand, PROXIMITY)[b]
-        at = rows(_numbers(sand, PLACES), body.start, body.places)
-        read(system_q, system_v, _row(sand, REFERENCE), at, body, q, v)
-        law.body_forces(medium, (q, v, body, sand, pose, W, f))
+        body, pose, near = bodies[b], w.poses[b], w.proximity[b]
+        at = rows(w.places, body.start, body.places)
+        read(system_q, system_v, w.reference, at, body, q, v)
+        law.body_forces(medium, (q, v, body, w, pose, W, f))
         if begins:
             for c in range(body.first, body.last):
-                release(_rows(sand, ELEMENTS), _rows(sand, ANCHORS), _clusters(sand, CLUSTERS)[c], pose, medium, True)
+                release(w.elements, w.anchors, w.clusters[c], pose, medium, True)
             continue
-        bound(body.x, body.y, body.z, body.radius, pose, _row(sand, GROUND), medium, near)
-        follow(body, sand, medium, pose, near, row)
+        bound(body.x, body.y, body.z, body.radius, pose, w.ground, medium, near)
+        follow(body, w, medium, pose, near, row)
         power = columns[b, 0]
         for term in range(TERMS):
             for i in range(3):
                 row[power] += W[term, i] * pose[4, i] + W[term, 3 + i] * pose[5, i]
-            write(W, term, _rows(sand, TURN), q, row, columns[b, 1] + 6 * term)
-            write(W, term, _rows(sand, TURN), q, row, columns[b, 2])
+            write(W, term, w.turn, q, row, columns[b, 1] + 6 * term)
+            write(W, term, w.turn, q, row, columns[b, 2])
 
 
 @part
-def follow(body, sand, medium, pose, near, row):
+def follow(body, w, medium, pose, near, row):
     """Let the anchors of a body's active clusters follow; what was seen of it goes into a history row.
 
     near (3,): its proximity, of which `DEEPEST` is a bound of the depth. Where nothing is active the bounds of its
     clusters are the depth: the sphere around a long body can be deep in the bed though the body is above it.
     """
     clusters, elements, anchors, active = (
-        _clusters(sand, CLUSTERS),
-        _rows(sand, ELEMENTS),
-        _rows(sand, ANCHORS),
-        _marks(sand, ACTIVE),
+        w.clusters,
+        w.elements,
+        w.anchors,
+        w.active,
     )
     seen, some = room1(3), False
     seen[law.DEPTH], seen[law.SPEED], seen[law.LOWEST] = -np.inf, 0.0, np.inf
@@ -248,9 +242,9 @@ def follow(body, sand, medium, pose, near, row):
         if active[c]:
             one = clusters[c]
             s, n = one.first, one.last - one.first
-            law.follow(medium, (rows(elements, s, n), rows(anchors, s, n), one, pose, _row(sand, GROUND), seen))
+            law.follow(medium, (rows(elements, s, n), rows(anchors, s, n), one, pose, w.ground, seen))
             some = True
-    depth = seen[law.DEPTH] if some else min(near[DEEPEST], deepest_cluster(body, sand, medium, pose))
+    depth = seen[law.DEPTH] if some else min(near[DEEPEST], deepest_cluster(body, w, medium, pose))
     near[EVER] = max(near[EVER], depth)
     row[1] = max(row[1], depth)
     row[2] = max(row[2], seen[law.SPEED])
@@ -258,11 +252,11 @@ def follow(body, sand, medium, pose, near, row):
 
 
 @part
-def deepest_cluster(body, sand, medium, pose):
+def deepest_cluster(body, w, medium, pose):
     """Bound for the depth (m) of all clusters of a body."""
-    clusters, near, depth = _clusters(sand, CLUSTERS), room1(2), -np.inf
+    clusters, near, depth = w.clusters, room1(2), -np.inf
     for c in range(body.first, body.last):
-        bound_cluster(clusters[c], pose, _row(sand, GROUND), medium, near)
+        bound_cluster(clusters[c], pose, w.ground, medium, near)
         depth = max(depth, near[DEEPEST])
     return depth
 
@@ -285,27 +279,28 @@ def write(W, term, turn, q, row, first):
 
 
 @kernel
-def update_active(sand, step):
+def update_active(words, step):
     """Mark the clusters that may touch the surface within a step (s) from the accepted poses; whether there are any.
 
     What comes into reach has its anchors put where it is.
     """
+    w = view(words)
     bodies, clusters, active, medium = (
-        _bodies(sand, BODIES),
-        _clusters(sand, CLUSTERS),
-        _marks(sand, ACTIVE),
-        _media(sand, MEDIUM)[0],
+        w.bodies,
+        w.clusters,
+        w.active,
+        w.medium[0],
     )
     some, near = False, room1(2)
     for b in range(bodies.shape[0]):
-        body, pose, within = bodies[b], _poses(sand, POSES)[b], may_touch(_rows(sand, PROXIMITY)[b], step)
+        body, pose, within = bodies[b], w.poses[b], may_touch(w.proximity[b], step)
         for c in range(body.first, body.last):
             one, now = clusters[c], within
             if now:
-                bound_cluster(one, pose, _row(sand, GROUND), medium, near)
+                bound_cluster(one, pose, w.ground, medium, near)
                 now = may_touch(near, step)
             if now and not active[c]:
-                release(_rows(sand, ELEMENTS), _rows(sand, ANCHORS), one, pose, medium, False)
+                release(w.elements, w.anchors, one, pose, medium, False)
             active[c] = now
             some = some or now
     return some

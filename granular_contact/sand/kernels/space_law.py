@@ -18,6 +18,7 @@ import numpy as np
 from numba import from_dtype, types
 
 from granular_contact.jit.calls import OWN, caller
+from granular_contact.jit.layout import Layout
 from granular_contact.jit.records import fields, record_dtype
 from granular_contact.sand.kernels.law import FRICTION, SIZE, filled
 from granular_contact.sand.kernels.strip import strip_type
@@ -58,12 +59,23 @@ FUNCTIONS = (
 # record has, so that what needs nothing else of a law is compiled once for all of them.
 LAYER = [("layered", "i8"), ("top", "f8"), ("bottom", "f8")]
 SPACE_LAW = record_dtype([*fields("i8", *FUNCTIONS), *LAYER, *FRICTION, ("own", "f8", (SIZE,))])
+# What `space_bodies` does with all elements of one kind in one medium, see there.
+BODIES = Layout(
+    "bodies",
+    **dict.fromkeys(("reference", "ground"), (float, 1)),
+    **dict.fromkeys(("turn", "elements", "anchors", "proximity"), (float, 2)),
+    **dict.fromkeys(("places", "columns"), (np.int64, 2)),
+    bodies=(BODY, 1),
+    clusters=(CLUSTER, 1),
+    active=(np.bool_, 1),
+    medium=(SPACE_LAW, 1),
+    poses=(float, 3),
+)
 
 _NUMBER, _CLUSTER = types.float64, from_dtype(CLUSTER)
 _ROW, _ROWS, _ENDS = (types.Array(_NUMBER, n, "C") for n in (1, 2, 3))
 _VECTOR = types.UniTuple(_NUMBER, 3)
-_WORDS = types.Array(types.int64, 1, "C")
-_OF_BODY = (_ROW, _ROW, from_dtype(BODY), _WORDS, from_dtype(SPACE_LAW))
+_OF_BODY = (_ROW, _ROW, from_dtype(BODY), BODIES.kind, from_dtype(SPACE_LAW))
 _OF_CLUSTER = (_ROWS, _ROWS, _CLUSTER, _ROWS, _ROW, from_dtype(SPACE_LAW))
 SIGNATURES: dict[str, tuple[tuple[Any, ...], Any]] = {  # arguments, result
     "forces": ((*_OF_CLUSTER, _ROWS), types.none),
@@ -107,8 +119,8 @@ SIGNATURES: dict[str, tuple[tuple[Any, ...], Any]] = {  # arguments, result
 # ball      z, v, e, cluster, f: as `law.ball_force`, to f[term, xyz] (N)
 # anchor    p (3,) m, anchor (3,) m: where it is after an accepted step that ended with its element at p
 # body      `space_bodies.body_forces`, which several kernels call
-# tangent   q, v, body, sand, fq, fv, K: fill K (7, 7) with fq df/dq + fv df/dv of the generalised forces f on a body;
-#           whether there are any; of `space_tangents`
+# tangent   q, v, body, w, fq, fv, K: fill K (7, 7) with fq df/dq + fv df/dv of the generalised forces f on a body;
+#           whether there are any; w: a view of BODIES; of `space_tangents`
 # slopes    elements, anchors, cluster, pose, ground, fq, fv, S: add to S (6, 6) how the wrench on a cluster follows a
 #           small motion m (6,) of its body at the reference point, moved by fq m, its velocities by fv m
 # note, count, begin    those of `facet_paths`, of media whose facets have paths

@@ -8,12 +8,10 @@ from __future__ import annotations
 import numpy as np
 
 from granular_contact.jit.compiled import kernel
-from granular_contact.jit.lending import lender
 from granular_contact.jit.memory import piece
 from granular_contact.sand.kernels import space_bodies as one
+from granular_contact.sand.kernels.space_bodies import view
 from granular_contact.sand.kernels.space_clusters import APPROACH, DEEPEST
-
-_rows = lender(np.float64, 2)
 
 
 @kernel
@@ -53,7 +51,7 @@ def soonest(sand):
     """Time (s) after `accept` until the first of the bodies above the surface may touch it; infinite of none."""
     least = np.inf
     for b in range(sand.shape[0]):
-        near = _rows(piece(sand, b, sand.shape[1]), one.PROXIMITY)
+        near = view(piece(sand, b, sand.shape[1])).proximity
         for i in range(near.shape[0]):
             depth, speed = near[i, DEEPEST], near[i, APPROACH]
             if depth < 0.0 < speed:

@@ -2,41 +2,27 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from granular_contact.jit.compiled import part
-from granular_contact.jit.lending import lender
 from granular_contact.jit.memory import clear, room1, room2, rows
 from granular_contact.sand.kernels import space_law as law
 from granular_contact.sand.kernels.law import TERMS
 from granular_contact.sand.kernels.lines import difference
-from granular_contact.sand.kernels.space_bodies import (
-    ACTIVE,
-    ANCHORS,
-    CLUSTERS,
-    ELEMENTS,
-    GROUND,
-    TURN,
-    place,
-)
+from granular_contact.sand.kernels.space_bodies import place
 from granular_contact.sand.kernels.space_clusters import reach_below
-
-_row, _rows = (lender(np.float64, axes) for axes in (1, 2))
-_clusters, _marks = lender(law.CLUSTER, 1), lender(np.bool_, 1)
 
 
 @part
-def by_differences(q, v, body, sand, medium, fq, fv, K):
+def by_differences(q, v, body, w, medium, fq, fv, K):
     """`space_law.tangent` by differences of the forces on a body, see `lines.differences`."""
     there, moved, pose, W = room1(7), room1(7), room2(6, 3), room2(TERMS, 6)
-    if not law.body_forces(medium, (q, v, body, sand, pose, W, there)):
+    if not law.body_forces(medium, (q, v, body, w, pose, W, there)):
         return False
     d = difference(rows(q, 0, body.size), fq, fv)
     for j in range(body.size):
         at_q, at_v = q[j], v[j]
         q[j] += d * fq
         v[j] += d * fv
-        law.body_forces(medium, (q, v, body, sand, pose, W, moved))
+        law.body_forces(medium, (q, v, body, w, pose, W, moved))
         q[j], v[j] = at_q, at_v
         for i in range(body.size):
             K[i, j] = (moved[i] - there[i]) / d
@@ -44,11 +30,11 @@ def by_differences(q, v, body, sand, medium, fq, fv, K):
 
 
 @part
-def by_elements(q, v, body, sand, medium, fq, fv, K):
+def by_elements(q, v, body, w, medium, fq, fv, K):
     """`space_law.tangent` by the slopes S (6, 6) of the wrench on each cluster: T^T S T, with (x, t) = T q."""
     turn, clusters, elements, anchors, active, ground = (
-        _rows(sand, TURN), _clusters(sand, CLUSTERS), _rows(sand, ELEMENTS), _rows(sand, ANCHORS),
-        _marks(sand, ACTIVE), _row(sand, GROUND),
+        w.turn, w.clusters, w.elements, w.anchors,
+        w.active, w.ground,
     )  # fmt: skip
     pose, G, S, T, some = room2(6, 3), room2(3, 4), room2(6, 6), room2(6, 7), False
     place(q, v, body, turn, medium, pose, G)

@@ -11,17 +11,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.jit.compiled import ready
-from granular_contact.jit.lending import places
 from granular_contact.laws.kinds import Kind
 from granular_contact.sand.kernels import space_bodies as kernels
 from granular_contact.sand.kernels.ground import PLANE
 from granular_contact.sand.kernels.space_clusters import APPROACH, DEEPEST, EVER
 from granular_contact.sand.kernels.space_joining import space_record
-from granular_contact.sand.kernels.space_law import BODY
+from granular_contact.sand.kernels.space_law import BODIES, BODY
 from granular_contact.sand.space.elements import Elements
 from granular_contact.sand.space.triangles import around
 
 Vector = NDArray[np.float64]
+# Those of its arrays that kernels know by the same names.
+OWN = (
+    *("places", "bodies", "turn", "clusters", "elements", "anchors", "active", "ground", "poses", "proximity"),
+    "columns",
+)
 
 
 class SpatialBatch:
@@ -88,8 +92,8 @@ class SpatialBatch:
         self.proximity[:] = 0.0
         self.proximity[:, EVER] = -np.inf
         self._reference = reference
-        on = (self.places, self.bodies, self.turn, self.clusters, self.elements, self.anchors, self.active, self.ground)
-        return places(reference, *on, self._for_bodies, self.poses, self.proximity, self.columns)
+        own = {name: getattr(self, name) for name in OWN}
+        return BODIES.places(own | {"reference": reference, "medium": self._for_bodies})
 
     def start(self, q: Vector, where: NDArray[np.int64] | None, reference: Vector) -> None:
         """Reset the friction state for bodies at q; arguments as of `GranularLoad.start`."""

@@ -1,6 +1,6 @@
-"""Arrays of a tree in space, in the order and by the names of `tree_arrays`, with the widths and records of space.
+"""Arrays of a tree in space, by the names of `tree_arrays`, with the widths and records of space.
 
-nodes           (n,) records of NODE, see `space_tree`
+space_nodes     (n,) records of SPACE_NODE, see `space_tree`
 pose            (n, 7) centre of mass (m) and Euler parameters; pose_rates (n, 7) their rates
 twist           (n, 6) velocity of the centre of mass (m/s) and angular velocity (rad/s), along the axes of the
 acceleration    world; accelerations likewise
@@ -23,25 +23,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-
-from granular_contact.jit.lending import lender
-from granular_contact.jit.records import fields, record_dtype
-
-# parent, mass, radius, on_parent (3,), point (3,): as of `tree_arrays.NODE`; kind of the joint; which of the three
-# nodes of a ball joint; axis (3,): of a hinge or slider, in the parent's frame; before, after (4,): quaternions from
-# the parent's frame to the joint's, and from there at s = 0 to the node's; inertia (9,): about the centre of mass,
-# along the node's axes, row by row. Of a ball joint's last node: acts, what acts in it, before P and after C P^T, bends
-# and damps (3,) the diagonals of K and D, see `space_ball_joints`; stays: whether its chart begins at home throughout.
-NODE = record_dtype(
-    [
-        *fields("i8", "parent", "kind", "which", "acts", "stays"),
-        *((name, "f8", (3,)) for name in ("on_parent", "point", "axis", "bends", "damps")),
-        *((name, "f8", (4,)) for name in ("before", "after")),
-        ("inertia", "f8", (9,)),
-        *fields("f8", "mass", "radius"),
-    ]
-)
-nodes_of = lender(NODE, 1)
 
 WIDTHS = {
     **dict.fromkeys(("s", "rates", "s2", "lagged", "s_before", "rates_before", "s2_before", "lagged_before"), 0),

@@ -17,7 +17,6 @@ from __future__ import annotations
 
 import math
 
-from granular_contact.engines.tree.kernels.space_arrays import nodes_of
 from granular_contact.engines.tree.kernels.space_rotations import (
     by_vector,
     chart,
@@ -34,18 +33,6 @@ from granular_contact.engines.tree.kernels.space_rotations import (
     vector,
 )
 from granular_contact.engines.tree.kernels.space_tree import LAST
-from granular_contact.engines.tree.kernels.tree_arrays import (
-    COUPLED,
-    EFFORT,
-    HOME,
-    LAWS,
-    NODES,
-    RATES,
-    S,
-    laws_of,
-    row,
-    rows,
-)
 from granular_contact.jit.compiled import part
 from granular_contact.jit.memory import room1
 from granular_contact.jit.memory import rows as rows_of
@@ -95,23 +82,23 @@ def mapped(t, a, half, c):
 @part
 def push_balls(w):
     """Fill what acts along the coordinates of ball joints."""
-    nodes, s, rates, effort = nodes_of(w, NODES), row(w, S), row(w, RATES), row(w, EFFORT)
+    nodes, s, rates, effort = w.space_nodes, w.s, w.rates, w.effort
     for i in range(nodes.shape[0]):
         if nodes[i].acts:
-            first, home = i - LAST, quaternion(rows(w, HOME), i, 0)
-            tau = torques(vector(s, first), vector(rates, first), home, nodes[i], laws_of(w, LAWS)[i])
+            first, home = i - LAST, quaternion(w.home, i, 0)
+            tau = torques(vector(s, first), vector(rates, first), home, nodes[i], w.laws[i])
             effort[first], effort[first + 1], effort[first + 2] = tau
 
 
 @part
 def stiffen_balls(fq, fv, w):
     """Fill c of ball joints, three rows of three; by differences, see `lines.differences`."""
-    nodes, s, rates, coupled = nodes_of(w, NODES), row(w, S), row(w, RATES), rows(w, COUPLED)
+    nodes, s, rates, coupled = w.space_nodes, w.s, w.rates, w.coupled
     u, rate = room1(3), room1(3)
     for i in range(nodes.shape[0]):
         if not nodes[i].acts:
             continue
-        first, law, home = i - LAST, laws_of(w, LAWS)[i], quaternion(rows(w, HOME), i, 0)
+        first, law, home = i - LAST, w.laws[i], quaternion(w.home, i, 0)
         d = difference(rows_of(s, first, 3), fq, fv)
         here = torques(vector(s, first), vector(rates, first), home, nodes[i], law)
         for k in range(3):

@@ -7,27 +7,8 @@ with a change the moment w x I w counts, as a body that spins fast has much of i
 
 from __future__ import annotations
 
-from granular_contact.engines.tree.kernels.space_arrays import nodes_of
 from granular_contact.engines.tree.kernels.space_rotations import at, dot, plus, unit, vector
 from granular_contact.engines.tree.kernels.space_tree import BALL, LAST, axes_of, momentum, pass_on
-from granular_contact.engines.tree.kernels.tree_arrays import (
-    ALONG,
-    ARM,
-    BODY,
-    CHANGE,
-    COUPLED,
-    JOINTS,
-    MOVED,
-    NODES,
-    PASSED,
-    PRESCRIBED,
-    REST,
-    STIFFNESS,
-    TWIST,
-    numbers,
-    row,
-    rows,
-)
 from granular_contact.jit.compiled import part
 from granular_contact.jit.memory import clear, piece, room2
 from granular_contact.sand.kernels.vectors import cross
@@ -40,10 +21,10 @@ U, W, INVERSE, ALONG_S, ARM_S, COLUMNS = 0, 6, 12, 21, 27, 30
 @part
 def inertias(fv, w):
     """Fill B and c with what they are without any forces but w x I w."""
-    nodes, body, twist = nodes_of(w, NODES), rows(w, BODY), rows(w, TWIST)
+    nodes, body, twist = w.space_nodes, w.body, w.twist
     clear(body)
-    clear(row(w, STIFFNESS))
-    clear(rows(w, COUPLED))
+    clear(w.stiffness)
+    clear(w.coupled)
     for i in range(nodes.shape[0]):
         m = nodes[i].mass
         if not m > 0.0:
@@ -61,7 +42,7 @@ def inertias(fv, w):
 @part
 def fold(w):
     """Fill `joint` from B and c; B of each node then has all that hangs on it."""
-    nodes, body, joint, arm = nodes_of(w, NODES), rows(w, BODY), rows(w, JOINTS), rows(w, ARM)
+    nodes, body, joint, arm = w.space_nodes, w.body, w.joint, w.arm
     T = room2(6, 6)
     for i in range(nodes.shape[0] - 1, -1, -1):
         if nodes[i].kind == BALL:
@@ -81,7 +62,7 @@ def fold(w):
 @part
 def _sides(i, b, w):
     """Fill U, W and S of node i by the B (36,) of its body."""
-    along, f = rows(w, ALONG), piece(rows(w, JOINTS), i, COLUMNS)
+    along, f = w.along, piece(w.joint, i, COLUMNS)
     for k in range(6):
         of_u, of_w = 0.0, 0.0
         for j in range(6):
@@ -102,10 +83,10 @@ def _across(joint, i, k):
 @part
 def _fold_one(i, T, w):
     """Fill 1 / D of a hinge or slider, and T (6, 6) with B - U W / D."""
-    b, joint = piece(rows(w, BODY), i, 36), rows(w, JOINTS)
+    b, joint = piece(w.body, i, 36), w.joint
     _sides(i, b, w)
-    d = _across(joint, i, i) + row(w, STIFFNESS)[i]
-    joint[i, INVERSE] = 0.0 if numbers(w, PRESCRIBED)[i] else 1.0 / d
+    d = _across(joint, i, i) + w.stiffness[i]
+    joint[i, INVERSE] = 0.0 if w.prescribed[i] else 1.0 / d
     for j in range(6):
         share = joint[i, U + j] * joint[i, INVERSE]
         for k in range(6):
@@ -115,7 +96,7 @@ def _fold_one(i, T, w):
 @part
 def _fold_ball(i, T, w):
     """As `_fold_one`, of a ball joint whose last node is i: D (3, 3) is S . U + c of its three coordinates."""
-    b, joint, coupled, D, first = piece(rows(w, BODY), i, 36), rows(w, JOINTS), rows(w, COUPLED), room2(3, 3), i - LAST
+    b, joint, coupled, D, first = piece(w.body, i, 36), w.joint, w.coupled, room2(3, 3), i - LAST
     for k in range(3):
         _sides(first + k, b, w)
     for j in range(3):
@@ -161,8 +142,8 @@ def hang(T, arm, parent):
 @part
 def solve(w):
     """As `tree.solve`."""
-    nodes, joint, change = nodes_of(w, NODES), rows(w, JOINTS), row(w, CHANGE)
-    p, A = rows(w, PASSED), rows(w, MOVED)
+    nodes, joint, change = w.space_nodes, w.joint, w.change
+    p, A = w.passed, w.moved
     clear(p)
     for i in range(nodes.shape[0] - 1, -1, -1):
         count = 3 if nodes[i].kind == BALL else 1
@@ -195,7 +176,7 @@ def solve(w):
 @part
 def _weigh(first, count, i, p, w):
     """Set the changes of the coordinates of a joint to 1 / D (-R - S . p)."""
-    joint, rest, change = rows(w, JOINTS), row(w, REST), row(w, CHANGE)
+    joint, rest, change = w.joint, w.rest, w.change
     for j in range(count):
         change[first + j] = 0.0
     for k in range(count):
@@ -209,7 +190,7 @@ def _weigh(first, count, i, p, w):
 @part
 def _follow(first, count, i, A, w):
     """Take 1 / D W . A off the changes of the coordinates of a joint, with A of the body before they count."""
-    joint, change = rows(w, JOINTS), row(w, CHANGE)
+    joint, change = w.joint, w.change
     for k in range(count):
         g = 0.0
         for m in range(6):

@@ -7,24 +7,9 @@ taken so, too, without what of it comes from G alone, fq M / 2 or less.
 
 from __future__ import annotations
 
-from granular_contact.engines.tree.kernels.space_arrays import nodes_of
 from granular_contact.engines.tree.kernels.space_fold import fold, inertias, solve
 from granular_contact.engines.tree.kernels.space_rotations import at, plus, put, times
 from granular_contact.engines.tree.kernels.space_tree import carry, lack, place, recentre
-from granular_contact.engines.tree.kernels.tree_arrays import (
-    BLOCKS,
-    BODY,
-    FORCE,
-    GRAVITY,
-    LEVER,
-    MOVED,
-    NODES,
-    OF_SAND,
-    POSE,
-    TRIPLETS,
-    row,
-    rows,
-)
 from granular_contact.engines.tree.kernels.tree_calls import (
     push_balls,
     sand_accept,
@@ -46,11 +31,11 @@ SIZE = 7  # coordinates of a pose
 @part
 def act(w):
     """Place the nodes, and fill the forces on them and along their coordinates."""
-    nodes, force, of_sand, gravity = nodes_of(w, NODES), rows(w, FORCE), rows(w, OF_SAND), row(w, GRAVITY)[0]
+    nodes, force, of_sand, gravity = w.space_nodes, w.force, w.of_sand, w.gravity[0]
     place(w)
     clear(of_sand)
     sand_force(of_sand, w)
-    pose = rows(w, POSE)
+    pose = w.pose
     for i in range(nodes.shape[0]):
         put(at(of_sand, i, 0), force, i, 0)
         put(moment(pose, i, of_sand[i, 3], at(of_sand, i, 4)), force, i, 3)
@@ -69,7 +54,7 @@ def moment(pose, i, f, g):
 @part
 def tangent(fq, fv, w):
     """Fill B and c of `space_tree` where `act` was called last."""
-    blocks, triplets, body, some = rows(w, BLOCKS), rows(w, TRIPLETS), rows(w, BODY), room2(SIZE, 6)
+    blocks, triplets, body, some = w.blocks, w.triplets, w.body, room2(SIZE, 6)
     inertias(fv, w)
     count = sand_tangent(fq, fv, w)
     if count > 0:
@@ -79,7 +64,7 @@ def tangent(fq, fv, w):
             i = line // SIZE
             blocks[i, SIZE * (line - SIZE * i) + column - SIZE * i] += triplets[k, 2]
         for i in range(blocks.shape[0]):
-            turn(i, blocks, rows(w, POSE), some, body)
+            turn(i, blocks, w.pose, some, body)
     stiffen(fq, fv, w)
     stiffen_balls(fq, fv, w)
 
@@ -109,7 +94,7 @@ def iteration(of_q, of_v, w):
         tangent(of_q, of_v, w)
         fold(w)
     solve(w)
-    return fastest(flat(rows(w, MOVED)), row(w, LEVER))
+    return fastest(flat(w.moved), w.lever)
 
 
 @part

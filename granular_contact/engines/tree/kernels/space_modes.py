@@ -13,26 +13,8 @@ in the subspace is in it again. Cost of a matrix: m (m + 60) n; of an iteration 
 
 from __future__ import annotations
 
-from granular_contact.engines.tree.kernels.space_arrays import nodes_of
 from granular_contact.engines.tree.kernels.space_load import accept, act, tangent  # noqa: F401  # see `tree_calls`
 from granular_contact.engines.tree.kernels.space_tree import BALL, LAST, carry, inward, lack, outward
-from granular_contact.engines.tree.kernels.tree_arrays import (
-    ALONG,
-    BODY,
-    CHANGE,
-    COUPLED,
-    INVERSE,
-    LACKED,
-    LEVER,
-    MOVED,
-    NODES,
-    PASSED,
-    REST,
-    SHAPES,
-    STIFFNESS,
-    row,
-    rows,
-)
 from granular_contact.engines.tree.kernels.tree_newton import needs_matrix
 from granular_contact.jit.compiled import part
 from granular_contact.jit.memory import clear, flat, piece
@@ -49,15 +31,15 @@ def iteration(of_q, of_v, w):
     if needs_matrix(of_v, w):
         tangent(of_q, of_v, w)
         project(w)
-        invert(rows(w, INVERSE))
+        invert(w.inverse)
     solve(w)
-    return fastest(flat(rows(w, MOVED)), row(w, LEVER))
+    return fastest(flat(w.moved), w.lever)
 
 
 @part
 def move(s2, w):
     """Fill `moved` with the accelerations J s2 of the nodes."""
-    along, moved = rows(w, ALONG), rows(w, MOVED)
+    along, moved = w.along, w.moved
     for i in range(s2.shape[0]):
         for k in range(6):
             moved[i, k] = along[i, k] * s2[i]
@@ -67,8 +49,8 @@ def move(s2, w):
 @part
 def project(w):
     """Fill G, column by column; uses `moved`, `passed` and `change`."""
-    G, shapes, body, asked = rows(w, INVERSE), rows(w, SHAPES), rows(w, BODY), row(w, CHANGE)
-    moved, P = rows(w, MOVED), rows(w, PASSED)
+    G, shapes, body, asked = w.inverse, w.shapes, w.body, w.change
+    moved, P = w.moved, w.passed
     for c in range(G.shape[0]):
         shape = piece(shapes, c, shapes.shape[1])
         move(shape, w)
@@ -88,7 +70,7 @@ def project(w):
 @part
 def push_back(shape, asked, w):
     """Add c shape to what is asked of the coordinates."""
-    nodes, stiffness, coupled = nodes_of(w, NODES), row(w, STIFFNESS), rows(w, COUPLED)
+    nodes, stiffness, coupled = w.space_nodes, w.stiffness, w.coupled
     for i in range(nodes.shape[0]):
         first = i - LAST
         if nodes[i].kind != BALL:
@@ -119,8 +101,8 @@ def invert(G):
 @part
 def solve(w):
     """Fill the changes of accelerations, -Phi G^-1 Phi^T R, and how the nodes move with them."""
-    shapes, inverse, rest = rows(w, SHAPES), rows(w, INVERSE), row(w, REST)
-    change, lacked = row(w, CHANGE), row(w, LACKED)
+    shapes, inverse, rest = w.shapes, w.inverse, w.rest
+    change, lacked = w.change, w.lacked
     clear(change)
     for r in range(lacked.shape[0]):
         lacked[r] = 0.0

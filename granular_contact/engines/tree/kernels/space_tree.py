@@ -24,7 +24,6 @@ from __future__ import annotations
 
 import math
 
-from granular_contact.engines.tree.kernels.space_arrays import nodes_of
 from granular_contact.engines.tree.kernels.space_rotations import (
     at,
     by_vector,
@@ -44,28 +43,6 @@ from granular_contact.engines.tree.kernels.space_rotations import (
     unit,
     vector,
 )
-from granular_contact.engines.tree.kernels.tree_arrays import (
-    ACCELERATION,
-    ALONG,
-    ARM,
-    BIAS,
-    EFFORT,
-    FORCE,
-    HOME,
-    LAGGED,
-    NODES,
-    PASSED,
-    POSE,
-    POSE_RATES,
-    RATES,
-    REST,
-    S2,
-    TURNED,
-    TWIST,
-    S,
-    row,
-    rows,
-)
 from granular_contact.jit.compiled import part
 from granular_contact.sand.kernels.vectors import cross
 
@@ -78,14 +55,14 @@ ALONG_WORLD = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 @part
 def axes_of(w, i):
     """Axes of node i, row by row (9,)."""
-    R = rows(w, TURNED)
+    R = w.turned
     return R[i, 0], R[i, 1], R[i, 2], R[i, 3], R[i, 4], R[i, 5], R[i, 6], R[i, 7], R[i, 8]
 
 
 @part
 def momentum(w, i, R, a):
     """The inertia of node i about its centre of mass times a; R: its axes."""
-    J = nodes_of(w, NODES)[i].inertia
+    J = w.space_nodes[i].inertia
     own = J[0], J[1], J[2], J[3], J[4], J[5], J[6], J[7], J[8]
     return turned(R, turned(own, seen(R, a)))
 
@@ -99,26 +76,26 @@ def swing(w, arm):
 @part
 def place(w):
     """Fill pose, twist, arm, along and bias from coordinates and rates."""
-    for i in range(row(w, S).shape[0]):
+    for i in range(w.s.shape[0]):
         _place(i, w)
 
 
 @part
 def _place(i, w):
     """`place` of one node, of a ball joint's last one with the axes of all three."""
-    node, twists, p = nodes_of(w, NODES)[i], rows(w, TWIST), nodes_of(w, NODES)[i].parent
+    node, twists, p = w.space_nodes[i], w.twist, w.space_nodes[i].parent
     x_p, v_p, w_p, u, speed = NONE, NONE, NONE, NONE, NONE
     q_p, R_p = UNTURNED, ALONG_WORLD
     if p >= 0:
-        x_p, q_p, R_p = at(rows(w, POSE), p, 0), quaternion(rows(w, POSE), p, 3), axes_of(w, p)
+        x_p, q_p, R_p = at(w.pose, p, 0), quaternion(w.pose, p, 3), axes_of(w, p)
         v_p, w_p = at(twists, p, 0), at(twists, p, 3)
     e, spin, drift, q = turned(R_p, vector(node.on_parent, 0)), w_p, NONE, q_p
     if node.kind == SLIDER:
         u, q = turned(R_p, vector(node.axis, 0)), product(q_p, four(node.before))
-        e, speed = plus(e, times(row(w, S)[i], u)), times(row(w, RATES)[i], u)
+        e, speed = plus(e, times(w.s[i], u)), times(w.rates[i], u)
     elif node.kind == HINGE:
         u = turned(R_p, vector(node.axis, 0))
-        more, half = times(row(w, RATES)[i], u), 0.5 * row(w, S)[i]
+        more, half = times(w.rates[i], u), 0.5 * w.s[i]
         q = product(product(q_p, four(node.before)), (math.cos(half), 0.0, 0.0, math.sin(half)))
         q = product(q, four(node.after))
         spin, drift = plus(w_p, more), cross(w_p, more)
@@ -127,8 +104,8 @@ def _place(i, w):
     d = times(-1.0, turned(matrix_of(q), vector(node.point, 0)))
     v = plus(plus(plus(v_p, cross(w_p, e)), cross(spin, d)), speed)
     b = plus(plus(swing(w_p, e), swing(spin, d)), plus(cross(drift, d), times(2.0, cross(w_p, speed))))
-    put(b, rows(w, BIAS), i, 0)
-    put(drift, rows(w, BIAS), i, 3)
+    put(b, w.bias, i, 0)
+    put(drift, w.bias, i, 3)
     _write(i, plus(x_p, plus(e, d)), q, v, spin, w)
     _seat(i, u, plus(e, d), d, w)
 
@@ -137,7 +114,7 @@ def _place(i, w):
 def _write(i, x, q, v, spin, w):
     """Write the pose of a node with its rates, its axes and its twist."""
     poses, rates, axes, twists, R, dq = (
-        rows(w, POSE), rows(w, POSE_RATES), rows(w, TURNED), rows(w, TWIST), matrix_of(q), rates_of(q, spin)
+        w.pose, w.pose_rates, w.turned, w.twist, matrix_of(q), rates_of(q, spin)
     )  # fmt: skip
     put(x, poses, i, 0)
     put(v, rates, i, 0)
@@ -152,7 +129,7 @@ def _write(i, x, q, v, spin, w):
 @part
 def _seat(i, u, whole, d, w):
     """Write the arm e + d of a node and its S; all frames of a ball joint are at the centre of mass of its body."""
-    node, along, arm = nodes_of(w, NODES)[i], rows(w, ALONG), rows(w, ARM)
+    node, along, arm = w.space_nodes[i], w.along, w.arm
     put(whole, arm, i, 0)
     if node.kind == SLIDER:
         put(u, along, i, 0)
@@ -171,7 +148,7 @@ def _seat(i, u, whole, d, w):
 @part
 def _of_ball(i, q_p, R_p, w_p, w):
     """Angular velocity, what of its rate is not u'', and orientation of the body on a ball joint; its axes."""
-    s, rates, along, first = row(w, S), row(w, RATES), rows(w, ALONG), i - LAST
+    s, rates, along, first = w.s, w.rates, w.along, i - LAST
     u, rate = vector(s, first), vector(rates, first)
     of = chart(u)
     for k in range(3):
@@ -179,14 +156,14 @@ def _of_ball(i, q_p, R_p, w_p, w):
         put(axis, along, first + k, 3)
     more = turned(R_p, spin_of(u, rate, of))
     drift = plus(turned(R_p, drift_of(u, rate, of)), cross(w_p, more))
-    return plus(w_p, more), drift, product(q_p, product(by_vector(u), quaternion(rows(w, HOME), i, 0)))
+    return plus(w_p, more), drift, product(q_p, product(by_vector(u), quaternion(w.home, i, 0)))
 
 
 @part
 def recentre(w):
     """Let the charts of ball joints begin where they are now, but for those that stay."""
     nodes, s, rates, s2, lagged, home = (
-        nodes_of(w, NODES), row(w, S), row(w, RATES), row(w, S2), row(w, LAGGED), rows(w, HOME)
+        w.space_nodes, w.s, w.rates, w.s2, w.lagged, w.home
     )  # fmt: skip
     for i in range(nodes.shape[0]):
         if nodes[i].kind != BALL or nodes[i].which != LAST or nodes[i].stays:
@@ -208,7 +185,7 @@ def recentre(w):
 @part
 def carry(w):
     """Fill the accelerations of the nodes from those of the coordinates."""
-    s2, A, along, bias = row(w, S2), rows(w, ACCELERATION), rows(w, ALONG), rows(w, BIAS)
+    s2, A, along, bias = w.s2, w.acceleration, w.along, w.bias
     for i in range(s2.shape[0]):
         for k in range(6):
             A[i, k] = bias[i, k] + along[i, k] * s2[i]
@@ -218,7 +195,7 @@ def carry(w):
 @part
 def outward(A, w):
     """Add to the rows (6,) of A what the nodes get from their parents, X A_p."""
-    nodes, arm = nodes_of(w, NODES), rows(w, ARM)
+    nodes, arm = w.space_nodes, w.arm
     for i in range(nodes.shape[0]):
         p = nodes[i].parent
         if p >= 0:
@@ -234,8 +211,8 @@ def outward(A, w):
 @part
 def lack(w):
     """Fill R for the accelerations of the nodes."""
-    nodes, A, P, force = nodes_of(w, NODES), rows(w, ACCELERATION), rows(w, PASSED), rows(w, FORCE)
-    effort, rest, twist = row(w, EFFORT), row(w, REST), rows(w, TWIST)
+    nodes, A, P, force = w.space_nodes, w.acceleration, w.passed, w.force
+    effort, rest, twist = w.effort, w.rest, w.twist
     for i in range(nodes.shape[0]):
         for k in range(6):
             P[i, k] = -force[i, k]
@@ -254,7 +231,7 @@ def lack(w):
 @part
 def inward(P, asked, w):
     """Pass the forces in the rows (6,) of P on to the ground; asked: filled with S . P of each coordinate."""
-    nodes, arm, along = nodes_of(w, NODES), rows(w, ARM), rows(w, ALONG)
+    nodes, arm, along = w.space_nodes, w.arm, w.along
     for i in range(nodes.shape[0] - 1, -1, -1):
         asked[i] = 0.0
         for k in range(6):

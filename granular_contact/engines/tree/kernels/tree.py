@@ -37,33 +37,6 @@ from __future__ import annotations
 
 import math
 
-from granular_contact.engines.tree.kernels.tree_arrays import (
-    ACCELERATION,
-    ALONG,
-    ARM,
-    BIAS,
-    BODY,
-    CHANGE,
-    EFFORT,
-    FORCE,
-    JOINTS,
-    MOVED,
-    NODES,
-    PASSED,
-    POSE,
-    PRESCRIBED,
-    RATES,
-    REST,
-    S2,
-    STIFFNESS,
-    TURNED,
-    TWIST,
-    S,
-    nodes_of,
-    numbers,
-    row,
-    rows,
-)
 from granular_contact.jit.compiled import part
 from granular_contact.jit.memory import clear, piece
 
@@ -76,8 +49,8 @@ UX, UY, UT, WX, WY, WT, INVERSE, SX, SY, ST, TX, TY = range(12)
 @part
 def place(w):
     """Fill pose, twist, arm, along and bias from coordinates and rates."""
-    nodes, s, rates, turned, arm = nodes_of(w, NODES), row(w, S), row(w, RATES), rows(w, TURNED), rows(w, ARM)
-    pose, twist, along, bias = rows(w, POSE), rows(w, TWIST), rows(w, ALONG), rows(w, BIAS)
+    nodes, s, rates, turned, arm = w.nodes, w.s, w.rates, w.turned, w.arm
+    pose, twist, along, bias = w.pose, w.twist, w.along, w.bias
     for i in range(nodes.shape[0]):
         node = nodes[i]
         p, slides = node.parent, node.kind == SLIDER
@@ -112,8 +85,8 @@ def place(w):
 @part
 def carry(w):
     """Fill the accelerations of the nodes from those of the coordinates."""
-    nodes, s2, A = nodes_of(w, NODES), row(w, S2), rows(w, ACCELERATION)
-    arm, along, bias = rows(w, ARM), rows(w, ALONG), rows(w, BIAS)
+    nodes, s2, A = w.nodes, w.s2, w.acceleration
+    arm, along, bias = w.arm, w.along, w.bias
     for i in range(nodes.shape[0]):
         p, ax, ay, alpha = nodes[i].parent, bias[i, 0], bias[i, 1], 0.0
         if p >= 0:
@@ -128,8 +101,8 @@ def carry(w):
 @part
 def lack(w):
     """Fill R for the accelerations of the nodes."""
-    nodes, A, P, force = nodes_of(w, NODES), rows(w, ACCELERATION), rows(w, PASSED), rows(w, FORCE)
-    arm, along, effort, rest = rows(w, ARM), rows(w, ALONG), row(w, EFFORT), row(w, REST)
+    nodes, A, P, force = w.nodes, w.acceleration, w.passed, w.force
+    arm, along, effort, rest = w.arm, w.along, w.effort, w.rest
     for i in range(nodes.shape[0]):
         P[i, 0] = nodes[i].mass * A[i, 0] - force[i, 0]
         P[i, 1] = nodes[i].mass * A[i, 1] - force[i, 1]
@@ -147,9 +120,9 @@ def lack(w):
 @part
 def inertias(w):
     """Fill B and c with what they are without any forces."""
-    nodes, body = nodes_of(w, NODES), rows(w, BODY)
+    nodes, body = w.nodes, w.body
     clear(body)
-    clear(row(w, STIFFNESS))
+    clear(w.stiffness)
     for i in range(nodes.shape[0]):
         body[i, 0] = body[i, 4] = nodes[i].mass
         body[i, 8] = nodes[i].inertia
@@ -178,8 +151,8 @@ def hang(b, f, parent):
 @part
 def fold(w):
     """Fill `joint` from B and c; B of each node then has all that hangs on it."""
-    nodes, body, joint, stiffness = nodes_of(w, NODES), rows(w, BODY), rows(w, JOINTS), row(w, STIFFNESS)
-    along, arm, prescribed = rows(w, ALONG), rows(w, ARM), numbers(w, PRESCRIBED)
+    nodes, body, joint, stiffness = w.nodes, w.body, w.joint, w.stiffness
+    along, arm, prescribed = w.along, w.arm, w.prescribed
     for i in range(nodes.shape[0] - 1, -1, -1):
         b, f, x, y, t = piece(body, i, 9), piece(joint, i, 12), along[i, 0], along[i, 1], along[i, 2]
         for k in range(3):
@@ -198,8 +171,8 @@ def solve(w):
 
     By what `fold` found, which may have been at another place.
     """
-    nodes, joint, rest, change = nodes_of(w, NODES), rows(w, JOINTS), row(w, REST), row(w, CHANGE)
-    p, A = rows(w, PASSED), rows(w, MOVED)
+    nodes, joint, rest, change = w.nodes, w.joint, w.rest, w.change
+    p, A = w.passed, w.moved
     clear(p)
     for i in range(nodes.shape[0] - 1, -1, -1):
         f, q = piece(joint, i, 12), nodes[i].parent

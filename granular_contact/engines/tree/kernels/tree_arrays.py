@@ -1,7 +1,6 @@
-"""Arrays of a tree of rigid bodies and of its march, which kernels find by their places (`lending`).
+"""Arrays of a tree of rigid bodies and of its march, of a view `w` of TREE: `w.pose` (`jit.layout`).
 
-Of n nodes, in the order of ARRAYS, with the widths of the plane; those of space, and what is there alone:
-`space_arrays`.
+Of n nodes, with the widths of the plane; those of space, and what is there alone: `space_arrays`.
 
     nodes           (n,) records of NODE, see `tree`
     prescribed      (n,) whether a signal says s
@@ -51,7 +50,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from granular_contact.jit.lending import lender, places
+from granular_contact.jit.layout import Layout
 from granular_contact.jit.records import fields, record_dtype
 from granular_contact.mechanics.kernels.joint_loads import JOINT
 from granular_contact.mechanics.kernels.step_choice import CHOICE
@@ -66,6 +65,20 @@ NODE = record_dtype(
         *fields("i8", "parent", "kind"),
         *((name, "f8", (2,)) for name in ("on_parent", "point", "axis")),
         *fields("f8", "turn", "mass", "inertia", "radius"),
+    ]
+)
+# In space. parent, mass, radius, on_parent (3,), point (3,): as of NODE; kind of the joint; which of the three
+# nodes of a ball joint; axis (3,): of a hinge or slider, in the parent's frame; before, after (4,): quaternions from
+# the parent's frame to the joint's, and from there at s = 0 to the node's; inertia (9,): about the centre of mass,
+# along the node's axes, row by row. Of a ball joint's last node: acts, what acts in it, before P and after C P^T, bends
+# and damps (3,) the diagonals of K and D, see `space_ball_joints`; stays: whether its chart begins at home throughout.
+SPACE_NODE = record_dtype(
+    [
+        *fields("i8", "parent", "kind", "which", "acts", "stays"),
+        *((name, "f8", (3,)) for name in ("on_parent", "point", "axis", "bends", "damps")),
+        *((name, "f8", (4,)) for name in ("before", "after")),
+        ("inertia", "f8", (9,)),
+        *fields("f8", "mass", "radius"),
     ]
 )
 # alpha_m ... gamma, of the scheme; fixed: whether steps are.
@@ -85,31 +98,33 @@ CALL = record_dtype(
     )
 )
 
-ARRAYS = (
-    *("nodes", "laws", "state", "gravity", "sand", "triplets", "signals", "knots", "pieces", "wanted"),
-    *("s", "rates", "s2", "lagged", "s_before", "rates_before", "s2_before", "lagged_before"),
-    *("pose", "twist", "acceleration", "turned", "arm", "along", "bias", "force", "effort", "passed"),
-    *("body", "stiffness", "joint", "rest", "change", "moved", "matrix", "iterated", "iterations", "changes"),
-    *("scheme", "choice", "control", "bends", "followed", "arms", "clock", "counts", "blank", "states", "table"),
-    *("calls", "prescribed", "acts", "pose_rates", "lever", "home", "of_sand", "blocks", "coupled"),
-    *("shapes", "inverse", "lacked"),
+_ROW, _ROWS, _WHOLE = (float, 1), (float, 2), (np.int64, 1)
+TREE = Layout(
+    "tree",
+    nodes=(NODE, 1),
+    space_nodes=(SPACE_NODE, 1),
+    laws=(JOINT, 1),
+    pieces=(float, 3),
+    sand=(np.int64, 2),
+    scheme=(SCHEME, 1),
+    choice=(CHOICE, 1),
+    control=(CONTROL, 1),
+    calls=(CALL, 1),
+    **dict.fromkeys(("gravity", "knots", "matrix", "clock", "blank", "bends", "arms", "lever", "lacked"), _ROW),
+    **dict.fromkeys(("s", "rates", "s2", "lagged"), _ROW),
+    **dict.fromkeys(("s_before", "rates_before", "s2_before", "lagged_before"), _ROW),
+    **dict.fromkeys(("effort", "stiffness", "rest", "change"), _ROW),
+    **dict.fromkeys(("state", "triplets", "wanted", "states", "table", "shapes", "inverse"), _ROWS),
+    **dict.fromkeys(("pose", "pose_rates", "twist", "acceleration", "turned", "home", "arm", "along", "bias"), _ROWS),
+    **dict.fromkeys(("force", "of_sand", "blocks", "coupled", "passed", "body", "joint", "moved"), _ROWS),
+    **dict.fromkeys(("signals", "prescribed", "acts", "followed", "counts"), _WHOLE),
+    **dict.fromkeys(("iterated", "iterations", "changes"), _WHOLE),
 )
-NODES, LAWS, STATE, GRAVITY, SAND, TRIPLETS, SIGNALS, KNOTS, PIECES, WANTED = range(10)
-S, RATES, S2, LAGGED, S_BEFORE, RATES_BEFORE, S2_BEFORE, LAGGED_BEFORE = range(10, 18)
-POSE, TWIST, ACCELERATION, TURNED, ARM, ALONG, BIAS, FORCE, EFFORT, PASSED = range(18, 28)
-BODY, STIFFNESS, JOINTS, REST, CHANGE, MOVED, MATRIX, ITERATED, ITERATIONS, CHANGES = range(28, 38)
-SCHEMES, CHOICES, CONTROLS, BENDS, FOLLOWED, ARMS, CLOCK, COUNTS, BLANK, STATES, TABLE, CALLS = range(38, 50)
-PRESCRIBED, ACTS, POSE_RATES, LEVER, HOME, OF_SAND, BLOCKS, COUPLED, SHAPES, INVERSE, LACKED = range(50, 61)
+view = TREE.view
 DONE, MATRICES = 0, 1  # of `iterated`
 # Of clock (8,): times (s), of the step to come and of the last one tried, speeds (m/s) as of `step_choice`, and from
 # when on how many whole steps were taken.
 NOW, STEP, RESTING_SINCE, TRIED, SPEED, FASTEST, ORIGIN, WHOLE = range(8)
-
-row, rows, blocks = (lender(np.float64, axes) for axes in (1, 2, 3))
-numbers, tables = (lender(np.int64, axes) for axes in (1, 2))
-nodes_of, laws_of, schemes, choices, controls, calls = (
-    lender(kind, 1) for kind in (NODE, JOINT, SCHEME, CHOICE, CONTROL, CALL)
-)
 
 WIDTHS = {
     **dict.fromkeys(("s", "rates", "s2", "lagged", "s_before", "rates_before", "s2_before", "lagged_before"), 0),
@@ -126,9 +141,7 @@ def room(nodes: int) -> dict[str, NDArray[Any]]:
     return made | {"pose_rates": made["twist"]}
 
 
-def words(arrays: Mapping[str, NDArray[Any]]) -> NDArray[np.int64]:
-    """Where the arrays are, those that are not needed left out; good for as long as somebody keeps them."""
-    return places(*(arrays.get(name, _NOTHING) for name in ARRAYS))
-
-
-_NOTHING = np.zeros(0)
+def places(arrays: Mapping[str, NDArray[Any]]) -> NDArray[np.int64]:
+    """`TREE.places` of a tree in the plane or in space, whose `nodes` have records of their own."""
+    nodes = "space_nodes" if arrays["nodes"].dtype == SPACE_NODE else "nodes"
+    return TREE.places({nodes if name == "nodes" else name: array for name, array in arrays.items()})

@@ -15,18 +15,8 @@ from numpy.typing import NDArray
 
 from granular_contact.engines.tree.kernels.tree_arrays import (
     CALL,
-    CALLS,
-    ITERATED,
-    ITERATIONS,
     MATRICES,
-    POSE,
-    POSE_RATES,
-    SAND,
-    TRIPLETS,
-    calls,
-    numbers,
-    rows,
-    tables,
+    TREE,
 )
 from granular_contact.jit.calls import address_of, caller
 from granular_contact.jit.compiled import part
@@ -45,11 +35,11 @@ _SIGNATURES: dict[str, tuple[tuple[Any, ...], Any]] = {  # arguments, result
     "soonest": ((_SAND,), _NUMBER),
     "begin": ((_WORDS, _NUMBER, _NUMBER), types.none),
     "accelerate": ((_WORDS, _WHOLE), _TRUTH),
-    "iterate": ((_NUMBER, _NUMBER, _WORDS), _NUMBER),
-    "end": ((_WORDS, _ROW, _TRUTH), types.none),
-    "attempt": ((_NUMBER, _NUMBER, _WORDS), _TRUTH),
-    "push": ((_WORDS,), types.none),
-    "stiffen": ((_NUMBER, _NUMBER, _WORDS), types.none),
+    "iterate": ((_NUMBER, _NUMBER, TREE.kind), _NUMBER),
+    "end": ((TREE.kind, _ROW, _TRUTH), types.none),
+    "attempt": ((_NUMBER, _NUMBER, TREE.kind), _TRUTH),
+    "push": ((TREE.kind,), types.none),
+    "stiffen": ((_NUMBER, _NUMBER, TREE.kind), types.none),
 }
 _force, _tangent, _accept, _update_active, _soonest, _begin, _accelerate, _iterate, _end, _attempt, _push, _stiffen = (
     caller(name, *_SIGNATURES[name], CALL) for name in _SIGNATURES
@@ -78,79 +68,79 @@ def record(load: Any, attempt: Any, sand: Any = None, joints: Any = None) -> NDA
 @part
 def sand_force(force, w):
     """Add the generalised forces of the medium to those on the nodes, in the coordinates of their poses."""
-    if tables(w, SAND).shape[0] > 0:
-        given = tables(w, SAND), flat(rows(w, POSE)), flat(rows(w, POSE_RATES)), flat(force)
-        _force(calls(w, CALLS)[0], given)
+    if w.sand.shape[0] > 0:
+        given = w.sand, flat(w.pose), flat(w.pose_rates), flat(force)
+        _force(w.calls[0], given)
 
 
 @part
 def sand_tangent(fq, fv, w):
     """Fill triplets with the tangent of these forces, see `planar_sand.tangent`; their number."""
-    if tables(w, SAND).shape[0] == 0:
+    if w.sand.shape[0] == 0:
         return 0
-    given = tables(w, SAND), flat(rows(w, POSE)), flat(rows(w, POSE_RATES)), fq, fv, rows(w, TRIPLETS)
-    return _tangent(calls(w, CALLS)[0], given)
+    given = w.sand, flat(w.pose), flat(w.pose_rates), fq, fv, w.triplets
+    return _tangent(w.calls[0], given)
 
 
 @part
 def sand_accept(w, history, begins):
     """End of a step in the medium, see `planar_sand.accept`."""
-    if tables(w, SAND).shape[0] > 0:
-        given = tables(w, SAND), flat(rows(w, POSE)), flat(rows(w, POSE_RATES)), history, begins
-        _accept(calls(w, CALLS)[0], given)
+    if w.sand.shape[0] > 0:
+        given = w.sand, flat(w.pose), flat(w.pose_rates), history, begins
+        _accept(w.calls[0], given)
 
 
 @part
 def update_active(step, w):
     """Mark the lines that may touch the surface within a step (s)."""
-    _update_active(calls(w, CALLS)[0], (tables(w, SAND), step))
+    _update_active(w.calls[0], (w.sand, step))
 
 
 @part
 def soonest(w):
     """Time (s) until something above the surface may touch it."""
-    return _soonest(calls(w, CALLS)[0], (tables(w, SAND),))
+    return _soonest(w.calls[0], (w.sand,))
 
 
 @part
 def begin_iterations(of_q, of_v, w):
     """`anderson.begin`."""
-    _begin(calls(w, CALLS)[0], (numbers(w, ITERATIONS), of_q, of_v))
+    _begin(w.calls[0], (w.iterations, of_q, of_v))
 
 
 @part
 def accelerate(w):
     """`anderson.accelerate`: whether the matrix is to be new."""
-    return _accelerate(calls(w, CALLS)[0], (numbers(w, ITERATIONS), numbers(w, ITERATED)[MATRICES]))
+    return _accelerate(w.calls[0], (w.iterations, w.iterated[MATRICES]))
 
 
 @part
 def iterate(of_q, of_v, w):
     """`tree_load.iteration`, or that of space."""
-    return _iterate(calls(w, CALLS)[0], (of_q, of_v, w))
+    return _iterate(w.calls[0], (of_q, of_v, w))
 
 
 @part
 def end(w, history, begins):
     """`tree_load.accept`, or that of space."""
-    _end(calls(w, CALLS)[0], (w, history, begins))
+    _end(w.calls[0], (w, history, begins))
 
 
 @part
 def push_balls(w):
     """`space_ball_joints.push_balls`, where something acts in such joints."""
-    if calls(w, CALLS)[0].push != 0:
-        _push(calls(w, CALLS)[0], (w,))
+    if w.calls[0].push != 0:
+        _push(w.calls[0], (w,))
 
 
 @part
 def stiffen_balls(fq, fv, w):
     """`space_ball_joints.stiffen_balls`, likewise."""
-    if calls(w, CALLS)[0].stiffen != 0:
-        _stiffen(calls(w, CALLS)[0], (fq, fv, w))
+    if w.calls[0].stiffen != 0:
+        _stiffen(w.calls[0], (fq, fv, w))
 
 
 @part
 def attempt(h, allowed, w):
     """`tree_newton.attempt`."""
-    return _attempt(calls(w, CALLS)[0], (h, allowed, w))
+    return _attempt(w.calls[0], (h, allowed, w))

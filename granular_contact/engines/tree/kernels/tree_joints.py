@@ -2,26 +2,6 @@
 
 from __future__ import annotations
 
-from granular_contact.engines.tree.kernels.tree_arrays import (
-    ACTS,
-    EFFORT,
-    KNOTS,
-    LAWS,
-    PIECES,
-    PRESCRIBED,
-    RATES,
-    S2,
-    SIGNALS,
-    STATE,
-    STIFFNESS,
-    WANTED,
-    S,
-    blocks,
-    laws_of,
-    numbers,
-    row,
-    rows,
-)
 from granular_contact.jit.compiled import part
 from granular_contact.jit.memory import rows as rows_of
 from granular_contact.mechanics.kernels import joint_laws
@@ -34,10 +14,10 @@ from granular_contact.sand.kernels.lines import difference
 @part
 def follow_signals(t, w):
     """Let drives want what their signals say at t (s)."""
-    wanted, laws, state, signals = rows(w, WANTED), laws_of(w, LAWS), rows(w, STATE), numbers(w, SIGNALS)
+    wanted, laws, state, signals = w.wanted, w.laws, w.state, w.signals
     if wanted.shape[0] == 0:
         return
-    look_up(t, row(w, KNOTS), blocks(w, PIECES), wanted)
+    look_up(t, w.knots, w.pieces, wanted)
     for i in range(signals.shape[0]):
         k = signals[i]
         if k < 0:
@@ -58,8 +38,8 @@ def prescribe(of_v, w):
     Their accelerations are those by which the scheme comes to their rates: where one jumps within a step, all that they
     move would else get half of the jump for the whole step. of_v: see `tree_newton`; 0 at a start.
     """
-    prescribed, wanted, signals = numbers(w, PRESCRIBED), rows(w, WANTED), numbers(w, SIGNALS)
-    s, rates, s2 = row(w, S), row(w, RATES), row(w, S2)
+    prescribed, wanted, signals = w.prescribed, w.wanted, w.signals
+    s, rates, s2 = w.s, w.rates, w.s2
     if wanted.shape[0] == 0:
         return
     for i in range(prescribed.shape[0]):
@@ -72,14 +52,14 @@ def prescribe(of_v, w):
 @part
 def along(i, s, rate, w):
     """Torque (N m) or force (N) of all that acts along coordinate i."""
-    state = rows(w, STATE)
-    return total(laws_of(w, LAWS)[i], s, rate, state[i, ANCHOR], state[i, VALUE], state[i, RATE])
+    state = w.state
+    return total(w.laws[i], s, rate, state[i, ANCHOR], state[i, VALUE], state[i, RATE])
 
 
 @part
 def push(w):
     """Fill what acts along the coordinates."""
-    acts, effort, s, rates = numbers(w, ACTS), row(w, EFFORT), row(w, S), row(w, RATES)
+    acts, effort, s, rates = w.acts, w.effort, w.s, w.rates
     for i in range(acts.shape[0]):
         effort[i] = along(i, s[i], rates[i], w) if acts[i] else 0.0
 
@@ -87,8 +67,8 @@ def push(w):
 @part
 def stiffen(fq, fv, w):
     """Fill c of `tree` where something acts; by differences, see `lines.differences`."""
-    acts, prescribed, stiffness = numbers(w, ACTS), numbers(w, PRESCRIBED), row(w, STIFFNESS)
-    s, rates = row(w, S), row(w, RATES)
+    acts, prescribed, stiffness = w.acts, w.prescribed, w.stiffness
+    s, rates = w.s, w.rates
     for i in range(acts.shape[0]):
         if acts[i] and not prescribed[i]:
             d = difference(rows_of(s, i, 1), fq, fv)
@@ -98,7 +78,7 @@ def stiffen(fq, fv, w):
 @part
 def follow(w):
     """End of a step: the anchors of dry friction follow."""
-    acts, laws, state, s = numbers(w, ACTS), laws_of(w, LAWS), rows(w, STATE), row(w, S)
+    acts, laws, state, s = w.acts, w.laws, w.state, w.s
     for i in range(acts.shape[0]):
         if acts[i] and laws[i].friction > 0.0:
             state[i, ANCHOR] = joint_laws.follow(laws[i], s[i], state[i, ANCHOR])

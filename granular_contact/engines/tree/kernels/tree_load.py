@@ -3,18 +3,6 @@
 from __future__ import annotations
 
 from granular_contact.engines.tree.kernels.tree import carry, fold, inertias, lack, place, solve
-from granular_contact.engines.tree.kernels.tree_arrays import (
-    BODY,
-    FORCE,
-    GRAVITY,
-    LEVER,
-    MOVED,
-    NODES,
-    TRIPLETS,
-    nodes_of,
-    row,
-    rows,
-)
 from granular_contact.engines.tree.kernels.tree_calls import sand_accept, sand_force, sand_tangent
 from granular_contact.engines.tree.kernels.tree_joints import follow, push, stiffen
 from granular_contact.engines.tree.kernels.tree_newton import needs_matrix
@@ -27,7 +15,7 @@ from granular_contact.sand.kernels import planar_sand as sand  # noqa: F401  # w
 @part
 def act(w):
     """Place the nodes, and fill the forces on them and along their coordinates."""
-    nodes, force, gravity = nodes_of(w, NODES), rows(w, FORCE), row(w, GRAVITY)[0]
+    nodes, force, gravity = w.nodes, w.force, w.gravity[0]
     place(w)
     clear(force)
     sand_force(force, w)
@@ -39,7 +27,7 @@ def act(w):
 @part
 def tangent(fq, fv, w):
     """Fill B and c of `tree` where `act` was called last."""
-    body, triplets = rows(w, BODY), rows(w, TRIPLETS)
+    body, triplets = w.body, w.triplets
     inertias(w)
     for k in range(sand_tangent(fq, fv, w)):
         line, column = int(triplets[k, 0]), int(triplets[k, 1])
@@ -58,7 +46,7 @@ def iteration(of_q, of_v, w):
         tangent(of_q, of_v, w)
         fold(w)
     solve(w)
-    return fastest(flat(rows(w, MOVED)), row(w, LEVER))
+    return fastest(flat(w.moved), w.lever)
 
 
 @part

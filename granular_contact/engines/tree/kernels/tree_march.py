@@ -5,52 +5,15 @@ from __future__ import annotations
 import math
 
 from granular_contact.engines.tree.kernels.tree_arrays import (
-    ACCELERATION,
-    ARMS,
-    BENDS,
-    BLANK,
-    CHANGES,
-    CHOICES,
-    CLOCK,
-    CONTROLS,
-    COUNTS,
     FASTEST,
-    FOLLOWED,
-    KNOTS,
-    LAGGED,
-    LAGGED_BEFORE,
-    LEVER,
-    MATRIX,
     NOW,
     ORIGIN,
-    PIECES,
-    POSE,
-    POSE_RATES,
-    RATES,
-    RATES_BEFORE,
     RESTING_SINCE,
-    S2,
-    S2_BEFORE,
-    S_BEFORE,
-    SCHEMES,
     SPEED,
-    STATE,
-    STATES,
     STEP,
-    TABLE,
-    TWIST,
-    WANTED,
     WHOLE,
-    S,
-    blocks,
-    choices,
-    controls,
-    numbers,
-    row,
-    rows,
-    schemes,
+    view,
 )
-from granular_contact.engines.tree.kernels.tree_arrays import REST as LACK
 from granular_contact.engines.tree.kernels.tree_calls import attempt, end, soonest
 from granular_contact.engines.tree.kernels.tree_joints import follow_signals, prescribe
 from granular_contact.engines.tree.kernels.tree_newton import finish, go_back, settle_in
@@ -68,16 +31,17 @@ STEPS, REFUSED, SHORTENED = 0, 1, 2  # of counts (3,)
 
 
 @kernel
-def start(begins, w):
+def start(begins, words):
     """Find the accelerations and write the first row; begins: with a friction state that is reset, else as it is."""
-    table, clock = rows(w, TABLE), row(w, CLOCK)
+    w = view(words)
+    table, clock = w.table, w.clock
     follow_signals(0.0, w)
     prescribe(0.0, w)
     if begins:
         end(w, piece(table, 0, table.shape[1]), True)
     settle_in(w)
     write(0.0, w)
-    clock[SPEED] = step_error.begin(numbers(w, CHANGES), clock[STEP])
+    clock[SPEED] = step_error.begin(w.changes, clock[STEP])
 
 
 @part
@@ -86,15 +50,15 @@ def write(t, w):
 
     Of states: poses, their rates and accelerations of all nodes, what joints lack, and what their drives want.
     """
-    table, states, at = rows(w, TABLE), rows(w, STATES), numbers(w, COUNTS)[STEPS]
+    table, states, at = w.table, w.states, w.counts[STEPS]
     history, kept = piece(table, at, table.shape[1]), piece(states, at, states.shape[1])
-    copy(history, row(w, BLANK))
+    copy(history, w.blank)
     end(w, history, False)
     history[TIME] = t
-    first = put(flat(rows(w, POSE)), kept, 0)
-    first = put(flat(rows(w, POSE_RATES)), kept, first)
-    first = put(flat(rows(w, ACCELERATION)), kept, first)
-    first, state = put(row(w, LACK), kept, first), rows(w, STATE)
+    first = put(flat(w.pose), kept, 0)
+    first = put(flat(w.pose_rates), kept, first)
+    first = put(flat(w.acceleration), kept, first)
+    first, state = put(w.rest, kept, first), w.state
     for i in range(state.shape[0]):
         kept[first + i] = state[i, VALUE]
 
@@ -110,10 +74,10 @@ def put(numbers, kept, first):
 @part
 def keep(w):
     """Keep the state as that at the start of a step."""
-    copy(row(w, S_BEFORE), row(w, S))
-    copy(row(w, RATES_BEFORE), row(w, RATES))
-    copy(row(w, S2_BEFORE), row(w, S2))
-    copy(row(w, LAGGED_BEFORE), row(w, LAGGED))
+    copy(w.s_before, w.s)
+    copy(w.rates_before, w.rates)
+    copy(w.s2_before, w.s2)
+    copy(w.lagged_before, w.lagged)
 
 
 @part
@@ -123,15 +87,15 @@ def allowed(h, w):
     A share of what the forces of the scene change in the step, and of the fastest speed so far: where elastic forces
     are small beside the weight of what they move, the first alone leaves as much of them as there is.
     """
-    control, fastest = controls(w, CONTROLS)[0], row(w, CLOCK)[FASTEST]
+    control, fastest = w.control[0], w.clock[FASTEST]
     return min(control.tolerance * h, control.share * max(fastest, control.slow))
 
 
 @part
 def chosen(h, w):
     """Step by h (s), or by less, as the error allows; its length (s), 0 if no step can be solved."""
-    clock, choice, counts = row(w, CLOCK), choices(w, CHOICES)[0], numbers(w, COUNTS)
-    refused, matrix = False, row(w, MATRIX)
+    clock, choice, counts = w.clock, w.choice[0], w.counts
+    refused, matrix = False, w.matrix
     while True:
         if not attempt(h, allowed(h, w), w):
             matrix[0] = 0.0
@@ -139,7 +103,7 @@ def chosen(h, w):
             if h < choice.least:
                 return 0.0
             continue
-        need = needed(numbers(w, CHANGES), h, choice, clock[FASTEST], clock[SPEED])
+        need = needed(w.changes, h, choice, clock[FASTEST], clock[SPEED])
         if need > 1.0 and h > choice.least:
             counts[REFUSED] += 1
             matrix[0], refused = 0.0, True
@@ -153,25 +117,25 @@ def chosen(h, w):
 @part
 def fixed(h, w):
     """Step by h (s), or by half of it and so on where that can't be solved; its length (s), 0 if none can be."""
-    whole, least = h, choices(w, CHOICES)[0].least
+    whole, least = h, w.choice[0].least
     while not attempt(h, allowed(h, w), w):
-        row(w, MATRIX)[0] = 0.0
+        w.matrix[0] = 0.0
         h *= 0.5
         if h < least:
             return 0.0
-    numbers(w, COUNTS)[SHORTENED] += h < whole
+    w.counts[SHORTENED] += h < whole
     return h
 
 
 @part
 def next_step(w):
     """Length (s) of the step to try next; one that shares the time left evenly with the one after it."""
-    clock, choice, is_fixed = row(w, CLOCK), choices(w, CHOICES)[0], schemes(w, SCHEMES)[0].fixed
-    t, h, left = clock[NOW], clock[STEP], controls(w, CONTROLS)[0].end - clock[NOW]
+    clock, choice, is_fixed = w.clock, w.choice[0], w.scheme[0].fixed
+    t, h, left = clock[NOW], clock[STEP], w.control[0].end - clock[NOW]
     if is_fixed:
         return left if h > left * (1.0 - 1e-9) else h
-    tables = row(w, KNOTS), blocks(w, PIECES), rows(w, WANTED)
-    prescribed = Prescribed(row(w, BENDS), numbers(w, FOLLOWED), row(w, ARMS), *tables)
+    tables = w.knots, w.pieces, w.wanted
+    prescribed = Prescribed(w.bends, w.followed, w.arms, *tables)
     h = ahead(t, h, soonest(w), choice, clock[FASTEST], clock[SPEED], prescribed)
     return left if h > 0.99 * left else min(h, 0.5 * left) if h > 0.5 * left else h
 
@@ -179,8 +143,8 @@ def next_step(w):
 @part
 def is_over(w):
     """Why there is no next step; PAUSE where there is one."""
-    clock, control, counts = row(w, CLOCK), controls(w, CONTROLS)[0], numbers(w, COUNTS)
-    moves = step_error.fastest(flat(rows(w, TWIST)), row(w, LEVER)) > control.rest_speed
+    clock, control, counts = w.clock, w.control[0], w.counts
+    moves = step_error.fastest(flat(w.twist), w.lever) > control.rest_speed
     clock[RESTING_SINCE] = math.inf if moves else min(clock[RESTING_SINCE], clock[NOW])
     if clock[NOW] - clock[RESTING_SINCE] >= control.rest_time:
         return REST
@@ -195,20 +159,21 @@ def tick(h, left, w):
 
     Fixed steps are counted: the sum of a hundred thousand would be late by more than round-off.
     """
-    clock, whole = row(w, CLOCK), schemes(w, SCHEMES)[0].fixed and h == row(w, CLOCK)[STEP]
+    clock, whole = w.clock, w.scheme[0].fixed and h == w.clock[STEP]
     if whole and h < left:
         clock[WHOLE] += 1.0
         clock[NOW] = clock[ORIGIN] + clock[WHOLE] * h
     else:
-        clock[NOW] = controls(w, CONTROLS)[0].end if h == left else clock[NOW] + h
+        clock[NOW] = w.control[0].end if h == left else clock[NOW] + h
         clock[ORIGIN], clock[WHOLE] = clock[NOW], 0.0
 
 
 @kernel
-def march(share, w):
+def march(share, words):
     """Step on until one of the reasons above; at most `share` steps, for which the tables have room."""
-    clock, control, counts = row(w, CLOCK), controls(w, CONTROLS)[0], numbers(w, COUNTS)
-    is_fixed = schemes(w, SCHEMES)[0].fixed
+    w = view(words)
+    clock, control, counts = w.clock, w.control[0], w.counts
+    is_fixed = w.scheme[0].fixed
     for _ in range(share):
         keep(w)
         asked, left = next_step(w), control.end - clock[NOW]
@@ -216,13 +181,13 @@ def march(share, w):
         if h == 0.0:
             go_back(w)
             return FAILED
-        if not step_error.fastest(flat(rows(w, TWIST)), row(w, LEVER)) < control.away:
+        if not step_error.fastest(flat(w.twist), w.lever) < control.away:
             return AWAY
         finish(w)
         tick(h, left, w)
         counts[STEPS] += 1
         write(clock[NOW], w)
-        clock[SPEED] = step_error.begin(numbers(w, CHANGES), h)
+        clock[SPEED] = step_error.begin(w.changes, h)
         clock[FASTEST] = max(clock[FASTEST], clock[SPEED])
         why = is_over(w)
         if why != PAUSE:

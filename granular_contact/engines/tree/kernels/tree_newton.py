@@ -19,26 +19,10 @@ from __future__ import annotations
 import math
 
 from granular_contact.engines.tree.kernels.tree_arrays import (
-    CHANGE,
-    CLOCK,
     DONE,
-    ITERATED,
-    LAGGED,
-    LAGGED_BEFORE,
     MATRICES,
-    MATRIX,
     NOW,
-    RATES,
-    RATES_BEFORE,
-    S2,
-    S2_BEFORE,
-    S_BEFORE,
-    SCHEMES,
     TRIED,
-    S,
-    numbers,
-    row,
-    schemes,
 )
 from granular_contact.engines.tree.kernels.tree_calls import accelerate, begin_iterations, iterate, update_active
 from granular_contact.engines.tree.kernels.tree_joints import follow_signals, prescribe
@@ -51,8 +35,8 @@ from granular_contact.mechanics.kernels.step_choice import LONGER, SHORTER
 @part
 def predict(h, w):
     """Fill the state with what a step of h (s) leads to without any acceleration at its end; of_q and of_v."""
-    c, s, rates, s2, lagged = schemes(w, SCHEMES)[0], row(w, S), row(w, RATES), row(w, S2), row(w, LAGGED)
-    s_0, rates_0, s2_0, lagged_0 = row(w, S_BEFORE), row(w, RATES_BEFORE), row(w, S2_BEFORE), row(w, LAGGED_BEFORE)
+    c, s, rates, s2, lagged = w.scheme[0], w.s, w.rates, w.s2, w.lagged
+    s_0, rates_0, s2_0, lagged_0 = w.s_before, w.rates_before, w.s2_before, w.lagged_before
     for i in range(s.shape[0]):
         s2[i], lagged[i] = 0.0, (c.alpha_f * s2_0[i] - c.alpha_m * lagged_0[i]) / (1.0 - c.alpha_m)
         moved = (0.5 - c.beta) * lagged_0[i] + c.beta * lagged[i]
@@ -65,7 +49,7 @@ def predict(h, w):
 @part
 def begin(of_q, of_v, w):
     """Begin a step with the accelerations of the last one, as `anderson` does."""
-    matrix = row(w, MATRIX)
+    matrix = w.matrix
     if not SHORTER * matrix[0] < of_v < LONGER * matrix[0]:
         matrix[0] = 0.0
     begin_iterations(of_q, of_v, w)
@@ -75,7 +59,7 @@ def begin(of_q, of_v, w):
 @part
 def needs_matrix(of_v, w):
     """Count an iteration; whether it needs a new matrix, which then is that of of_v."""
-    matrix, count = row(w, MATRIX), numbers(w, ITERATED)
+    matrix, count = w.matrix, w.iterated
     count[DONE] += 1
     if matrix[0] != 0.0:
         return False
@@ -90,7 +74,7 @@ def solved(of_q, of_v, allowed, w):
 
     Then forces and accelerations are those of the state.
     """
-    matrix, change, s, rates, s2 = row(w, MATRIX), row(w, CHANGE), row(w, S), row(w, RATES), row(w, S2)
+    matrix, change, s, rates, s2 = w.matrix, w.change, w.s, w.rates, w.s2
     for iteration in range(MOST_ITERATIONS):
         if iteration > 0:
             if accelerate(w):
@@ -111,7 +95,7 @@ def solved(of_q, of_v, allowed, w):
 @part
 def attempt(h, allowed, w):
     """Whether a step of h (s) can be solved; allowed: see `solved`."""
-    clock = row(w, CLOCK)
+    clock = w.clock
     clock[TRIED] = h
     update_active(h, w)
     of_q, of_v = predict(h, w)
@@ -123,7 +107,7 @@ def attempt(h, allowed, w):
 @part
 def finish(w):
     """Bring the lagged accelerations to the end of a step that is solved."""
-    c, s2, lagged = schemes(w, SCHEMES)[0], row(w, S2), row(w, LAGGED)
+    c, s2, lagged = w.scheme[0], w.s2, w.lagged
     for i in range(s2.shape[0]):
         lagged[i] += (1.0 - c.alpha_f) / (1.0 - c.alpha_m) * s2[i]
 
@@ -131,16 +115,16 @@ def finish(w):
 @part
 def go_back(w):
     """Return to the start of a step that can't be solved."""
-    copy(row(w, S), row(w, S_BEFORE))
-    copy(row(w, RATES), row(w, RATES_BEFORE))
-    copy(row(w, S2), row(w, S2_BEFORE))
-    copy(row(w, LAGGED), row(w, LAGGED_BEFORE))
+    copy(w.s, w.s_before)
+    copy(w.rates, w.rates_before)
+    copy(w.s2, w.s2_before)
+    copy(w.lagged, w.lagged_before)
 
 
 @part
 def settle_in(w):
     """Find the accelerations that belong to coordinates and rates at a start, where none are known."""
-    s2, matrix, change = row(w, S2), row(w, MATRIX), row(w, CHANGE)
+    s2, matrix, change = w.s2, w.matrix, w.change
     for i in range(s2.shape[0]):
         s2[i] = 0.0
     prescribe(0.0, w)
@@ -149,5 +133,5 @@ def settle_in(w):
     for i in range(s2.shape[0]):
         s2[i] += change[i]
     iterate(0.0, 0.0, w)
-    copy(row(w, LAGGED), s2)
+    copy(w.lagged, s2)
     matrix[0] = 0.0
