@@ -1,22 +1,25 @@
 """Is the error by facets that a run in space tells true: against a third of its facets' size, over random scenes.
 
-    python validation/facet_estimates.py [--quick]
+    python validation/facet_estimates.py [--quick] [--first SEED] [--scenes NUMBER]
 
 Bodies of every shape, meshes, chains, legs, wheels and what hangs or is pressed, from `random_scenes.in_space`, at
 fixed steps of 0.2 ms, with the sizes of facets that a run chooses by itself: it is repeated with smaller ones where its
 estimate is above 0.3 % of the way. The true error is the greatest distance of any point from a run with facets of a
 third of that size, at the same steps, over the way of the fastest point. An error or an estimate below 0.1 % counts as
-that. With FOLLOW in the environment each scene is printed as it is done.
+that. With FOLLOW in the environment each scene is printed as it is done. Scenes from another seed on change no
+figure.
 """
 
 from __future__ import annotations
 
+import argparse
 import os
 import sys
 import tempfile
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -107,23 +110,22 @@ def apart(motion: SpatialKinematics, reference: SpatialKinematics) -> float:
     return float(np.abs(one.places[: len(at)].reshape(len(at), -1) - places).max()) / way
 
 
-def every(count: int, jobs: int) -> Iterator[Found]:
-    """The first so many scenes that touch the medium."""
+def every(count: int, jobs: int, first: int) -> Iterator[Found]:
+    """So many scenes that touch the medium, from a seed on."""
     with local_processes(jobs) as pool:
-        found = (one for one in pool.map(judge, range(TRIES * count)) if one is not None)
+        found = (one for one in pool.map(judge, range(first, first + TRIES * count)) if one is not None)
         for _, one in zip(range(count), found, strict=False):
             yield one
 
 
-def study(quick: bool) -> Outcome:
-    """All scenes, or a few of them."""
-    count = SCENES[quick]
+def study(quick: bool, first: int = 0, scenes: int | None = None) -> Outcome:
+    """All scenes, or a few of them; so many from a seed on."""
     found = []
-    for one in every(count, 1 if quick else cores()):
+    for one in every(scenes or SCENES[quick], 1 if quick else cores(), first):
         found.append(one)
         if os.environ.get("FOLLOW"):
             print(time.strftime("%X"), one, flush=True)
-    if not quick:
+    if not quick and first == 0 and scenes is None:
         draw_figure(found)
     return told(found)
 
@@ -185,4 +187,8 @@ def _seeds(some: list[Found]) -> str:
 
 
 if __name__ == "__main__":
-    sys.exit(script(study))
+    parser = argparse.ArgumentParser(add_help=False)
+    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--scenes", type=int)
+    given, rest = parser.parse_known_args()
+    sys.exit(script(partial(study, first=given.first, scenes=given.scenes), rest))
