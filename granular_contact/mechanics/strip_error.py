@@ -23,9 +23,9 @@ DOUBTFUL = 0.1  # of what is allowed: where a first estimate is above it, it is 
 SAFE = 3.0  # errors near what is asked for are up to four times the estimate
 SAFE_IN_SPACE, DOUBTFUL_IN_SPACE = 1.2, 0.5  # the same of facets
 LEAST_SHARE, LEAST_BY_DEFAULT = 1.0 / 8.0, 1.0 / 4.0  # of the size of facets; the latter where no accuracy is asked for
-# That are taken: a few, so that round-off of an estimate changes no facets. After one run; and where two tell the
-# error: in their difference the errors of steps count the less, the farther the facets are apart.
-STEPS_OF_SHARE, STEPS_BY_TWO = (0.7, 0.5), (0.5, 0.35, 0.25)
+# That are taken: a few, so that round-off of an estimate changes no facets. After one run the first: in the difference
+# of two the errors of steps count the less, the farther the facets are apart.
+STEPS = 0.5, 0.35, 0.25
 MOST = 128, 32  # strips of a rigid part and of an element, to which they are chosen
 WHOLE = "all"  # of a scene in the plane, whose strips are chosen together
 Errors = dict[str, float]
@@ -113,7 +113,7 @@ def _smaller_facets(scene: Any, factors: dict[str, float], by_two: bool) -> dict
     from granular_contact.mechanics.space.facet_departure import ORDER, mechanisms
 
     least = LEAST_BY_DEFAULT if scene.solver.named is None else LEAST_SHARE
-    steps = STEPS_BY_TWO if by_two else STEPS_OF_SHARE
+    steps = STEPS if by_two else STEPS[:1]
     shares = dict(scene.facet_shares)
     for body, of in mechanisms(scene).items():
         if of in factors:

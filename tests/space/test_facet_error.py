@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import importlib
 import re
 from pathlib import Path
 from typing import Any
@@ -201,3 +202,12 @@ def test_a_foot_stands_as_deep_as_by_hand() -> None:
     tree |= {"initial": {"settle": True}, "solver": {"end_time_s": 0.01, "rest_time_s": None}}
     del tree["surface_height_m"]
     assert simulate(tree).summary["max_depth_m"] == pytest.approx(2.767e-3, rel=3e-3)
+
+
+def test_the_walker_is_solved_no_more_than_twice(monkeypatch: pytest.MonkeyPatch) -> None:
+    # Facets of 0.7 times the size are as many on its feet, so that two runs told nothing and there was a third.
+    run_module, times = importlib.import_module("granular_contact.run"), []
+    solved = run_module._solved
+    monkeypatch.setattr(run_module, "_solved", lambda *given: times.append(given) or solved(*given))
+    assert run_module.run(build(load("walker_in_space"))).summary["facets"]["error"] <= 5e-3
+    assert len(times) <= 2
