@@ -57,6 +57,11 @@ def ready(function: Any, *arguments: Any) -> Any:
     return function
 
 
-def bound(function: Any, *arguments: Any) -> Callable[[], Any]:
-    """The kernel with all its arguments, compiled for them: arrays whose contents change from call to call."""
-    return partial(ready(function, *arguments), *arguments)
+def bound(function: Any, *arguments: Any, keep: object = None) -> Callable[[], Any]:
+    """The kernel with all its arguments, compiled for them: arrays whose contents change from call to call.
+
+    keep: what lives as long as this function, as the arrays whose places a kernel is given.
+    """
+    found = partial(ready(function, *arguments), *arguments)
+    vars(found)["keep"] = keep
+    return found

@@ -75,14 +75,20 @@ class SpatialSand(Sand):
         found = []
         for medium, part, (anchors, active) in zip(self.met, self.parts, state, strict=True):
             b = part.batch
-            on = (b.bodies, part.of_bed, b.clusters, part.inner, b.elements, anchors, active, b.ground, b.medium)
-            if medium is not None:
-                found.append(bound(space_added_mass.act, *on, part.bristle, part.rows, held, bed))
-                continue
-            from granular_contact.engines.mujoco.kernels import floor_added_mass
-
-            found.append(bound(floor_added_mass.act, *on, part.rows, held, bed))
+            arrays = {name: getattr(b, name) for name in ("bodies", "clusters", "elements", "ground", "medium")}
+            arrays |= {"of_bed": part.of_bed, "inner": part.inner, "bristle": part.bristle}
+            arrays |= {"anchors": anchors, "active": active, "held": held, "bed": bed}
+            found.append(bound(self._kernel(medium), space_added_mass.BATCH.places(arrays), part.rows, keep=arrays))
         return found
+
+    @staticmethod
+    def _kernel(medium: Any) -> Any:
+        """The kernel for a medium; None: for contact with a floor."""
+        if medium is not None:
+            return space_added_mass.act
+        from granular_contact.engines.mujoco.kernels import floor_added_mass
+
+        return floor_added_mass.act
 
 
 def _part(batch: Any, bristle: NDArray[np.void]) -> _Part:
@@ -110,8 +116,10 @@ class PlanarSand(Sand):
         found = []
         for part, (anchors, active) in zip(self.parts, state, strict=True):
             b = part.batch
-            of = (b.ends, part.of_bed, part.reaches, b.geometry, b.records, b.profile, b.medium)
-            found.append(bound(planar_added_mass.act, *of, anchors, active, part.bristle, held, bed))
+            arrays = {name: getattr(b, name) for name in ("ends", "geometry", "profile", "medium")}
+            arrays |= {"of_bed": part.of_bed, "reaches": part.reaches, "lines": b.records, "bristle": part.bristle}
+            arrays |= {"anchors": anchors, "active": active, "held": held, "bed": bed}
+            found.append(bound(planar_added_mass.act, planar_added_mass.BATCH.places(arrays), keep=arrays))
         return found
 
 

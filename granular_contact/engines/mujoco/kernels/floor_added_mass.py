@@ -10,7 +10,7 @@ from __future__ import annotations
 from granular_contact.engines.mujoco.kernels.added_mass import add_inertia
 from granular_contact.engines.mujoco.kernels.facets_added_mass import add_turned
 from granular_contact.engines.mujoco.kernels.held_bodies import advance
-from granular_contact.engines.mujoco.kernels.space_added_mass import Batch, begin_or_follow, middle
+from granular_contact.engines.mujoco.kernels.space_added_mass import begin_or_follow, middle, view
 from granular_contact.jit.compiled import kernel, part
 from granular_contact.jit.memory import clear, copy, room2
 from granular_contact.jit.memory import rows as some_of
@@ -22,22 +22,22 @@ TRIAL = 1e-6  # m/s
 
 
 @kernel(nogil=True)
-def act(bodies, of_bed, clusters, inner, elements, anchors, active, ground, medium, rows, held, bed):
+def act(words, rows):
     """As `space_added_mass.act`; ground (4,): the floor."""
-    batch = Batch(bodies, of_bed, clusters, inner, elements, anchors, active, ground, medium)
-    begin_or_follow(batch, held, bed, True)
-    resist(batch, rows, held, bed)
+    w = view(words)
+    begin_or_follow(w, True)
+    resist(w, rows)
 
 
 @part
-def resist(batch, rows, held, bed):
+def resist(w, rows):
     """As `space_added_mass.resist`."""
     W, ahead, lower, inertia = room2(TERMS, 6), room2(6, 3), room2(6, 3), room2(6, 6)
-    step, clusters, ground, medium = bed[0].step, batch.clusters, batch.ground, batch.medium[0]
-    for b in range(batch.bodies.shape[0]):
-        at, near_floor, some = held[batch.of_bed[b]], False, False
-        for c in range(batch.bodies[b].first, batch.bodies[b].last):
-            if not batch.active[c]:
+    step, clusters, ground, medium = w.bed[0].step, w.clusters, w.ground, w.medium[0]
+    for b in range(w.bodies.shape[0]):
+        at, near_floor, some = w.held[w.of_bed[b]], False, False
+        for c in range(w.bodies[b].first, w.bodies[b].last):
+            if not w.active[c]:
                 continue
             if not near_floor:
                 advance(at.pose, at.then, step, ahead)
@@ -51,20 +51,20 @@ def resist(batch, rows, held, bed):
                 continue
             s, e = one.first, one.last
             for i in range(s, e - rows + 1):
-                E, A = some_of(batch.elements, i, rows), some_of(batch.anchors, i, rows)
+                E, A = some_of(w.elements, i, rows), some_of(w.anchors, i, rows)
                 clear(W)
-                law.forces(medium, (E, A, batch.inner[c], lower, ground, W))
+                law.forces(medium, (E, A, w.inner[c], lower, ground, W))
                 slope = W[0, 2]
                 if slope == 0.0:
                     continue
                 clear(W)
-                law.forces(medium, (E, A, batch.inner[c], ahead, ground, W))
+                law.forces(medium, (E, A, w.inner[c], ahead, ground, W))
                 for k in range(6):
                     at.wrench[k] += W[0, k]
                 weigh(step * (slope - W[0, 2]) / TRIAL, E, at.pose, inertia)
                 some = True
         if some:
-            add_turned(inertia, at.pose, bed[0].turn, at.arm, at.added)
+            add_turned(inertia, at.pose, w.bed[0].turn, at.arm, at.added)
 
 
 @part

@@ -9,18 +9,19 @@ reference points of these (m). Inertia of a line in the plane is a (3, 3) matrix
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
 
 import numpy as np
 
-from granular_contact.engines.mujoco.kernels.held_bodies import advance
+from granular_contact.engines.mujoco.kernels.added_mass import BRISTLE
+from granular_contact.engines.mujoco.kernels.held_bodies import BED, HELD, advance
 from granular_contact.jit.compiled import kernel, part
+from granular_contact.jit.layout import Layout
 from granular_contact.jit.memory import clear, room1, room2, rows
 from granular_contact.sand.kernels import lines as one
 from granular_contact.sand.kernels.friction import SMOOTH
 from granular_contact.sand.kernels.friction import drive as drive_along
-from granular_contact.sand.kernels.kinematics import stations
-from granular_contact.sand.kernels.law import TERMS, forces
+from granular_contact.sand.kernels.kinematics import STATION, stations
+from granular_contact.sand.kernels.law import LAW, LINE, TERMS, forces
 from granular_contact.sand.kernels.planar_friction import drive, shortening
 from granular_contact.sand.kernels.surface import height
 
@@ -45,45 +46,52 @@ def longest(ends):
     return n
 
 
-class Batch(NamedTuple):
-    """Lines in one medium, see above; active (lines,): which may touch the surface in this step."""
-
-    ends: Any
-    of_bed: Any
-    geometry: Any
-    lines: Any
-    profile: Any
-    medium: Any
-    anchors: Any
-    active: Any
+# See above; active (lines,): which may touch the surface in this step.
+BATCH = Layout(
+    "lines in MuJoCo",
+    ends=(np.int64, 2),
+    of_bed=(np.int64, 1),
+    reaches=(float, 1),
+    geometry=(STATION, 1),
+    lines=(LINE, 1),
+    profile=(float, 2),
+    medium=(LAW, 1),
+    anchors=(float, 2),
+    active=(np.bool_, 1),
+    bristle=(BRISTLE, 1),
+    held=(HELD, 1),
+    bed=(BED, 1),
+)
+view = BATCH.view
 
 
 @kernel(nogil=True)
-def act(ends, of_bed, reaches, geometry, lines, profile, medium, anchors, active, bristle, held, bed):
+def act(words):
     """As `space_added_mass.act`."""
-    batch = Batch(ends, of_bed, geometry, lines, profile, medium, anchors, active)
-    if bed[0].begins:
-        anchors[:] = 0.0
-    if bed[0].begins or bed[0].passed > 0.0:
-        follow(batch, reaches, held, bed)
-    resist(batch, bristle, held, bed)
+    w = view(words)
+    if w.bed[0].begins:
+        clear(w.anchors)
+    if w.bed[0].begins or w.bed[0].passed > 0.0:
+        follow(w)
+    resist(w)
 
 
 @part
-def follow(batch, reaches, held, bed):
+def follow(w):
     """End of a step at these poses: anchors follow; what the next may touch is active.
 
     Where a motion begins here no bristle is stretched. seen is brought up to date; of what is out of reach the depth is
     a bound.
     """
-    ends, of_bed, geometry, lines, profile, medium, anchors, active = batch
-    step, begins = bed[0].step, bed[0].begins
+    ends, geometry, lines, profile, medium = w.ends, w.geometry, w.lines, w.profile, w.medium
+    anchors, active, reaches = w.anchors, w.active, w.reaches
+    step, begins = w.bed[0].step, w.bed[0].begins
     n = longest(ends)
     P, V, q, v = np.empty((n, 2)), np.empty((n, 2)), room1(3), room1(3)
     highest = np.max(profile[:, 1])
     for r in range(lines.shape[0]):
         s, e = ends[r, 0], ends[r + 1, 0]
-        body = held[of_bed[r]]
+        body = w.held[w.of_bed[r]]
         pose, saw = rows(body.pose, 0, 6), body.seen
         if profile.shape[0] == 1:
             speed = abs(pose[4, 2]) + abs(pose[5, 1]) * reaches[r]
@@ -119,17 +127,18 @@ def may_touch(depth, speed, step):
 
 
 @part
-def resist(batch, bristle, held, bed):
+def resist(w):
     """As `space_added_mass.resist`."""
-    ends, of_bed, geometry, lines, profile, medium, anchors, active = batch
-    n, step = longest(ends), bed[0].step
+    ends, geometry, lines, profile, medium = w.ends, w.geometry, w.lines, w.profile, w.medium
+    anchors, active = w.anchors, w.active
+    n, step = longest(ends), w.bed[0].step
     P, V, F, q, v = np.empty((n, 2)), np.empty((n, 2)), np.empty((n, 2)), room1(3), room1(3)
     Q, ahead, totals, flat = np.empty((n, 4)), room2(6, 3), room2(TERMS, 3), room2(3, 3)
     clear(totals)
     for r in range(lines.shape[0]):
         if not active[r]:
             continue
-        s, e, body = ends[r, 0], ends[r + 1, 0], held[of_bed[r]]
+        s, e, body = ends[r, 0], ends[r + 1, 0], w.held[w.of_bed[r]]
         k = e - s
         advance(body.pose, body.then, step, ahead)
         flatten(ahead, body.facing, q, v)
@@ -137,7 +146,7 @@ def resist(batch, bristle, held, bed):
         if not one.immersed(P[:k], lines[r], profile):
             continue
         forces(P[:k], V[:k], rows(anchors, s, e - s), lines[r], profile, medium[0], F[:k], totals)
-        stretch(P[:k], V[:k], rows(anchors, s, e - s), bristle[0], step, F[:k], Q[:k])
+        stretch(P[:k], V[:k], rows(anchors, s, e - s), w.bristle[0], step, F[:k], Q[:k])
         clear(flat)
         for i in range(k):
             fx, fy = F[i, 0], F[i, 1]
@@ -147,11 +156,11 @@ def resist(batch, bristle, held, bed):
             body.wrench[0] += fx
             body.wrench[2] += fy
             body.wrench[4] -= x * fy - y * fx
-            weigh(fx, fy, Q, max(0, i - 1), min(k, i + 2), bristle[0], x, y, flat)
+            weigh(fx, fy, Q, max(0, i - 1), min(k, i + 2), w.bristle[0], x, y, flat)
             if lines[r].side != 0.0:
                 for j in range(max(0, i - 1), min(k - 1, i + 1)):
                     lean(fx, fy, P, Q, i, j, lines[r].side, x, y, flat)
-        spread_out(flat, bed[0].turn, body.arm, body.added)
+        spread_out(flat, w.bed[0].turn, body.arm, body.added)
 
 
 @part

@@ -1,18 +1,19 @@
 """`added_mass` of bodies in space: facets, strips of bars and balls.
 
 `rows`: how many rows of `elements` an element takes, 2 for the strips of a bar; inner: clusters for all elements of a
-cluster but its last, without the free end face. See `space_bodies` for other arguments; `of_bed` (bodies,) are the
-places of the bodies in held, see `held_bodies` also for bed.
+cluster but its last, without the free end face. See `space_bodies` for other arrays of a view `w`; of_bed (bodies,)
+are the places of the bodies in held, see `held_bodies` also for bed.
 """
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+import numpy as np
 
-from granular_contact.engines.mujoco.kernels.added_mass import add_inertia, add_point
+from granular_contact.engines.mujoco.kernels.added_mass import BRISTLE, add_inertia, add_point
 from granular_contact.engines.mujoco.kernels.facets_added_mass import add_turned, held_facets
-from granular_contact.engines.mujoco.kernels.held_bodies import advance
+from granular_contact.engines.mujoco.kernels.held_bodies import BED, HELD, advance
 from granular_contact.jit.compiled import kernel, part
+from granular_contact.jit.layout import Layout
 from granular_contact.jit.memory import clear, room1, room2
 from granular_contact.jit.memory import rows as rows_of
 from granular_contact.sand.kernels import space_law as law
@@ -32,55 +33,57 @@ from granular_contact.sand.kernels.space_clusters import (
 from granular_contact.sand.kernels.space_friction import drive
 from granular_contact.sand.kernels.vectors import norm
 
-
-class Batch(NamedTuple):
-    """Elements in one medium and what they are on, see `space_bodies`; of_bed, inner: see above.
-
-    active (clusters,): which may touch the surface in this step.
-    """
-
-    bodies: Any
-    of_bed: Any
-    clusters: Any
-    inner: Any
-    elements: Any
-    anchors: Any
-    active: Any
-    ground: Any
-    medium: Any
+# Those arrays of `space_law.BODIES` that are needed here, and the ones above; active (clusters,): which may touch the
+# surface in this step.
+BATCH = Layout(
+    "elements in MuJoCo",
+    bodies=(law.BODY, 1),
+    of_bed=(np.int64, 1),
+    clusters=(law.CLUSTER, 1),
+    inner=(law.CLUSTER, 1),
+    elements=(float, 2),
+    anchors=(float, 2),
+    active=(np.bool_, 1),
+    ground=(float, 1),
+    medium=(law.SPACE_LAW, 1),
+    bristle=(BRISTLE, 1),
+    held=(HELD, 1),
+    bed=(BED, 1),
+)
+view = BATCH.view
 
 
 @kernel(nogil=True)
-def act(bodies, of_bed, clusters, inner, elements, anchors, active, ground, medium, bristle, rows, held, bed):
+def act(words, rows):
     """One step of elements of a medium: `begin` or `follow`, and `resist`."""
-    batch = Batch(bodies, of_bed, clusters, inner, elements, anchors, active, ground, medium)
-    begin_or_follow(batch, held, bed, False)
-    resist(batch, bristle, rows, held, bed)
+    w = view(words)
+    begin_or_follow(w, False)
+    resist(w, rows)
 
 
 @part
-def begin_or_follow(batch, held, bed, floor):
+def begin_or_follow(w, floor):
     """`begin` or `follow`, as the bed says; floor: whether it is that of a bed, whose depths are seen apart."""
-    if not bed[0].begins and not bed[0].passed > 0.0:
+    if not w.bed[0].begins and not w.bed[0].passed > 0.0:
         return
-    for b in range(batch.bodies.shape[0]):
-        one, body = held[batch.of_bed[b]], batch.bodies[b]
+    for b in range(w.bodies.shape[0]):
+        one, body = w.held[w.of_bed[b]], w.bodies[b]
         pose, saw = rows_of(one.pose, 0, 6), rows_of(one.seen_of_floor if floor else one.seen, 0, 3)
-        if bed[0].begins:
-            begin(batch, body, pose, bed[0].step, saw)
+        if w.bed[0].begins:
+            begin(w, body, pose, w.bed[0].step, saw)
         else:
-            follow(batch, body, pose, bed[0].step, saw)
+            follow(w, body, pose, w.bed[0].step, saw)
 
 
 @part
-def follow(batch, body, pose, step, saw):
+def follow(w, body, pose, step, saw):
     """End of a step of a body at this pose: anchors follow, and what the next may touch is chosen.
 
     saw (3,), of `space_law.DEPTH` and its neighbours, is brought up to date; of what is out of reach the depth is a
     bound.
     """
-    near, clusters, active, ground, medium = room1(2), batch.clusters, batch.active, batch.ground, batch.medium
-    elements, anchors = batch.elements, batch.anchors
+    near, clusters, active, ground, medium = room1(2), w.clusters, w.active, w.ground, w.medium
+    elements, anchors = w.elements, w.anchors
     bound(body.x, body.y, body.z, body.radius, pose, ground, medium[0], near)
     within, deepest = may_touch(near, step), near[DEEPEST]
     if not within:
@@ -102,31 +105,31 @@ def follow(batch, body, pose, step, saw):
 
 
 @part
-def begin(batch, body, pose, step, saw):
+def begin(w, body, pose, step, saw):
     """Begin of a body at this pose: no bristle is stretched; saw as of `follow`, all depths are bounds."""
-    near, medium = room1(2), batch.medium[0]
+    near, medium = room1(2), w.medium[0]
     for c in range(body.first, body.last):
-        one = batch.clusters[c]
-        release(batch.elements, batch.anchors, one, pose, medium, True)
-        bound_cluster(one, pose, batch.ground, medium, near)
+        one = w.clusters[c]
+        release(w.elements, w.anchors, one, pose, medium, True)
+        bound_cluster(one, pose, w.ground, medium, near)
         saw[law.DEPTH] = max(saw[law.DEPTH], near[DEEPEST])
-        batch.active[c] = may_touch(near, step)
+        w.active[c] = may_touch(near, step)
 
 
 @part
-def resist(batch, bristle, rows, held, bed):
+def resist(w, rows):
     """Add forces where the step ends to the wrench of bodies, and inertia to what is added to theirs.
 
     The wrench is about the reference point of a body where it starts.
     """
-    W, ahead, inertia, step = room2(TERMS, 6), room2(6, 3), room2(6, 6), bed[0].step
-    clusters, elements, anchors, ground = batch.clusters, batch.elements, batch.anchors, batch.ground
-    medium = batch.medium[0]
-    for b in range(batch.bodies.shape[0]):
-        body, at, some = batch.bodies[b], held[batch.of_bed[b]], False
+    W, ahead, inertia, step = room2(TERMS, 6), room2(6, 3), room2(6, 6), w.bed[0].step
+    clusters, elements, anchors, ground = w.clusters, w.elements, w.anchors, w.ground
+    medium = w.medium[0]
+    for b in range(w.bodies.shape[0]):
+        body, at, some = w.bodies[b], w.held[w.of_bed[b]], False
         wrench = rows_of(at.wrench, 0, 6)
         for c in range(body.first, body.last):
-            if not batch.active[c]:
+            if not w.active[c]:
                 continue
             one = clusters[c]
             if not some:
@@ -138,19 +141,19 @@ def resist(batch, bristle, rows, held, bed):
             s, e = one.first, one.last
             if elements.shape[1] == COLUMNS:
                 E, A = rows_of(elements, s, e - s), rows_of(anchors, s, e - s)
-                held_facets(E, A, one, ahead, ground, medium, step, bristle[0], wrench, inertia)
+                held_facets(E, A, one, ahead, ground, medium, step, w.bristle[0], wrench, inertia)
                 continue
             for i in range(s, e - rows + 1):
                 clear(W)
                 E, A = rows_of(elements, i, rows), rows_of(anchors, i, rows)
-                law.forces(medium, (E, A, one if i == e - rows else batch.inner[c], ahead, ground, W))
+                law.forces(medium, (E, A, one if i == e - rows else w.inner[c], ahead, ground, W))
                 f = total(W, 0), total(W, 1), total(W, 2)
                 if f != (0.0, 0.0, 0.0):
                     for k in range(6):
                         wrench[k] += total(W, k)
-                    weigh(f, E, A, at.pose, ahead, step, bristle[0], inertia)
+                    weigh(f, E, A, at.pose, ahead, step, w.bristle[0], inertia)
         if some and inertia[3, 3] != 0.0:
-            add_turned(inertia, at.pose, bed[0].turn, at.arm, at.added)
+            add_turned(inertia, at.pose, w.bed[0].turn, at.arm, at.added)
 
 
 @part
