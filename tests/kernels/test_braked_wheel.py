@@ -85,6 +85,7 @@ def test_driven_and_braked_wheels_are_those_of_the_quadrature() -> None:
         assert got[2] == pytest.approx(want[2], abs=3e-3 * RADIUS * want[1]), slip
 
 
+@pytest.mark.slow
 def test_in_space_too() -> None:
     tilt = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])  # its axis across
     for slip in (-0.02, 0.2):

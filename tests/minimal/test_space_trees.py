@@ -288,6 +288,7 @@ def test_a_body_rests_on_a_slope() -> None:
     assert motion.depths()["box"][0].values[-1] > 5e-4
 
 
+@pytest.mark.slow
 def test_a_robot_stands_on_a_slope() -> None:
     """The hexapod with its hips held by motors, on a slope of 8 degrees, as above."""
     drive = {"type": "pd", "angle_deg": 0, "gain_Nm_per_rad": 10, "rate_gain_Nm_s_per_rad": 0.1}

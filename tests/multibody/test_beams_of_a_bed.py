@@ -109,6 +109,7 @@ def test_a_rod_of_a_script_falls_as_that_of_a_scene(medium: str) -> None:
         assert bed.work < -1e-4
 
 
+@pytest.mark.slow
 def test_beams_of_the_plane_fall_as_those_in_space() -> None:
     """All have errors of less than 1 % of the way; without sand they fall 9 mm farther."""
     (_, first), bed = fallen("cable2d", 8, "play_sand")
