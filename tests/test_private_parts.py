@@ -8,10 +8,7 @@ PRIVATE = ("numba.core", "numba.np", "numba.cpython", "numba.typed", "numba.expe
 ALLOWED = {
     "jit/compiling.py": {"numba.core", "numba.core.event"},
     "jit/calls.py": {"llvmlite", "llvmlite.ir"},
-    "jit/layout.py": {
-        *("llvmlite", "llvmlite.ir", "numba.core", "numba.core.cgutils"),
-        *("numba.core.typing.templates", "numba.core.typing.templates.AttributeTemplate"),
-    },
+    "jit/layout.py": {"numba.core.typing.templates", "numba.core.typing.templates.AttributeTemplate"},
     "jit/memory.py": {"llvmlite", "llvmlite.ir"},
 }
 

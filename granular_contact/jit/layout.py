@@ -25,9 +25,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from llvmlite import ir
 from numba import from_dtype, types
-from numba.core import cgutils
 from numba.core.typing.templates import AttributeTemplate
 from numba.extending import infer_getattr, intrinsic, lower_getattr_generic, models, register_model
 from numpy.typing import DTypeLike, NDArray
@@ -36,7 +34,6 @@ from granular_contact.jit.compiled import COMPILES
 from granular_contact.jit.memory import array_at
 
 WORDS = 4  # for each array: where it begins, and its size along up to three axes
-_NOTHING = np.zeros(0)
 _layouts: dict[str, Layout] = {}
 
 
@@ -57,6 +54,10 @@ class Layout:
         self.view = _view(self)
         _layouts[name] = self
 
+    def of(self, *names: str) -> dict[str, tuple[np.dtype, int]]:
+        """Some of the arrays, for a layout that has them, too."""
+        return {name: self.types[name] for name in names}
+
     def places(self, arrays: Mapping[str, NDArray[Any]]) -> NDArray[np.int64]:
         """Where the arrays are, (WORDS * names,), those that are not given left out.
 
@@ -64,8 +65,8 @@ class Layout:
         """
         found = np.zeros((len(self.types), WORDS), np.int64)
         for words, (name, (kind, axes)) in zip(found, self.types.items(), strict=True):
-            array = arrays.get(name, _NOTHING)
-            if array is _NOTHING:
+            array = arrays.get(name)
+            if array is None:
                 continue
             if not (array.flags.c_contiguous and array.flags.writeable and array.flags.aligned):
                 raise ValueError(f"{name}: allowed are contiguous arrays that can be written to")
@@ -88,12 +89,7 @@ class _View(types.Type):  # type: ignore[misc]  # numba is not typed
         return found and types.Array(from_dtype(found[0]), found[1], "C")
 
 
-@register_model(_View)
-class _Pointer(models.PrimitiveModel):  # type: ignore[misc]
-    """A view is a pointer to the places."""
-
-    def __init__(self, manager: Any, kind: Any) -> None:
-        super().__init__(manager, kind, ir.IntType(64).as_pointer())
+register_model(_View)(models.OpaqueModel)  # a pointer, to the places
 
 
 @infer_getattr
@@ -109,21 +105,24 @@ class _Attributes(AttributeTemplate):  # type: ignore[misc]
 @lower_getattr_generic(_View)
 def _array(context: Any, builder: Any, kind: Any, words: Any, name: str) -> Any:
     """The array of a view that has this name."""
-    found, word = kind.array(name), context.get_value_type(types.intp)
+    found, word = kind.array(name), types.intp
     begin = WORDS * list(_layouts[kind.layout].types).index(name)
+    words = builder.bitcast(words, context.get_value_type(types.CPointer(word)))
 
     def read(i: int) -> Any:
-        return builder.load(builder.gep(words, [ir.Constant(word, begin + i)]))
+        return builder.load(builder.gep(words, [context.get_constant(word, begin + i)]))
 
-    array = cgutils.create_struct_proxy(found)(context, builder)
-    item = ir.Constant(word, context.get_abi_sizeof(context.get_data_type(found.dtype)))
+    array = context.make_array(found)(context, builder)
+    item = context.get_constant(word, context.get_abi_sizeof(context.get_data_type(found.dtype)))
     shape, strides = [read(1 + axis) for axis in range(found.ndim)], [item]
     for size in reversed(shape):
         strides.insert(0, builder.mul(strides[0], size))
+    sizes = types.UniTuple(word, found.ndim)
+    array.shape, array.strides = (context.make_tuple(builder, sizes, some) for some in (shape, strides[1:]))
     array.data = builder.inttoptr(read(0), array.data.type)
-    array.shape, array.strides = (cgutils.pack_array(builder, found, word) for found in (shape, strides[1:]))
     array.itemsize, array.nitems = item, builder.sdiv(strides[0], item)
-    array.meminfo, array.parent = (ir.Constant(field.type, None) for field in (array.meminfo, array.parent))
+    array.meminfo = context.get_constant_null(types.MemInfoPointer(found.dtype))
+    array.parent = context.get_constant_null(types.pyobject)
     return array._getvalue()
 
 
@@ -135,7 +134,8 @@ def _view(layout: Layout) -> Any:
     @intrinsic
     def view(typing_context, words):
         def generate(context, builder, signature, values):
-            return cgutils.create_struct_proxy(words)(context, builder, value=values[0]).data
+            place = context.make_array(words)(context, builder, values[0]).data
+            return builder.bitcast(place, context.get_value_type(layout.kind))
 
         return layout.kind(words), generate
 

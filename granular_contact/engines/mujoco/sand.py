@@ -57,6 +57,13 @@ class Sand(ABC):
         """A new state."""
         return [(np.zeros_like(part.batch.anchors), np.ones(len(part.inner), bool)) for part in self.parts]
 
+    @staticmethod
+    def _arrays(part: _Part, state: tuple[Vector, NDArray[np.bool_]], held: Any, bed: Any, *own: str) -> dict[str, Any]:
+        """Arrays of a part in a state of its own, as kernels know them; own: those that its batch has by such names."""
+        anchors, active = state
+        of_step = {"of_bed": part.of_bed, "bristle": part.bristle, "held": held, "bed": bed}
+        return of_step | {"anchors": anchors, "active": active} | {name: getattr(part.batch, name) for name in own}
+
     @abstractmethod
     def calls(self, state: State, held: Any, bed: Any) -> list[Callable[[], None]]:
         """A call for each batch, with the records of `kernels.held_bodies`."""
@@ -73,11 +80,9 @@ class SpatialSand(Sand):
     def calls(self, state: State, held: Any, bed: Any) -> list[Callable[[], None]]:
         """As of `Sand`."""
         found = []
-        for medium, part, (anchors, active) in zip(self.met, self.parts, state, strict=True):
-            b = part.batch
-            arrays = {name: getattr(b, name) for name in ("bodies", "clusters", "elements", "ground", "medium")}
-            arrays |= {"of_bed": part.of_bed, "inner": part.inner, "bristle": part.bristle}
-            arrays |= {"anchors": anchors, "active": active, "held": held, "bed": bed}
+        own = "bodies", "clusters", "elements", "ground", "medium"
+        for medium, part, now in zip(self.met, self.parts, state, strict=True):
+            arrays = self._arrays(part, now, held, bed, *own) | {"inner": part.inner}
             found.append(bound(self._kernel(medium), space_added_mass.BATCH.places(arrays), part.rows, keep=arrays))
         return found
 
@@ -114,11 +119,9 @@ class PlanarSand(Sand):
     def calls(self, state: State, held: Any, bed: Any) -> list[Callable[[], None]]:
         """As of `Sand`."""
         found = []
-        for part, (anchors, active) in zip(self.parts, state, strict=True):
-            b = part.batch
-            arrays = {name: getattr(b, name) for name in ("ends", "geometry", "profile", "medium")}
-            arrays |= {"of_bed": part.of_bed, "reaches": part.reaches, "lines": b.records, "bristle": part.bristle}
-            arrays |= {"anchors": anchors, "active": active, "held": held, "bed": bed}
+        own = "ends", "geometry", "profile", "medium"
+        for part, now in zip(self.parts, state, strict=True):
+            arrays = self._arrays(part, now, held, bed, *own) | {"reaches": part.reaches, "lines": part.inner}
             found.append(bound(planar_added_mass.act, planar_added_mass.BATCH.places(arrays), keep=arrays))
         return found
 

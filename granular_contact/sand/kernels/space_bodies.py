@@ -92,12 +92,7 @@ def body_forces(q, v, body, w, medium, pose, W, out):
 
     W (TERMS, 6) is filled with its wrench in the bed's frame.
     """
-    turn, clusters, elements, anchors = (
-        w.turn,
-        w.clusters,
-        w.elements,
-        w.anchors,
-    )
+    turn, clusters, elements, anchors = w.turn, w.clusters, w.elements, w.anchors
     active, ground, G, some = w.active, w.ground, room2(3, 4), 0.0
     place(q, v, body, turn, medium, pose, G)
     clear(W)
@@ -230,12 +225,7 @@ def follow(body, w, medium, pose, near, row):
     near (3,): its proximity, of which `DEEPEST` is a bound of the depth. Where nothing is active the bounds of its
     clusters are the depth: the sphere around a long body can be deep in the bed though the body is above it.
     """
-    clusters, elements, anchors, active = (
-        w.clusters,
-        w.elements,
-        w.anchors,
-        w.active,
-    )
+    clusters, elements, anchors, active = w.clusters, w.elements, w.anchors, w.active
     seen, some = room1(3), False
     seen[law.DEPTH], seen[law.SPEED], seen[law.LOWEST] = -np.inf, 0.0, np.inf
     for c in range(body.first, body.last):
@@ -285,12 +275,7 @@ def update_active(words, step):
     What comes into reach has its anchors put where it is.
     """
     w = view(words)
-    bodies, clusters, active, medium = (
-        w.bodies,
-        w.clusters,
-        w.active,
-        w.medium[0],
-    )
+    bodies, clusters, active, medium = w.bodies, w.clusters, w.active, w.medium[0]
     some, near = False, room1(2)
     for b in range(bodies.shape[0]):
         body, pose, within = bodies[b], w.poses[b], may_touch(w.proximity[b], step)

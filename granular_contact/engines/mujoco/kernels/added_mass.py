@@ -23,6 +23,11 @@ MuJoCo has them: angular, then linear; world frame.
 
 from __future__ import annotations
 
+from typing import Any
+
+import numpy as np
+
+from granular_contact.engines.mujoco.kernels.held_bodies import BED, HELD
 from granular_contact.jit.compiled import kernel, part
 from granular_contact.jit.memory import room1
 from granular_contact.jit.records import record_dtype
@@ -30,6 +35,13 @@ from granular_contact.jit.records import record_dtype
 # The constants of `friction`, and whether a law opposes components of the motion one by one.
 _NUMBERS = [("u_y", "f8"), ("tau", "f8"), ("v_eps", "f8"), ("pressed", "f8")]
 BRISTLE = record_dtype([*_NUMBERS, ("friction", "i8"), ("parted", "?")])
+# What a step of every batch has, see `held_bodies`; of_bed: places of its bodies, or of those of its lines, in held.
+OF_STEP: dict[str, tuple[Any, int]] = {
+    "of_bed": (np.int64, 1),
+    "bristle": (BRISTLE, 1),
+    "held": (HELD, 1),
+    "bed": (BED, 1),
+}
 
 
 @part

@@ -12,17 +12,18 @@ import math
 
 import numpy as np
 
-from granular_contact.engines.mujoco.kernels.added_mass import BRISTLE
-from granular_contact.engines.mujoco.kernels.held_bodies import BED, HELD, advance
+from granular_contact.engines.mujoco.kernels.added_mass import OF_STEP
+from granular_contact.engines.mujoco.kernels.held_bodies import advance
 from granular_contact.jit.compiled import kernel, part
 from granular_contact.jit.layout import Layout
 from granular_contact.jit.memory import clear, room1, room2, rows
 from granular_contact.sand.kernels import lines as one
 from granular_contact.sand.kernels.friction import SMOOTH
 from granular_contact.sand.kernels.friction import drive as drive_along
-from granular_contact.sand.kernels.kinematics import STATION, stations
-from granular_contact.sand.kernels.law import LAW, LINE, TERMS, forces
+from granular_contact.sand.kernels.kinematics import stations
+from granular_contact.sand.kernels.law import TERMS, forces
 from granular_contact.sand.kernels.planar_friction import drive, shortening
+from granular_contact.sand.kernels.planar_sand import LINES
 from granular_contact.sand.kernels.surface import height
 
 DEPTH, SPEED, LOWEST = 0, 1, 2  # of seen (bodies, 3), as of `space_law`
@@ -49,18 +50,9 @@ def longest(ends):
 # See above; active (lines,): which may touch the surface in this step.
 BATCH = Layout(
     "lines in MuJoCo",
-    ends=(np.int64, 2),
-    of_bed=(np.int64, 1),
+    **LINES.of("ends", "geometry", "lines", "profile", "medium", "anchors", "active"),
+    **OF_STEP,
     reaches=(float, 1),
-    geometry=(STATION, 1),
-    lines=(LINE, 1),
-    profile=(float, 2),
-    medium=(LAW, 1),
-    anchors=(float, 2),
-    active=(np.bool_, 1),
-    bristle=(BRISTLE, 1),
-    held=(HELD, 1),
-    bed=(BED, 1),
 )
 view = BATCH.view
 

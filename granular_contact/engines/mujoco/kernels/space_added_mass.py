@@ -7,11 +7,9 @@ are the places of the bodies in held, see `held_bodies` also for bed.
 
 from __future__ import annotations
 
-import numpy as np
-
-from granular_contact.engines.mujoco.kernels.added_mass import BRISTLE, add_inertia, add_point
+from granular_contact.engines.mujoco.kernels.added_mass import OF_STEP, add_inertia, add_point
 from granular_contact.engines.mujoco.kernels.facets_added_mass import add_turned, held_facets
-from granular_contact.engines.mujoco.kernels.held_bodies import BED, HELD, advance
+from granular_contact.engines.mujoco.kernels.held_bodies import advance
 from granular_contact.jit.compiled import kernel, part
 from granular_contact.jit.layout import Layout
 from granular_contact.jit.memory import clear, room1, room2
@@ -22,14 +20,7 @@ from granular_contact.sand.kernels.friction import SMOOTH
 from granular_contact.sand.kernels.friction import drive as drive_along
 from granular_contact.sand.kernels.law import TERMS
 from granular_contact.sand.kernels.planar_friction import drive as drive_across
-from granular_contact.sand.kernels.space_clusters import (
-    DEEPEST,
-    bound,
-    bound_cluster,
-    may_touch,
-    reach_below,
-    release,
-)
+from granular_contact.sand.kernels.space_clusters import DEEPEST, bound, bound_cluster, may_touch, reach_below, release
 from granular_contact.sand.kernels.space_friction import drive
 from granular_contact.sand.kernels.vectors import norm
 
@@ -37,18 +28,9 @@ from granular_contact.sand.kernels.vectors import norm
 # surface in this step.
 BATCH = Layout(
     "elements in MuJoCo",
-    bodies=(law.BODY, 1),
-    of_bed=(np.int64, 1),
-    clusters=(law.CLUSTER, 1),
+    **law.BODIES.of("bodies", "clusters", "elements", "anchors", "active", "ground", "medium"),
+    **OF_STEP,
     inner=(law.CLUSTER, 1),
-    elements=(float, 2),
-    anchors=(float, 2),
-    active=(np.bool_, 1),
-    ground=(float, 1),
-    medium=(law.SPACE_LAW, 1),
-    bristle=(BRISTLE, 1),
-    held=(HELD, 1),
-    bed=(BED, 1),
 )
 view = BATCH.view
 

@@ -13,11 +13,7 @@ import numpy as np
 from numba import types
 from numpy.typing import NDArray
 
-from granular_contact.engines.tree.kernels.tree_arrays import (
-    CALL,
-    MATRICES,
-    TREE,
-)
+from granular_contact.engines.tree.kernels.tree_arrays import CALL, MATRICES, TREE
 from granular_contact.jit.calls import address_of, caller
 from granular_contact.jit.compiled import part
 from granular_contact.jit.memory import flat

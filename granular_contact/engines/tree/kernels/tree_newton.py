@@ -18,12 +18,7 @@ from __future__ import annotations
 
 import math
 
-from granular_contact.engines.tree.kernels.tree_arrays import (
-    DONE,
-    MATRICES,
-    NOW,
-    TRIED,
-)
+from granular_contact.engines.tree.kernels.tree_arrays import DONE, MATRICES, NOW, TRIED
 from granular_contact.engines.tree.kernels.tree_calls import accelerate, begin_iterations, iterate, update_active
 from granular_contact.engines.tree.kernels.tree_joints import follow_signals, prescribe
 from granular_contact.jit.compiled import part
