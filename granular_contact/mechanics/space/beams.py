@@ -18,6 +18,30 @@ if TYPE_CHECKING:
     from granular_contact.mechanics.space.kinematics import SpatialKinematics
 
 
+def drift(curvatures: Vector, length: float, loose: tuple[bool, bool]) -> float:
+    """Estimated error (m) of places along a link by the frequencies of its elements, which grows as it vibrates.
+
+    curvatures (n, joints, 2): across its axis (1/m), in the middle of each element; loose: whether no moment bends its
+    root and its tip. As a sum of waves of numbers k, cos(k s) from an end that is held and sin(k s) from a loose one:
+    of elements of length l the frequency of a wave is off by about (k l)^2 / 12, of itself, as its deflection is under
+    a load. A wave whose curvature has come and gone by c in all, from one extreme to the other by r, has gone through a
+    phase of pi c / r, so it is off by
+
+        min(pi l^2 c / 24, r / k^2),
+
+    where the latter is both its amplitudes: it is at the other extreme. Of waves, each with its own frequency, the root
+    of the sum of squares. Damping, which lets an error fade, is left out.
+    """
+    joints = curvatures.shape[1]
+    k = np.pi / length * (np.arange(joints) + 0.5 * sum(loose))
+    wave = np.cos(k[:, None] * length * (np.arange(joints) + 0.5) / joints - 0.5 * np.pi * loose[0])
+    size = (wave / np.sum(wave**2, axis=1, keepdims=True)) @ curvatures
+    gone = np.linalg.norm(np.diff(size, axis=0), axis=2).sum(axis=0)
+    between = np.linalg.norm(np.ptp(size, axis=0), axis=1)
+    most = between / np.maximum(k, 0.5 * np.pi / length) ** 2  # a link held at both ends has a wave without a length
+    return float(np.linalg.norm(np.minimum(np.pi / 24.0 * (length / joints) ** 2 * gone, most)))
+
+
 class BeamMotion:
     """The motion of a link that bends; (n, ...) over the instants of a trajectory.
 
@@ -94,14 +118,16 @@ class BeamMotion:
         where the curvature goes on to zero at an end that is free or hinged. The first is the error of a cantilever
         with a weight at its end, by the rule of midpoints, and what single elements can't resolve; the second is of
         chords in place of arcs, four times what they are shorter by, since what is at another place meets other forces.
-        `validation/curled.py` compares it with the error of ropes that fall, curl and are thrown.
+        What waves are behind or ahead by adds to it, see `drift`. `validation/curled.py` compares it with the error of
+        ropes that fall, curl and are thrown, and of rods that vibrate.
         """
         beam, piece = self.beam, self.beam.length / self.beam.elements
         turns = self.turned()[0][:, :, 1:]
-        ends = [self._is_loose(end) * turns[:, [k]] for end, k in ((beam.root, 0), (beam.tip, -1))]
+        loose = self._is_loose(beam.root), self._is_loose(beam.tip)
+        ends = [free * turns[:, [k]] for free, k in zip(loose, (0, -1), strict=True)]
         jumps = np.diff(np.concatenate([turns[:, :1] - ends[0], turns, turns[:, -1:] - ends[1]], axis=1), axis=1)
         rough, chords = np.linalg.norm(jumps, axis=2).sum(axis=1), np.sum(turns**2, axis=(1, 2))
-        return float(piece * (rough / 12.0 + chords / 6.0).max())
+        return float(piece * (rough / 12.0 + chords / 6.0).max()) + drift(turns / piece, beam.length, loose)
 
     def _is_loose(self, end: tuple[str | None, Vector, Vector]) -> bool:
         """Whether nothing is welded to an end, so that no moment bends it."""
