@@ -5,13 +5,12 @@ from __future__ import annotations
 import csv
 from pathlib import Path
 
-import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 from granular_contact.cli import main
 from granular_contact.errors import ConfigError, SceneError
-from granular_contact.report.figures.histories import histories
-from granular_contact.report.figures.style import style
+from granular_contact.report.figures.over_time import draw_runs
 from granular_contact.studies.compare import Comparison, compare, write
 
 ROOT = Path(__file__).parents[1]
@@ -68,12 +67,28 @@ def test_table_holds_the_rows(comparison: Comparison, tmp_path: Path) -> None:
     assert not (tmp_path / "out" / "figures").exists()
 
 
-def test_figure_lays_every_model_over_the_others(comparison: Comparison) -> None:
-    with style():
-        axes = histories([(row.name, row.results) for row in comparison.rows]).axes
-    assert [len(panel.lines) for panel in axes] == [4, 3, 3, 2]
-    for line in axes[1].lines:
-        assert np.isfinite(line.get_ydata()).all()
+def test_figures_are_those_of_a_run_with_a_curve_for_each_model(
+    comparison: Comparison, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drawn: dict[str, dict[str, int]] = {}
+
+    def noted(figure: Figure, file: Path) -> None:
+        panels = {axes.get_ylabel().replace("\n", " "): axes.get_lines() for axes in figure.axes}
+        drawn[file.stem.lstrip(".")] = {
+            words: sum(len(line.get_ydata()) > 2 for line in lines) for words, lines in panels.items()
+        }
+        file.touch()
+
+    monkeypatch.setattr("granular_contact.report.figures.over_time.save", noted)
+    runs = [(row.name, row.results) for row in comparison.rows]
+    draw_runs(runs, tmp_path, comparison.rows[-1].name)
+    bending = len([one for _, one in runs if "deflection_m" in one.names])
+    angles, deflections = drawn["joints"], drawn["deflection"]
+    assert next(iter(angles.values())) == len(runs)
+    assert next(iter(deflections.values())) == bending
+    away = [count for words, count in (angles | deflections).items() if "less" in words]
+    assert away[0] == len(runs) - 1
+    assert away[-1] == bending - 1
 
 
 @pytest.mark.parametrize(

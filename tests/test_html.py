@@ -334,7 +334,7 @@ def test_results_without_words_of_their_own_show_tables_and_figures(tmp_path: Pa
         if name.endswith(".csv"):
             (folder / name).write_text("medium,stopping_time_s\nplay_sand,0.025\n")
         else:
-            shutil.copy(pages["run"].parent / "figures" / "motion.png", folder / name)
+            shutil.copy(pages["run"].parent / "figures" / "joints.png", folder / name)
         page = html(folder)
         assert f'<p class="kind">{kind}</p>' in page
         assert ("stopping time (ms)" in page) == name.endswith(".csv")

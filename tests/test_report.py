@@ -48,7 +48,7 @@ def test_folder_holds_the_files_and_figures(tmp_path: Path) -> None:
     report.write(make(), tmp_path / "deep" / "run")
     assert names(tmp_path / "deep") == ["run"]
     assert names(tmp_path / "deep" / "run") == NAMES
-    assert names(tmp_path / "deep" / "run" / "figures") == ["energy.png", "forces.png", "mechanism.png", "motion.png"]
+    assert names(tmp_path / "deep" / "run" / "figures") == ["energy.png", "forces.png", "joints.png", "mechanism.png"]
 
 
 def test_without_figures(tmp_path: Path) -> None:
@@ -108,8 +108,8 @@ def test_scenario_reads_back_and_says_how_to_run_it_again(tmp_path: Path) -> Non
 class TestWholeOrNotAtAll:
     @pytest.fixture(autouse=True)
     def _way(self, exchange: bool, monkeypatch: pytest.MonkeyPatch) -> None:
-        for name in ("motion", "deflection", "forces", "energy", "mechanism"):  # empty ones
-            monkeypatch.setattr(figures, name, lambda _: Figure((1.0, 1.0)))
+        for name in ("over_time.stack", "mechanism"):  # empty ones
+            monkeypatch.setattr(f"granular_contact.report.figures.{name}", lambda *_: Figure((1.0, 1.0)))
         if not exchange:
             monkeypatch.setattr(report, "_exchange", lambda _one, _other: False)
 
@@ -157,13 +157,13 @@ class TestWholeOrNotAtAll:
             report.write(make(), tmp_path / "run")
         assert len(told) == 1
         assert names(tmp_path / "run") == NAMES
-        assert names(tmp_path / "run" / "figures") == ["energy.png", "forces.png", "motion.png"]
+        assert names(tmp_path / "run" / "figures") == ["energy.png", "forces.png", "joints.png"]
 
     def test_ctrl_c_among_the_pictures_keeps_the_data(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         def stop(_: Results) -> None:
             raise KeyboardInterrupt
 
-        monkeypatch.setattr(figures, "motion", stop)
+        monkeypatch.setattr(figures, "mechanism", stop)
         with pytest.raises(KeyboardInterrupt, match="the data is saved in"):
             report.write(make(), tmp_path / "run")
         assert names(tmp_path) == ["run"]

@@ -6,7 +6,7 @@ the same are drawn as one, those that are only round-off not at all.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container, Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -61,7 +61,7 @@ class Panel:
     @property
     def heading(self) -> str:
         """Its title with the unit."""
-        return f"{self.title} ({self.unit.name})" if self.unit.name else self.title
+        return f"{self.title} ({self.unit.name})" if self.title and self.unit.name else self.title or self.unit.name
 
 
 @dataclass(frozen=True)
@@ -81,6 +81,11 @@ def groups(names: Sequence[str], terms: Sequence[str], column: Values) -> list[G
     made = [_wheels(found), _travel(found), _joints(found), _forces(found), _depths(found), _energy(found)]
     kept = [replace(one, panels=tuple(_seen(one.panels, column, scales))) for one in made]
     return [one for one in kept if one.panels]
+
+
+def groups_of(names: Sequence[str], terms: Sequence[str], column: Values) -> list[Group]:
+    """The groups of a table, without panels that show the same as others; see `groups` and `distinct`."""
+    return distinct(groups(names, terms, column), column)
 
 
 def distinct(found: Sequence[Group], column: Values, *, compared: bool = False) -> list[Group]:
@@ -118,12 +123,13 @@ def _still(curves: Sequence[Array]) -> bool:
 
 
 def _scales(names: Iterable[str], column: Values) -> dict[str, float]:
-    """The largest number of each unit in the table."""
+    """The largest number of each unit in the table; of a moment the largest force at the largest length, if more."""
     scales: dict[str, float] = {}
     for name in names:
         base = BASES.get(split(name)[1])
         if base is not None:
             scales[base] = max(scales.get(base, 0.0), greatest(column(name)))
+    scales["N·m"] = max(scales.get("N·m", 0.0), scales.get("N", 0.0) * scales.get("m", 0.0))
     return scales
 
 
@@ -319,16 +325,12 @@ ENERGIES = (  # label, column, factor; gravity is counted from the start
 )
 
 
-def energies(names: Container[str]) -> tuple[Curve, ...]:
-    """Those energies and works that a table with these columns has."""
-    there = (one for one in ENERGIES if one[1] in names)
-    return tuple(Curve(words, ((name, factor),), start=name == "gravity_J") for words, name, factor in there)
-
-
 def _energy(found: _Names) -> Group:
     """Energies and works, and by how much their balance does not close."""
+    there = (one for one in ENERGIES if one[1] in found.has)
+    curves = tuple(Curve(words, ((name, factor),), start=name == "gravity_J") for words, name, factor in there)
     panels = [
-        Panel("energy", "J", energies(found.has)),
+        Panel("energy", "J", curves),
         found.panel("energy imbalance", "J", [("imbalance", "energy_imbalance_J")]),
     ]
     words = "Where the energy is and went; the sum is constant but for the imbalance."

@@ -45,7 +45,7 @@ def dataframe(results: Results) -> Any:
 def plot(results: Results, names: Sequence[str]) -> Figure:
     """Columns over time."""
     from granular_contact.report.figures import style
-    from granular_contact.report.figures.chosen import chosen
+    from granular_contact.report.figures.over_time import chosen
 
     with style():
         return chosen(results, names)

@@ -20,7 +20,7 @@ import numpy as np
 from granular_contact import report
 from granular_contact.config import load, schema
 from granular_contact.errors import ConfigError, Fault
-from granular_contact.report.drawn import drawn, saved_before
+from granular_contact.report.drawn import saved_before
 from granular_contact.report.overlay import write as write_overlay
 from granular_contact.results import FINISHED, Compiling, Results
 from granular_contact.results.frames import MOST
@@ -30,7 +30,6 @@ from granular_contact.scene import build
 
 MODES, ELEMENTS = (0, 1, 2, 5), (4, 8, 16, 32)
 MOST_MODES, MOST_ELEMENTS = 20, 1024
-HISTORIES = "histories.png"
 EVERY_STEP = "output.interval_s=null"  # differences are not to depend on how many rows are kept
 
 
@@ -225,15 +224,15 @@ def runs_folder(
 
 
 def write(comparison: Comparison, directory: Path, figures: bool = True) -> None:
-    """Write table, verdict, scenario, histories and motions of all, completely or not at all; then a figure."""
+    """Write table, verdict, scenario, histories and motions of all, completely or not at all; then figures."""
     runs = [(row.name, row.results) for row in comparison.rows]
     with runs_folder(directory, "compare", map(cells, comparison.rows), runs, runs[-1][1]) as folder:
         (folder / report.SUMMARY).write_text(report.json_text(_summary(comparison)), encoding="utf-8")
     if figures:
-        from granular_contact.report.figures.histories import draw_histories
+        from granular_contact.report.figures.over_time import draw_runs
 
-        with saved_before(directory), drawn(directory / report.FIGURES / HISTORIES) as file:
-            draw_histories(runs, file)
+        with saved_before(directory):
+            draw_runs(runs, directory / report.FIGURES, comparison.rows[-1].name)
 
 
 def _summary(comparison: Comparison) -> dict[str, Any]:

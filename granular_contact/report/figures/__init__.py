@@ -2,14 +2,14 @@
 
 style    style                      sizes, colours, matplotlib's settings; the units of axes are those of `report.units`
 series   panels                     panels over time, and what is marked in them
-         motion, series, chosen     their figures
-         robots, space_views        figures of what travels: first body, joints, contacts; views in space
+         over_time                  their figures, of a run, of several runs, of columns by name
+         contacts, space_views      contacts and footprints; views in space
          depth_buffer               bodies as they are seen from one side
 picture  outlines                   edges and depths, and what the hinges are called
          mechanism                  windows on the plane, and their figure
 film     stage, animation           a view to scale, pictures on it
          rendering, film            pictures in space, shaded; GIF and MP4
-studies  histories, laws            models and media compared, a law
+studies  laws                       a law
          studies, fits              sweeps, wheels, Sobol indices, seeds, searches; fits
 """
 
@@ -22,12 +22,12 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from granular_contact.report.drawn import drawn
+from granular_contact.report.figures.contacts import against_depth, contacts, in_contact
 from granular_contact.report.figures.mechanism import mechanism
-from granular_contact.report.figures.motion import motion
-from granular_contact.report.figures.robots import against_depth, contacts, groups_of, in_contact, in_joints, over_time
-from granular_contact.report.figures.series import deflection, energy, forces
+from granular_contact.report.figures.over_time import of_groups
 from granular_contact.report.figures.space_views import views
 from granular_contact.report.figures.style import DPI, style
+from granular_contact.report.histories import groups_of
 from granular_contact.results import Results
 
 __all__ = ["draw", "figures", "style"]
@@ -66,26 +66,13 @@ def figures(results: Results) -> dict[str, Figure]:
 
 def makers(results: Results) -> dict[str, Callable[[], Figure]]:
     """What makes each figure of `results`, by name, on Agg canvases; to be called and drawn within `style()`."""
-    has = {column.name for column in results.columns}
-    made: dict[str, Callable[[], Figure]] = {}
-    histories = groups_of(results) if len(results.table) > 1 else {}
-    if "travel" in histories:
-        made["travel"] = partial(over_time, results, histories["travel"].panels)
-        if "joints" in histories and (panels := in_joints(histories["joints"])):
-            made["joints"] = partial(over_time, results, panels)
-    elif len(results.table):
-        made["motion"] = partial(motion, results)
-    if len(results.table):
-        if "deflection_m" in has:
-            made["deflection"] = partial(deflection, results)
-        if results.terms:
-            made["forces"] = partial(forces, results)
-        if "kinetic_J" in has:
-            made["energy"] = partial(energy, results)
-    if histories and len(in_contact(results)) > 1:
-        made["contacts"] = partial(contacts, results, histories.get("depth"))
-    elif "travel" in histories and "depth" in histories and any(one.along for one in histories["depth"].panels):
-        made["depth"] = partial(against_depth, results, histories["depth"])
+    found = groups_of(results.names, results.terms, results.__getitem__) if len(results.table) > 1 else []
+    made = of_groups(results, found)
+    against = [panel for group in found for panel in group.panels if panel.along]
+    if len(in_contact(results)) > 1:
+        made["contacts"] = partial(contacts, results, against)
+    elif "travel" in made and against:
+        made["depth"] = partial(against_depth, results, against)
     if results.motion is not None and results.motion.in_space and results.motion.parts:
         made["views"] = partial(views, results, results.motion)
     elif results.snapshots:

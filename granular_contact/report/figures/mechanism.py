@@ -130,7 +130,7 @@ def _pose(shot: Snapshot) -> dict[str, Any]:
 def _caption(results: Results, shot: Snapshot) -> str:
     """Which snapshot, when, and the angle of the pivot then."""
     words = f"{shot.label}: {instant(results, shot.time)}"
-    pivot = next((hinge for hinge in hinges_of(results) if hinge.reference is None), None)
+    pivot = next((hinge for hinge in hinges_of(results) if hinge.on_ground), None)
     if pivot is None or not len(results.table):
         return words
     history = results["time_s"], results[pivot.angle], np.degrees(results[pivot.rate])

@@ -123,39 +123,21 @@ def deepest_point(results: Results) -> Deepest | None:
     return Deepest(x, float(surface_height(surface, x)), float(depth), side, clear)
 
 
-_ANGLE, _RATE = "_angle_deg", "_rate_rad_s"
-
-
 @dataclass(frozen=True)
 class Hinge:
-    """A hinge by name; `reference` is the body that its angle and rate are relative to, None if that is the ground."""
+    """A hinge: columns of its angle and rate; whether they are relative to the ground."""
 
-    name: str
-    reference: str | None
-
-    @property
-    def angle(self) -> str:
-        """Column of its angle."""
-        return self.name + _ANGLE
-
-    @property
-    def rate(self) -> str:
-        """Column of its angular rate."""
-        return self.name + _RATE
-
-    @property
-    def label(self) -> str:
-        """Its name and, if it is not the ground, what it is relative to."""
-        return self.name if self.reference is None else f"{self.name}, relative to {self.reference}"
+    angle: str
+    rate: str
+    on_ground: bool
 
 
 def hinges_of(results: Results) -> list[Hinge]:
     """The hinges, in the order of the columns."""
     names = {column.name for column in results.columns}
-    found = []
-    for column in results.columns:
-        name = column.name.removesuffix(_ANGLE)
-        if name != column.name and name + _RATE in names:
-            _, _, reference = column.description.partition("relative to ")
-            found.append(Hinge(name, reference.split(",")[0] or None))
-    return found
+    rates = ((column, column.name.replace("_angle_deg", "_rate_rad_s")) for column in results.columns)
+    return [
+        Hinge(column.name, rate, "relative to" not in column.description)
+        for column, rate in rates
+        if rate != column.name and rate in names
+    ]

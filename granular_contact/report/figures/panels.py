@@ -19,12 +19,10 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from granular_contact.report.figures.style import DPI, FAINT, LEGEND_ROW, SINGLE, style
-from granular_contact.report.units import Array, greatest, instant, minus, time_unit
+from granular_contact.report.units import Array, instant, minus, time_unit, unit_for
 from granular_contact.results import REST_MEASURE, Results
 
 _PANEL, _HANDLE, _LETTER = 72.0, 7.7, 1.1  # widths, mm: of a panel, of what stands by a label in a legend, of a letter
-
-ROUND_OFF = 1e-9  # of its scale: what is smaller is no motion, force or energy
 
 
 class _Shown(Figure):
@@ -64,23 +62,12 @@ def column_of(figure: Figure, count: int, **options: Any) -> list[Axes]:
     return panels
 
 
-def cleared(values: Array, scale: float) -> Array:
-    """Values, but zeros if they are only the round-off of a quantity of this scale."""
-    return np.zeros_like(values) if greatest(values) < ROUND_OFF * scale else values
-
-
-def size_of(results: Results) -> float:
-    """Extent (m) of the mechanism in its pictures."""
-    points = [outline.points for shot in results.snapshots for outline in shot.outlines]
-    return float(np.max(np.ptp(np.concatenate(points), axis=0))) if points else 0.0
-
-
-def stacked(results: Results, height: float, ratios: tuple[float, ...]) -> tuple[Figure, list[Axes], Array]:
-    """A column of panels of these relative heights that share the time axis, and the times (rows,) in its unit."""
+def stacked(seconds: Array, height: float, count: int) -> tuple[Figure, list[Axes], Array]:
+    """A column of panels that share the time axis, and the times (rows,) in its unit."""
     figure = blank(SINGLE, height, layout="constrained")
-    panels = column_of(figure, len(ratios), height_ratios=ratios)
-    unit = time_unit(results)
-    time = results["time_s"] * unit.factor
+    panels = column_of(figure, count)
+    unit = unit_for(seconds, "s")
+    time = seconds * unit.factor
     panels[0].set_xlim(*((time[0], time[-1]) if time[-1] > time[0] else (time[0] - 1, time[0] + 1)))
     panels[-1].set_xlabel(f"time ({unit.name})")
     return figure, panels, time
@@ -137,9 +124,6 @@ def fitting_columns(labels: list[str], most: int) -> int:
 
 def mark_events(results: Results, panels: list[Axes]) -> None:
     """A thin line at touch, unless the run starts with it, and at the stop, whose time and angle stand above it."""
-    if len(results.table) < 2:
-        _above(panels[0], 1.0, _ending(results))
-        return
     first, last = results["time_s"][[0, -1]]
     factor, stopping = time_unit(results).factor, results.summary.get("stopping_time_s")
     touch = float(first) if results.summary.get("touch_time_s") is None else results.summary["touch_time_s"]

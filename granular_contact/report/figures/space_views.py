@@ -11,9 +11,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from granular_contact.report.figures.contacts import in_contact
 from granular_contact.report.figures.depth_buffer import seen
 from granular_contact.report.figures.panels import blank
-from granular_contact.report.figures.robots import in_contact
 from granular_contact.report.figures.style import DOUBLE, FLOOR, PALETTE, SAND, SAND_EDGE
 from granular_contact.report.units import Array, Unit, instant, unit_for
 from granular_contact.results import Results

@@ -56,7 +56,7 @@ NUMBERS = (  # the most telling first
     *("max_deflection_m", "largest_drive_torque_Nm", "energy.imbalance_relative"),
 )
 MOST_NUMBERS = 4  # of a card
-PICTURES = ("views", "mechanism", "travel", "motion")  # the first that there is
+PICTURES = ("views", "mechanism", "travel", "joints")  # the first that there is
 
 
 def html(directories: Sequence[Path], file: Path) -> str:

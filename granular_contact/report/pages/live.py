@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from granular_contact.report import OVERLAY, SERIES
-from granular_contact.report.histories import Curve, Group, distinct, groups, others
+from granular_contact.report.histories import Curve, Group, groups_of, others
 from granular_contact.report.overlay import keys, panels
 from granular_contact.report.pages.folder import Bed, Folder
 from granular_contact.report.pages.rendering import packed
@@ -33,7 +33,8 @@ def live(folder: Folder, summary: dict[str, Any]) -> dict[str, Any]:
         return nothing_live()
     columns = folder.numbers(SERIES)
     rows = len(columns["time_s"])
-    found = _groups(columns) if rows > 1 else []
+    terms = [name.removesuffix(_TERM) for name in columns if name.endswith(_TERM)]
+    found = groups_of(list(columns), terms, columns.__getitem__) if rows > 1 else []
     played = folder.played() if rows > 1 else None
     moments = _moments(summary, columns) if rows else {}
     shown = _stage(*played, columns, moments) if played is not None and not played[0].in_space else None
@@ -109,11 +110,6 @@ def _page(
     space = played is not None and played[0].in_space
     kept = {"stage": shown, "in_space": space, "groups": found, "thinned": every if every > 1 else 0}
     return nothing_live() | kept | {"data": data}
-
-
-def _groups(columns: dict[str, Array]) -> list[Group]:
-    terms = [n.removesuffix(_TERM) for n in columns if n.endswith(_TERM)]
-    return distinct(groups(list(columns), terms, columns.__getitem__), columns.__getitem__)
 
 
 def _packed(names: list[str], table: Array) -> dict[str, Any]:

@@ -1,65 +1,18 @@
-"""Figures of what travels: the motion of the first body, the joints and their drives, contacts and footprints."""
+"""Contacts and footprints of bodies, and their force against depth."""
 
 from __future__ import annotations
-
-from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from granular_contact.report.figures.panels import blank, curve, finish, fitting_columns, stacked
-from granular_contact.report.figures.style import BLUE, DOUBLE, FAINT, PALETTE, SINGLE
-from granular_contact.report.histories import Group, Panel, groups
+from granular_contact.report.figures.panels import blank
+from granular_contact.report.figures.style import DOUBLE, PALETTE, SINGLE
+from granular_contact.report.histories import Panel
 from granular_contact.report.units import time_unit, unit_for
 from granular_contact.results import Results
 
-PANEL = 31.0  # mm
-IN_JOINTS = ("angle", "rate", "position", "torque", "force", "power", "work")  # first words of the panels drawn
 MOST_ROWS = 16  # bodies whose contacts are drawn
-
-
-def groups_of(results: Results) -> dict[str, Group]:
-    """Groups of panels of a run, by name."""
-    return {one.name: one for one in groups(results.names, results.terms, results.__getitem__)}
-
-
-def over_time(results: Results, panels: Sequence[Panel]) -> Figure:
-    """One or more panels under each other, over time; curves of one name have one colour."""
-    figure, axes, time = stacked(results, 9.0 + PANEL * len(panels), (1.0,) * len(panels))
-    colours: dict[str, str] = {}
-    labelled: set[str] = set()
-    for one, panel in zip(axes, panels, strict=True):
-        one.axhline(0, color=FAINT, linewidth=0.5)
-        labels = [shown.label for shown in panel.curves]
-        new = len(labels) > 1 and not set(labels) <= labelled
-        for shown in panel.curves:
-            colour = BLUE
-            if len(labels) > 1:
-                colour = colours.setdefault(shown.label.split(", ")[0], PALETTE[len(colours) % len(PALETTE)])
-            values = shown.values(results.__getitem__) * panel.unit.factor
-            curve(one, time, values, colour, shown.label if new else "", linewidth=0.9)
-        labelled |= set(labels)
-        if not _crosses_zero(one):
-            one.lines[0].remove()
-        words = panel.heading.replace(" of joints", "").replace(" of drives", "")
-        finish(one, words, fitting_columns(labels, 3) if new else 0)
-    return figure
-
-
-def _crosses_zero(axes: Axes) -> bool:
-    """Whether a line at zero is near the curves."""
-    values = np.concatenate([np.asarray(line.get_ydata(), float) for line in axes.lines[1:]])
-    low, high = float(np.nanmin(values)), float(np.nanmax(values))
-    return low - 0.1 * (high - low) <= 0.0 <= high + 0.1 * (high - low)
-
-
-def in_joints(group: Group) -> list[Panel]:
-    """Panels of angle, rate, torque, power and work of joints; none of a body that flies, whose joint has no such."""
-    return [one for one in group.panels if one.title.split()[0] in IN_JOINTS]
-
-
-# ---- contacts and footprints ----
 
 
 def in_contact(results: Results) -> dict[str, list[tuple[float, float]]]:
@@ -68,10 +21,9 @@ def in_contact(results: Results) -> dict[str, list[tuple[float, float]]]:
     return {body: [(on, off) for on, off in spans] for body, spans in labelled.items() if spans}
 
 
-def contacts(results: Results, depth: Group | None) -> Figure:
+def contacts(results: Results, against: list[Panel]) -> Figure:
     """When bodies are in the medium, where along the surface they are then, and their force against depth."""
     spans = dict(list(in_contact(results).items())[:MOST_ROWS])
-    against = [one for one in (depth.panels if depth else ()) if one.along]
     figure = blank(DOUBLE, max(52.0, 20.0 + 5.0 * len(spans)), layout="constrained")
     panels = figure.subplots(1, 3 if against else 2, squeeze=False)[0]
     unit = time_unit(results)
@@ -87,11 +39,11 @@ def contacts(results: Results, depth: Group | None) -> Figure:
     return figure
 
 
-def against_depth(results: Results, depth: Group) -> Figure:
+def against_depth(results: Results, against: list[Panel]) -> Figure:
     """Vertical force of the medium against depth."""
     figure = blank(SINGLE, 62.0, layout="constrained")
     axes = figure.subplots()
-    _against_depth(axes, results, [one for one in depth.panels if one.along])
+    _against_depth(axes, results, against)
     axes.set_title("")
     return figure
 

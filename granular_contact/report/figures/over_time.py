@@ -1,0 +1,123 @@
+"""Figures over time: panels of `report.histories`, as the page shows them, of one run or of several on one clock."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
+from pathlib import Path
+from textwrap import fill
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import to_hex, to_rgb
+from matplotlib.figure import Figure
+
+from granular_contact.report.drawn import drawn
+from granular_contact.report.figures.panels import curve, finish, fitting_columns, mark_events, save, stacked
+from granular_contact.report.figures.style import BLUE, FAINT, LINES, PALETTE, VERMILION, style
+from granular_contact.report.histories import Curve, Group, Panel, Values, panel
+from granular_contact.report.overlay import history, panels, table
+from granular_contact.report.units import label, split
+from granular_contact.results import Results
+
+PANEL = 31.0  # mm
+WIDEST = 20  # letters of a line beside a panel
+MOST_NAMED = 6  # curves of a panel with a name and a colour of their own
+BENT = ("deflection", "twist", "greatest strain")  # how panels of links that bend begin
+NOT_DRAWN = ("speed of sliders",)  # of many panels of joints
+
+
+def of_groups(results: Results, groups: Sequence[Group]) -> dict[str, Callable[[], Figure]]:
+    """What makes each figure over time of a run, by name: one for each group of panels, one of links that bend."""
+    return {name: partial(stack, shown, results.__getitem__, results) for name, shown in _figures(groups)}
+
+
+def _figures(groups: Sequence[Group]) -> Iterator[tuple[str, list[Panel]]]:
+    """Names of figures and their panels, of all groups but the depth."""
+    for group in groups:
+        bent = [one for one in group.panels if one.title.startswith(BENT)]
+        others = [one for one in group.panels if one not in bent and one.title not in NOT_DRAWN]
+        if others and group.name != "depth":
+            yield group.name, others
+        if bent:
+            yield "deflection", bent
+
+
+def draw_runs(runs: Sequence[tuple[str, Results]], folder: Path, reference: str = "") -> None:
+    """Draw runs (name and results) into PNG files of a folder, as those of one run with a curve for each.
+
+    reference: the run from which the others are distinguished.
+    """
+    columns = table([history(*run) for run in runs])
+    found = panels([name for name, _ in runs], columns, reference)
+    with style():
+        for name, shown in _figures(found):
+            with drawn(folder / f"{name}.png") as file:
+                save(stack(shown, columns.__getitem__), file)
+
+
+def chosen(results: Results, names: Sequence[str]) -> Figure:
+    """A figure of columns over time, chosen by name: those of one unit in one panel.
+
+    Raises
+    ------
+    ValueError
+        No column is named.
+    KeyError
+        There is no such column.
+    """
+    if not names:
+        raise ValueError(f"plot() needs the name of a column; there are: {', '.join(results.names)}")
+    units: dict[str, list[Curve]] = {}
+    for name in names:
+        units.setdefault(split(name)[1], []).append(Curve(label(name), ((name, 1.0),)))
+    shown = [
+        panel(alike[0].label if len(alike) == 1 else "", alike[0].terms[0][0], alike, results.__getitem__)
+        for alike in units.values()
+    ]
+    return stack(shown, results.__getitem__, results)
+
+
+def stack(panels: Sequence[Panel], column: Values, of_run: Results | None = None) -> Figure:
+    """One or more panels under each other; curves of one name look alike. Touch and stop of a run are marked."""
+    figure, axes, time = stacked(column("time_s"), 9.0 + PANEL * len(panels), len(panels))
+    looks = _looks(panels)
+    named: set[str] = set()
+    for one, held in zip(axes, panels, strict=True):
+        labels = [shown.label for shown in held.curves]
+        many = len(labels) > MOST_NAMED
+        told = [] if len(labels) == 1 or set(labels) <= named else [labels[0], labels[-1]] if many else labels
+        named |= set(labels)
+        for shown in held.curves:
+            colour, line = looks[shown.label] if len(labels) > 1 else (BLUE, "-")
+            words = shown.label if shown.label in told else ""
+            values = shown.values(column) * held.unit.factor
+            curve(one, time, values, colour, words, linestyle=line, linewidth=0.9)
+        if _crosses_zero(one):
+            one.axhline(0, color=FAINT, linewidth=0.5, zorder=1.5)
+        words = held.heading.replace(" of joints", "").replace(" of drives", "")
+        finish(one, fill(words, WIDEST, break_long_words=False), fitting_columns(told, 3))
+    if of_run is not None:
+        mark_events(of_run, axes)
+    return figure
+
+
+def _looks(panels: Sequence[Panel]) -> dict[str, tuple[str, str]]:
+    """Colour and kind of line of each name: distinct ones of a few, from blue to vermilion along a chain."""
+    several = [one.label for panel in panels if len(panel.curves) > 1 for one in panel.curves]
+    first = {words: words.split(", ")[0] for words in several}  # of curves that are drawn as one
+    names = list(dict.fromkeys(first.values()))
+    if len(names) <= len(PALETTE):
+        of_name = {name: (PALETTE[i], LINES[i % len(LINES)]) for i, name in enumerate(names)}
+    else:
+        ends = np.array([to_rgb(BLUE), to_rgb(VERMILION)])
+        shares = np.linspace(0.0, 1.0, len(names))
+        of_name = {name: (to_hex([1.0 - x, x] @ ends), "-") for name, x in zip(names, shares, strict=True)}
+    return {words: of_name[name] for words, name in first.items()}
+
+
+def _crosses_zero(axes: Axes) -> bool:
+    """Whether zero is near the curves."""
+    values = np.concatenate([np.asarray(line.get_ydata(), float) for line in axes.lines])
+    low, high = float(np.nanmin(values)), float(np.nanmax(values))
+    return low - 0.1 * (high - low) <= 0.0 <= high + 0.1 * (high - low)
