@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Annotated, Any, Literal
 
 from pydantic import Field
@@ -99,6 +100,13 @@ Body = Annotated[Rigid | Link, Tagged("type", BODIES)]
 MOST_LINKS = 4096
 
 
+def names(prefix: Any, count: Any) -> list[str]:
+    """`prefix_1` to `prefix_count`; none for what is not text or no allowed number, which has its own fault."""
+    if not isinstance(prefix, str) or type(count) is not int or not 1 <= count <= MOST_LINKS:
+        return []
+    return [f"{prefix}_{i}" for i in range(1, count + 1)]
+
+
 class ChainLink(Strict):
     """One of the links: a straight uniform cylinder."""
 
@@ -135,22 +143,18 @@ class Chain(Strict):
     link_name: Text = "link"
     hinge_name: Text = "hinge"
 
+    def expanded(self) -> tuple[dict[str, Link], dict[str, Hinge]]:
+        """Bodies and joints of the chain."""
+        link = Link(type="link", **self.link.model_dump())
+        links, hinges = names(self.link_name, self.count), names(self.hinge_name, self.count)
+        return dict.fromkeys(links, link), {
+            name: Hinge(type="hinge", **given)
+            for name, given in zip(hinges, self.hinges(links, (self.link.length_m, 0.0)), strict=True)
+        }
 
-def names(prefix: Any, count: Any) -> list[str]:
-    """`prefix_1` to `prefix_count`; none for what is not text or no allowed number, which has its own fault."""
-    if not isinstance(prefix, str) or type(count) is not int or not 1 <= count <= MOST_LINKS:
-        return []
-    return [f"{prefix}_{i}" for i in range(1, count + 1)]
-
-
-def expand(chain: Chain) -> tuple[dict[str, Link], dict[str, Hinge]]:
-    """Bodies and joints of a chain."""
-    link = Link(type="link", **chain.link.model_dump())
-    links, hinges = names(chain.link_name, chain.count), names(chain.hinge_name, chain.count)
-    parents, tip = [chain.parent, *links[:-1]], (chain.link.length_m, 0.0)
-    laws: dict[str, Any] = {name: getattr(chain.hinge, name) for name in ChainHinge.model_fields}
-    joints = {}
-    for i, (hinge, parent, child) in enumerate(zip(hinges, parents, links, strict=True)):
-        seat, more = (tip, laws) if i else (chain.parent_point_m, laws | {"home_deg": chain.root_home_deg})
-        joints[hinge] = Hinge(type="hinge", parent=parent, child=child, parent_point_m=seat, **more)
-    return dict.fromkeys(links, link), joints
+    def hinges(self, links: list[str], tip: tuple[float, ...]) -> Iterator[dict[str, Any]]:
+        """Values of the hinges, one for each of the links, whose tips are at a place (m) in their frames."""
+        values = {name: getattr(self.hinge, name) for name in ChainHinge.model_fields}
+        for i, child in enumerate(links):
+            first = {"parent": self.parent, "parent_point_m": self.parent_point_m, "home_deg": self.root_home_deg}
+            yield values | {"child": child} | ({"parent": links[i - 1], "parent_point_m": tip} if i else first)

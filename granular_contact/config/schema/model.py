@@ -15,7 +15,7 @@ from typing import Any, Literal
 from pydantic import Field
 
 from granular_contact.config.schema.joints import Closure, Joint
-from granular_contact.config.schema.mechanism import Body, Chain, expand, names
+from granular_contact.config.schema.mechanism import Body, Chain, names
 from granular_contact.values.strict import Faults, LocalFault, Strict, Text, no_such
 
 GROUND = "ground"
@@ -179,12 +179,12 @@ class Model(Strict):
     @cached_property
     def all_bodies(self) -> dict[str, Body]:
         """Bodies by name, the links of the chain at the end."""
-        return self.bodies | (expand(self.chain)[0] if self.chain is not None else {})
+        return self.bodies | (self.chain.expanded()[0] if self.chain is not None else {})
 
     @cached_property
     def all_joints(self) -> dict[str, Joint]:
         """Joints of the tree by name, the hinges of the chain at the end."""
-        return self.joints | (expand(self.chain)[1] if self.chain is not None else {})
+        return self.joints | (self.chain.expanded()[1] if self.chain is not None else {})
 
     def _faults(self) -> Faults:
         return mechanism_faults(self)

@@ -3,72 +3,54 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Annotated, Any, Literal
+from itertools import cycle
+from typing import Annotated, Literal
 
 from pydantic import Field
 
-from granular_contact.config.schema.joints import HingeFriction, HingeSpring, HingeStops
-from granular_contact.config.schema.mechanism import MOST_LINKS, names
+from granular_contact.config.schema.mechanism import Chain, ChainHinge, ChainLink, names
 from granular_contact.config.schema.model import mechanism_faults
 from granular_contact.config.schema.space.bodies import SpatialBody, SpatialFlexible, SpatialLink
 from granular_contact.config.schema.space.joints import SpatialClosure, SpatialHinge, SpatialJoint
 from granular_contact.config.schema.space.turned import ORIGIN, Axis, Point3
-from granular_contact.values.strict import Faults, Listed, NotNegative, Positive, Strict, Text, allow
+from granular_contact.values.strict import Faults, Listed, Positive, Strict, Text, allow
 
 
-class SpatialChainLink(Strict):
+class SpatialChainLink(ChainLink):
     """One of the links: a straight uniform round bar."""
 
-    length_m: Positive
-    diameter_m: Positive
-    density_kg_m3: Positive
-    flexible: SpatialFlexible | None = None
+    flexible: SpatialFlexible | None = None  # type: ignore[assignment]
     """null: the links are rigid."""
     facet_size_m: Positive | None = None
     """Greatest edge of its facets, for laws of surfaces; null: by its error, of links that bend a fourth
     of an element, or their thickness if that is more."""
 
 
-class SpatialChainHinge(Strict):
+class SpatialChainHinge(ChainHinge):
     """What every hinge of the chain has."""
 
     axes: Annotated[tuple[Axis, ...], Listed, Field(min_length=1)] = ((0.0, 0.0, 1.0),)
     """Directions of the axes in the frames of the links, taken in turn from hinge to hinge."""
     home_deg: float = 0.0
     """Angle at the start of all hinges but the first, unless the run says otherwise."""
-    spring: HingeSpring | None = None
-    damping_Nm_s_per_rad: NotNegative = 0.0
-    stops: HingeStops | None = None
-    friction: HingeFriction | None = None
 
 
-class SpatialChain(Strict):
+class SpatialChain(Chain):
     """Links `link_1` to `link_n`, joined tip to root by hinges `hinge_1` to `hinge_n`; the first is on the parent."""
 
-    count: Annotated[int, Field(ge=1, le=MOST_LINKS)]
     link: SpatialChainLink
     hinge: SpatialChainHinge = SpatialChainHinge()
-    parent: str = "ground"
-    """A body, or `ground`."""
-    parent_point_m: Point3 = ORIGIN
+    parent_point_m: Point3 = ORIGIN  # type: ignore[assignment]
     """Where the first hinge sits in the frame of the parent."""
-    root_home_deg: float = 0.0
-    """Angle of the first hinge at the start, unless the run says otherwise."""
-    link_name: Text = "link"
-    hinge_name: Text = "hinge"
 
-    def expanded(self) -> tuple[dict[str, SpatialLink], dict[str, SpatialHinge]]:
+    def expanded(self) -> tuple[dict[str, SpatialLink], dict[str, SpatialHinge]]:  # type: ignore[override]
         """Bodies and joints of the chain."""
         link = SpatialLink(type="link", **self.link.model_dump())
         links, hinges = names(self.link_name, self.count), names(self.hinge_name, self.count)
-        laws: dict[str, Any] = {n: getattr(self.hinge, n) for n in SpatialChainHinge.model_fields if n != "axes"}
-        joints, axes = {}, self.hinge.axes
-        for i, (hinge, child) in enumerate(zip(hinges, links, strict=True)):
-            parent, seat = (links[i - 1], (self.link.length_m, 0.0, 0.0)) if i else (self.parent, self.parent_point_m)
-            more = laws if i else laws | {"home_deg": self.root_home_deg}
-            ends: dict[str, Any] = {"parent": parent, "child": child, "parent_point_m": seat}
-            joints[hinge] = SpatialHinge(type="hinge", **ends, axis=axes[i % len(axes)], **more)
-        return dict.fromkeys(links, link), joints
+        given = zip(hinges, self.hinges(links, (self.link.length_m, 0.0, 0.0)), cycle(self.hinge.axes), strict=False)
+        return dict.fromkeys(links, link), {
+            name: SpatialHinge(type="hinge", **values, axis=axis) for name, values, axis in given
+        }
 
 
 class SpatialModel(Strict):

@@ -5,7 +5,7 @@ The start is positions, orientations and rates of joints; whether it fits them i
 
 from __future__ import annotations
 
-from granular_contact.config.schema.initial import drive_faults, joint_state_faults
+from granular_contact.config.schema.initial import JointStart, drive_faults, joint_state_faults
 from granular_contact.config.schema.method import Reduced
 from granular_contact.config.schema.scenario import Scenario
 from granular_contact.config.schema.space.bed import SpatialBed
@@ -15,7 +15,7 @@ from granular_contact.laws.law import Law
 from granular_contact.values.strict import Faults, Strict
 
 
-class SpatialJointStart(Oriented):
+class SpatialJointStart(JointStart, Oriented):
     """State of one joint, in its own coordinate; what is left out is that of rest in the reference configuration.
 
     Of a free body or a ball joint rpy_deg or quaternion is the orientation of the child in the frame of its parent, in
@@ -24,17 +24,7 @@ class SpatialJointStart(Oriented):
 
     angle_deg: float | None = None
     """Of a hinge, right-handed about its axis."""
-    rate_rad_s: float | None = None
-    position_m: float | None = None
-    """Of a slider, along its axis."""
-    speed_m_s: float | None = None
-    x_m: float | None = None
-    """Of a free body: position of its joint, from the joint's point on the ground."""
-    y_m: float | None = None
     z_m: float | None = None
-    vx_m_s: float | None = None
-    """Of a free body: velocity of its joint's point."""
-    vy_m_s: float | None = None
     vz_m_s: float | None = None
     spin_rad_s: Point3 | None = None
     """Angular velocity of a free body along the axes of the world, of a ball joint along those of the parent."""
