@@ -9,6 +9,7 @@
     print(bed.of(data).work, bed.of(data).wrenches["leg_1"])
 
 bed         the door: what the sand acts on, `apply`, `install`
+load        the load of a bed, and once more with other facets
 callback    the bed as MuJoCo's passive callback
 of_data     what a bed keeps for one MjData: when its steps begin and end, what is read, state and restore
 step        the forces of one step, implicit in it

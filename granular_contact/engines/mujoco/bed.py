@@ -15,6 +15,7 @@ from granular_contact.engines.mujoco import checks, geoms
 from granular_contact.engines.mujoco.callback import Callback
 from granular_contact.engines.mujoco.engine import mujoco, name_of
 from granular_contact.engines.mujoco.facet_error import Facets
+from granular_contact.engines.mujoco.load import BedLoad, unit
 from granular_contact.engines.mujoco.of_data import BedData
 from granular_contact.engines.mujoco.sand import PlanarSand, Sand, SpatialSand
 from granular_contact.engines.mujoco.shared import Shared
@@ -24,16 +25,10 @@ from granular_contact.laws.floor import Floor
 from granular_contact.laws.law import Law
 from granular_contact.laws.layer import Layer
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
-from granular_contact.sand import contact_lines
 from granular_contact.sand.contact_lines import Body, ContactLine
 from granular_contact.sand.given import told
-from granular_contact.sand.load import GranularLoad
 
 Vector = NDArray[np.float64]
-# In space the loading of a face that rests is spread over so much more of its bristles' yield than in Exudyn: MuJoCo's
-# steps take its stiffness once, at their start, and with the narrower one a robot of two round legs creeps at 1 ms.
-WIDER = 3.0
-SLIDES = 1e-6  # m/s, from which on all resists where the error of facets is estimated
 
 
 class MujocoBed:
@@ -92,39 +87,17 @@ class MujocoBed:
         pull = np.array(model.opt.gravity, float)
         if (up is None or gravity is None) and not pull.any():
             raise ValueError("up, gravity: the model has no gravity, give both")
-        self.up = _unit("up", -pull if up is None else up)
+        self.up = unit("up", -pull if up is None else up)
         options: dict[str, Any] = {"slope": slope, "static": self._static, "end_cap": end_cap, "floor": floor}
         options["gravity"] = float(np.linalg.norm(pull)) if gravity is None else gravity
-        self._laid = partial(self._load_of, medium, surface, form, plane)
-        self.load, self.turn = self._laid(options)
-        self._how = options
-        self._shapes: list[tuple[tuple[Any, ...], dict[str, Any]]] = []
+        self._bed = BedLoad(medium, surface, self.up, plane, form, options)
+        self.load, self.turn = self._bed.load, self._bed.turn
         told(self.load)
         self._names, self._geoms = dict[int, Body](), list[int]()
         self._options = {"record": record, "lenient": lenient}
         self._shared: Shared | None = None
         self._of: weakref.WeakKeyDictionary[Any, BedData] = weakref.WeakKeyDictionary()
         self._callback = Callback()
-
-    def _load_of(
-        self,
-        medium: Law | Layer | Sequence[Law | Layer],
-        surface: ArrayLike,
-        form: str,
-        plane: ArrayLike | None,
-        options: dict[str, Any],
-    ) -> tuple[Any, Vector]:
-        """The load, and the matrix (3, 3) from the world to the frame of the bed."""
-        if plane is None:
-            if form != "distributed":
-                raise ValueError(f"form: got {form!r}, allowed in space (without plane) is 'distributed'")
-            from granular_contact.sand.space.load import SpatialLoad
-
-            load = SpatialLoad(medium, surface, up=self.up, **options, spread=WIDER)
-            return load, load.turn
-        along = _unit("plane", np.asarray(plane, float) - (np.asarray(plane, float) @ self.up) * self.up)
-        turn = np.array([along, np.cross(self.up, along), self.up])
-        return GranularLoad(medium, surface, **options, form=form), turn
 
     def body(self, name: str | int) -> Body:
         """A body of the model, as the bed has it.
@@ -187,46 +160,17 @@ class MujocoBed:
         for one in found:
             body = self.body(one.body)
             if self.planar:
-                self._add_section(body, one)
+                self._bed.add_section(self.model, body, one)
                 continue
-            shape, turn = geoms.shape(self.model, one, bars=self._takes_bars(), hull=hull)
+            met = self._bed.met
+            shape, turn = geoms.shape(self.model, one, bars="bar" in met and "surface" not in met, hull=hull)
             others = [other for other in found if other.body == one.body and other is not one]
-            if others and "surface" in self._met():
+            if others and "surface" in met:
                 shape = geoms.Outside(shape, one, others)
             mass = float(self.model.body_mass[one.body])
-            self._shapes.append(((body, shape, one.place, turn), {"facet_size": facet_size, "mass": mass}))
-            self.load.add_shape(*self._shapes[-1][0], **self._shapes[-1][1])
+            self._bed.add_shape(body, shape, one.place, turn, facet_size=facet_size, mass=mass)
         self._geoms += [one.number for one in found]
         return [one.name for one in found]
-
-    def _with_facets(self, share: float) -> Any:
-        """The load with a share of the size of facets, without bristles and what scatters."""
-        load, _ = self._laid(self._how | {"static": Smooth(SLIDES)})
-        for shape, sizes in self._shapes:
-            load.add_shape(*shape, **sizes, share=share)
-        load.close()
-        for batch in load.batches:
-            batch.clusters["scatter"] = 0.0
-        load.start(np.tile([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0], len(self._names)))
-        return load
-
-    def _takes_bars(self) -> bool:
-        return "bar" in self._met() and "surface" not in self._met()
-
-    def _met(self) -> set[str]:
-        """As what the media meet bodies in space."""
-        from granular_contact.sand.space.load import kinds
-
-        return {kind for medium in self.load.media for kind in kinds(medium)}
-
-    def _add_section(self, body: Body, one: geoms.Geom) -> None:
-        along, up = self._in_body(one.body)
-        if one.kind == geoms.KIND.mjGEOM_SPHERE:
-            centre, mass = [one.place @ along, one.place @ up], float(self.model.body_mass[one.body])
-            self.load.add(contact_lines.ball(body, centre, 2.0 * float(one.size[0]), mass))
-            return
-        corners, width, turns = geoms.section(one, along, up)
-        self.load.add(contact_lines.outline(body, corners, width, turns=turns))
 
     def add_lines(self, lines: Sequence[ContactLine]) -> None:
         """Let the medium of a planar bed act on lines of `sand.contact_lines`, on bodies as of `body`.
@@ -248,15 +192,6 @@ class MujocoBed:
         if not self.planar:
             raise scene_error("bed.add_lines", "the bed is one in space: use add_geoms, or give it plane=(x, y, z)")
         self.load.add(lines)
-
-    def _in_body(self, number: int) -> tuple[Vector, Vector]:
-        """The axes s and t of the plane in the frame of a body: s its x axis, or its y axis if that lies across."""
-        data = mujoco.MjData(self.model)
-        mujoco.mj_kinematics(self.model, data)
-        across = data.xmat[number].reshape(3, 3).T @ -self.turn[1]
-        axis = np.eye(3)[0 if abs(across[0]) < 0.9 else 1]
-        s = _unit("plane", axis - (axis @ across) * across)
-        return s, np.cross(across, s)
 
     def _check_open(self) -> None:
         if self._shared is not None:
@@ -295,25 +230,16 @@ class MujocoBed:
             raise scene_error("bed", "nothing was named: use add_geoms first")
         self.load.close()
         numbers = list(self._names)
-        for sentence in checks.warnings_of(self.model, numbers, self._height, self.up):
+        for sentence in checks.warnings_of(self.model, numbers, self._bed.height, self.up):
             warnings.warn(sentence, stacklevel=4)
         sand: Sand
         if self.planar:
-            facings = np.array([self._in_body(number)[0] for number in numbers])
+            facings = np.array([self._bed.axes_in(self.model, number)[0] for number in numbers])
             sand = PlanarSand(self.load, self._static, facings)
         else:
             sand = SpatialSand(self.load, self._static)
-        facets = None if self.planar else Facets(self._with_facets)
+        facets = None if self.planar else Facets(partial(self._bed.with_facets, bodies=len(numbers)))
         return Shared(self.model, numbers, sand, self.turn, facets=facets, **self._options)
-
-    def _height(self, place: Vector) -> float:
-        """Height of the surface along `up` at a place (3,) m of the world."""
-        x, y, _ = self.turn @ place
-        if self.planar:
-            profile = self.load.profile
-            return float(np.interp(x, profile[:, 0], profile[:, 1]))
-        ground = np.asarray(self.load.ground, float)
-        return float(ground[0] + ground[1] * x + ground[2] * y)
 
     def apply(self, data: Any) -> BedData:
         """Find the forces of the step from here and put them into `data.xfrc_applied`; before each `mj_step`.
@@ -409,11 +335,3 @@ class MujocoBed:
 
     def __exit__(self, *_: object) -> None:
         self.uninstall()
-
-
-def _unit(name: str, given: ArrayLike) -> Vector:
-    direction = np.asarray(given, float)
-    if direction.shape != (3,) or not np.isfinite(direction).all() or np.linalg.norm(direction) < 1e-12:
-        raise ValueError(f"{name}: got {np.asarray(given).tolist()}, allowed is a direction of three finite numbers")
-    unit: Vector = direction / np.linalg.norm(direction)
-    return unit
