@@ -78,7 +78,7 @@ class Drft(Law):
 
     @staticmethod
     def facet_inertia(n, v, side, m):
-        """Inertial traction; as `sand.kernels.facets.inertia`."""
+        """Inertial traction; as `sand.kernels.facet_blocks.inertia`."""
         w = n[0] * v[0] + n[1] * v[1] + n[2] * v[2]
         inertial = 0.0 if side * w < 0.0 else pressure(w, m.lam_rho)
         return -inertial * n[0], -inertial * n[1], -inertial * n[2]

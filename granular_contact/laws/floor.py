@@ -110,7 +110,7 @@ class InSpace:
 
     @staticmethod
     def facet_force(z, n, v, e, spread, side, j, m):
-        """Traction of the floor, z being the depth below it; as `sand.kernels.facets.force`."""
+        """Traction of the floor, z being the depth below it; as `sand.kernels.facet_blocks.force`."""
         return (0.0, 0.0, m.stiffness * max(0.0, 1.0 - m.damping * v[2])), (0.0, 0.0, 0.0)
 
     @staticmethod

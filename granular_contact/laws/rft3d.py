@@ -106,7 +106,7 @@ class Rft3d(Law):
 
     @staticmethod
     def facet_stress(n, u, m):
-        """S (N/m^3) of the law; as `sand.kernels.facets.stress`."""
+        """S (N/m^3) of the law; as `sand.kernels.facet_blocks.stress`."""
         return limited(response(n, u), n, u, m)
 
 

@@ -112,7 +112,7 @@ class SurfacePressure(Law):
 
     @staticmethod
     def facet_traction(z, n, u, side, j, m):
-        """Pressure and shear; as `sand.kernels.facets.traction`."""
+        """Pressure and shear; as `sand.kernels.facet_blocks.traction`."""
         (nx, ny, nz), (ux, uy, uz) = n, u
         across = nx * ux + ny * uy + nz * uz
         lead = faded(across) if side == 0.0 else math.copysign(1.0, across)

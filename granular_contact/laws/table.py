@@ -97,7 +97,7 @@ class StressTable(Law):
 
     @staticmethod
     def facet_traction(z, n, u, side, j, m):
-        """Stress on the slices along the motion, as in `sand.kernels.slices`; as `sand.kernels.facets.traction`."""
+        """Stress on the slices along the motion, as in `kernels.slices`; see `sand.kernels.facet_blocks.traction`."""
         (nx, ny, nz), (ux, uy, uz) = n, u
         level, ahead = math.sqrt(nx * nx + ny * ny), math.sqrt(ux * ux + uy * uy)
         share = 1.0 if ahead >= UPRIGHT * level else ahead / (UPRIGHT * level)

@@ -7,14 +7,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from granular_contact.jit.compiled import ready
-from granular_contact.mechanics.kernels import joint_loads
 from granular_contact.mechanics.kernels.joint_coordinates import SLIDER
-from granular_contact.mechanics.kernels.joint_loads import JOINT, MOST
+from granular_contact.mechanics.kernels.joint_loads import JOINT, MOST, single
 from granular_contact.scene.types import Joint, Vector
 
 if TYPE_CHECKING:
@@ -60,11 +59,9 @@ def reference(system: System, nodes: Sequence[int]) -> Numbers:
 class Coordinate:
     """Coordinate of a hinge or slider; a slider's parent is rigid, or the ground.
 
-    kernels: module that computes it and what acts along it; record (1,): its `JOINT`; last_angles (2,) rad: of the
-    ends, found last.
+    record (1,): its `JOINT`; last_angles (2,) rad: of the ends, found last.
     """
 
-    kernels: Any = joint_loads
     _at: Callable[..., tuple[float, float]] | None = None
 
     def __init__(self, joint: Joint, parent: End, child: End) -> None:
@@ -90,5 +87,5 @@ class Coordinate:
         """Coordinate and its rate, as `at`; slope, of at least as many numbers as kernels fill, gets the gradient."""
         arguments = self.record, self.last_angles, np.array(q), np.array(v), self._slope if slope is None else slope
         if self._at is None:
-            self._at = ready(self.kernels.single, *arguments)
+            self._at = ready(single, *arguments)
         return self._at(*arguments)

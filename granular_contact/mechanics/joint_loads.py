@@ -43,12 +43,12 @@ class JointLoad:
     """What acts in one joint; `nodes` are those of parent and child, without the ground's, `sizes` their coordinates.
 
     state (5,): see `kernels.joint_loads`, a row of those of all joints once there are such. first_anchor: of its
-    bristle, at the start. kernels: module of its coordinate.
+    bristle, at the start.
     """
 
     def __init__(self, coordinate: Coordinate, nodes: list[int], law: JointLaw, drive: Drive | None) -> None:
         self.nodes, self.law, self.drive = nodes, law, drive
-        self.record, self.state, self.kernels = coordinate.record, np.zeros(5), coordinate.kernels
+        self.record, self.state = coordinate.record, np.zeros(5)
         fill(self.record, law, drive)
         self.sizes = [int(self.record[end][0]) for end in ("parent", "child") if self.record[end][0]]
         self.first_anchor = self.state[joint_loads.ANCHOR] = coordinate.joint.start
@@ -83,8 +83,8 @@ class JointLoad:
 
     def slope(self, q: Vector) -> Vector:
         """Gradient of the coordinate by those at `where`, in the system's state q."""
-        place, still, slope = np.zeros((3, self.kernels.MOST))
+        place, still, slope = np.zeros((3, joint_loads.MOST))
         place[: len(self.where)] = q[self.where]
-        self.kernels.single(self.record, np.zeros(2), place, still, slope)
+        joint_loads.single(self.record, np.zeros(2), place, still, slope)
         gradient: Vector = slope[: len(self.where)]
         return gradient

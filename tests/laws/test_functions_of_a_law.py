@@ -13,7 +13,7 @@ from granular_contact.config import allowed
 from granular_contact.config.schema import Bed, BedLayer, Scenario
 from granular_contact.laws.catalogue import LAWS
 from granular_contact.laws.functions import refuse_faulty
-from granular_contact.sand.kernels import facets, law, plates
+from granular_contact.sand.kernels import facet_blocks, law, plates
 from granular_contact.sand.kernels.signatures import IN_PLANE, IN_SPACE, arguments
 
 SURFACES = frozenset({"round", "flat", "outline"})
@@ -51,7 +51,7 @@ def test_what_is_wanted_is_what_kernels_call() -> None:
     stubs: dict[str, Callable[..., Any]] = {
         **{name: getattr(law, name) for name in ("strip_force", "cap_force", "ball_force", "drag_anchor")},
         **{"stress": plates.stress, "traction": plates.traction},
-        **{f"facet_{name}": getattr(facets, name) for name in ("stress", "traction", "inertia", "force")},
+        **{f"facet_{name}": getattr(facet_blocks, name) for name in ("stress", "traction", "inertia", "force")},
     }
     for name, stub in stubs.items():
         assert arguments(name) == ["m" if one == "medium" else one for one in inspect.signature(stub).parameters], name

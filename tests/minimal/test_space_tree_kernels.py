@@ -10,9 +10,8 @@ from support_runs import scene_of
 from support_slopes import slopes_of_what_joints_lack
 
 from granular_contact.engines.tree.kernels import space_fold, space_load, space_rotations, space_tree
-from granular_contact.engines.tree.kernels.space_arrays import room
 from granular_contact.engines.tree.kernels.tree_arrays import SPACE_NODE as NODE
-from granular_contact.engines.tree.kernels.tree_arrays import places
+from granular_contact.engines.tree.kernels.tree_arrays import places, room
 from granular_contact.engines.tree.march import March
 from granular_contact.engines.tree.space_tree import tree as make_tree
 from granular_contact.geometry import rotations
@@ -35,7 +34,10 @@ def random_tree(rng: np.random.Generator, joints: int) -> dict[str, Array]:
             rows.append((parent, kind, which))
             parent = len(rows) - 1
         bodies.append(len(rows) - 1)
-    w = room(len(rows)) | {"nodes": np.zeros(len(rows), NODE), "prescribed": np.zeros(len(rows), np.int64)}
+    w = room(len(rows), in_space=True) | {
+        "nodes": np.zeros(len(rows), NODE),
+        "prescribed": np.zeros(len(rows), np.int64),
+    }
     for node, home, (parent, kind, which) in zip(w["nodes"], w["home"], rows, strict=True):
         node["parent"], node["kind"], node["which"] = parent, kind, which
         turn, end = random_turn(rng), random_turn(rng)

@@ -11,7 +11,7 @@ from support_space import FLAT, PAIRS, SAND, Motion, both, driven, load_on, mess
 
 from granular_contact import Bar, Layer, Plate, Rft
 from granular_contact.sand.contact_lines import polyline
-from granular_contact.sand.kernels.facet_layers import between
+from granular_contact.sand.kernels.facet_parts import between
 from granular_contact.sand.load import GranularLoad
 
 BOUNDS = ((0.0, 0.013), (0.013, 0.04), (0.04, np.inf))

@@ -16,7 +16,7 @@ from support_runs import ROOT
 from granular_contact import Results, load, simulate
 from granular_contact.geometry import rotations
 from granular_contact.mechanics.joint_loads import fill
-from granular_contact.mechanics.kernels import space_joints
+from granular_contact.mechanics.kernels import joint_loads
 from granular_contact.mechanics.space.coordinates import SpatialCoordinate
 from granular_contact.scene import build
 from granular_contact.scene.joint_law import JointLaw
@@ -383,7 +383,7 @@ def test_forces_in_a_ball_joint_are_those_of_its_potential_and_its_damper() -> N
                 0.5 * np.array([-w @ p[1:], *(p[0] * w + np.cross(w, p[1:]))]) for w, p in zip(spins, e, strict=True)
             ]
             v, f = np.concatenate([np.zeros(3), rates[0], np.zeros(3), rates[1]]), np.zeros(14)
-            space_joints.force(s.record, np.zeros((1, 5)), places, q, v, f)
+            joint_loads.force(s.record, np.zeros((1, 5)), places, q, v, f)
             moved = [q + 1e-6 * one for one in np.eye(14)], [q - 1e-6 * one for one in np.eye(14)]
             slope = np.array([energy(a) - energy(b) for a, b in zip(*moved, strict=True)]) / 2e-6
             for one, at in zip(e, (slice(3, 7), slice(10, 14)), strict=True):

@@ -45,7 +45,7 @@ class JointActions:
         # Adds the generalised forces at q and v (of the whole system) to out, the coordinates of the overlay.
         self.add_forces: Callable[[Vector, Vector, Vector], None]  # from `start` on, where forces act
         self.state = np.array([load.state for load in loads])
-        self.places = np.zeros((len(loads), max((load.kernels.MOST for load in loads), default=0), 2), np.int64)
+        self.places = np.zeros((len(loads), max((sum(load.sizes) for load in loads), default=0), 2), np.int64)
         for load, state, places in zip(loads, self.state, self.places, strict=True):
             load.state = state  # from now on a row of one table
             each = [overlay.coordinates([node], size)[0] for node, size in zip(load.nodes, load.sizes, strict=True)]
@@ -65,8 +65,9 @@ class JointActions:
         if not self.loads:
             return
         from granular_contact.jit.compiled import ready
+        from granular_contact.mechanics.kernels import joint_loads as kernels
 
-        data, kernels = self.mbs.systemData, self.loads[0].kernels
+        data = self.mbs.systemData
         for load, places in zip(self.loads, self.places, strict=True):
             load.where = np.array([i for node in load.nodes for i in data.GetNodeLTGODE2(node)], dtype=int)
             places[: len(load.where), 0] = load.where

@@ -171,9 +171,11 @@ class _Last:
     """
 
     def __init__(self, s: Coordinate) -> None:
+        from granular_contact.mechanics.kernels.joint_loads import MOST
+
         self._s, self._q, self._v, self._found = s, [math.nan], [math.nan], (0.0, 0.0)
         self._t, self._setpoint = math.nan, (0.0, 0.0)
-        self._slope, self.row = np.zeros(s.kernels.MOST), np.zeros((1, 0))
+        self._slope, self.row = np.zeros(MOST), np.zeros((1, 0))
 
     def __call__(self, q: Numbers, v: Numbers) -> tuple[float, float]:
         """Coordinate and rate; the coordinates of a ground node come first, and are not asked for."""

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.engines.tree.kernels import space_ball_joints, space_load, space_modes
-from granular_contact.engines.tree.kernels.space_arrays import room
 from granular_contact.engines.tree.kernels.space_tree import BALL, HINGE, LAST, SLIDER
 from granular_contact.engines.tree.kernels.tree_arrays import SPACE_NODE as NODE
+from granular_contact.engines.tree.kernels.tree_arrays import room
 from granular_contact.engines.tree.tree import BodyCoordinates, Tree, acting, joint_loads, levers, outward, sand_of
 from granular_contact.geometry import rotations
 from granular_contact.mechanics.joint_loads import fill
@@ -123,7 +123,7 @@ def tree(scene: SpatialScene) -> SpatialTree:
     handles = {body.name: RigidHandle(body, i, i) for i, body in enumerate(bodies)}
     system = SpatialSystem(scene, BodyCoordinates(len(bodies), POSE), handles, {}, None)
     system.loads.update(joint_loads(scene))
-    load, arrays, records = _granular_load(scene, places), room(len(nodes)), np.zeros(len(nodes), NODE)
+    load, arrays, records = _granular_load(scene, places), room(len(nodes), in_space=True), np.zeros(len(nodes), NODE)
     for record, node in zip(records, nodes, strict=True):
         _fill(record, scene, node)
     arrays["s"][:], arrays["rates"][:] = [node.start for node in nodes], [node.rate for node in nodes]

@@ -13,7 +13,6 @@ from granular_contact.engines.tree.kernels import tree_load
 from granular_contact.engines.tree.kernels.tree import HINGE, SLIDER
 from granular_contact.engines.tree.kernels.tree_arrays import NODE, room
 from granular_contact.mechanics.joint_loads import JointLoad
-from granular_contact.mechanics.kernels import joint_loads as kernels_of_joints
 from granular_contact.mechanics.kernels.joint_loads import JOINT
 from granular_contact.mechanics.senses import Senses
 from granular_contact.mechanics.stepping import signals_of
@@ -199,7 +198,6 @@ class _Along(NamedTuple):
 
     joint: Any
     record: NDArray[np.void]
-    kernels: Any = kernels_of_joints
     last_angles: tuple[float, float] = (0.0, 0.0)
 
 

@@ -1,21 +1,25 @@
 """What acts in all joints of a system, in one call: springs, dampers, stops, dry friction, drives.
 
+In the plane and in space: a joint's record type, JOINT or `space_joints.JOINT`, chooses its `coordinate` and `act`.
+
 Arguments that the functions share:
 
     system_q, system_v  coordinates (without reference values) and rates of the whole system
-    joints              (k,) records of JOINT
+    joints              (k,) records
     state               (k, 5): what of a joint changes: the anchor of its bristle, what its drive wants (a value and
                         its rate), and the angles of its ends found last, see `joint_coordinates`
-    places              (k, 8, 2) place of each coordinate of a joint's nodes, those of the parent first, in the system
+    places              (k, n, 2) place of each coordinate of a joint's nodes, those of the parent first, in the system
                         and in the overlay
 """
 
 from __future__ import annotations
 
+from granular_contact.jit.chosen import chosen_by, provide
 from granular_contact.jit.compiled import kernel, part
 from granular_contact.jit.memory import room1, rows
 from granular_contact.jit.records import fields, record_dtype
-from granular_contact.mechanics.kernels.joint_coordinates import COORDINATE, coordinate
+from granular_contact.mechanics.kernels import joint_coordinates
+from granular_contact.mechanics.kernels.joint_coordinates import COORDINATE
 from granular_contact.mechanics.kernels.joint_laws import follow, total
 from granular_contact.sand.kernels.lines import difference
 
@@ -24,7 +28,17 @@ _STOPS, _FRICTION = ("lower", "upper", "stop_stiffness", "dissipation"), ("frict
 LAW = ("stiffness", "rest", "damping", *_STOPS, *_FRICTION)
 DRIVE = ("gain", "rate_gain", "limit")
 JOINT = record_dtype([*COORDINATE, ("drive", "i8"), *fields("f8", *LAW, *DRIVE)])
-MOST = 8  # coordinates of two nodes
+MOST = 14  # coordinates of two nodes; of the plane 8
+
+
+@chosen_by("joint")
+def coordinate(joint, turns, q, v, slope):
+    """Coordinate of a joint and its rate; slope (MOST,) is filled with its gradient, turns (2,) become those here."""
+
+
+@chosen_by("joint")
+def act(joint, now, q, v, out):
+    """Fill out (MOST,) with the generalised forces of a joint; now: its row of `state`."""
 
 
 @part
@@ -35,9 +49,9 @@ def gather(system_q, system_v, places, count, q, v):
 
 
 @part
-def act(joint, now, q, v, out):
-    """Fill out (8,) with the generalised forces of a joint."""
-    s, rate = coordinate(joint, now[TURNS:], q, v, out)
+def _act(joint, now, q, v, out):
+    """`act` in the plane."""
+    s, rate = joint_coordinates.coordinate(joint, rows(now, TURNS, 2), q, v, out)
     along = total(joint, s, rate, now[ANCHOR], now[VALUE], now[RATE])
     for i in range(MOST):
         out[i] *= along
@@ -93,7 +107,7 @@ def accept(system_q, system_v, joints, state, places):
         joint, now = joints[k], state[k]
         if joint.friction > 0.0:
             gather(system_q, system_v, places[k], joint.parent + joint.child, q, v)
-            s, _ = coordinate(joint, now[TURNS:], q, v, slope)
+            s, _ = coordinate(joint, rows(now, TURNS, 2), q, v, slope)
             now[ANCHOR] = follow(joint, s, now[ANCHOR])
 
 
@@ -101,3 +115,7 @@ def accept(system_q, system_v, joints, state, places):
 def single(joint, turns, q, v, slope):
     """`coordinate` of one joint, record (1,)."""
     return coordinate(joint[0], turns, q, v, slope)
+
+
+provide(coordinate, JOINT, joint_coordinates.coordinate)
+provide(act, JOINT, _act)

@@ -1,4 +1,4 @@
-"""What acts in hinges, sliders and ball joints between rigid bodies in space, in one call; called as `joint_loads`.
+"""Coordinates of hinges, sliders and ball joints between rigid bodies in space, and forces; called by `joint_loads`.
 
 A joint's frame lies at a point of the parent P and of the child C; its z is the axis a, which turns with the parent.
 
@@ -10,8 +10,7 @@ x: position of a body's node, arm: from it to the joint's point. A torque or for
 coordinates: with w = G e' (see `space_coordinates`) of hinges and balls ds/dt = a . (w_C - w_P). The spring of a ball
 has the moment -k s a, k times the rotation vector, which is smooth at s = 0; at pi, where the way back may go either
 way round, it jumps. Its damper acts on all of w_C - w_P: what is not along a adds -c (w_C - w_P - a ds/dt). Forces
-along s are those of `joint_laws`; arguments and `state` as of `joint_loads`, with records of JOINT and places
-(k, 14, 2).
+along s are those of `joint_laws`; arguments and `state` as of `joint_loads`, with records of JOINT.
 
     elastic   between elements of a link that bends: a moment in the frame of the joint on the parent,
               m = -T^-T (K theta + D theta'), theta' = T^-1 (w_C - w_P), theta = s a the rotation vector there,
@@ -28,16 +27,16 @@ from functools import cache
 from numba import from_dtype, types
 
 from granular_contact.jit.calls import address_of, caller
-from granular_contact.jit.compiled import kernel, part
+from granular_contact.jit.chosen import provide
+from granular_contact.jit.compiled import part
 from granular_contact.jit.memory import clear, room1, room2, room3, rows
 from granular_contact.jit.records import record_dtype
+from granular_contact.mechanics.kernels import joint_loads
 from granular_contact.mechanics.kernels.joint_coordinates import HINGE, SLIDER
-from granular_contact.mechanics.kernels.joint_laws import follow, total
-from granular_contact.mechanics.kernels.joint_loads import ANCHOR, DRIVE, LAW, RATE, TURNS, VALUE, gather
-from granular_contact.sand.kernels.lines import difference
+from granular_contact.mechanics.kernels.joint_laws import total
+from granular_contact.mechanics.kernels.joint_loads import ANCHOR, DRIVE, LAW, MOST, RATE, TURNS, VALUE
 from granular_contact.sand.kernels.space_coordinates import by_parameters
 
-MOST = 14  # coordinates of two nodes
 BALL, ELASTIC, STRETCHING = 2, 3, 4  # kinds of joints, beside HINGE and SLIDER
 # find: address of what finds the coordinate of its kind; parent, child: how many coordinates their nodes have, none of
 # the ground; points (m) and axes of the joint's frame in the frames of parent and child; reference: values of the
@@ -101,15 +100,15 @@ def _from_home(joint, R, a):
 
 
 @part
-def coordinate(joint, last, q, v, slope):
-    """Coordinate (rad or m) and its rate; slope (14,) is filled with its gradient. last[0] becomes that found here."""
+def _coordinate(joint, turns, q, v, slope):
+    """`joint_loads.coordinate` (rad or m); turns[0] becomes that found here."""
     R, x, G = room3(2, 3, 3), room2(2, 3), room3(2, 3, 4)
-    return _find(joint, (last, q, v, slope, R, x, G))
+    return _find(joint, (turns, q, v, slope, R, x, G))
 
 
 @part
 def _hinge(joint, last, q, v, slope, R, x, G):
-    """`coordinate` of a hinge; R, x, G: room for the frames of both bodies, see `_frames`."""
+    """`_coordinate` of a hinge; R, x, G: room for the frames of both bodies, see `_frames`."""
     _frames(joint, q, R, x, G)
     a, by_turn, s = room1(3), room2(2, 3), _turn_of(joint, R)
     _axis(joint, R, a, 2)
@@ -261,7 +260,7 @@ def _slide(joint, R, x, a, by_turn, slope):
 
 @part
 def _act(joint, now, q, v, out):
-    """Fill out (14,) with the generalised forces of a joint."""
+    """`joint_loads.act`."""
     R, x, G = room3(2, 3, 3), room2(2, 3), room3(2, 3, 4)
     s, rate = _find(joint, (rows(now, TURNS, 2), q, v, out, R, x, G))
     if joint.kind >= ELASTIC:
@@ -294,61 +293,8 @@ def _damp_across(joint, R, G, v, out):
                 out[3 + k] -= moment * G[0, i, k]
 
 
-@kernel
-def force(joints, state, places, system_q, system_v, out):
-    """Add the generalised forces to out, the coordinates of the overlay."""
-    q, v, f = room1(MOST), room1(MOST), room1(MOST)
-    for k in range(joints.shape[0]):
-        joint = joints[k]
-        count = joint.parent + joint.child
-        gather(system_q, system_v, places[k], count, q, v)
-        _act(joint, state[k], q, v, f)
-        for i in range(count):
-            out[places[k, i, 1]] += f[i]
-
-
-@kernel
-def tangent(system_q, system_v, joints, state, places, fq, fv, triplets):
-    """As `joint_loads.tangent`, by differences."""
-    q, v, here, moved = room1(MOST), room1(MOST), room1(MOST), room1(MOST)
-    number = 0
-    for k in range(joints.shape[0]):
-        joint = joints[k]
-        count = joint.parent + joint.child
-        gather(system_q, system_v, places[k], count, q, v)
-        _act(joint, state[k], q, v, here)
-        d = difference(rows(q, 0, count), fq, fv)
-        for j in range(count):
-            at_q, at_v = q[j], v[j]
-            q[j] += d * fq
-            v[j] += d * fv
-            _act(joint, state[k], q, v, moved)
-            q[j], v[j] = at_q, at_v
-            for i in range(count):
-                change = moved[i] - here[i]
-                if change != 0.0:
-                    triplets[number, 0], triplets[number, 1] = places[k, i, 1], places[k, j, 1]
-                    triplets[number, 2] = change / d
-                    number += 1
-    return number
-
-
-@kernel
-def accept(system_q, system_v, joints, state, places):
-    """End of a step: the anchors follow."""
-    q, v, slope = room1(MOST), room1(MOST), room1(MOST)
-    for k in range(joints.shape[0]):
-        joint, now = joints[k], state[k]
-        if joint.friction > 0.0:
-            gather(system_q, system_v, places[k], joint.parent + joint.child, q, v)
-            s, _ = coordinate(joint, rows(now, TURNS, 2), q, v, slope)
-            now[ANCHOR] = follow(joint, s, now[ANCHOR])
-
-
-@kernel
-def single(joint, last, q, v, slope):
-    """`coordinate` of one joint, record (1,)."""
-    return coordinate(joint[0], last, q, v, slope)
+provide(joint_loads.coordinate, JOINT, _coordinate)
+provide(joint_loads.act, JOINT, _act)
 
 
 @cache

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from granular_contact.mechanics.coordinates import Coordinate, reference
 from granular_contact.mechanics.kernels import space_joints
 from granular_contact.mechanics.kernels.joint_coordinates import HINGE, SLIDER
+from granular_contact.mechanics.kernels.joint_loads import MOST
 from granular_contact.scene.space.types import SpatialJoint
 
 if TYPE_CHECKING:
@@ -28,8 +29,6 @@ def coordinate(system: SpatialSystem, joint: SpatialJoint, *, whole: bool) -> Sp
 class SpatialCoordinate(Coordinate):
     """As `Coordinate`; last_angles (2,): the coordinate found last, by which turns are counted, and nothing."""
 
-    kernels: Any = space_joints
-
     def __init__(self, joint: SpatialJoint, references: Sequence[float]) -> None:
         """references: values of the coordinates of parent and child, none of the ground."""
         self.joint, self.size = joint, len(references)  # type: ignore[assignment]
@@ -44,4 +43,4 @@ class SpatialCoordinate(Coordinate):
         if joint.elastic is not None:
             record["bends"], record["damps"] = joint.elastic.stiffness, joint.elastic.damping
             record["axial"] = joint.elastic.axial or (0.0, 0.0)
-        self._slope = np.zeros(space_joints.MOST)
+        self._slope = np.zeros(MOST)

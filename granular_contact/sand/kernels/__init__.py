@@ -14,7 +14,7 @@ a bed in space      space_law, space_joining     as `law` and `joining`
                     space_sand, space_bodies     all media; one, with rigid bodies and all elements on them
                     space_coordinates            rotations of bodies
                     space_clusters               how deep clusters of elements are
-                    facets, facet_parts, slices, facet_layers, facet_paths, space_balls    elements; bars: in `bars`
+                    facets, facet_blocks, facet_parts, slices, facet_paths, space_balls    elements; bars: in `bars`
                     space_tangents, facet_slopes how forces follow the motion
                     ground                       the surface
                     space_reach, space_watched   the walls of a container; `space_sand` with them

@@ -9,11 +9,18 @@ p = (sum z_i sum d_i + sum z_i d_i) / 12. A part of it with one corner k is a tr
 the shares z_k / (z_k - z_j) of the edges; one with two corners is the whole without that. A parallelogram is two
 triangles; the whole of one with half edges a and b, along which the depth grows by z_a and z_b, has about its centre
 p = (z_a a + z_b b) / 3.
+
+In a layer it is what lies below its top less what lies below its bottom: with the moments of what is below an edge at
+the depth D, where depths count from that edge, those of depths that count from the surface are
+
+    int dA = A s,    int z dA = A (m + D s),    int d dA = A o,    int z d dA = A (p + D o).
 """
 
 from __future__ import annotations
 
 from granular_contact.jit.compiled import part
+
+LEAST = 1e-13  # of a facet in a layer: less than that is round-off of the difference
 
 
 @part
@@ -98,3 +105,19 @@ def immersed_part(four, z, za, zb, a, b):
     if four:
         return parallelogram_part(z, za, zb, a, b)
     return triangle_part(z + za, z + zb, z + zc, a, b, (-ax - bx, -ay - by, -az - bz))
+
+
+@part
+def between(four, z, za, zb, a, b, top, bottom):
+    """As `immersed_part`, of what lies between the depths top and bottom (m, 0 <= top)."""
+    s, m, ox, oy, oz, px, py, pz = immersed_part(four, z - top, za, zb, a, b)
+    if s <= 0.0 or bottom <= top:
+        return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    m, px, py, pz = m + top * s, px + top * ox, py + top * oy, pz + top * oz
+    if z + abs(za) + abs(zb) > bottom:
+        t, n, ux, uy, uz, vx, vy, vz = immersed_part(four, z - bottom, za, zb, a, b)
+        s, m, ox, oy, oz = s - t, m - n - bottom * t, ox - ux, oy - uy, oz - uz
+        px, py, pz = px - vx - bottom * ux, py - vy - bottom * uy, pz - vz - bottom * uz
+    if s <= LEAST or m <= 0.0:
+        return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    return s, s * min(bottom, max(top, m / s)), ox, oy, oz, px, py, pz

@@ -25,7 +25,7 @@ import math
 import numpy as np
 
 from granular_contact.jit.compiled import part
-from granular_contact.sand.kernels.facets import FIRST, NOTED, ROW, SHEAR, E, N, vector
+from granular_contact.sand.kernels.facet_blocks import FIRST, NOTED, ROW, SHEAR, E, N, vector
 from granular_contact.sand.kernels.scatter import value
 
 PATH, LAST, KEPT = 3, 4, 7

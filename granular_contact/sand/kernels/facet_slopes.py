@@ -16,7 +16,7 @@ from __future__ import annotations
 from granular_contact.jit.compiled import part
 from granular_contact.jit.memory import room1, room2
 from granular_contact.sand.kernels import space_law as law
-from granular_contact.sand.kernels.facets import (
+from granular_contact.sand.kernels.facet_blocks import (
     AREA,
     AT_FIRST,
     CONSTANT,

@@ -10,20 +10,8 @@ A traction of a law is a stress per depth times the depth, and a stress that has
 of a facet both are integrated exactly (`facet_parts`), with the state of motion at its centroid. What that leaves out
 is second order in the size of facets: how the state of motion and the normal change within one.
 
-Only what leads is loaded. With the direction of motion u at the centroid, n . u grows along a and b by s_a and s_b, as
-the body turns and as the surface does. A facet counts with g = clip((n . u + s) / (edge + 2 s), 0, 1), s^2 = s_a^2 +
-s_b^2: the share of it that leads, n . u being spread evenly over as much as has its mean square, and the fading in of
-`plates` where nothing turns. Of a body that rests, with bristles below their yield, the faces beside
-it would be loaded or not within a hundredth of a micrometre; so there edge is no angle, but n . q reaches `pressed`, a
-part of the yield displacement, before the face is loaded as a whole [ours]. A ball that slides along slowly has up to
-1 % less resistance by it, and 4 % less lift, as the flat parts of its underside are loaded in part; at 10 mm/s it has
-all.
-
-Facets are treated in blocks: `gather` fills one with those of a cluster that are immersed and may lead, the law fills
-its tractions in one call, and the forces are added up. What a law needs of a facet stands in columns of the block, one
-number after another for the facets, and its equations are written for one facet in a loop over them, all inlined and
-without branches where that is easy: so compilers make vector instructions of it, which hide how long roots and
-quotients take.
+They are treated in blocks (`facet_blocks`): `gather` fills one with those of a cluster that are immersed and may lead,
+the law fills its tractions in one call, and the forces are added up.
 """
 
 from __future__ import annotations
@@ -32,159 +20,37 @@ import math
 
 import numpy as np
 
-from granular_contact.jit.chosen import chosen_by
 from granular_contact.jit.compiled import part
 from granular_contact.jit.memory import room1, room2
 from granular_contact.sand.kernels import space_law as law
+from granular_contact.sand.kernels.facet_blocks import (
+    AREA,
+    AT_FIRST,
+    AT_SECOND,
+    CENTRE,
+    CONSTANT,
+    FIRST,
+    GROWING,
+    LANES,
+    ONE_SIDE,
+    ROW,
+    ROWS,
+    SECOND,
+    SHEAR,
+    SPREAD,
+    TURN,
+    E,
+    N,
+    V,
+    Z,
+    spread,
+)  # fmt: skip
 from granular_contact.sand.kernels.facet_parts import immersed_part
-from granular_contact.sand.kernels.friction import SMOOTH
 from granular_contact.sand.kernels.ground import PLANE, surface_at
-from granular_contact.sand.kernels.plates import EDGE
-from granular_contact.sand.kernels.space_friction import stretched
 
 COLUMNS = 18
 SIDE, FORM, CURVE = 14, 15, 16
 TRIANGLE, PARALLELOGRAM, PATCH, RIM = range(4)  # forms
-
-# A block (ROWS, LANES): facets that are loaded, in columns, so that a law treats several of them in one instruction.
-LANES = 32
-# What a law is told, see `space_law.facets`: mean depth of what is immersed, normal, velocity, stretch of the bristle,
-# spread along a and b, side, shear displacement. Three rows each where vectors are.
-Z, N, V, E, SPREAD, ONE_SIDE, SHEAR = 0, 1, 4, 7, 10, 12, 13
-# The immersed area (m^2), by how much the terms of the law scatter, where they act from the reference point (m), the
-# depth of the centroid (m), the row in elements; and what the law fills, its tractions.
-AREA, FIRST, SECOND, AT_FIRST, AT_SECOND, CENTRE, ROW = 14, 15, 16, 17, 20, 23, 24
-GROWING, CONSTANT = 25, 28
-# What `lead` fills: the direction in which the law sees the facet move, and the share of its static force. By how much
-# the normal of the facet turns along a and along b, three rows each.
-U, SHARE, TURN = 31, 34, 35
-ROWS = 41
-NOTED = GROWING  # rows that `facet_paths` works in before the law fills them
-
-
-@chosen_by("m")
-def stress(n, u, m):
-    """Stress per depth (3,) N/m^3 on an element with the normal n that moves in the direction u, z up; even in n."""
-
-
-@chosen_by("m")
-def traction(z, n, u, side, j, m):
-    """Stresses (3,) Pa of the first and of the second term of a law at a depth z > 0 (m), else as of `stress`.
-
-    side as of `space_law.facets`; j (m): shear displacement.
-    """
-
-
-@chosen_by("m")
-def inertia(n, v, side, m):
-    """Stress (3,) Pa of the second term of a law with a `stress`, which the velocity v (m/s) makes; side as there."""
-
-
-@chosen_by("m")
-def force(z, n, v, e, spread, side, j, m):
-    """Tractions, two of (3,), of a law that says all of them by itself, on one facet; see `space_law.facets`."""
-
-
-@part(inline=True)
-def spread(B, k, x, y, z, factor):
-    """By how much n . (x, y, z) differs within a facet: s as above, m/s of a velocity.
-
-    factor: that of the velocity in (x, y, z), 0 of what does not differ where the body turns.
-    """
-    a = factor * B[SPREAD, k] + B[TURN, k] * x + B[TURN + 1, k] * y + B[TURN + 2, k] * z
-    b = factor * B[SPREAD + 1, k] + B[TURN + 3, k] * x + B[TURN + 4, k] * y + B[TURN + 5, k] * z
-    return math.sqrt(a * a + b * b)
-
-
-@part(inline=True)
-def vector(B, row, k):
-    """A vector (3,) of a facet of a block."""
-    return B[row, k], B[row + 1, k], B[row + 2, k]
-
-
-@part
-def lead(B, n, m):
-    """Fill rows U and SHARE of a block: the directions u in which a law sees facets move, and the shares g s."""
-    rest = m.v_eps if m.friction == SMOOTH else m.u_y
-    Q = room2(5, LANES)  # q and its factor of v, see `space_friction.drive`; 1 / |q|
-    D = room2(4, LANES)  # what is filled
-    if m.friction == SMOOTH:
-        for k in range(n):
-            Q[0, k], Q[1, k], Q[2, k], Q[3, k] = B[V, k], B[V + 1, k], B[V + 2, k], 1.0
-    else:
-        for k in range(n):
-            (Q[0, k], Q[1, k], Q[2, k]), Q[3, k] = stretched(vector(B, E, k), vector(B, V, k), m)
-    for k in range(n):
-        x, y, z = Q[0, k], Q[1, k], Q[2, k]
-        h = math.sqrt(x * x + y * y + z * z)
-        still = h == 0.0  # then any direction will do
-        one = 0.0 if still else 1.0 / h
-        D[0, k] = B[N, k] if still else one * x
-        D[1, k] = B[N + 1, k] if still else one * y
-        D[2, k] = B[N + 2, k] if still else one * z
-        D[3, k] = min(1.0, h / rest)
-        Q[4, k] = one
-    if m.friction == SMOOTH:
-        for k in range(n):
-            D[3, k] = math.tanh(math.sqrt(Q[0, k] ** 2 + Q[1, k] ** 2 + Q[2, k] ** 2) / rest)
-    for k in range(n):
-        one = Q[4, k]
-        s = spread(B, k, D[0, k], D[1, k], D[2, k], Q[3, k] * one)
-        along = B[N, k] * D[0, k] + B[N + 1, k] * D[1, k] + B[N + 2, k] * D[2, k]
-        g = min(1.0, max(0.0, (along + s) / (max(EDGE, m.pressed * one) + 2.0 * s)))
-        D[3, k] *= 1.0 if B[ONE_SIDE, k] == 0.0 else g
-    for row in range(4):
-        for k in range(n):
-            B[U + row, k] = D[row, k]
-
-
-@part
-def traction_facets(B, n, m):
-    """Static tractions of a law with a `traction`; arguments and result as of `space_law.facets`.
-
-    Over a facet the first term counts as growing in proportion to the depth, which errs by the square of its size.
-    """
-    for k in range(n):
-        share, z = B[SHARE, k], B[Z, k]
-        first, second = traction(z, vector(B, N, k), vector(B, U, k), B[ONE_SIDE, k], B[SHEAR, k], m)
-        (px, py, pz), (sx, sy, sz) = first, second
-        one = share / z
-        B[GROWING, k], B[GROWING + 1, k], B[GROWING + 2, k] = one * px, one * py, one * pz
-        B[CONSTANT, k], B[CONSTANT + 1, k], B[CONSTANT + 2, k] = share * sx, share * sy, share * sz
-
-
-@part
-def static_facets(B, n, m):
-    """Static tractions of a law with a `stress`; arguments and result as of `space_law.facets`."""
-    S = room2(3, LANES)
-    for k in range(n):
-        share = B[SHARE, k]
-        x, y, z = stress(vector(B, N, k), vector(B, U, k), m)
-        S[0, k], S[1, k], S[2, k] = share * x, share * y, share * z
-    for row in range(3):
-        for k in range(n):
-            B[GROWING + row, k], B[CONSTANT + row, k] = S[row, k], 0.0
-
-
-@part
-def own_facets(B, n, m):
-    """Tractions of a law with a `force`; arguments and result as of `space_law.facets`."""
-    for k in range(n):
-        v = vector(B, V, k)
-        s = spread(B, k, v[0], v[1], v[2], 1.0)
-        first, second = force(B[Z, k], vector(B, N, k), v, vector(B, E, k), s, B[ONE_SIDE, k], B[SHEAR, k], m)
-        B[GROWING, k], B[GROWING + 1, k], B[GROWING + 2, k] = first
-        B[CONSTANT, k], B[CONSTANT + 1, k], B[CONSTANT + 2, k] = second
-
-
-@part
-def inertial_facets(B, n, m):
-    """Tractions of a law with a `stress` and an `inertia`; arguments and result as of `space_law.facets`."""
-    static_facets(B, n, m)
-    for k in range(n):
-        B[CONSTANT, k], B[CONSTANT + 1, k], B[CONSTANT + 2, k] = inertia(
-            vector(B, N, k), vector(B, V, k), B[ONE_SIDE, k], m
-        )
 
 
 @part(inline=True)

@@ -1,8 +1,9 @@
 """Arguments of a law's functions, in their order, and what they give back.
 
 What they mean: `law.strip_force`, `cap_force`, `ball_force`, `drag_anchor`, `plates.stress` and `traction`; in space
-`facets.stress`, `traction`, `inertia` and `force`, and `space_law`. Vectors are tuples: t, n, u, v, e, c, p and anchor,
-of two numbers in the plane, of three in space. Numba is not imported here: laws are checked when a config is read.
+`facet_blocks.stress`, `traction`, `inertia` and `force`, and `space_law`. Vectors are tuples: t, n, u, v, e, c, p and
+anchor, of two numbers in the plane, of three in space. Numba is not imported here: laws are checked when a config is
+read.
 """
 
 from __future__ import annotations

@@ -21,7 +21,7 @@ UPRIGHT = 0.02
 
 @part
 def slice_stress(n, u, m):
-    """Stress per depth (3,) N/m^3 of a law with a planar one, see `facets.stress`."""
+    """Stress per depth (3,) N/m^3 of a law with a planar one, see `facet_blocks.stress`."""
     (nx, ny, nz), (ux, uy, uz) = n, u
     level, ahead = math.sqrt(nx * nx + ny * ny), math.sqrt(ux * ux + uy * uy)
     share = 1.0 if ahead >= UPRIGHT * level else ahead / (UPRIGHT * level)

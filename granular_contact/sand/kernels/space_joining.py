@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.jit.chosen import provide
-from granular_contact.sand.kernels import bars, facet_paths, facets, slices, space_balls, space_law
-from granular_contact.sand.kernels.facet_layers import between
+from granular_contact.sand.kernels import bars, facet_blocks, facet_paths, facets, slices, space_balls, space_law
+from granular_contact.sand.kernels.facet_parts import between
 from granular_contact.sand.kernels.facet_slopes import facet_slopes
 from granular_contact.sand.kernels.ground import tangent_plane
 from granular_contact.sand.kernels.joining import PARTS, let_call_others, record_type
@@ -94,7 +94,7 @@ def _functions(owner: Any, kind: str) -> dict[str, Any]:
     if kind == "surface":
         found["gather"], found["facets"] = facets.gather, _of_facets(owner, dtype)
         if not hasattr(owner, "facet_force"):
-            found["lead"] = facets.lead
+            found["lead"] = facet_blocks.lead
     for method, name in METHODS[kind].items():
         if hasattr(owner, method):
             found[name] = getattr(owner, method)
@@ -106,17 +106,17 @@ def _of_facets(owner: Any, dtype: np.dtype) -> Any:
     """What fills the tractions of a block, by what a law gives."""
     if hasattr(owner, "facet_force"):
         let_call_others(owner.facet_force)
-        provide(facets.force, dtype, owner.facet_force)
-        return facets.own_facets
+        provide(facet_blocks.force, dtype, owner.facet_force)
+        return facet_blocks.own_facets
     if hasattr(owner, "facet_traction"):
         let_call_others(owner.facet_traction)
-        provide(facets.traction, dtype, owner.facet_traction)
-        return facets.traction_facets
+        provide(facet_blocks.traction, dtype, owner.facet_traction)
+        return facet_blocks.traction_facets
     stress = getattr(owner, "facet_stress", slices.slice_stress)
     let_call_others(stress, inline=True)
-    provide(facets.stress, dtype, stress, inline=True)
+    provide(facet_blocks.stress, dtype, stress, inline=True)
     if not hasattr(owner, "facet_inertia"):
-        return facets.static_facets
+        return facet_blocks.static_facets
     let_call_others(owner.facet_inertia)
-    provide(facets.inertia, dtype, owner.facet_inertia)
-    return facets.inertial_facets
+    provide(facet_blocks.inertia, dtype, owner.facet_inertia)
+    return facet_blocks.inertial_facets

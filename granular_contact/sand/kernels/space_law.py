@@ -106,13 +106,13 @@ SIGNATURES: dict[str, tuple[tuple[Any, ...], Any]] = {  # arguments, result
 # follow    elements, anchors, cluster, pose, ground, row (3,): end of a step, anchors follow, or are released above the
 #           surface; row see DEPTH
 # gather    `facets.gather`, which several kernels call
-# facets    B, n: fill tractions on the first n facets of a block, see `kernels.facets`: of what grows with depth the
+# facets    B, n: fill tractions on the first n facets of a block, see `facet_blocks`: of what grows with depth the
 #           stress per depth N/m^3, of the rest the stress Pa. What is told of a facet: z > 0 mean depth (m) of what is
 #           immersed of it; n unit normal; velocity v (m/s) and stretch e (m) of the bristle at its centroid; spread
 #           (m/s): by how much n . v differs from there along a and b; side 1: only what n . v > 0 is loaded, n
 #           pointing outward; 0: a thin plate, either face can lead; j (m): shear displacement, see `path_length`
-# lead      `facets.lead`, where the law asks for it
-# layer     `facet_layers.between`, of a medium in a layer
+# lead      `facet_blocks.lead`, where the law asks for it
+# layer     `facet_parts.between`, of a medium in a layer
 # bar       strip, cluster, f: add the forces on a `strip.Strip` to f[term, end, xyz] (N)
 # cap       c of a strip, velocity at its end 1, cluster, f: add the force on a free end face there to f[term, 1, xyz]
 #           (N); of laws that know one

@@ -12,7 +12,7 @@ from granular_contact.engines.mujoco.kernels.added_mass import add_inertia, add_
 from granular_contact.jit.compiled import part
 from granular_contact.jit.memory import clear, room2
 from granular_contact.sand.kernels import space_law as law
-from granular_contact.sand.kernels.facets import (
+from granular_contact.sand.kernels.facet_blocks import (
     AREA,
     AT_FIRST,
     AT_SECOND,
@@ -97,7 +97,7 @@ def weigh(B, n, step, bristle, M):
     """Set M[0] (kg) to the masses of the facets of a block, and M[1] to what each has more of along its normal.
 
     Nothing where q is 0, or n . q not positive: such a facet has no bristle to weigh, or is not loaded. Where both
-    the resistance and what is loaded of a facet grow with q, up to `pressed` (see `sand.kernels.facets`), the force
+    the resistance and what is loaded of a facet grow with q, up to `pressed` (see `facet_blocks`), the force
     grows with its square, so the slope is twice the secant: with the secant alone a step would overshoot by as much as
     it was off, and what stands would not come to rest.
     """

@@ -1,6 +1,6 @@
 """Arrays of a tree of rigid bodies and of its march, of a view `w` of TREE: `w.pose` (`jit.layout`).
 
-Of n nodes, with the widths of the plane; those of space, and what is there alone: `space_arrays`.
+Of n nodes, with the widths of the plane; those of space, and what is there alone, follow.
 
     nodes           (n,) records of NODE, see `tree`
     prescribed      (n,) whether a signal says s
@@ -40,6 +40,25 @@ Of n nodes, with the widths of the plane; those of space, and what is there alon
     blank           (columns,) a row of the medium's doings before anything is added to it
     states, table   (rows, numbers) and (rows, columns), of which the first counts[STEPS] + 1 are filled
     calls           (1,) record of CALL
+
+In space:
+
+    space_nodes     (n,) records of SPACE_NODE, see `space_tree`
+    pose            (n, 7) centre of mass (m) and Euler parameters; pose_rates (n, 7) their rates
+    pose_rates
+    twist           (n, 6) velocity of the centre of mass (m/s) and angular velocity (rad/s), along the axes of the
+    acceleration    world; accelerations likewise
+    turned          (n, 9) axes of the node, row by row; home (n, 4): orientation that a ball joint's chart begins at
+    home
+    arm             (n, 3), along (n, 6), bias (n, 6): e + d, S and b of `space_tree`
+    force           (n, 6) on the nodes (N) and moment about the centre of mass (N m)
+    of_sand         (n, 7) generalised forces of the medium, see `space_bodies`; blocks (n, 49): their tangents
+    blocks
+    coupled         (n, 3) c of ball joints, of their three nodes three rows
+    body, joint     (n, 36) and (n, 30), see `space_tree`
+    shapes          (m, n) Phi^T of `space_modes`, and the inverse (m, m) of its matrix; lacked (m,): Phi^T R; of trees
+    inverse         with links in modes alone
+    lacked
 """
 
 from __future__ import annotations
@@ -126,19 +145,27 @@ DONE, MATRICES = 0, 1  # of `iterated`
 # when on how many whole steps were taken.
 NOW, STEP, RESTING_SINCE, TRIED, SPEED, FASTEST, ORIGIN, WHOLE = range(8)
 
-WIDTHS = {
-    **dict.fromkeys(("s", "rates", "s2", "lagged", "s_before", "rates_before", "s2_before", "lagged_before"), 0),
+_SCALARS = (
+    *("s", "rates", "s2", "lagged", "s_before", "rates_before", "s2_before", "lagged_before"),
+    *("effort", "stiffness", "rest", "change"),
+)
+_WIDTHS = {
     **dict.fromkeys(("pose", "twist", "acceleration", "along", "force", "passed", "moved"), 3),
-    **dict.fromkeys(("turned", "arm", "bias"), 2),
-    **dict.fromkeys(("effort", "stiffness", "rest", "change"), 0),
-    **{"body": 9, "joint": 12},
+    **{"turned": 2, "arm": 2, "bias": 2, "body": 9, "joint": 12},
+}
+_WIDTHS_IN_SPACE = {
+    **dict.fromkeys(("pose", "pose_rates", "of_sand"), 7),
+    **dict.fromkeys(("twist", "acceleration", "along", "bias", "force", "passed", "moved"), 6),
+    **{"turned": 9, "home": 4, "arm": 3, "body": 36, "joint": 30, "blocks": 49, "coupled": 3},
 }
 
 
-def room(nodes: int) -> dict[str, NDArray[Any]]:
+def room(nodes: int, *, in_space: bool = False) -> dict[str, NDArray[Any]]:
     """Arrays that say nothing yet: the motion of so many nodes, and what is worked out from it."""
-    made = {name: np.zeros((nodes, width) if width else nodes) for name, width in WIDTHS.items()}
-    return made | {"pose_rates": made["twist"]}
+    widths = _WIDTHS_IN_SPACE if in_space else _WIDTHS
+    made = {name: np.zeros(nodes) for name in _SCALARS}
+    made |= {name: np.zeros((nodes, width)) for name, width in widths.items()}
+    return made if in_space else made | {"pose_rates": made["twist"]}
 
 
 def places(arrays: Mapping[str, NDArray[Any]]) -> NDArray[np.int64]:
