@@ -62,7 +62,7 @@ AREAS: dict[str, dict[str, tuple[str, ...]]] = {
             "tests/multibody/test_free.py",
             "tests/test_run.py",
         ),
-        "mechanics/senses.py": ("tests/test_simulation.py",),
+        "mechanics/sensors.py": ("tests/test_simulation.py",),
         "results/stopping.py": ("tests/test_stops.py", "tests/multibody/test_stopping.py", "tests/test_edges.py"),
         "results/summary.py": ("tests/test_strides.py",),
     },

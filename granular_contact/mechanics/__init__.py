@@ -1,7 +1,7 @@
 """What every engine needs of a mechanism, without any engine.
 
 the mechanism   system                  its parts among the coordinates of an engine; trajectories
-                kinematics, senses      positions and rates of a trajectory, of an instant
+                kinematics, sensors      positions and rates of a trajectory, of an instant
                 coordinates, constraints    coordinates of joints; what they hold
                 mass_and_gravity, freedoms  mass and weight; how a mechanism can depart from its motion
                 joint_loads, reactions  springs, stops, friction, drives; forces of prescribed motions

@@ -14,7 +14,7 @@ from granular_contact.scene.types import Scene, Vector
 
 if TYPE_CHECKING:
     from granular_contact.mechanics.joint_loads import JointLoad
-    from granular_contact.mechanics.senses import Senses
+    from granular_contact.mechanics.sensors import Sensors
     from granular_contact.sand.history import LoadHistory
 
 
@@ -113,11 +113,11 @@ class System:
         """Wall time (s) that what the medium meets took to be made."""
         return 0.0 if self.bed is None else float(self.bed.load.building_s)
 
-    def senses(self) -> Senses:
+    def sensors(self) -> Sensors:
         """What reads its state in the pauses of a solve."""
-        from granular_contact.mechanics.senses import Senses
+        from granular_contact.mechanics.sensors import Sensors
 
-        return Senses(self, None if self.bed is None else self.bed.load)
+        return Sensors(self, None if self.bed is None else self.bed.load)
 
     def node_at(self, body: str, point: Vector) -> int:
         """Node that a point (2,) m of a body belongs to: that of a rigid body, the root or tip of a link."""

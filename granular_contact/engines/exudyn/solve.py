@@ -30,7 +30,7 @@ from granular_contact.scene.types import FASTEST
 
 if TYPE_CHECKING:
     from granular_contact.engines.exudyn.state import Keeper, SolveState
-    from granular_contact.mechanics.senses import Senses
+    from granular_contact.mechanics.sensors import Sensors
 
 KEPT = "seconds", "_success", "_problem", "_restarts"  # fields of a solve that a state has
 
@@ -86,7 +86,7 @@ class Solve:
         self._end = scene.solver.end_time_s
         self._reference = reference(mbs, system.nodes, system.origin)
         self._views: Views | None = None
-        self._senses: Senses | None = None
+        self._sensors: Sensors | None = None
         self._keeper: Keeper | None = None
         self._guarded = _Guarded(self.recorder.interrupt)
         with self._guarded:
@@ -105,7 +105,7 @@ class Solve:
             if pauses:
                 from granular_contact.engines.exudyn.state import Keeper
 
-                self._senses = system.senses()
+                self._sensors = system.sensors()
                 self._keeper = Keeper(system, self.solver, self.recorder, self.simulation, self._predictor)
             self._run(self._begin)
         if self.recorder.rows == 0:
@@ -179,9 +179,9 @@ class Solve:
             self._plan(min(until, self._end))
             before = self.recorder.rows
             self._run(self._steps)
-        if self._senses is not None and self._senses.follows:
+        if self._sensors is not None and self._sensors.follows:
             rows = self.recorder.states[before : self.recorder.rows, 1 : 1 + self.recorder.size]
-            self._senses.follow(rows + self._reference)
+            self._sensors.follow(rows + self._reference)
 
     def _steps(self) -> bool:
         bed = self.system.bed
@@ -224,19 +224,19 @@ class Solve:
 
     def observe(self) -> Observations:
         """What is seen of the present state."""
-        assert self._senses is not None  # of one that pauses
+        assert self._sensors is not None  # of one that pauses
         recorder, bed = self.recorder, self.system.bed
         row, count = recorder.states[recorder.rows - 1], recorder.size
         q = row[1 : 1 + count] + self._reference
-        return self._senses.read(recorder.time, q, row[1 + count :], None if bed is None else bed.load.table.row)
+        return self._sensors.read(recorder.time, q, row[1 + count :], None if bed is None else bed.load.table.row)
 
     def outlines(self) -> tuple[Outline, ...]:
         """The mechanism as it is drawn, at the present state."""
         recorder = self.recorder
         row, count = recorder.states[recorder.rows - 1 : recorder.rows], recorder.size
         q, v = row[:, 1 : 1 + count] + self._reference, row[:, 1 + count :]
-        assert self._senses is not None  # of one that pauses
-        return self._senses.kinematics(at_one(self.system, row[:, 0], q, v)).outlines(0)
+        assert self._sensors is not None  # of one that pauses
+        return self._sensors.kinematics(at_one(self.system, row[:, 0], q, v)).outlines(0)
 
     def set_to(self, joint: str, value: float) -> None:
         """Set the drive of a joint, in SI units, from now on; at the start the accelerations follow."""

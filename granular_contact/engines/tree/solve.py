@@ -42,7 +42,7 @@ class Solve:
         self.march = March(tree)
         self.seconds, self._code, self._interrupted = 0.0, kernels.PAUSE, False
         self._restarts = False  # with other accelerations
-        self._senses = tree.senses(self.march)
+        self._sensors = tree.sensors(self.march)
         self._shown, first = [], 0  # where poses, their rates and accelerations of bodies are in a row
         for name in ("pose", "pose_rates", "acceleration"):
             self._shown.append(first + tree.of_bodies(name))
@@ -93,13 +93,13 @@ class Solve:
     def observe(self) -> Observations:
         """What is seen of the present state."""
         row = self.march.last
-        return self._senses.read(self.time, self._coordinates(row, 0), self._coordinates(row, 1), self.march.rows[row])
+        return self._sensors.read(self.time, self._coordinates(row, 0), self._coordinates(row, 1), self.march.rows[row])
 
     def outlines(self) -> tuple[Outline, ...]:
         """The mechanism as it is drawn, at the present state."""
         system, now = self.tree.system, slice(self.march.last, self.march.last + 1)
         q, v = (self._coordinates(now, derivative) for derivative in (0, 1))
-        return self._senses.kinematics(at_one(system, np.array([self.time]), q, v)).outlines(0)
+        return self._sensors.kinematics(at_one(system, np.array([self.time]), q, v)).outlines(0)
 
     def _coordinates(self, rows: int | slice, derivative: int) -> Vector:
         """Coordinates of the system (m,) or (k, m) in these rows, their rates, or accelerations as in kernels."""

@@ -16,7 +16,7 @@ from granular_contact.engines.tree.kernels.tree_arrays import room
 from granular_contact.engines.tree.tree import BodyCoordinates, Tree, acting, joint_loads, levers, outward, sand_of
 from granular_contact.geometry import rotations
 from granular_contact.mechanics.joint_loads import fill
-from granular_contact.mechanics.space.senses import SpatialSenses
+from granular_contact.mechanics.space.sensors import SpatialSensors
 from granular_contact.mechanics.space.system import SpatialSystem
 from granular_contact.mechanics.system import RigidHandle
 from granular_contact.sand.contact_lines import Body
@@ -32,8 +32,8 @@ Numbers = Vector | tuple[float, ...]
 STILL = SpatialMotion(np.zeros(3), np.eye(3), np.zeros(3), np.zeros(3))  # the ground
 
 
-class TreeSenses(SpatialSenses):
-    """As `SpatialSenses`, with the coordinates of joints that a march has."""
+class TreeSensors(SpatialSensors):
+    """As `SpatialSensors`, with the coordinates of joints that a march has."""
 
     def __init__(self, tree: SpatialTree, march: Any) -> None:
         self._march, self._nodes_of = march, tree.joints
@@ -48,7 +48,7 @@ class TreeSenses(SpatialSenses):
         return False
 
     def joints(self, q: Vector, v: Vector) -> tuple[Vector, Vector]:  # noqa: ARG002
-        """As of `SpatialSenses`, at the present state of the march."""
+        """As of `SpatialSensors`, at the present state of the march."""
         arrays = self._march.arrays
         return arrays["s"][self._nodes], arrays["rates"][self._nodes]
 
@@ -69,9 +69,9 @@ class SpatialTree(Tree):
         found: Vector = np.concatenate([of[..., :3], second], axis=-1).reshape(len(q), -1)
         return found
 
-    def senses(self, march: Any) -> TreeSenses:
+    def sensors(self, march: Any) -> TreeSensors:
         """As of `Tree`."""
-        return TreeSenses(self, march)
+        return TreeSensors(self, march)
 
 
 @dataclass(frozen=True)

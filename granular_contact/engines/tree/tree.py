@@ -14,7 +14,7 @@ from granular_contact.engines.tree.kernels.tree import HINGE, SLIDER
 from granular_contact.engines.tree.kernels.tree_arrays import NODE, room
 from granular_contact.mechanics.joint_loads import JointLoad
 from granular_contact.mechanics.kernels.joint_loads import JOINT
-from granular_contact.mechanics.senses import Senses
+from granular_contact.mechanics.sensors import Sensors
 from granular_contact.mechanics.stepping import signals_of
 from granular_contact.mechanics.system import RigidHandle, System
 from granular_contact.sand.contact_lines import Body
@@ -95,9 +95,9 @@ class Tree:
         """As of `Trajectory`, from what the coordinates lack (n, nodes); none of links with all their elements."""
         return {}
 
-    def senses(self, march: Any) -> Senses:  # noqa: ARG002
+    def sensors(self, march: Any) -> Sensors:  # noqa: ARG002
         """What reads the state of a march of it."""
-        return Senses(self.system, self.load)
+        return Sensors(self.system, self.load)
 
 
 @dataclass(frozen=True)

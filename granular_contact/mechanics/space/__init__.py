@@ -9,7 +9,7 @@ constraints   what joints ask of accelerations
 wheels        slip, sinkage and forces of wheels
 facet_departure   what larger facets would change
 facet_sizes   facets that bodies have, and their error, as they are told
-observe, senses   Trajectory, or one instant, in columns of three dimensions
+observe, sensors   Trajectory, or one instant, in columns of three dimensions
 
 The solve itself, its choice of steps, what is recorded and finding rest are those of the plane.
 """

@@ -10,7 +10,7 @@ from granular_contact.mechanics.system import RigidHandle, System
 from granular_contact.scene.space.types import SpatialRigidBody, SpatialScene
 
 if TYPE_CHECKING:
-    from granular_contact.mechanics.senses import Senses
+    from granular_contact.mechanics.sensors import Sensors
     from granular_contact.sand.space.load import SpatialLoad
 
 
@@ -28,8 +28,8 @@ class SpatialSystem(System):
 
         return load_with(self, 1.0)
 
-    def senses(self) -> Senses:
+    def sensors(self) -> Sensors:
         """As of `System`."""
-        from granular_contact.mechanics.space.senses import SpatialSenses
+        from granular_contact.mechanics.space.sensors import SpatialSensors
 
-        return SpatialSenses(self, None if self.bed is None else self.bed.load)
+        return SpatialSensors(self, None if self.bed is None else self.bed.load)

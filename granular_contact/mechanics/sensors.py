@@ -26,7 +26,7 @@ Places = NDArray[np.int64]
 ROOT = np.zeros(2)  # of a body, m in its frame
 
 
-class Senses:
+class Sensors:
     """Reads observations of a system; `seen`: what there is of them.
 
     It follows links that bend from row to row, for their slopes do not count whole turns; `follows`: whether it has to.

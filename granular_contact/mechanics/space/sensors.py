@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from granular_contact.geometry import rotations
-from granular_contact.mechanics.senses import Senses
+from granular_contact.mechanics.sensors import Sensors
 from granular_contact.mechanics.space.coordinates import coordinate
 from granular_contact.mechanics.space.kinematics import SpatialKinematics, angular
 from granular_contact.mechanics.space.system import SpatialSystem
@@ -20,8 +20,8 @@ from granular_contact.scene.space.types import SpatialBeam, link_of, reach
 from granular_contact.scene.types import Vector
 
 
-class SpatialSenses(Senses):
-    """As `Senses`. It follows hinges from row to row, for the orientations of bodies do not count whole turns."""
+class SpatialSensors(Sensors):
+    """As `Sensors`. It follows hinges from row to row, for the orientations of bodies do not count whole turns."""
 
     system: SpatialSystem
     _seen_type = SpatialSeen
@@ -54,11 +54,11 @@ class SpatialSenses(Senses):
 
     @property
     def follows(self) -> bool:
-        """As of `Senses`."""
+        """As of `Sensors`."""
         return any(self.seen.hinges)
 
     def kinematics(self, trajectory: Trajectory) -> SpatialKinematics:
-        """As of `Senses`."""
+        """As of `Sensors`."""
         return SpatialKinematics(self.system, trajectory)
 
     def follow(self, q: Vector) -> None:
@@ -69,7 +69,7 @@ class SpatialSenses(Senses):
                 joint.at(row.tolist(), still)
 
     def read(self, time: float, q: Vector, v: Vector, row: Vector | None) -> Observations:
-        """As of `Senses`."""
+        """As of `Sensors`."""
         v, row = v.copy(), None if row is None else row.copy()
         joints = self.joints(q, v)  # at once, as a hinge counts its turns on
         axes = cache(lambda: rotations.of_quaternion(q[self._at[:, 3:]]))  # of bodies
@@ -82,7 +82,7 @@ class SpatialSenses(Senses):
         return Observations(self.seen, time, now)
 
     def joints(self, q: Vector, v: Vector) -> tuple[Vector, Vector]:
-        """As of `Senses`."""
+        """As of `Sensors`."""
         found = [joint.at(q[at].tolist(), v[at].tolist())[:2] for joint, at in self._coordinates]
         coordinates, rates = np.array(found).reshape(-1, 2).T
         return coordinates, rates
