@@ -203,13 +203,15 @@ def accept(words, system_q, system_v, row, begins):
         body, pose, near = bodies[b], w.poses[b], w.proximity[b]
         at = rows(w.places, body.start, body.places)
         read(system_q, system_v, w.reference, at, body, q, v)
-        law.body_forces(medium, (q, v, body, w, pose, W, f))
+        loaded = law.body_forces(medium, (q, v, body, w, pose, W, f))
         if begins:
             for c in range(body.first, body.last):
                 release(w.elements, w.anchors, w.clusters[c], pose, medium, True)
             continue
         bound(body.x, body.y, body.z, body.radius, pose, w.ground, medium, near)
         follow(body, w, medium, pose, near, row)
+        if not loaded:
+            continue
         power = columns[b, 0]
         for term in range(TERMS):
             for i in range(3):
@@ -234,7 +236,9 @@ def follow(body, w, medium, pose, near, row):
             s, n = one.first, one.last - one.first
             law.follow(medium, (rows(elements, s, n), rows(anchors, s, n), one, pose, w.ground, seen))
             some = True
-    depth = seen[law.DEPTH] if some else min(near[DEEPEST], deepest_cluster(body, w, medium, pose))
+    depth = seen[law.DEPTH]
+    if not some and near[DEEPEST] > row[1]:  # or another body is deeper
+        depth = min(near[DEEPEST], deepest_cluster(body, w, medium, pose))
     near[EVER] = max(near[EVER], depth)
     row[1] = max(row[1], depth)
     row[2] = max(row[2], seen[law.SPEED])
