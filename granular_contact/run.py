@@ -64,8 +64,9 @@ def run(
         The scenario is another one than the scene was built from, or the scene was not built from any.
     """
     known = scenario_of(scene, scenario)
-    begun, seen = _observed(scene, progress, inspect, compiling)
-    made = results(seen, scenario_to_dict(known), most_frames)
+    with announced(compiling, kernels_of(scene)):
+        begun, seen = _observed(scene, progress, inspect)
+        made = results(seen, scenario_to_dict(known), most_frames)
     if inspect is None:  # whose caller may go on with the system
         begun.solving.close()
     return made
@@ -76,7 +77,7 @@ def summary_of(scene: Scene, more: Callable[[Observation], dict[str, Any]] = lam
 
     more: what the summary has besides, from what was observed.
     """
-    begun, seen = _observed(scene, None, None, None)
+    begun, seen = _observed(scene, None, None)
     summary, _ = key_numbers(seen)
     summary |= more(seen)
     begun.solving.close()
@@ -190,71 +191,66 @@ class Begun(NamedTuple):
     system: System | None
 
 
-def begin(scene: Scene, progress: Progress | None, compiling: Compiling | None, *, pauses: bool = False) -> Begun:
+def begin(scene: Scene, progress: Progress | None = None, *, pauses: bool = False) -> Begun:
     """Get ready to solve a scene by its method; pauses: whether it is to be looked at and steered on the way."""
     if scene.method is None:
-        return _by_engine(scene, progress, compiling, pauses)
-    return (_by_modes if isinstance(scene.method, Reduced) else _by_minimal)(scene, progress, compiling)
+        return _by_engine(scene, progress, pauses)
+    return (_by_modes if isinstance(scene.method, Reduced) else _by_minimal)(scene, progress)
 
 
-def _by_engine(scene: Scene, progress: Progress | None, compiling: Compiling | None, pauses: bool) -> Begun:
+def _by_engine(scene: Scene, progress: Progress | None, pauses: bool) -> Begun:
     if scene.in_space:
-        return _in_space(scene, progress, compiling, pauses)
+        return _in_space(scene, progress, pauses)
     from granular_contact.engines.exudyn.build import build
     from granular_contact.engines.exudyn.solve import Solve
     from granular_contact.mechanics.observe import observe
 
     system = build(scene)
-    with announced(compiling, kernels_of(scene)):
-        return Begun(Solve(system, progress, pauses=pauses), partial(observe, system), system)
+    return Begun(Solve(system, progress, pauses=pauses), partial(observe, system), system)
 
 
-def _in_space(scene: Any, progress: Progress | None, compiling: Compiling | None, pauses: bool) -> Begun:
+def _in_space(scene: Any, progress: Progress | None, pauses: bool) -> Begun:
     from granular_contact.engines.exudyn.build_in_space import build
     from granular_contact.engines.exudyn.solve import Solve
     from granular_contact.mechanics.space.observe import observe
 
     system = build(scene)
-    with announced(compiling, kernels_of(scene)):
-        return Begun(Solve(system, progress, pauses=pauses), partial(observe, system), system)
+    return Begun(Solve(system, progress, pauses=pauses), partial(observe, system), system)
 
 
-def _by_minimal(scene: Any, progress: Progress | None, compiling: Compiling | None) -> Begun:
+def _by_minimal(scene: Any, progress: Progress | None) -> Begun:
     if scene.in_space:
-        return _minimal_in_space(scene, progress, compiling)
+        return _minimal_in_space(scene, progress)
     from granular_contact.engines.tree.solve import Solve
     from granular_contact.engines.tree.tree import tree
     from granular_contact.mechanics.observe import observe
 
     made = tree(scene)
-    with announced(compiling, kernels_of(scene)):
-        return Begun(Solve(made, progress), partial(observe, made.system), made.system)
+    return Begun(Solve(made, progress), partial(observe, made.system), made.system)
 
 
-def _minimal_in_space(scene: Any, progress: Progress | None, compiling: Compiling | None) -> Begun:
+def _minimal_in_space(scene: Any, progress: Progress | None) -> Begun:
     from granular_contact.engines.tree.solve import Solve
     from granular_contact.engines.tree.space_tree import tree
     from granular_contact.mechanics.space.observe import observe
 
     made = tree(scene)
-    with announced(compiling, kernels_of(scene)):
-        return Begun(Solve(made, progress), partial(observe, made.system), made.system)
+    return Begun(Solve(made, progress), partial(observe, made.system), made.system)
 
 
-def _by_modes(scene: Scene, progress: Progress | None, compiling: Compiling | None) -> Begun:
+def _by_modes(scene: Scene, progress: Progress | None) -> Begun:
     from granular_contact.engines.modal.model import model
     from granular_contact.engines.modal.observe import observe
     from granular_contact.engines.modal.solve import Solve
 
     assert isinstance(scene.method, Reduced)
     reduced = model(scene, scene.method)
-    with announced(compiling, kernels_of(scene)):
-        return Begun(Solve(reduced, progress), partial(observe, reduced), None)
+    return Begun(Solve(reduced, progress), partial(observe, reduced), None)
 
 
-def _solved(scene: Scene, progress: Progress | None, compiling: Compiling | None) -> tuple[Begun, Any]:
+def _solved(scene: Scene, progress: Progress | None) -> tuple[Begun, Any]:
     """A solve at its end, with its trajectory."""
-    begun = begin(scene, progress, compiling)
+    begun = begin(scene, progress)
     begun.solving.advance()
     return begun, begun.solving.trajectory()
 
@@ -274,15 +270,14 @@ def _observed(
     scene: Scene,
     progress: Progress | None,
     inspect: Callable[[System, Trajectory], None] | None,
-    compiling: Compiling | None,
 ) -> tuple[Begun, Observation]:
     """Solve to the end, with strips or facets that are chosen by their error."""
     if scene.in_space and any(medium.scatters for medium in scene.media):
-        shares, error = _nominal_facets(scene, progress, compiling)
-        begun, trajectory = _solved(replace(scene, facet_shares=shares), progress, compiling)  # type: ignore[call-arg]
+        shares, error = _nominal_facets(scene, progress)
+        begun, trajectory = _solved(replace(scene, facet_shares=shares), progress)  # type: ignore[call-arg]
         trajectory = replace(trajectory, strip_error=error)
     else:
-        begun, trajectory = _chosen(scene, progress, compiling)
+        begun, trajectory = _chosen(scene, progress)
     if inspect is not None and begun.system is not None:
         inspect(begun.system, trajectory)
     return begun, begun.observe(trajectory)
@@ -291,7 +286,7 @@ def _observed(
 _NOMINAL: dict[str, Any] = {}  # what was found of the scenario that ran last, for other members of its ensemble
 
 
-def _nominal_facets(scene: Any, progress: Progress | None, compiling: Compiling | None) -> Any:
+def _nominal_facets(scene: Any, progress: Progress | None) -> Any:
     """Shares of the size of facets, and their error, that are chosen for a scene in space without what scatters.
 
     Each member of an ensemble would choose others by its own draws, which are no errors of facets.
@@ -299,7 +294,7 @@ def _nominal_facets(scene: Any, progress: Progress | None, compiling: Compiling 
     key = "" if scene.scenario is None else json.dumps(_unscattered(scenario_to_dict(scene.scenario)), default=str)
     if not key or key not in _NOMINAL:
         layers = tuple(replace(one, medium=one.medium.model_copy(update={"scatter": None})) for one in scene.bed.layers)
-        begun, trajectory = _chosen(replace(scene, bed=replace(scene.bed, layers=layers)), progress, compiling)
+        begun, trajectory = _chosen(replace(scene, bed=replace(scene.bed, layers=layers)), progress)
         _NOMINAL.clear()
         _NOMINAL[key] = begun.system.scene.facet_shares, trajectory.strip_error  # type: ignore[union-attr]
         begun.solving.close()
@@ -313,9 +308,9 @@ def _unscattered(tree: Any) -> Any:
     return [_unscattered(one) for one in tree] if isinstance(tree, (list, tuple)) else tree
 
 
-def _chosen(scene: Scene, progress: Progress | None, compiling: Compiling | None) -> tuple[Begun, Any]:
+def _chosen(scene: Scene, progress: Progress | None) -> tuple[Begun, Any]:
     """A solve at its end; solved again with smaller strips or facets where they are to be chosen by their error."""
-    begun, trajectory = _solved(scene, progress, compiling)
+    begun, trajectory = _solved(scene, progress)
     if begun.system is None or trajectory.load is None:
         return begun, trajectory
     from granular_contact.mechanics.strip_error import errors, finer, way
@@ -331,7 +326,7 @@ def _chosen(scene: Scene, progress: Progress | None, compiling: Compiling | None
         # An estimate from one run is no measure for one that two runs tell.
         before = None if scene.in_space and coarser is None else found
         coarser = way(motion, found)
-        again, longer = _solved(shorter, progress, compiling)
+        again, longer = _solved(shorter, progress)
         spent += longer.cost.solve_s
         if scene.in_space and longer.status.code in ("time_limit", "failed"):
             again.solving.close()

@@ -17,11 +17,12 @@ from granular_contact.config.differences import differing_keys
 from granular_contact.control_values import ControlValues
 from granular_contact.controllers import Controller, Controls, checked_rate, finite, steer
 from granular_contact.errors import ControlError, ControllerError
+from granular_contact.jit.compiling import announced
 from granular_contact.results import Compiling, Outline, Progress, Results, Status
 from granular_contact.results.observation import results
 from granular_contact.results.observed import Observations
 from granular_contact.results.stopping import ended, paused
-from granular_contact.run import Begun, Solving, begin, scenario_of
+from granular_contact.run import Begun, Solving, begin, kernels_of, scenario_of
 from granular_contact.scene.build import build
 from granular_contact.scene.drives import Beyond
 from granular_contact.scene.types import Scene
@@ -97,7 +98,8 @@ class Simulation:
 
     def _take(self, scene: Scene) -> None:
         """Begin with a scene; where that fails, the simulation stays as it was."""
-        begun = begin(scene, None, self._compiling, pauses=True)
+        with announced(self._compiling, kernels_of(scene)):
+            begun = begin(scene, pauses=True)
         self.close()
         self._begun = begun
         self.scene, self.scenario = scene, scenario_of(scene)

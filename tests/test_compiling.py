@@ -14,6 +14,8 @@ from pathlib import Path
 import pytest
 from support_runs import simulate
 
+from granular_contact import build, load
+
 ROOT = Path(__file__).parents[1]
 
 
@@ -86,6 +88,7 @@ def test_compiling_is_no_wall_time() -> None:
 def test_compiling_is_told_once_when_it_begins_and_not_when_it_is_done() -> None:
     from numba import njit
 
+    from granular_contact.jit import compiled  # noqa: F401  # listens
     from granular_contact.jit.compiling import announced, seconds
 
     told: list[str] = []
@@ -94,7 +97,7 @@ def test_compiling_is_told_once_when_it_begins_and_not_when_it_is_done() -> None
     with announced(told.append, "a sum"):
         assert told == []
         kernel(1.0)
-        assert told == ["compiling a sum, once in an installation: 2 to 20 s, or half a minute if it is the first"]
+        assert told == ["compiling a sum, once in an installation: 2 to 40 s"]
         kernel(1)
         assert len(told) == 1
     spent = seconds() - before
@@ -106,6 +109,24 @@ def test_compiling_is_told_once_when_it_begins_and_not_when_it_is_done() -> None
     with announced(None, "a sum"):
         njit(lambda x: x - 2.0)(1.0)
     assert told == []
+
+
+def test_what_is_compiled_after_the_solve_is_told_and_is_no_wall_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    from numba import njit
+
+    from granular_contact import run as runs
+    from granular_contact.jit.compiling import seconds
+
+    def results(*given: object) -> object:
+        njit(lambda x: x + 3.0)(1.0)
+        return made(*given)
+
+    made, told, before = runs.results, list[str](), seconds()
+    monkeypatch.setattr(runs, "results", results)
+    scene = build(load(str(ROOT / "configs" / "pendulum_rigid.yaml"), ["solver.end_time_s=0.002"]))
+    runs.run(scene, compiling=lambda what: told.append(what))
+    assert len(told) == 1
+    assert seconds() > before
 
 
 def cache_without(kernel: str, folder: Path) -> Path:
@@ -127,9 +148,6 @@ def test_the_command_says_on_stderr_what_it_compiles_the_first_time_only(tmp_pat
     run = ["run", str(ROOT / "configs" / "pendulum_rigid.yaml"), "--set", "solver.end_time_s=0.005", "--no-plots"]
     code = f"from granular_contact.cli import main; main({[*run, '--out', str(tmp_path / 'out')]!r})"
     first, second = (in_a_process(code, cache) for _ in range(2))
-    words = (
-        "compiling the law lee_marghitu for round bars, once in an installation: "
-        "2 to 20 s, or half a minute if it is the first\n"
-    )
+    words = "compiling the law lee_marghitu for round bars, once in an installation: 2 to 40 s\n"
     assert (first.stderr, second.stderr) == (words, "")
     assert [" s of compiling, once" in done.stdout for done in (first, second)] == [True, False]

@@ -19,9 +19,12 @@ from typing import Any
 from numba import config, njit, typeof
 from numba.extending import register_jitable
 
+from granular_contact.jit import compiling
+
 COMPILES = not config.DISABLE_JIT
 PLAIN = {"error_model": "numpy"}
 _parts: set[Any] = set()
+compiling.listen()
 
 
 def kernel(function: Callable[..., Any] | None = None, *, nogil: bool = False) -> Any:

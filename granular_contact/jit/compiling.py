@@ -7,17 +7,18 @@ nothing needs to be guessed beforehand.
 
 from __future__ import annotations
 
-import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from typing import Any
 
-_spent = 0.0  # in all blocks of `announced` so far (s)
+_spent = 0.0  # by this process so far (s)
+_tell: Callable[[], object] | None = None  # called once, when the first kernel is compiled
 
 
 def seconds() -> float:
-    """Wall time (s) that this process has compiled in blocks of `announced`, so that it can be left out of a run's."""
+    """Wall time (s) that this process has compiled, so that it can be left out of a run's."""
     return _spent
 
 
@@ -25,29 +26,35 @@ def seconds() -> float:
 def announced(tell: Callable[[str], None] | None, what: str) -> Iterator[None]:
     """Call `tell` with a sentence once, when the first kernel is compiled inside; `what` is being compiled.
 
-    Without numba loaded there is nothing to compile, and it is not loaded for this. Of a numba without such events
-    nothing is told.
+    Of a numba without such events nothing is told.
     """
-    if tell is None or "numba" not in sys.modules:
+    global _tell
+    outer, _tell = _tell, None
+    if tell is not None:
+        _tell = partial(tell, f"compiling {what}, once in an installation: 2 to 40 s")
+    try:
         yield
-        return
+    finally:
+        _tell = outer
+
+
+def listen() -> None:
+    """Have numba tell from now on; called where it is loaded, since it is not loaded for this."""
     try:
         from numba.core import event
     except ImportError:
-        yield
         return
 
-    say = tell
-
     class Listener(event.Listener):  # type: ignore[misc]  # numba has no types
-        """Tells of the first start, and adds up the time from each start to its end; compilations may be nested."""
+        """Adds up the time from each start to its end; compilations may be nested."""
 
-        has_said, depth, begin = False, 0, 0.0
+        depth, begin = 0, 0.0
 
         def on_start(self, event: Any) -> None:  # noqa: ARG002
-            if not self.has_said:
-                self.has_said = True
-                say(f"compiling {what}, once in an installation: 2 to 20 s, or half a minute if it is the first")
+            global _tell
+            if _tell is not None:
+                tell, _tell = _tell, None
+                tell()
             if self.depth == 0:
                 self.begin = time.perf_counter()
             self.depth += 1
@@ -59,5 +66,5 @@ def announced(tell: Callable[[str], None] | None, what: str) -> Iterator[None]:
                 _spent += time.perf_counter() - self.begin
 
     listener = Listener()
-    with event.install_listener("numba:compile", listener), event.install_listener("numba:run_pass", listener):
-        yield
+    event.register("numba:compile", listener)
+    event.register("numba:run_pass", listener)
