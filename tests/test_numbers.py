@@ -163,7 +163,7 @@ def test_instants_left_out_change_no_number(name: str) -> None:
         CONFIGS / f"{name}.yaml", [*SHORT.get(name, ()), *in_fixed_steps(name), "output.figures=false"]
     )
     scene = build(scenario)
-    begun = run_module.begin(scene, None, None)
+    begun = run_module.begin(scene)
     begun.solving.advance()
     whole = begun.solving.trajectory()
     last, draw, kept = len(whole.time) - 1, np.random.default_rng(1), [0]

@@ -113,7 +113,7 @@ class Run:
 def run(config: str, sets: tuple[str, ...]) -> Run:
     """Solve a scene, by the engine or in minimal coordinates, as suits it."""
     scene = build(load_scenario(CONFIGS / f"{config}.yaml", ["solver.rest_time_s=null", *sets]))
-    begun = begin(scene, None, None)
+    begun = begin(scene)
     begun.solving.advance()
     trajectory = begun.solving.trajectory()
     assert begun.system is not None

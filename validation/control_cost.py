@@ -39,7 +39,7 @@ def in_one_go(scenario: Scenario) -> Callable[[], float]:
     """Processor time (s) of a run without a pause."""
 
     def run() -> float:
-        solving = begin(build(scenario), None, None).solving
+        solving = begin(build(scenario)).solving
         began = time.process_time()
         solving.advance()
         return time.process_time() - began

@@ -60,7 +60,7 @@ def scene_of(config: str, sets: tuple[str, ...]) -> Scene:
 
 def solved(scene: Scene) -> tuple[Run, Cost, float]:
     """A run, what it cost, and the processor time of its solve (s)."""
-    begun = begin(scene, None, None)
+    begun = begin(scene)
     began = time.process_time()
     begun.solving.advance()
     seconds = time.process_time() - began

@@ -91,7 +91,7 @@ def compared(seed: int, kind: str, tree: dict[str, Any], folder: Path) -> Found 
     motion = SpatialKinematics(system, trajectory)
     share = min(system.scene.facet_shares.values(), default=1.0)
     limited = system.scene.solver.model_copy(update={"max_wall_s": WALL})
-    begun = begin(replace(system.scene, solver=limited).with_facets(1.0 / FINER), None, None)
+    begun = begin(replace(system.scene, solver=limited).with_facets(1.0 / FINER))
     begun.solving.advance()
     if begun.system is None or begun.solving.status().code not in GOOD:
         return None

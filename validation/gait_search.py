@@ -41,7 +41,7 @@ def parts() -> list[list[str]]:
         times = [time.process_time()]
         scene = build(load("hexapod", SETTINGS))
         times.append(time.process_time())
-        begun = begin(scene, None, None)
+        begun = begin(scene)
         times.append(time.process_time())
         begun.solving.advance()
         times.append(time.process_time())

@@ -31,7 +31,7 @@ ACCURACIES, REPEATS, BOUND = (1e-2, 3e-3, 1e-3), 3, 3.0  # (the bound in s)
 def walk(accuracy: float, end: float = 2.0) -> tuple[Results, float, int]:
     """Results, CPU seconds of the solve, and number of facets in sand."""
     loaded = config.load(CONFIG, [f"solver.accuracy={accuracy}", f"solver.end_time_s={end}"])
-    begun = run_module.begin(scene.build(loaded), None, None)
+    begun = run_module.begin(scene.build(loaded))
     load = begun.solving.tree.load  # type: ignore[attr-defined]  # of a tree in minimal coordinates
     facets = sum(len(one.rows) for one in load.lines)
     start = time.process_time()

@@ -113,7 +113,7 @@ def of_scene(medium: str | None, method: str) -> Callable[[], tuple[float, int, 
     scene = build_scene(load(given | {"medium": medium, "method": method}).scenario)
 
     def solve_once() -> tuple[float, int, int]:
-        solving = begin(scene, None, None).solving
+        solving = begin(scene).solving
         began = time.process_time()
         solving.advance()
         took, cost = time.process_time() - began, solving.trajectory().cost

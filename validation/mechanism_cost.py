@@ -65,7 +65,7 @@ class Run:
 def run(name: str, *overrides: str) -> Run:
     """Solve a config, by the engine or in minimal coordinates, as suits it."""
     scene = build(load_scenario(CONFIGS / f"{name}.yaml", overrides))
-    begun = begin(scene, None, None)
+    begun = begin(scene)
     began = time.process_time()
     begun.solving.advance()
     seconds, trajectory = time.process_time() - began, begun.solving.trajectory()

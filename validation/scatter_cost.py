@@ -41,7 +41,7 @@ LOOK_SECONDS = 0.2
 def solve(name: str, scatters: bool) -> float:
     """Processor time (s) of a solve, from its first step on."""
     changes = RUNS[name] | ({"medium.scatter": SCATTER} if scatters else {})
-    solving = begin(build(load(CONFIGS / f"{name}.yaml").scenario.replace(changes)), None, None).solving
+    solving = begin(build(load(CONFIGS / f"{name}.yaml").scenario.replace(changes))).solving
     began = time.process_time()
     solving.advance()
     return time.process_time() - began

@@ -95,7 +95,7 @@ def settled(tree: dict[str, Any]) -> Settled:
     """Settle a mechanism and compare it with its static balance."""
     began = time.process_time()
     with followed() as states:
-        system = run_module.begin(scene.build(config.load(tree)), None, None).system
+        system = run_module.begin(scene.build(config.load(tree))).system
     taken = time.process_time() - began
     assert system is not None
     assert system.bed is not None

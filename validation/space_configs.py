@@ -47,7 +47,7 @@ def files(quick: bool) -> list[Path]:
 
 def solved(built: Any) -> tuple[SpatialKinematics, float]:
     """The motion of one solve, and its processor time (s)."""
-    begun = run_module.begin(built, None, None)
+    begun = run_module.begin(built)
     began = time.process_time()
     begun.solving.advance()
     spent = time.process_time() - began
@@ -64,7 +64,10 @@ def finer(built: Any) -> Any:
 
 
 def judged(path: Path) -> tuple[list[Any], float, float, float, float]:
-    """Row of a config; its error over what is asked, its energy imbalance, and its depth (m) as run and as finer."""
+    """Row of a config; its error over what is asked, its energy imbalance, and its depth (m) as run and as finer.
+
+    What stands still has no way that its error could be a part of: that is 0, and its depth tells.
+    """
     built: Any = scene.build(config.load(path))
     first = solved(built)[1]
     kept: list[Any] = []
@@ -76,15 +79,16 @@ def judged(path: Path) -> tuple[list[Any], float, float, float, float]:
     error, summary = apart(motion, reference), results.summary
     imbalance = summary["energy"]["imbalance_relative"]
     asked = built.solver.named or FACET_ERROR
+    stands = reference.path_length < reference.scene.least_path
     facets = summary.get("facets", {"error": 0.0, "bodies": {}})
     count = sum(one["number"] for one in facets["bodies"].values())
-    row = [path.stem, f"{results['time_s'][-1]:.3g}", f"{asked:g}", f"{error:.2%}", f"{facets['error']:.2%}"]
+    row = [path.stem, f"{results['time_s'][-1]:.3g}", f"{asked:g}", "stands" if stands else f"{error:.2%}", f"{facets['error']:.2%}"]
     row += [summary["cost"]["steps"], count, f"{first:.2f}", f"{spent:.2f}", f"{imbalance:.1e}", number(summary)]
     row.append("; ".join(results.warnings) or "none")
     depths = (
         max(track.values.max() for tracks in one.depths().values() for track in tracks) for one in (motion, reference)
     )
-    return row, error / asked, imbalance, *depths
+    return row, 0.0 if stands else error / asked, imbalance, *depths
 
 
 def study(quick: bool) -> Outcome:

@@ -76,7 +76,7 @@ def fixed(step: float) -> tuple[str, ...]:
 
 def ours(name: str, seconds: float, *overrides: str) -> Run:
     """A run of ours."""
-    begun = begin(scene_of(name, seconds, *overrides), None, None)
+    begun = begin(scene_of(name, seconds, *overrides))
     began = time.process_time()
     begun.solving.advance()
     spent = time.process_time() - began

@@ -72,7 +72,7 @@ def stand(name: str, seconds: float, *, dropped: bool = False) -> list[str]:
     }
     built = scene.build(config.load(run))
     start = time.process_time()
-    begun = run_module.begin(built, None, None)
+    begun = run_module.begin(built)
     settled = time.process_time()
     begun.solving.advance()
     taken = time.process_time() - settled

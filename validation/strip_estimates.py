@@ -100,7 +100,7 @@ def settings(tree: Tree, strips: int, **solver: float) -> Tree:
 
 def solved(tree: Tree, folder: Path) -> Kinematics:
     """The motion of a scene."""
-    begun = begin(build(load_scenario(write(tree, folder))), None, None)
+    begun = begin(build(load_scenario(write(tree, folder))))
     begun.solving.advance()
     assert begun.system is not None
     return Kinematics(begun.system, begun.solving.trajectory())

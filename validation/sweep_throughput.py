@@ -300,7 +300,7 @@ def _parts(config: str, method: Any) -> tuple[list[float], float]:
         return value
 
     scenario = passed(load(config, method=method).scenario)
-    begun = passed(begin(passed(built(scenario)), None, None))
+    begun = passed(begin(passed(built(scenario))))
     begun.solving.advance()
     seen = passed(begun.observe(passed(begun.solving.trajectory())))
     passed(results(seen, scenario_to_dict(scenario)))

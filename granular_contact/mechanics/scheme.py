@@ -1,8 +1,8 @@
-"""Spectral radius of generalised-alpha at infinite frequency, and what of a scene decides on it."""
+"""Spectral radius of generalised-alpha at infinite frequency, tolerance of Newton's method: what a scene decides."""
 
 from __future__ import annotations
 
-from granular_contact.mechanics.kernels.numerics import DAMPED_SPECTRAL_RADIUS, SPECTRAL_RADIUS
+from granular_contact.mechanics.kernels.numerics import DAMPED_SPECTRAL_RADIUS, OF_ACCURACY, SPECTRAL_RADIUS
 from granular_contact.scene.types import Scene
 
 
@@ -21,3 +21,9 @@ def spectral_radius(scene: Scene) -> float:
 def prescribed(scene: Scene) -> bool:
     """Whether signals say how something moves."""
     return any(drive.kind == "motion" for drive in scene.drives)
+
+
+def newton_tolerance(scene: Scene) -> float:
+    """What a step may leave of a residual, over the forces of the scene."""
+    solver = scene.solver
+    return solver.tolerance if solver.accuracy is None else min(solver.tolerance, OF_ACCURACY * solver.accuracy)

@@ -15,7 +15,7 @@ FOUR_BAR_FALLS = FOUR_BAR + "medium: play_sand\nsurface_height_m: -0.3\nsolver: 
 
 
 def motion(config: str, *sets: str) -> Kinematics:
-    begun = begin(scene_of(FOUR_BAR_FALLS if config == "four_bar" else config, *sets), None, None)
+    begun = begin(scene_of(FOUR_BAR_FALLS if config == "four_bar" else config, *sets))
     begun.solving.advance()
     assert begun.system is not None
     return Kinematics(begun.system, begun.solving.trajectory())

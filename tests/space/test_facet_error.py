@@ -48,7 +48,7 @@ def thrown(shapes: list[dict[str, Any]], size: float | None = None, **solver: An
 
 
 def motion_of(tree: dict[str, Any], share: float = 1.0) -> SpatialKinematics:
-    begun = begin(build(load(tree)).with_facets(share), None, None)  # type: ignore[attr-defined]
+    begun = begin(build(load(tree)).with_facets(share))  # type: ignore[attr-defined]
     begun.solving.advance()
     assert begun.system is not None
     return SpatialKinematics(begun.system, begun.solving.trajectory())  # type: ignore[arg-type]

@@ -113,7 +113,7 @@ def test_a_shape_that_bodies_share_is_cut_once(config: str, monkeypatch: Any) ->
     scene: Any = build(load(config))
     cut, made = [], elements.cut
     monkeypatch.setattr(elements, "cut", lambda shape, *sizes: cut.append(shape) or made(shape, *sizes))
-    begin(scene, None, None)
+    begin(scene)
     parts = [part for body in scene.rigid for part in body.parts if part.in_sand]
     assert len(cut) == len({id(part.shape) for part in parts}) <= 0.5 * len(parts)
 

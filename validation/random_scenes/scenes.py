@@ -167,6 +167,6 @@ def solve(tree: Tree, folder: Path) -> Any:
     share = tree.get("aside", {}).get("facet_share")
     if share is None:
         return run(scene)
-    begun = begin(scene.with_facets(share), None, None)
+    begun = begin(scene.with_facets(share))
     begun.solving.advance()
     return results(begun.observe(begun.solving.trajectory()), {}, 0)

@@ -20,7 +20,7 @@ from granular_contact.mechanics.kernels.numerics import (
     NOISE_SPECTRAL_RADIUS,
     SHORTEST,
 )
-from granular_contact.mechanics.scheme import spectral_radius
+from granular_contact.mechanics.scheme import newton_tolerance, spectral_radius
 from granular_contact.mechanics.stepping import usual_step
 from granular_contact.scene.parts import FlexibleLink
 from granular_contact.scene.types import Scene
@@ -96,8 +96,7 @@ def _set_newton(newton: Any, scene: Scene) -> None:
     solver = scene.solver
     newton.useModifiedNewton = True
     newton.modifiedNewtonContractivity, newton.maxIterations = CONTRACTION, MOST_ITERATIONS
-    allowed = max(CLOSER * solver.tolerance, LEFT * sand_noise(scene)) if scene.in_space else solver.tolerance
-    newton.absoluteTolerance = allowed * scene.force_scale
+    newton.absoluteTolerance = _allowed(scene)
     newton.relativeTolerance = min(1e-8, 1e-3 * solver.tolerance)  # of the first residual of the step
     if unresolved(scene):
         newton.residualMode = 1
@@ -106,6 +105,15 @@ def _set_newton(newton: Any, scene: Scene) -> None:
         newton.relativeTolerance = 1e-12
         newton.modifiedNewtonJacUpdatePerStep = True
         newton.useModifiedNewton = not _elastic_forces_below_round_off(scene)
+
+
+def _allowed(scene: Scene) -> float:
+    """Residual (N) that a step may leave."""
+    if scene.in_space:
+        return max(CLOSER * scene.solver.tolerance, LEFT * sand_noise(scene)) * scene.force_scale
+    if unresolved(scene):
+        return scene.solver.tolerance * scene.force_scale
+    return max(newton_tolerance(scene) * scene.force_scale, _noise(scene))
 
 
 def control_steps(simulation: Any, control: StepControl) -> None:
