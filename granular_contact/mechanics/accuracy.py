@@ -20,10 +20,10 @@ from granular_contact.mechanics.strip_error import strip_warnings
 from granular_contact.results.accuracy import AccuracyWarning, remedy
 from granular_contact.results.limits import LEAST_START_DEPTH
 from granular_contact.results.summary import least_energy
-from granular_contact.scene.build import LEAST_BOW
 from granular_contact.scene.drives import PLENTY
 from granular_contact.scene.signal_tables import bends, shortest_period
 from granular_contact.scene.signals import Piecewise
+from granular_contact.scene.stiff import LEAST_BOW
 from granular_contact.scene.types import Vector
 
 STEP_ERROR = 5e-3  # of the path length

@@ -9,7 +9,7 @@ from typing import Any
 from granular_contact.laws.law import Law
 from granular_contact.laws.lee_marghitu import VerticalResistance
 from granular_contact.mechanics.system import System, Trajectory
-from granular_contact.scene.build import LEAST_BOW
+from granular_contact.scene.stiff import LEAST_BOW
 from granular_contact.scene.workspace import can_be_immersed
 
 # What is imported only where it is used, and for what.

@@ -10,6 +10,7 @@ drives                      what moves joints, or is set from outside
 signals, signal_tables      values over time, and as tables for kernels
 bed, media, wheels, wheel_test   where media lie; presets by name; the run of a wheel
 steps                       how long steps are
+stiff                       links that bend too little to show
 workspace, checks           what can reach the medium; what no scene may be
 methods                     what minimal coordinates and the modal model can't solve
 space                       scenes in space: the same names again, where they differ

@@ -22,11 +22,11 @@ from granular_contact.scene.parts import FlexibleLink, RigidBody, Shape, turned
 from granular_contact.scene.shapes import farthest, lowest
 from granular_contact.scene.start import start
 from granular_contact.scene.steps import steps
+from granular_contact.scene.stiff import LEAST_BOW, bow, with_rigid
 from granular_contact.scene.types import Drive, Minimal, Reduced, Scene, Vector
 from granular_contact.scene.wheels import wheel_drives, wheel_notes, wheel_test
 
 MOST_BODIES = 32  # whose motion is reported unless the run asks for it
-LEAST_BOW = 1e-7  # of a link's length: what bends less is rigid, as its elastic forces would be those of round-off
 
 
 def build(scenario: Given) -> Scene:
@@ -130,7 +130,7 @@ def _built(scenario: schema.Scenario) -> Scene:
         travel=None if scenario.output.ahead is None else (1.0,),
     )
     if stiff := verified(scene, scenario):
-        return replace(_built(_with_rigid(scenario, stiff)), stiff=stiff)
+        return replace(_built(with_rigid(scenario, stiff)), stiff=stiff)
     return replace(scene, method=Minimal()) if scenario.method.name == "auto" and serves(scene) else scene
 
 
@@ -149,25 +149,12 @@ def verified(scene: Scene, scenario: schema.Scenario) -> tuple[str, ...]:
     elif scene.method is not None:
         check_minimal(scene)
     else:
-        return tuple(link.name for link in scene.links if _bow(link, scene.force_scale) < LEAST_BOW)
+        return tuple(
+            link.name
+            for link in scene.links
+            if bow(scene.force_scale, link.length, link.bending_stiffness, link.axial_stiffness) < LEAST_BOW
+        )
     return ()
-
-
-def _bow(link: FlexibleLink, force: float) -> float:
-    """Static deflection and stretch of a clamped link under a distributed force (N), relative to its length."""
-    return force * (link.length**2 / (8.0 * link.bending_stiffness) + 1.0 / link.axial_stiffness)
-
-
-def _with_rigid(scenario: schema.Scenario, names: tuple[str, ...]) -> schema.Scenario:
-    """The scenario with these links rigid."""
-    model, chain, bodies = scenario.model, scenario.model.chain, dict(scenario.model.bodies)
-    for name in names:
-        if name in bodies:
-            bodies[name] = bodies[name].model_copy(update={"flexible": None})
-        elif chain is not None:  # its links are all alike
-            chain = chain.model_copy(update={"link": chain.link.model_copy(update={"flexible": None})})
-    fields = {key: getattr(model, key) for key in schema.Model.model_fields} | {"bodies": bodies, "chain": chain}
-    return scenario.model_copy(update={"model": schema.Model(**fields)})
 
 
 def _laid_out(

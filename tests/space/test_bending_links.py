@@ -292,6 +292,23 @@ def test_observations_are_named_as_columns_are() -> None:
         assert results[name][-1] == pytest.approx(seen[name], rel=1e-6, abs=1e-9), name
 
 
+def test_a_link_that_bends_too_little_to_show_is_rigid_in_space() -> None:
+    """As in the plane: its strains were round-off, and a stress of 6.6 TPa was told of an EI of 1e13 N m2.
+
+    A force of 2 N bends the rod by 3e-6 of its length at 2e14 Pa, and 2 N by 3e-12 at 2e20 Pa.
+    """
+    shown, lost = (leg("play_sand", ROD, 0.0) for _ in range(2))
+    shown["model"]["bodies"]["rod"]["flexible"] = {"youngs_modulus_Pa": 2e14, "elements": 6}
+    lost["model"]["bodies"]["rod"]["flexible"] = {"youngs_modulus_Pa": 2e20, "elements": 6}
+    assert [beam.name for beam in build(load(shown)).beams] == ["rod"]
+    scene = build(load(lost))
+    assert (scene.beams, scene.stiff) == ((), ("rod",))
+    assert scene.mass == pytest.approx(build(load(shown)).mass, rel=1e-12)
+    summary = simulate(scene).summary
+    assert summary["too_stiff_to_bend"] == ["rod"]
+    assert summary["status"] == "end_time"
+
+
 def test_too_few_elements_are_told_with_their_error() -> None:
     """From both sides: the error is told where it is large, and no more than twice as large as it is."""
     section = Section(None, WIDTH, THICKNESS)

@@ -26,6 +26,7 @@ from granular_contact.scene.space.loops import SpatialLoops, needed
 from granular_contact.scene.space.modes import check as check_modes
 from granular_contact.scene.space.types import Part, SpatialRigidBody, SpatialScene, Vector
 from granular_contact.scene.steps import steps
+from granular_contact.scene.stiff import LEAST_BOW, bow, with_rigid
 from granular_contact.scene.types import Minimal
 
 MOST_BODIES = 32  # whose motion is reported unless the run asks for it
@@ -85,7 +86,18 @@ def built(scenario: schema.SpatialScenario) -> SpatialScene:
     if scene.method is not None:
         check_minimal(scene)
     check_modes(scene)
+    if scene.modes is None and (stiff := tuple(_too_stiff(scene))):
+        return replace(built(with_rigid(scenario, stiff)), stiff=stiff)
     return replace(scene, method=Minimal()) if scenario.method.name == "auto" and serves(scene) else scene
+
+
+def _too_stiff(scene: SpatialScene) -> Iterator[str]:
+    """Links that bend, twist and stretch too little to show."""
+    for beam in scene.beams:
+        area = math.prod(beam.section) * (0.25 * math.pi if beam.round else 1.0)
+        axial = beam.moduli[2] * area if beam.stretches else math.inf
+        if bow(scene.force_scale, beam.length, float(min(beam.stiffness)), axial) < LEAST_BOW:
+            yield beam.name
 
 
 def _inapplicable(scenario: schema.SpatialScenario, rigid: tuple[SpatialRigidBody, ...]) -> Iterator[Fault]:
