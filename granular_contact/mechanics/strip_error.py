@@ -110,12 +110,12 @@ def _smaller(scene: Any, factors: dict[str, float], by_two: bool) -> dict[str, A
 
 def _smaller_facets(scene: Any, factors: dict[str, float], by_two: bool) -> dict[str, Any]:
     """The same in space, by mechanism; by_two: whether two runs tell the errors."""
-    from granular_contact.mechanics.space.facet_departure import ORDER, mechanisms
+    from granular_contact.mechanics.space.facet_departure import ORDER
 
     least = LEAST_BY_DEFAULT if scene.solver.named is None else LEAST_SHARE
     steps = STEPS if by_two else STEPS[:1]
     shares = dict(scene.facet_shares)
-    for body, of in mechanisms(scene).items():
+    for body, of in scene.mechanisms.items():
         if of in factors:
             step = next((one for one in steps if one**ORDER * factors[of] < 1.0), steps[-1])
             shares[body] = max(least, shares.get(body, 1.0) * step)

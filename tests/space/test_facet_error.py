@@ -89,13 +89,14 @@ def test_the_estimate_of_a_link_that_bends_is_true_within_a_factor_of_five() -> 
 
 
 @pytest.mark.parametrize("name", SHAPES)
-def test_two_runs_tell_the_error_within_a_factor_of_three(name: str) -> None:
+def test_two_runs_or_a_glance_tell_the_error_within_a_factor_of_three(name: str) -> None:
     """Facets of 4 mm after those of 8 mm, at fixed steps, against those of 1.6 mm."""
     tree = thrown(SHAPES[name], 0.008, step_s=2e-4)
     finer = motion_of(tree, 0.5)
     error = apart(finer, motion_of(tree, 0.2))
     assert error > 1e-4
     assert 0.5 < of_two(track(motion_of(tree)), finer)["b"] / error < 3.0
+    assert 0.5 < estimate(finer, np.inf)["b"] / error < 3.0  # a glance, of facets that are small enough
 
 
 @pytest.mark.slow
@@ -182,6 +183,23 @@ def test_facets_are_made_smaller_of_the_mechanism_that_needs_it_alone() -> None:
     assert chosen["plate"] == first["plate"]
 
 
+def test_facets_of_many_bodies_in_a_mechanism_are_larger_than_of_one() -> None:
+    """Independent errors of 16 bodies are a quarter of their sum: for the same error edges may be twice as long."""
+    tree = thrown(SHAPES["box"])
+    bodies, joints = tree["model"]["bodies"], tree["model"]["joints"]
+    bodies["alone"] = bodies["b"]
+    joints["g"] = {"type": "free", "parent": "ground", "child": "alone"}
+    for i in range(15):
+        bodies[f"b{i}"] = bodies["b"]
+        joints[f"j{i}"] = {"type": "hinge", "axis": [0, 1, 0], "parent": "b", "child": f"b{i}"}
+    bodies["above"] = {**bodies["b"], "shapes": [{**SHAPES["box"][0], "in_sand": False}]}  # has no facets
+    joints["k"] = {"type": "hinge", "axis": [0, 1, 0], "parent": "b", "child": "above"}
+    begun = begin(build(load(tree)))
+    counts = {one.body.name: len(one.rows) for one in begun.system.facets.lines}  # type: ignore[union-attr]
+    assert len(counts) == 17
+    assert counts["alone"] == pytest.approx(4.0 * counts["b"], rel=0.15)  # of whole numbers of rows
+
+
 def test_members_of_an_ensemble_have_the_facets_of_the_motion_without_scatter() -> None:
     """They are chosen once for all draws: with scatter they stayed as large as at first, off by several per cent."""
     tree = thrown(SHAPES["ball"], 0.01, accuracy=ERROR)
@@ -204,10 +222,10 @@ def test_a_foot_stands_as_deep_as_by_hand() -> None:
     assert simulate(tree).summary["max_depth_m"] == pytest.approx(2.767e-3, rel=3e-3)
 
 
-def test_the_walker_is_solved_no_more_than_twice(monkeypatch: pytest.MonkeyPatch) -> None:
-    # Facets of 0.7 times the size are as many on its feet, so that two runs told nothing and there was a third.
+def test_the_walker_is_solved_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    # Its feet had facets of sizes of their own, a little too large, so that it was solved twice, before three times.
     run_module, times = importlib.import_module("granular_contact.run"), []
     solved = run_module._solved
     monkeypatch.setattr(run_module, "_solved", lambda *given: times.append(given) or solved(*given))
     assert run_module.run(build(load("walker_in_space"))).summary["facets"]["error"] <= 5e-3
-    assert len(times) <= 2
+    assert len(times) == 1

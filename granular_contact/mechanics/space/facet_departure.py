@@ -26,24 +26,15 @@ from granular_contact.sand.load import GranularLoad
 from granular_contact.sand.space.load import SpatialLoad
 from granular_contact.sand.space.of_scene import add_part, load_of
 from granular_contact.sand.space.other_facets import SHARES, Others, differing, numbers, others, part
-from granular_contact.scene.space.types import SpatialScene, Vector
+from granular_contact.scene.space.types import Vector
 
 INSTANTS = 24, 48, 96  # of the motion at which its departure is followed: a glance, and looks
+GLANCE = 2.0  # edges of the other facets at a glance, over those of the load's own
 AGREE = 1.5  # factor between two estimates in turn, from which on there is another look
 # Of the error of a motion by facets, which is that of forces, 2, where facets are many [measured: 1.0 to 2.3 where few
 # are loaded, or come to lead or to trail, as under a ball that rolls].
 ORDER = 1.5
 Errors = dict[str, float]  # of positions by mechanism, as parts of the distance that the fastest point travels
-
-
-def mechanisms(scene: SpatialScene) -> dict[str, str]:
-    """By body the mechanism that it is of: bodies that joints connect, by the name of the first."""
-    found = {body.name: body.name for body in scene.rigid}
-    for joint in scene.joints:
-        if joint.parent is not None:
-            one, other = found[joint.parent], found[joint.child]
-            found = {body: one if of == other else of for body, of in found.items()}
-    return found
 
 
 def errors(observer: Any, doubtful: float, coarser: Track | None = None) -> Errors:
@@ -64,22 +55,26 @@ def errors(observer: Any, doubtful: float, coarser: Track | None = None) -> Erro
 def estimate(observer: Any, doubtful: float) -> Errors:
     """Errors by what the motion departs by with other facets.
 
-    A glance at few instants; where that finds more than what is doubtful looks at more, until two in turn agree, and a
-    look at smaller facets, if the others were larger; the greatest counts. Where facets are far too large either may be
-    a tenth of the error, rarely both.
+    A glance at few instants, with facets of twice the size, which tell much more than round-off and no less than the
+    error where it is small. Where that finds more than what is doubtful looks at more instants, with facets that are
+    nearer in size, until two in turn agree, and a look at smaller facets, if the others were larger; of looks the
+    greatest counts. Where facets are far too large either may be a tenth of the error, rarely both; a glance may be
+    thirty times as large as it.
     """
     given = observer.system.facets, partial(load_with, observer.system), _touching(observer)
-    other = others(*given)
+    other = others(*given, (GLANCE, *SHARES[1:]))
     if other is None:  # there are none: bars and balls alone
         return {}
-    of, before = mechanisms(observer.scene), Errors()
-    for count in INSTANTS:
+    of, told = observer.scene.mechanisms, Errors()
+    before = _seen(observer, other, of, INSTANTS[0])
+    if max(before.values()) <= doubtful:
+        return before
+    other = others(*given) or other
+    for count in INSTANTS[1:]:
         now = _seen(observer, other, of, count)
-        told = {name: max(error, before.get(name, 0.0)) for name, error in now.items()}
-        if max(now.values()) <= doubtful and not before:
-            return now
-        pairs = [sorted((error, before.get(name, 0.0))) for name, error in now.items() if told[name] > doubtful]
-        if before and all(high <= AGREE * low for low, high in pairs):
+        told = {name: max(error, told.get(name, 0.0)) for name, error in now.items()}
+        pairs = [sorted((error, before.get(name, 0.0))) for name, error in now.items() if error > doubtful]
+        if all(high <= AGREE * low for low, high in pairs):
             break
         before = now
     smaller = others(*given, [share for share in SHARES if share < 1.0]) if other.share > 1.0 else None
@@ -119,7 +114,7 @@ def track(observer: Any, found: Errors | None = None) -> Track:
     for body in (handle.body for handle in observer.system.rigid.values()):
         ends = scene.radius(body) * observer.rotation(body.name).reshape(-1, 9)
         places.append(np.hstack([observer.center(body.name)[0], ends]))
-    shares = {of: scene.facet_shares.get(of, 1.0) for of in mechanisms(scene).values()}
+    shares = {of: scene.facet_shares.get(of, 1.0) for of in scene.mechanisms.values()}
     counted = numbers(observer.system.facets, _touching(observer))
     return Track(observer.trajectory.time, np.stack(places, axis=1), shares, counted, found or {})
 
@@ -132,7 +127,7 @@ def of_two(before: Track, observer: Any) -> Errors:
     are hardly more facets than before, two runs tell nothing: infinite. Where they are the same, the error is what it
     was.
     """
-    now, of = track(observer), mechanisms(observer.scene)
+    now, of = track(observer), observer.scene.mechanisms
     at = now.time[now.time <= before.time[-1]]
     places = before.places.reshape(len(before.time), -1)
     there = np.column_stack([np.interp(at, before.time, column) for column in places.T]).reshape(len(at), -1, 12)

@@ -201,14 +201,19 @@ class SpatialKinematics(Kinematics):
 
     def _depths(self, name: str, part: Part) -> list[Track]:
         bed: Any = self.scene.bed
-        turned = np.einsum("nij,kj->kni", self.rotation(name), part.points)
-        at = self._places[name][:3]
-        x, y, z = np.moveaxis(self.engine.q[:, at] + turned, 2, 0)
-        depth = bed.height(x, y) - z + part.reach(*bed.slope(x, y))
+        R, at = self.rotation(name), self._places[name][:3]
+        place, spin = self.engine.q[:, at], self.spin(name)
+        if bed.heights is None:  # below a plane only the difference in depth to the origin of the body counts
+            deeper = np.einsum("ni,ki->kn", np.array([*bed.rise, -1.0]) @ R, part.points)
+            depth = deeper + bed.height(place[:, 0], place[:, 1]) - place[:, 2] + part.reach(*bed.rise)
+        else:
+            x, y, z = np.moveaxis(place + np.einsum("nij,kj->kni", R, part.points), 2, 0)
+            depth = bed.height(x, y) - z + part.reach(*bed.slope(x, y))
         tracks = []
         for k in np.unique(depth.argmax(axis=0)):
-            vx, vy, vz = (self.engine.v[:, at] + np.cross(self.spin(name), turned[k])).T
-            rise_x, rise_y = bed.slope(x[k], y[k])
+            turned = R @ part.points[k]
+            vx, vy, vz = (self.engine.v[:, at] + np.cross(spin, turned)).T
+            rise_x, rise_y = bed.slope(*(place + turned)[:, :2].T)
             tracks.append(Track(depth[k], rise_x * vx + rise_y * vy - vz))
         return tracks
 

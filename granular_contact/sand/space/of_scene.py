@@ -9,6 +9,10 @@ from granular_contact.sand.contact_lines import Body
 from granular_contact.sand.space.load import SpatialLoad
 from granular_contact.scene.space.types import Part, SpatialScene
 
+# Power of the number of a mechanism's bodies in sand by which its facets are larger: the sum of forces grows with it,
+# that of their errors, which are independent, with its root, and an error goes with the square of facets.
+TOGETHER = 0.25
+
 
 def load_of(scene: SpatialScene) -> SpatialLoad:
     """The load of a scene with a bed, without anything on it yet.
@@ -38,6 +42,9 @@ def load_of(scene: SpatialScene) -> SpatialLoad:
 
 def add_part(load: SpatialLoad, body: Body, part: Part, scene: SpatialScene, mass: float, share: float = 1.0) -> None:
     """Let the media act on a part of a body of a mass (kg); share: of the size of its facets, which is taken."""
+    share *= scene.facet_shares.get(body.name, 1.0)
+    if part.facet_size is None:
+        share *= scene.in_sand[scene.mechanisms[body.name]] ** TOGETHER
     load.add_shape(
         body,
         part.shape,
@@ -45,6 +52,6 @@ def add_part(load: SpatialLoad, body: Body, part: Part, scene: SpatialScene, mas
         part.rotation,
         facet_size=part.facet_size,
         accuracy=scene.solver.named,
-        share=share * scene.facet_shares.get(body.name, 1.0),
+        share=share,
         mass=mass,
     )

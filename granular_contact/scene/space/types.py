@@ -6,6 +6,7 @@ A body's frame has its origin at the centre of mass of all that is welded togeth
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -259,6 +260,24 @@ class SpatialScene(Scene):
     def surface(self) -> float | None:
         """Height of the free surface at the origin (m); None without one."""
         return None if self.bed is None else float(self.bed.height(np.zeros(1), np.zeros(1))[0])
+
+    @cached_property
+    def mechanisms(self) -> dict[str, str]:
+        """By body the mechanism that it is of: bodies that joints connect, by the name of the first."""
+        found = {body.name: body.name for body in self.rigid}
+        for joint in self.joints:
+            if joint.parent is not None:
+                one, other = found[joint.parent], found[joint.child]
+                found = {body: one if of == other else of for body, of in found.items()}
+        return found
+
+    @cached_property
+    def in_sand(self) -> dict[str, int]:
+        """By mechanism how many of its bodies the medium can meet; a link that bends is one."""
+        met = {
+            link_of(body.name): self.mechanisms[body.name] for body in self.rigid if any(p.in_sand for p in body.parts)
+        }
+        return dict(Counter(met.values()))
 
     def with_facets(self, share: float) -> SpatialScene:
         """The same with a share of the size of all facets."""
