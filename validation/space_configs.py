@@ -82,7 +82,13 @@ def judged(path: Path) -> tuple[list[Any], float, float, float, float]:
     stands = reference.path_length < reference.scene.least_path
     facets = summary.get("facets", {"error": 0.0, "bodies": {}})
     count = sum(one["number"] for one in facets["bodies"].values())
-    row = [path.stem, f"{results['time_s'][-1]:.3g}", f"{asked:g}", "stands" if stands else f"{error:.2%}", f"{facets['error']:.2%}"]
+    row = [
+        path.stem,
+        f"{results['time_s'][-1]:.3g}",
+        f"{asked:g}",
+        "stands" if stands else f"{error:.2%}",
+        f"{facets['error']:.2%}",
+    ]
     row += [summary["cost"]["steps"], count, f"{first:.2f}", f"{spent:.2f}", f"{imbalance:.1e}", number(summary)]
     row.append("; ".join(results.warnings) or "none")
     depths = (
