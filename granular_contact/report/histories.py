@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from granular_contact.report.units import Array, Unit, greatest, label, split, unit_for
+from granular_contact.report.units import Array, Unit, greatest, split, unit_for
 
 ROUND_OFF = 1e-9  # of the largest number of its unit in the table: what is smaller is no motion, force or energy
 SAME = 1e-6  # of the greatest: curves that differ by less are one
@@ -335,8 +335,3 @@ def _energy(found: _Names) -> Group:
     ]
     words = "Where the energy is and went; the sum is constant but for the imbalance."
     return Group("energy", "Energy", words, tuple(panels))
-
-
-def others(names: Sequence[str]) -> list[tuple[str, str]]:
-    """Every column with a unit, by name and words, to be chosen."""
-    return [(name, label(name)) for name in names if name != "time_s" and split(name)[1] in BASES]

@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 
 from granular_contact.report import OVERLAY, SERIES
-from granular_contact.report.histories import Curve, Group, groups_of, others
+from granular_contact.report.histories import BASES, Curve, Group, groups_of
 from granular_contact.report.overlay import keys, panels
 from granular_contact.report.pages.folder import Bed, Folder
 from granular_contact.report.pages.rendering import packed
 from granular_contact.report.pages.stage import stage
-from granular_contact.report.units import Array
+from granular_contact.report.units import Array, label, split
 from granular_contact.results.motion import Motion, plain
 
 MOST_NUMBERS = 4_000_000  # of the table, in a page; of a longer one every second row, or third, and so on
@@ -39,7 +39,7 @@ def live(folder: Folder, summary: dict[str, Any]) -> dict[str, Any]:
     moments = _moments(summary, columns) if rows else {}
     shown = _stage(*played, columns, moments) if played is not None and not played[0].in_space else None
     page = _page(columns, found, played, shown)
-    more = {"name": summary.get("name") or folder.path.name, "columns": others(list(columns)), "moments": moments}
+    more = {"name": summary.get("name") or folder.path.name, "columns": _columns(list(columns)), "moments": moments}
     return page | {"data": page["data"] | more}
 
 
@@ -57,7 +57,7 @@ def live_overlay(
     page = _page(*_subtracted(columns, panels(names, columns, reference)), played, shown)
     runs = [{"key": key, "name": name} for key, name in zip(prefixes, names, strict=True)]
     every = dict.fromkeys(name.partition(".")[2] for name in columns if name != "time_s")
-    more = {"runs": runs, "columns": others(list(every)), "table_name": OVERLAY}
+    more = {"runs": runs, "columns": _columns(list(every)), "table_name": OVERLAY}
     return page | {"overlaid": runs, "data": page["data"] | more}
 
 
@@ -77,6 +77,11 @@ def _subtracted(columns: Mapping[str, Array], found: list[Group]) -> tuple[Mappi
         for group in found
     ]
     return {**columns, **more}, drawn
+
+
+def _columns(names: Sequence[str]) -> list[tuple[str, str]]:
+    """Every column with a unit, by name and words, to be chosen."""
+    return [(name, label(name)) for name in names if name != "time_s" and split(name)[1] in BASES]
 
 
 def _first_end(prefixes: Sequence[str], columns: Mapping[str, Array]) -> float:
