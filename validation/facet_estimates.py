@@ -116,6 +116,7 @@ def every(count: int, jobs: int, first: int) -> Iterator[Found]:
         found = (one for one in pool.map(judge, range(first, first + TRIES * count)) if one is not None)
         for _, one in zip(range(count), found, strict=False):
             yield one
+        pool.shutdown(cancel_futures=True)  # seeds that nobody needs any more would be waited for
 
 
 def study(quick: bool, first: int = 0, scenes: int | None = None) -> Outcome:
