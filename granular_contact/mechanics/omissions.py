@@ -42,7 +42,7 @@ def left_out(system: System, trajectory: Trajectory) -> Iterator[str]:
 
 def _joints(system: System) -> Iterator[str]:
     acting = {*system.loads, *system.motions}
-    free = [c.name for c in system.scene.joints if c.law.is_idle and c.name not in acting]
+    free = [c.name for c in system.scene.joints if c.is_idle and c.name not in acting]
     if free:
         yield f"loads in joints: {', '.join(free)}: no spring, damping, friction, stop or drive"
     if not system.scene.settle:

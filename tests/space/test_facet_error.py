@@ -14,6 +14,7 @@ import yaml
 
 from granular_contact import Simulation, load, simulate
 from granular_contact.cli.main import main
+from granular_contact.mechanics.space import facet_departure
 from granular_contact.mechanics.space.facet_departure import estimate, of_two, track
 from granular_contact.mechanics.space.kinematics import SpatialKinematics
 from granular_contact.mechanics.strip_error import ERROR, errors, strip_error
@@ -86,6 +87,28 @@ def test_the_estimate_of_a_link_that_bends_is_true_within_a_factor_of_five() -> 
     error = apart(motion, motion_of(tree, 0.2))
     assert error > 1e-3
     assert 0.2 < max(estimate(motion, 0.0).values()) / error < 5.0
+
+
+@pytest.mark.parametrize("each", [1, 3, 5])
+def test_a_cantilever_of_elements_that_move_as_one_is_as_soft(monkeypatch: pytest.MonkeyPatch, each: int) -> None:
+    """Its tip is deflected by F L^3 / (3 E I), bent at all 45 joints, at every third or every fifth."""
+    monkeypatch.setattr(facet_departure, "BENDING", 3 * 45 // each)
+    link = {"type": "link", "length_m": 0.1, "width_m": 0.01, "thickness_m": 0.01, "density_kg_m3": 1000}
+    flexible = {"youngs_modulus_Pa": 1e7, "elements": 45}
+    joint = {"type": "weld", "parent": "ground", "child": "b"}
+    model = {
+        "in_space": True,
+        "name": "cantilever",
+        "bodies": {"b": link | {"flexible": flexible}},
+        "joints": {"clamp": joint},
+    }
+    motion = motion_of({"model": model, "solver": {"end_time_s": 1e-3}})
+    W, K, _ = (each[0] for each in facet_departure._freedoms(motion))
+    assert len(K) == 3 * 45 // each
+    tip = W[-4]  # the middle of the last piece, 0.1 m / 180 before the end; its third coordinate
+    arm = 0.1 - 0.1 / 180
+    deflection = tip @ np.linalg.solve(K, tip)
+    assert deflection == pytest.approx(arm**3 / (3.0 * 1e7 * 0.01**4 / 12.0), rel=(each / 45) ** 2)
 
 
 @pytest.mark.parametrize("name", SHAPES)
