@@ -38,7 +38,7 @@ from validation.tables import markdown
 Vector = NDArray[np.float64]
 TREES, TREES_QUICK, PROMISED, PROMISED_QUICK = 200, 4, 20, 2
 FINE, APART, ACCURACIES, INSTANTS = 3e-5, 1e-4, (1e-2, 1e-3), 101
-LEAST_WAY, TOLERANCE, LARGER = 1e-3, 1e-5, 1e-4  # m; the default, and where the engine gives up with it
+LEAST_WAY, TOLERANCE, LARGER = 1e-3, 1e-5, 1e-3  # m; the default, and where the engine gives up with it
 
 
 @dataclass(frozen=True)
