@@ -94,6 +94,7 @@ STUDIES = (
     _script("against_peers"),
     Entry("mechanism_fronts"),
     Entry("space_fronts"),
+    Entry("facet_fronts"),
     _script("two_engines", quick=("--quick",)),
     _script("mujoco_cost"),
     _script("mujoco_versions", by_hand="it needs environments with other versions of MuJoCo"),

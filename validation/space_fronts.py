@@ -30,6 +30,7 @@ from granular_contact.geometry import rotations
 from granular_contact.mujoco import MujocoBed
 from granular_contact.results.interpolation import at_times
 from granular_contact.run import begin
+from granular_contact.sand.space.of_scene import add_part
 from granular_contact.scene import build
 from validation.peers import mujoco_hexapod, mujoco_native
 from validation.peers.mujoco_scene import Laws, controls_of
@@ -80,8 +81,12 @@ def ours(name: str, seconds: float, *overrides: str) -> Run:
     began = time.process_time()
     begun.solving.advance()
     spent = time.process_time() - began
-    t, system = begun.solving.trajectory(), begun.system
-    assert system is not None
+    assert begun.system is not None
+    return path(spent, begun.system, begun.solving.trajectory())
+
+
+def path(spent: float, system: Any, t: Any) -> Run:
+    """The run of a trajectory."""
     body, point = system.scene.tip
     q = t.q[:, system.coordinates.places(system.rigid[body].node)]
     return Run(spent, t.time, q[:, :3] + rotations.of_quaternion(q[:, 3:]) @ point)
@@ -93,9 +98,7 @@ def by_mujoco(scene: Any, step: float) -> Run:
     bed = MujocoBed(model, scene.bed.layers, scene.bed.origin, static=scene.static)
     for body in scene.rigid:
         for part in (part for part in body.parts if part.in_sand):
-            size = part.facet_size
-            on = bed.body(body.name)
-            bed.load.add_shape(on, part.shape, part.position, part.rotation, facet_size=size, mass=body.mass)
+            add_part(bed.load, bed.body(body.name), part, scene, body.mass)
     data, count = mujoco.MjData(model), round(seconds / step)
     for joint in scene.joints:
         if joint.kind == "free":

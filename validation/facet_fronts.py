@@ -1,0 +1,126 @@
+"""What an error costs in space by the size of facets, by the accuracy that is asked for, and in MuJoCo.
+
+    python validation/facet_fronts.py [--quick]
+
+Hexapod, walker and snake (see `space_fronts`), and a ball and a box that are thrown. Steps are chosen by an accuracy.
+*Facets*: steps for 1e-3, and edges of a share of those that this accuracy begins with; one solve. *Accuracy*: a run as
+the user gets it, which is repeated with smaller facets where its own estimate asks for them, with all that it takes.
+*MuJoCo*: the same facets as an accuracy of 1e-2 begins with, in a compiled loop. An error is the largest distance of
+the tip from the path of a run with an accuracy of 3e-4 and facets of half the size that it begins with, over the length
+of the path. Times are processor time, the least of repeats in turn.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+import time
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+from granular_contact import load
+from granular_contact.run import begin, run
+from granular_contact.scene import build
+from validation import space_fronts
+from validation.space_fronts import NATIVE, Run, by_mujoco, chosen, error, path
+from validation.study import Claim, Outcome, script
+from validation.tables import markdown
+
+SECONDS = {"hexapod": 1.0, "walker_in_space": 0.75, "snake": 0.75, "ball": 0.3, "box": 0.3}
+THROWN = {"ball": {"type": "sphere", "diameter_m": 0.04}, "box": {"type": "box", "size_m": [0.06, 0.04, 0.03]}}
+SHARES = (2.8, 2.0, 1.4, 1.0, 0.7)
+ACCURACIES, OF_FACETS, REFERENCE = (1e-2, 3e-3, 1e-3), 1e-3, 3e-4
+STEPS = (2e-3, 1e-3, 5e-4, 2e-4)  # s, of MuJoCo
+WITHIN = 1.5  # times what was asked for: errors of steps and of facets add
+FIGURE = Path(__file__).parent / "figures" / "facet_fronts.png"
+Found = tuple[str, str, float, float]  # way, setting, error and least time (s)
+
+
+def scene_of(name: str, accuracy: float) -> Any:
+    """A scene at an accuracy."""
+    if name not in THROWN:
+        return space_fronts.scene_of(name, SECONDS[name], *chosen(accuracy))
+    bodies = {"thrown": {"type": "rigid", "density_kg_m3": 2000, "shapes": [THROWN[name]]}}
+    start = {"z_m": 0.06, "rpy_deg": [20, 35, 10], "vx_m_s": 0.5, "vz_m_s": -1, "spin_rad_s": [5, 0, 3]}
+    joints = {"flight": {"type": "free", "parent": "ground", "child": "thrown"}}
+    solver = {"end_time_s": SECONDS[name], "rest_time_s": None, "accuracy": accuracy}
+    model = {"in_space": True, "name": name, "bodies": bodies, "joints": joints}
+    tree = {"model": model, "medium": "rft3d_sand", "surface_height_m": 0.0, "solver": solver}
+    return build(load(tree | {"initial": {"joints": {"flight": start}}}))
+
+
+def by_facets(name: str, accuracy: float, share: float) -> Run:
+    """One solve with a share of the first size of facets."""
+    begun = begin(scene_of(name, accuracy).with_facets(share))
+    began = time.process_time()
+    begun.solving.advance()
+    spent = time.process_time() - began
+    assert begun.system is not None
+    return path(spent, begun.system, begun.solving.trajectory())
+
+
+def by_accuracy(name: str, accuracy: float) -> Run:
+    """A run as the user gets it."""
+    kept: list[Any] = []
+    scene, began = scene_of(name, accuracy), time.process_time()
+    run(scene, inspect=lambda *both: kept.append((time.process_time() - began, *both)))
+    return path(*kept[0])
+
+
+def front(name: str, quick: bool) -> list[Found]:
+    """All ways with all their settings."""
+    reference, ways = by_facets(name, REFERENCE, 0.5), dict[tuple[str, str], Callable[[], Run]]()
+    for share in SHARES[1:4] if quick else SHARES:
+        ways["facets", f"{share:g} times"] = partial(by_facets, name, OF_FACETS, share)
+    for accuracy in ACCURACIES[:2] if quick else ACCURACIES:
+        ways["accuracy", f"{accuracy:g}"] = partial(by_accuracy, name, accuracy)
+    for step in STEPS[1:2] if quick else STEPS:
+        ways[NATIVE, f"{1e3 * step:g} ms"] = partial(by_mujoco, scene_of(name, ACCURACIES[0]), step)
+    found: dict[tuple[str, str], tuple[float, float]] = {}
+    for _ in range(1 if quick else 3):
+        for key, way in ways.items():
+            one = way()
+            found[key] = error(one, reference), min(one.seconds, found.get(key, (0.0, math.inf))[1])
+    return [(*key, *value) for key, value in found.items()]
+
+
+def study(quick: bool) -> Outcome:
+    """Fronts of all scenes."""
+    rows, claims = [], []
+    every = {name: front(name, quick) for name in (("box",) if quick else SECONDS)}
+    if not quick:
+        draw(every)
+    for name, runs in every.items():
+        rows += [[name, *one[:2], f"{one[2]:.3%}", f"{one[3]:.3f}"] for one in runs]
+        off = {float(setting): far for way, setting, far, _ in runs if way == "accuracy"}
+        detail = ", ".join(f"{far:.2%} at {accuracy:g}" for accuracy, far in off.items())
+        kept = all(far <= WITHIN * accuracy for accuracy, far in off.items())
+        claims.append(Claim(f"facet_fronts.{name} keeps its accuracy", kept, detail))
+    return Outcome(markdown(["scene", "by", "setting", "error", "CPU s"], rows), tuple(claims))
+
+
+def draw(every: dict[str, list[Found]]) -> None:
+    """Error against run time, a panel for each scene."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    figure, axes = plt.subplots(1, len(every), figsize=(2.6 * len(every), 3.2), sharey=True, layout="constrained")
+    for panel, (name, runs) in zip(axes, every.items(), strict=True):
+        for way, style in (("facets", "o-"), ("accuracy", "s-"), (NATIVE, "v:")):
+            errors, seconds = zip(*[one[2:] for one in runs if one[0] == way], strict=True)
+            panel.loglog(seconds, [1e2 * one for one in errors], style, ms=4, label=way)
+        panel.set(title=name.replace("_", " "), xlabel="CPU s")
+        panel.grid(alpha=0.3)
+    axes[0].set_ylabel("error, % of the path")
+    axes[-1].legend(fontsize=7)
+    figure.savefig(FIGURE, dpi=110)
+
+
+if __name__ == "__main__":
+    raise SystemExit(script(study))
