@@ -12,7 +12,6 @@ the length of the path. Times are processor time, the least of repeats in turn.
 
 from __future__ import annotations
 
-import math
 import sys
 import time
 from collections.abc import Callable
@@ -23,10 +22,10 @@ from typing import Any
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from granular_contact import load
-from granular_contact.run import begin, run
+from granular_contact.run import run
 from granular_contact.scene import build
 from validation import space_fronts
-from validation.space_fronts import NATIVE, Run, by_mujoco, chosen, error, path
+from validation.space_fronts import NATIVE, Found, Run, by_mujoco, chosen, in_turn, path, solved
 from validation.study import Claim, Outcome, script
 from validation.tables import markdown
 
@@ -37,7 +36,6 @@ ACCURACIES, OF_FACETS, REFERENCE = (1e-2, 3e-3, 1e-3), 1e-3, (3e-4, 0.25)
 STEPS = (2e-3, 1e-3, 5e-4, 2e-4)  # s, of MuJoCo
 WITHIN = 1.5  # times what was asked for: errors of steps and of facets add
 FIGURE = Path(__file__).parent / "figures" / "facet_fronts.png"
-Found = tuple[str, str, float, float]  # way, setting, error and least time (s)
 
 
 def scene_of(name: str, accuracy: float) -> Any:
@@ -55,12 +53,7 @@ def scene_of(name: str, accuracy: float) -> Any:
 
 def by_facets(name: str, accuracy: float, share: float) -> Run:
     """One solve with a share of the first size of facets."""
-    begun = begin(scene_of(name, accuracy).with_facets(share))
-    began = time.process_time()
-    begun.solving.advance()
-    spent = time.process_time() - began
-    assert begun.system is not None
-    return path(spent, begun.system, begun.solving.trajectory())
+    return solved(scene_of(name, accuracy).with_facets(share))
 
 
 def by_accuracy(name: str, accuracy: float) -> Run:
@@ -80,12 +73,7 @@ def front(name: str, quick: bool) -> list[Found]:
         ways["accuracy", f"{accuracy:g}"] = partial(by_accuracy, name, accuracy)
     for step in STEPS[1:2] if quick else STEPS:
         ways[NATIVE, f"{1e3 * step:g} ms"] = partial(by_mujoco, scene_of(name, ACCURACIES[0]), step)
-    found: dict[tuple[str, str], tuple[float, float]] = {}
-    for _ in range(1 if quick else 3):
-        for key, way in ways.items():
-            one = way()
-            found[key] = error(one, reference), min(one.seconds, found.get(key, (0.0, math.inf))[1])
-    return [(*key, *value) for key, value in found.items()]
+    return in_turn(ways, reference, 1 if quick else 3)
 
 
 def study(quick: bool) -> Outcome:

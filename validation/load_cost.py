@@ -20,7 +20,6 @@ from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from functools import partial
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -42,7 +41,7 @@ from granular_contact.run import begin
 from granular_contact.scene import Scene
 from granular_contact.scene import build as build_scene
 from validation.naive import FloatPoint, VectorPoint, add_points
-from validation.spatial_beam import implicit
+from validation.spatial_beam import heavy_cables, hold, implicit
 from validation.tables import machine, markdown
 
 CONFIG = HERE.parent / "configs" / "pendulum.yaml"
@@ -141,14 +140,8 @@ def of_cables(medium: str | None) -> tuple[float, int, int]:
     ]
     line = {"massPerLength": link.mass / link.length, "length": link.length / ELEMENTS}
     stiff = {"bendingStiffness": link.bending_stiffness, "axialStiffness": link.axial_stiffness}
-    cables = [mbs.AddObject(items.ObjectANCFCable(nodeNumbers=list(pair), **line, **stiff)) for pair in pairwise(nodes)]
-    ground = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=mbs.AddNode(items.NodePointGround()), coordinate=0))
-    for i in range(3):
-        marker = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=nodes[0], coordinate=i))
-        mbs.AddObject(items.ObjectConnectorCoordinate(markerNumbers=[ground, marker]))
-    for cable in cables:
-        marker = mbs.AddMarker(items.MarkerBodyMass(bodyNumber=cable))
-        mbs.AddLoad(items.LoadMassProportional(markerNumber=marker, loadVector=[0, 0, -9.81]))
+    cables = heavy_cables(mbs, nodes, **line, **stiff)
+    hold(mbs, nodes[0], range(3))
     if medium is not None:
         bed = GranularBed(mbs, preset(medium), float(link.length * along[2]), up=(0, 0, 1))
         bed.add_cables(cables, link.thickness)

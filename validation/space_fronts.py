@@ -47,6 +47,7 @@ STEPS = (4e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4)  # s, of MuJoCo
 LEVELS = (1e-2, 3e-3, 1e-3)
 OURS, NATIVE = "granular-contact", "MuJoCo, compiled"
 MOST = {1e-2: 1.0, 1e-3: 1.0}  # times MuJoCo's
+Found = tuple[str, str, float, float]  # way or tool, setting, error and least time (s)
 
 
 @dataclass(frozen=True)
@@ -77,7 +78,12 @@ def fixed(step: float) -> tuple[str, ...]:
 
 def ours(name: str, seconds: float, *overrides: str) -> Run:
     """A run of ours."""
-    begun = begin(scene_of(name, seconds, *overrides))
+    return solved(scene_of(name, seconds, *overrides))
+
+
+def solved(scene: Any) -> Run:
+    """One solve of a scene."""
+    begun = begin(scene)
     began = time.process_time()
     begun.solving.advance()
     spent = time.process_time() - began
@@ -167,9 +173,9 @@ def error(run: Run, reference: Run) -> float:
     return float(np.linalg.norm(run.tip - there, axis=1).max() / way)
 
 
-def front(name: str, seconds: float, quick: bool) -> list[tuple[str, str, float, float]]:
-    """Tool, setting, error and least time (s) of each way to solve a robot."""
-    reference, scene, found = ours(name, seconds, *chosen(REFERENCE)), scene_of(name, seconds), {}
+def front(name: str, seconds: float, quick: bool) -> list[Found]:
+    """Each way to solve a robot."""
+    reference, scene = ours(name, seconds, *chosen(REFERENCE)), scene_of(name, seconds)
     ways: dict[tuple[str, str], Callable[[], Run]] = {}
     for accuracy in ACCURACIES:
         ways[OURS, f"accuracy {accuracy:g}"] = partial(ours, name, seconds, *chosen(accuracy))
@@ -178,7 +184,13 @@ def front(name: str, seconds: float, quick: bool) -> list[tuple[str, str, float,
         ways[OURS, f"steps of {1e3 * step:g} ms"] = partial(ours, name, seconds, *fixed(step))
     for step in STEPS[:-1] if quick else STEPS:
         ways[NATIVE, f"steps of {1e3 * step:g} ms"] = partial(by_mujoco, scene, step)
-    for _ in range(2 if quick else 3):
+    return in_turn(ways, reference, 2 if quick else 3)
+
+
+def in_turn(ways: dict[tuple[str, str], Callable[[], Run]], reference: Run, repeats: int) -> list[Found]:
+    """What each way of solving leaves and takes, all in turn, so many times."""
+    found: dict[tuple[str, str], tuple[float, float]] = {}
+    for _ in range(repeats):
         for key, way in ways.items():
             one = way()
             found[key] = error(one, reference), min(one.seconds, found.get(key, (0.0, math.inf))[1])

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import partial
 from itertools import pairwise
 from pathlib import Path
@@ -52,6 +52,26 @@ def claim(statement: str, held: Any, detail: str) -> Claim:
     return Claim(f"spatial_beam.{statement}", bool(held), detail)
 
 
+# ---- beams of the engine ----
+
+
+def hold(mbs: Any, node: Any, coordinates: Iterable[int]) -> None:
+    """Keep coordinates of a node at what they are."""
+    ground = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=mbs.AddNode(items.NodePointGround()), coordinate=0))
+    for i in coordinates:
+        marker = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=i))
+        mbs.AddObject(items.ObjectConnectorCoordinate(markerNumbers=[ground, marker]))
+
+
+def heavy_cables(mbs: Any, nodes: list[Any], **options: Any) -> list[Any]:
+    """Cables with a weight from each node to the next; options: of each."""
+    cables = [mbs.AddObject(items.ObjectANCFCable(nodeNumbers=list(pair), **options)) for pair in pairwise(nodes)]
+    for cable in cables:
+        marker = mbs.AddMarker(items.MarkerBodyMass(bodyNumber=cable))
+        mbs.AddLoad(items.LoadMassProportional(markerNumber=marker, loadVector=[0, 0, -9.81]))
+    return cables
+
+
 # ---- the strip ----
 
 
@@ -83,13 +103,8 @@ def _by_engine(kind: str, count: int, angle: float) -> Vector:
         if kind == BEAM:
             options["crossSectionPenaltyFactor"] = [10.0] * 3  # as in the engine's own test of this strip
         mbs.AddObject(getattr(items, kind)(**options))
-    ground = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=mbs.AddNode(items.NodePointGround()), coordinate=0))
-    held = len(more) + 3 if kind != EXACT else 7
-    for i in range(held):
-        if kind == EXACT and i == 3:
-            continue  # which the norm of the Euler parameters holds
-        marker = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=nodes[0], coordinate=i))
-        mbs.AddObject(items.ObjectConnectorCoordinate(markerNumbers=[ground, marker]))
+    # The norm of the Euler parameters holds their first.
+    hold(mbs, nodes[0], range(len(more) + 3) if kind != EXACT else (0, 1, 2, 4, 5, 6))
     a = np.radians(angle)
     force = [0.0, -WEIGHT * np.sin(a), -WEIGHT * np.cos(a)]
     tip = mbs.AddMarker(items.MarkerNodePosition(nodeNumber=nodes[-1]))
@@ -144,19 +159,9 @@ def fallen_by_cables(count: int, step: float) -> tuple[Vector, Vector, float]:
         mbs.AddNode(items.NodePointSlope1(referenceCoordinates=[x, 0, 0, 1, 0, 0]))
         for x in np.linspace(0.0, FALLS, count + 1)
     ]
-    for pair in pairwise(nodes):
-        cable = mbs.AddObject(
-            items.ObjectANCFCable(
-                nodeNumbers=list(pair), length=FALLS / count, massPerLength=line, bendingStiffness=bending,
-                axialStiffness=YOUNG * ROD.area,
-            )
-        )  # fmt: skip
-        marker = mbs.AddMarker(items.MarkerBodyMass(bodyNumber=cable))
-        mbs.AddLoad(items.LoadMassProportional(markerNumber=marker, loadVector=[0, 0, -9.81]))
-    ground = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=mbs.AddNode(items.NodePointGround()), coordinate=0))
-    for i in range(6):
-        marker = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=nodes[0], coordinate=i))
-        mbs.AddObject(items.ObjectConnectorCoordinate(markerNumbers=[ground, marker]))
+    stiff = {"bendingStiffness": bending, "axialStiffness": YOUNG * ROD.area}
+    heavy_cables(mbs, nodes, length=FALLS / count, massPerLength=line, **stiff)
+    hold(mbs, nodes[0], range(6))
     sensor = mbs.AddSensor(
         items.SensorNode(nodeNumber=nodes[-1], storeInternal=True, outputVariableType=exu.OutputVariableType.Position)
     )
