@@ -225,9 +225,8 @@ def _travel(found: _Names) -> Group:
         ]
         return Group("path", "Path of the tip", "Where the tip is.", () if found.hinges else tuple(panels))
     body = found.bodies[0]
-    tilts = [("roll", f"{body}_roll_deg"), ("pitch", f"{body}_pitch_deg"), ("yaw", f"{body}_yaw_deg")]
-    if not found.in_space:
-        tilts = [("pitch (clockwise)", f"{body}_orientation_deg")]
+    tilts = [(name, f"{body}_{name}_deg") for name in ("roll", "pitch", "yaw")]
+    tilts.append(("pitch (clockwise)", f"{body}_orientation_deg"))  # in the plane
     ahead, upward = f"{body}_vx_m_s", f"{body}_v{found.up}_m_s"
     sideways = [("sideways", f"{body}_vy_m_s")] if found.in_space else []
     panels = [

@@ -18,7 +18,7 @@ from granular_contact.report import MOTION, OVERLAY, motion_text
 from granular_contact.report.histories import ROUND_OFF, Group, Panel, distinct, groups, in_unit
 from granular_contact.report.units import Array, greatest, split
 from granular_contact.results import Results
-from granular_contact.results.frames import MOST
+from granular_contact.results.frames import MOST, resample
 from granular_contact.results.interpolation import at_times, rates
 from granular_contact.results.motion import Motion, motion_of
 
@@ -98,18 +98,12 @@ def _at(one: Motion, time: Array) -> Motion:
         same = np.sign(np.sum(poses[1:, :, 3:] * poses[:-1, :, 3:], axis=2))
         sign = np.cumprod(np.concatenate([np.ones((1, poses.shape[1])), np.where(same < 0, -1.0, 1.0)]), axis=0)
         poses = np.concatenate([poses[..., :3], poses[..., 3:] * sign[..., None]], axis=2)
-    drawn = _linear(one.time, poses, time)
+    drawn = resample(one.time, poses, time)
     if one.in_space:
         drawn[..., 3:] /= np.linalg.norm(drawn[..., 3:], axis=2, keepdims=True)
-    bent = {i: _linear(one.time, points, time) for i, points in one.bent.items()}
-    forces = {body: (_linear(one.time, at, time), _linear(one.time, f, time)) for body, (at, f) in one.forces.items()}
+    bent = {i: resample(one.time, points, time) for i, points in one.bent.items()}
+    forces = {body: (resample(one.time, at, time), resample(one.time, f, time)) for body, (at, f) in one.forces.items()}
     return replace(one, time=time, poses=drawn, bent=bent, forces=forces)
-
-
-def _linear(time: Array, values: Array, at: Array) -> Array:
-    """Values (n, ...) at other times (k, ...)."""
-    flat = values.reshape(len(time), -1)
-    return np.stack([np.interp(at, time, one) for one in flat.T], axis=1).reshape(len(at), *values.shape[1:])
 
 
 def write(runs: Sequence[tuple[str, Results]], folder: Path) -> None:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from granular_contact.results.series import Series, Vector
+from granular_contact.results.series import Series
+from granular_contact.values.arrays import Vector
 
 SPRING = "spring_J"
 IN_JOINTS = {  # columns that a run has if its joints or its bed have such things

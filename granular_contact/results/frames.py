@@ -6,12 +6,12 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, overload
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from granular_contact.geometry.surface import height_at
 from granular_contact.results import Force, Outline, Snapshot
+from granular_contact.values.arrays import Vector
 
-Vector = NDArray[np.float64]
 Pictures = Sequence[tuple[Outline, ...]]
 
 CENTERED = 0.1  # how much a point's distance from the middle counts beside that from the line of action
@@ -80,8 +80,9 @@ def pace(time: Sequence[float] | Vector) -> float:
 
 
 def resample(time: Vector, values: Vector, at: Vector) -> Vector:
-    """Values (n, m) at `time` (n,), interpolated linearly at the times (k,), and held beyond the ends: (k, m)."""
-    return np.column_stack([np.interp(at, time, one) for one in values.T])
+    """Values (n, ...) at `time` (n,), interpolated linearly at the times (k,), and held beyond the ends: (k, ...)."""
+    flat = values.reshape(len(time), -1)
+    return np.stack([np.interp(at, time, one) for one in flat.T], axis=1).reshape(len(at), *values.shape[1:])
 
 
 def frames(

@@ -12,15 +12,14 @@ from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from granular_contact.results import CENTRAL_MOMENT, Column, Snapshot, series
+from granular_contact.results import CENTRAL_MOMENT, Snapshot, series
 from granular_contact.results.frames import Later, instants
 from granular_contact.results.motion import Bedding, Motion, frames_of, over_ground
 from granular_contact.results.observation import Observation, bed_of
 from granular_contact.results.observed import POSES, VELOCITIES, Place, Seen, angle, in_a_row
+from granular_contact.values.arrays import Vector
 
-Vector = NDArray[np.float64]
 AXES = (("x", "ahead"), ("y", "to the left"), ("z", "upward"))
 
 
@@ -30,21 +29,16 @@ class SpatialObservation(Observation):
     centre of mass, body_forces (n, 6). moved: the motion as it is drawn, at given times (k,) s.
     """
 
+    _DEFLECTION: ClassVar[str] = "distance of the tip of the last link that bends from the axis of its root"
+
     moved: Callable[[Vector], Motion]
 
-    def columns(self) -> tuple[tuple[Column, ...], Vector]:
-        """All columns, with the table (instants, columns)."""
-        found: series.Series = {"time_s": ("time since the start", self.time)}
-        found |= self.motion | vector("tip_{}_m", "position of the tip", self.tip)
-        if self.deflection is not None:
-            words = "distance of the tip of the last link that bends from the axis of its root"
-            found["deflection_m"] = (words, self.deflection.values)
-        if self.depth is not None:
-            found["depth_m"] = ("depth of the deepest point below the surface", self.depth)
-        if self.scene.media:
-            for i, term in enumerate(self.terms):
-                found |= force(term, self.term_forces[:, i], self.moments_about)
-        return series.tabulate(found | self.energies)
+    def _of_tip(self) -> series.Series:
+        return vector("tip_{}_m", "position of the tip", self.tip)
+
+    def _of_terms(self) -> series.Series:
+        columns = (force(term, self.term_forces[:, i], self.moments_about) for i, term in enumerate(self.terms))
+        return {name: one for found in columns for name, one in found.items()}
 
     def film(self, most: int) -> dict[str, Any]:
         """The motion at evenly spaced times, and its pictures in side view, as `Results` has them."""

@@ -13,7 +13,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-Vector = NDArray[np.float64]
+from granular_contact.values.arrays import Vector
+
 Spans = list[tuple[float, float]]
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import base64
 import importlib
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from html import escape
 from os import PathLike
@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
 from granular_contact.errors import ConfigError, MissingPackageError, ResultsError, SceneError
 from granular_contact.results import Column, Results, Status, StatusCode
@@ -22,7 +21,6 @@ from granular_contact.results.motion import frames_of
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from granular_contact.report.pages.folder import Folder
 
 _TERM = re.compile(r"(.+)_force_x_N")
 _SHOWN = (
@@ -112,39 +110,28 @@ def opened(directory: Path) -> Results:
     if kind not in (None, "run"):
         raise ResultsError(f"{directory} holds results of a {kind}, and not of one run")
     summary = folder.read(SUMMARY)
-    columns = tuple(_columns(summary.pop("columns", None), directory / SUMMARY))
-    table = _table(folder, SERIES, columns)
-    status = _status(summary, directory / SUMMARY)
-    scenario, bed = _scenario(folder, SCENARIO)
-    terms = tuple(found[1] for column in columns if (found := _TERM.fullmatch(column.name)))
-    warnings = tuple(map(str, summary.get("warnings") or ()))
+    columns = tuple(Column(str(name), str(words)) for name, words in (summary.pop("columns", None) or {}).items())
+    if not columns:
+        raise ResultsError(f"{directory / SUMMARY}: has no columns, as this program writes them")
+    table, status = folder.numbers(SERIES), _status(summary, directory / SUMMARY)
+    if list(table) != [column.name for column in columns]:
+        raise ResultsError(f"{directory / SERIES}: has other columns than summary.json says")
+    scenario, bed = _scenario(folder.file(SCENARIO))
+    motion = folder.motion()
     return Results(
         name=str(summary.get("name")),
         status=status,
         columns=columns,
-        table=table,
+        table=np.column_stack(list(table.values())),
         summary=summary,
         scenario=scenario,
         snapshots=(),
-        warnings=warnings,
-        terms=terms,
-        **_pictures(folder),
+        warnings=tuple(map(str, summary.get("warnings") or ())),
+        terms=tuple(found[1] for column in columns if (found := _TERM.fullmatch(column.name))),
+        frames=() if motion is None else frames_of(motion),
+        motion=motion if motion is not None and motion.in_space else None,
         **bed,
     )
-
-
-def _pictures(folder: Folder) -> dict[str, Any]:
-    """Frames or motion, as far as the folder holds some."""
-    found = folder.motion()
-    if found is None:
-        return {}
-    return {"motion": found} if found.in_space else {"frames": frames_of(found)}
-
-
-def _columns(saved: object, file: Path) -> Iterator[Column]:
-    if not isinstance(saved, dict) or not saved:
-        raise ResultsError(f"{file}: has no columns, as this program writes them")
-    yield from (Column(str(name), str(words)) for name, words in saved.items())
 
 
 def _status(summary: dict[str, Any], file: Path) -> Status:
@@ -155,28 +142,14 @@ def _status(summary: dict[str, Any], file: Path) -> Status:
     return Status(code, message)
 
 
-def _table(folder: Folder, name: str, columns: Sequence[Column]) -> NDArray[np.float64]:
-    _need(folder, name)
-    found = folder.numbers(name)
-    if list(found) != [column.name for column in columns]:
-        raise ResultsError(f"{folder.path / name}: has other columns than summary.json says")
-    return np.column_stack(list(found.values()))
-
-
-def _need(folder: Folder, name: str) -> None:
-    if not folder.has(name):
-        raise ResultsError(f"{folder.path} holds no {name}: it is not a complete run")
-
-
-def _scenario(folder: Folder, name: str) -> tuple[dict[str, Any], dict[str, Any]]:
+def _scenario(file: Path) -> tuple[dict[str, Any], dict[str, Any]]:
     """The scenario as plain data, and what its bed looks like."""
     from granular_contact.config import load, scenario_to_dict
     from granular_contact.results.observation import bed_of
     from granular_contact.scene.build import build
 
-    _need(folder, name)
     try:
-        loaded = load(folder.path / name)
+        loaded = load(file)
         return scenario_to_dict(loaded.scenario), bed_of(build(loaded))
     except (ConfigError, SceneError) as error:
         more = f" (and {len(error.faults) - 1} more)" if len(error.faults) > 1 else ""

@@ -15,8 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from granular_contact.geometry import rotations
 from granular_contact.results import Force, Outline, Results, Snapshot
-
-Array = NDArray[np.float64]
+from granular_contact.values.arrays import Vector
 
 RIGID = 1e-6  # of the size of the mechanism: what changes its shape by less is drawn as rigid
 DIGITS = 7  # of positions in files, of the largest
@@ -33,7 +32,7 @@ class Part:
     """
 
     name: str
-    points: Array
+    points: Vector
     faces: NDArray[np.int64] | None = None
     diameter: float = 0.0
 
@@ -61,12 +60,12 @@ class Motion:
     where there is none.
     """
 
-    time: Array
+    time: Vector
     parts: tuple[Part, ...]
-    poses: Array
-    bent: Mapping[int, Array] = field(default_factory=dict)
-    forces: Mapping[str, tuple[Array, Array]] = field(default_factory=dict)
-    ground: tuple[Array, Array, Array] | None = None
+    poses: Vector
+    bent: Mapping[int, Vector] = field(default_factory=dict)
+    forces: Mapping[str, tuple[Vector, Vector]] = field(default_factory=dict)
+    ground: tuple[Vector, Vector, Vector] | None = None
     bedding: Bedding = Bedding()
 
     @property
@@ -74,13 +73,13 @@ class Motion:
         """Whether this is a motion in three dimensions."""
         return bool(self.poses.shape[2] == 7)
 
-    def points(self, part: int, instants: slice = slice(None)) -> Array:
+    def points(self, part: int, instants: slice = slice(None)) -> Vector:
         """Points (k, n, d) m of a part in the world frame, at all instants or some of them."""
         if part in self.bent:
             return self.bent[part][instants]
         own, poses = self.parts[part].points, self.poses[instants, part]
         if self.in_space:
-            placed: Array = np.einsum("kij,nj->kni", rotations.of_quaternion(poses[:, 3:]), own) + poses[:, None, :3]
+            placed: Vector = np.einsum("kij,nj->kni", rotations.of_quaternion(poses[:, 3:]), own) + poses[:, None, :3]
             return placed
         c, s = np.cos(poses[:, 2, None]), np.sin(poses[:, 2, None])
         turned = np.stack([c * own[:, 0] - s * own[:, 1], s * own[:, 0] + c * own[:, 1]], axis=-1)
@@ -95,7 +94,7 @@ def scaled(motion: Motion, factor: float) -> Motion:
     return replace(motion, parts=tuple(parts), poses=motion.poses * (factor, factor, 1.0), bent=bent, forces=forces)
 
 
-def over_ground(motion: Motion, height: Callable[[Array, Array], Array], *, level: bool) -> Motion:
+def over_ground(motion: Motion, height: Callable[[Vector, Vector], Vector], *, level: bool) -> Motion:
     """A motion in space with the ground below it, from heights (n,) m at x, y (n,) m."""
     reach = max((float(np.linalg.norm(part.points, axis=1).max()) for part in motion.parts), default=0.0)
     places = motion.poses[..., :2].reshape(-1, 2)
@@ -147,7 +146,7 @@ def of_frames(frames: Sequence[Snapshot]) -> Motion | None:
     return Motion(np.array([frame.time for frame in frames]), tuple(parts), poses, bent, _forces(frames))
 
 
-def _rigid(shape: Array) -> tuple[Array, Array, float]:
+def _rigid(shape: Vector) -> tuple[Vector, Vector, float]:
     """Centre (k, 2) m and angle (k,) rad of a shape (k, n, 2) m, and how far (m) it is from turning as one."""
     center = shape.mean(axis=1)
     own = (shape - center[:, None]) @ np.array([1.0, 1.0j])
@@ -156,7 +155,7 @@ def _rigid(shape: Array) -> tuple[Array, Array, float]:
     return center, angle, float(np.max(np.abs(own - own[0] * np.exp(1j * angle[:, None])), initial=0.0))
 
 
-def _forces(frames: Sequence[Snapshot]) -> dict[str, tuple[Array, Array]]:
+def _forces(frames: Sequence[Snapshot]) -> dict[str, tuple[Vector, Vector]]:
     bodies = dict.fromkeys(force.body for frame in frames for force in frame.forces)
     found = {body: (np.zeros((len(frames), 2)), np.zeros((len(frames), 2))) for body in bodies}
     for k, frame in enumerate(frames):
@@ -218,18 +217,18 @@ def _part(part: Part) -> dict[str, Any]:
     return {"name": part.name, "points_m": _listed(part.points), **faces, "diameter_m": part.diameter}
 
 
-def _poses(poses: Array) -> Any:
+def _poses(poses: Vector) -> Any:
     """Positions as they are large, angles and quaternions to as many decimals: turns add up to large angles."""
     places = 3 if poses.shape[2] == 7 else 2
     at, turned = _rounded(poses[..., :places]), np.round(poses[..., places:], DIGITS)
     return np.concatenate([at, turned], axis=2).tolist()
 
 
-def _listed(values: Array) -> Any:
+def _listed(values: Vector) -> Any:
     return _rounded(values).tolist()
 
 
-def _rounded(values: Array) -> Array:
+def _rounded(values: Vector) -> Vector:
     largest = float(np.max(np.abs(values), initial=0.0, where=np.isfinite(values)))
     if not largest > 0.0:
         return np.zeros_like(values)
@@ -260,7 +259,7 @@ def of_plain(saved: Mapping[str, Any]) -> Motion:
     return Motion(_array(saved["time_s"], 1), parts, _array(saved["poses"], 3), bent, forces, ground, bedding)
 
 
-def _array(values: ArrayLike, dimensions: int) -> Array:
+def _array(values: ArrayLike, dimensions: int) -> Vector:
     found = np.array(values, dtype=np.float64)
     if found.ndim != dimensions:
         raise ValueError(f"got an array of {found.ndim} dimensions; {dimensions} are needed")

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -42,7 +42,7 @@ class Known(NamedTuple):
 class Observation:
     """All accepted instants of a run (n,), and what is asked about single ones (by index).
 
-    motion: columns of joints, drives and bodies; mean_rate (n,) rad/s as of `series.shape`; tip (n, 2) m; deflection
+    motion: columns of joints, drives and bodies; mean_rate (n,) rad/s, None without a pivot; tip (n, 2) m; deflection
     (m) of the last flexible link, clockwise; depths (m) of all points that can meet the medium, negative above it.
     terms: names of the terms of the medium's force; term_forces (n, terms, 3): these, as of `series.clockwise_moment`;
     moments_about: the pivot (2,) m, or of a mechanism without one its centre of mass (n, 2) m; body_forces (n, 3): see
@@ -52,6 +52,8 @@ class Observation:
     program set. notices: of what the engine could not do as usual. known: None where
     depths and deflection are to be looked through.
     """
+
+    _DEFLECTION: ClassVar[str] = "tip deflection across the axis of the link's root, clockwise positive"
 
     scene: Scene
     status: Status
@@ -90,13 +92,22 @@ class Observation:
 
     def columns(self) -> tuple[tuple[Column, ...], Vector]:
         """All columns, with the table (instants, columns)."""
-        bend = None if self.deflection is None else self.deflection.values
         found: series.Series = {"time_s": ("time since the start", self.time)}
-        found |= self.motion | series.shape(self.mean_rate, self.tip, bend, self.depth)
+        found |= self.motion | self._of_tip()
+        if self.deflection is not None:
+            found["deflection_m"] = (self._DEFLECTION, self.deflection.values)
+        if self.depth is not None:
+            found["depth_m"] = ("depth of the deepest point below the surface", self.depth)
         if self.scene.media:
-            at_pivot = self.scene.pivot is not None
-            found |= series.forces(self.terms, self.term_forces, self.moments_about, at_pivot=at_pivot)
+            found |= self._of_terms()
         return series.tabulate(found | self.energies)
+
+    def _of_tip(self) -> series.Series:
+        return series.tip(self.tip, self.mean_rate)
+
+    def _of_terms(self) -> series.Series:
+        at_pivot = self.scene.pivot is not None
+        return series.forces(self.terms, self.term_forces, self.moments_about, at_pivot=at_pivot)
 
 
 def pictures(

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.errors import unknown_name
+from granular_contact.values.arrays import Vector
 
-Vector = NDArray[np.float64]
 Pair = tuple[Vector, Vector]
 DEGREES = math.degrees(1.0)
 COORDINATES, RATES, POSES, VELOCITIES, FORCES, DEPTHS = range(6)  # in pairs, as in an `Instant`

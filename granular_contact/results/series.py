@@ -9,11 +9,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from granular_contact.results import CENTRAL_MOMENT, MOMENT, Column, Results
+from granular_contact.values.arrays import Vector
 
-Vector = NDArray[np.float64]
 Series = dict[str, tuple[str, Vector]]
 
 
@@ -93,21 +92,12 @@ def body_depth(name: str, depth: Vector) -> Series:
     return {f"{name}_depth_m": (f"depth of the deepest point of {name} below the surface", depth)}
 
 
-def shape(mean_rate: Vector | None, tip: Vector, deflection: Vector | None, depth: Vector | None) -> Series:
-    """Mean rate (n,) rad/s, tip (n, 2) m, deflection of the last flexible link (n,) m, depth (n,) m.
-
-    mean_rate: None for a mechanism that has no pivot.
-    """
-    series: Series = {}
-    if mean_rate is not None:
-        words = "angular momentum over moment of inertia about the pivot, clockwise positive"
-        series["mean_rate_rad_s"] = (words, mean_rate)
-    series["tip_x_m"] = ("horizontal position of the tip", tip[:, 0])
-    series["tip_y_m"] = ("height of the tip", tip[:, 1])
-    if deflection is not None:
-        series["deflection_m"] = ("tip deflection across the axis of the link's root, clockwise positive", deflection)
-    if depth is not None:
-        series["depth_m"] = ("depth of the deepest point below the surface", depth)
+def tip(place: Vector, mean_rate: Vector | None) -> Series:
+    """Place (n, 2) m of the tip; mean rate (n,) rad/s, None for a mechanism that has no pivot."""
+    words = "angular momentum over moment of inertia about the pivot, clockwise positive"
+    series: Series = {} if mean_rate is None else {"mean_rate_rad_s": (words, mean_rate)}
+    series["tip_x_m"] = ("horizontal position of the tip", place[:, 0])
+    series["tip_y_m"] = ("height of the tip", place[:, 1])
     return series
 
 

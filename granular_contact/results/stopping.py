@@ -6,13 +6,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from granular_contact.results import Status, StatusCode
 from granular_contact.results.interpolation import Track, at_times, first_above_zero
 from granular_contact.scene.types import Solver
+from granular_contact.values.arrays import Vector
 
-Vector = NDArray[np.float64]
 REST_TIME = 0.02  # s at rest, where the run does not say how long
 
 

@@ -9,13 +9,12 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from granular_contact.config.csv_table import ragged, table_of
 from granular_contact.config.yaml_source import read_text
 from granular_contact.errors import Fault, ResultsError
 from granular_contact.report import ENTRIES, FIGURES, MOTION, kind_of
-from granular_contact.report.units import is_number
+from granular_contact.report.units import Array, is_number
 from granular_contact.results.motion import Motion, of_plain
 
 
@@ -24,7 +23,6 @@ class FolderError(ResultsError):
 
 
 Rows = list[list[Any]]
-Array = NDArray[np.float64]
 # Entries of JSON files that pages look into.
 _OBJECT, _LIST = (dict, "an object"), (list, "a list")
 _TYPES: dict[str, tuple[type, str]] = {
@@ -83,6 +81,12 @@ class Folder:
         """Whether there is a file of this name."""
         return (self.path / name).is_file()
 
+    def file(self, name: str) -> Path:
+        """Path of a file that is there; FolderError if it is not."""
+        if not self.has(name):
+            raise FolderError(f"{self.path} holds no {name}: it is not a complete {self.kind}")
+        return self.path / name
+
     def read(self, name: str) -> dict[str, Any]:
         """A JSON file that holds an object."""
         try:
@@ -113,7 +117,7 @@ class Folder:
 
     def numbers(self, name: str) -> dict[str, Array]:
         """Columns (rows,) of a CSV file that holds numbers alone, by name."""
-        file = self.path / name
+        file = self.file(name)
         try:
             with file.open(encoding="utf-8") as lines:
                 head = lines.readline().rstrip("\n").split(",")
@@ -161,9 +165,7 @@ class Folder:
 
     def _text(self, name: str) -> str:
         try:
-            return (self.path / name).read_text(encoding="utf-8")
-        except FileNotFoundError:
-            raise FolderError(f"{self.path} holds no {name}: it is not a complete {self.kind}") from None
+            return self.file(name).read_text(encoding="utf-8")
         except UnicodeDecodeError:
             raise FolderError(f"{self.path / name}: is not text") from None
         except OSError as error:

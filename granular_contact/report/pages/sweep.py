@@ -10,14 +10,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from granular_contact.report import BANDS, CASES, SENSITIVITY, SERIES, SWEEP, TABLE
-from granular_contact.report.drawn import drawn
 from granular_contact.report.histories import SAME, Curve, Group, panel
 from granular_contact.report.overlay import History, motion
 from granular_contact.report.overlay import table as overlaid
 from granular_contact.report.pages.chart import chart
-from granular_contact.report.pages.folder import Array, Folder, Rows, Table
+from granular_contact.report.pages.folder import Folder, Rows, Table
 from granular_contact.report.pages.live import live_curves, live_overlay, nothing_live
-from granular_contact.report.units import greatest, label, quantity
+from granular_contact.report.units import Array, greatest, label, quantity
 from granular_contact.results import FINISHED
 from granular_contact.results.alike import Kinds
 
@@ -212,12 +211,10 @@ def _overviews(cases: _Cases, place: Path, shown: Collection[str]) -> Iterator[t
 
     for i, name in enumerate([name for name in _drawn(cases) if name not in shown][:MOST]):
         path = place / f"overview_{i}.png"
-        with drawn(path) as file:
-            found = name, cases.ended.numbers(name)
-            draw({key: cases.ended.numbers(key) for key in varied}, found, file, joined=_joined(varied))
-        if not path.exists():
-            continue
-        yield path, f"{label(name).capitalize()} of every case that came to an end against what varies."
+        along, found = {key: cases.ended.numbers(key) for key in varied}, (name, cases.ended.numbers(name))
+        draw(along, found, path, joined=_joined(varied))
+        if path.exists():
+            yield path, f"{label(name).capitalize()} of every case that came to an end against what varies."
 
 
 def _caption(stem: str) -> str:

@@ -6,7 +6,6 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from granular_contact.errors import Fault
 from granular_contact.results import Results
@@ -15,8 +14,7 @@ from granular_contact.studies.fit.measurements import Measured, forces
 from granular_contact.studies.fit.parameters import Choice
 from granular_contact.studies.fit.problem import Problem
 from granular_contact.studies.fit.responses import ModelFailed
-
-Vector = NDArray[np.float64]
+from granular_contact.values.arrays import Vector
 
 FARTHEST = 10.0  # times what the mechanism reaches: no length of this run
 STILL_MOVING = 0.25  # of the greatest speed in the data

@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from granular_contact.studies.fit.problem import Loss, Problem
-
-Vector = NDArray[np.float64]
+from granular_contact.values.arrays import Vector
 
 # Residuals beyond so many times the noise pull no stronger than that. Of pure noise 2 % of the information is lost.
 LOSS_SCALE = 2.0

@@ -29,8 +29,7 @@ from granular_contact.studies.fit.responses import Key, ModelFailed
 from granular_contact.studies.fit.scatter import Scattering, separate
 from granular_contact.studies.fit.solve import DIED, NEGLIGIBLE_COST, SAME_COST, Progress, Solution, jacobian, solve
 from granular_contact.studies.fit.uncertainty import Uncertainty, band, uncertainty
-
-Vector = NDArray[np.float64]
+from granular_contact.values.arrays import Vector
 
 BAND_POINTS = 241
 DISTRUST = "the model does not describe these data, and the standard errors are too small"

@@ -33,8 +33,7 @@ from granular_contact.studies.fit.measurements import (
     refuse,
     twice,
 )
-
-Vector = NDArray[np.float64]
+from granular_contact.values.arrays import Vector
 
 FEWEST_ROWS = 4
 SAME = 1e-9  # relative difference of numbers that choose rows

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from granular_contact.studies.fit import diagnostics
@@ -20,8 +19,7 @@ from granular_contact.studies.fit.diagnostics import OUTLIER, data_warnings, out
 from granular_contact.studies.fit.problem import Problem
 from granular_contact.studies.fit.solve import Solution
 from granular_contact.studies.fit.uncertainty import degrees_of_freedom
-
-Vector = NDArray[np.float64]
+from granular_contact.values.arrays import Vector
 
 LEAST_PROBABILITY = 1e-3  # probability below which residuals are taken for no noise
 LARGE_RESIDUAL = 2.0  # times the roughness of the data: residuals of no noise

@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from granular_contact.config import scenario_to_dict
 from granular_contact.config.overrides import Override
@@ -29,8 +28,7 @@ from granular_contact.studies.fit.force_tests import angle_of
 from granular_contact.studies.fit.measurements import Measured
 from granular_contact.studies.fit.responses import Key, ModelFailed, Simulator
 from granular_contact.studies.fit.specification import looked_for
-
-Vector = NDArray[np.float64]
+from granular_contact.values.arrays import Vector
 
 DEPTH_OFFSET: Key = ("depth_offset_m",)
 FORCE_OFFSET: Key = ("force_offset_N",)

@@ -16,12 +16,12 @@ from difflib import get_close_matches
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from granular_contact.config.csv_table import Table, few, form_faults, number
 from granular_contact.config.messages import unknown
 from granular_contact.config.tree import Position
 from granular_contact.errors import ConfigError, Fault
+from granular_contact.values.arrays import Vector
 
 
 def refuse(faults: Iterable[Fault]) -> None:
@@ -122,8 +122,6 @@ def in_words(known: Iterable[str]) -> str:
     units = ((column, _unit(column)) for column in known)
     return ", ".join(f"{column} ({', '.join(one for one in UNITS[own] if one != own)})" for column, own in units)
 
-
-Vector = NDArray[np.float64]
 
 FEWEST_ROWS = 6
 LARGEST_ANGLE = 400.0  # deg

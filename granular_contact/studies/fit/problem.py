@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from granular_contact.studies.fit.measurements import Measured
 from granular_contact.studies.fit.responses import Key, Simulator
+from granular_contact.values.arrays import Vector
 
-Vector = NDArray[np.float64]
 Loss = Literal["soft_l1", "linear"]
 
 OFFSET: Key = ("time_offset_s",)
@@ -50,8 +50,11 @@ class Parameter:
 
     def value(self, scaled: float) -> float:
         """The value of what solvers see, kept within the bounds where round-off would leave them."""
-        raw = math.exp(scaled) if self.log else scaled * self.unit
-        return min(max(raw, self.low), self.high)
+        return min(max(self.unbounded(scaled), self.low), self.high)
+
+    def unbounded(self, scaled: float) -> float:
+        """The same beyond the bounds of the search, as an end of an interval may be."""
+        return math.exp(scaled) if self.log else scaled * self.unit
 
     def slope(self, value: float) -> float:
         """Derivative of the value by the scaled one."""

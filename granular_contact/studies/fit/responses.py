@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from granular_contact.config import scenario_to_dict
@@ -18,8 +17,8 @@ from granular_contact.results import FINISHED, Results
 from granular_contact.run import run
 from granular_contact.scene.again import Builder
 from granular_contact.scene.steps import steps
+from granular_contact.values.arrays import Vector
 
-Vector = NDArray[np.float64]
 Key = tuple[str, ...]
 
 _KEPT = 64  # runs of one config that are remembered

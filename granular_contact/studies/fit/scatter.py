@@ -18,7 +18,6 @@ from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve, solve_triangular
 from scipy.optimize import minimize
 
@@ -28,8 +27,8 @@ from granular_contact.studies.fit.measurements import PATH, Measured
 from granular_contact.studies.fit.problem import MeasuredRun, Problem
 from granular_contact.studies.fit.solve import Solution, jacobian
 from granular_contact.studies.fit.specification import RunRequest
+from granular_contact.values.arrays import Vector
 
-Vector = NDArray[np.float64]
 # Path length (m), force of the law and residual of a test, (n,) each.
 Test = tuple[Vector, Vector, Vector]
 

@@ -25,8 +25,8 @@ from granular_contact.errors import SolveError
 from granular_contact.studies.fit import diagnostics
 from granular_contact.studies.fit.problem import Loss, Parameter, Problem
 from granular_contact.studies.fit.responses import ModelFailed
+from granular_contact.values.arrays import Vector
 
-Vector = NDArray[np.float64]
 # Told after each starting point how many are done, and of how many.
 Progress = Callable[[int, int], None]
 

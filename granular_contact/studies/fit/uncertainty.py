@@ -6,14 +6,13 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import t as student
 
 from granular_contact.studies.fit import diagnostics
 from granular_contact.studies.fit.problem import Parameter, Problem
 from granular_contact.studies.fit.solve import Solution
+from granular_contact.values.arrays import Vector
 
-Vector = NDArray[np.float64]
 # Relative standard error along an axis of the ellipsoid of errors, and the parts of its direction by label.
 Direction = tuple[float, dict[str, float]]
 Directions = tuple[Direction, ...]
@@ -135,13 +134,8 @@ def _estimate(parameter: Parameter, scaled: float, deviation: float, quantile: f
     if reach > LARGEST_HALF_WIDTH:
         low, high = (0.0 if parameter.log else -np.inf), np.inf
     else:
-        low, high = (_unbounded(parameter, scaled + sign * reach) for sign in (-1, 1))
+        low, high = (parameter.unbounded(scaled + sign * reach) for sign in (-1, 1))
     return Estimate(parameter, value, abs(parameter.slope(value)) * deviation, low, high, bound)
-
-
-def _unbounded(parameter: Parameter, scaled: float) -> float:
-    """Value of an end of an interval, which may lie beyond the bounds of the search."""
-    return float(np.exp(scaled)) if parameter.log else scaled * parameter.unit
 
 
 def _unmoved(one: Estimate) -> bool:
