@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from pathlib import Path
 
 import numpy as np
@@ -112,6 +113,7 @@ def test_the_page_of_a_wheel_over_slip_draws_nothing_twice_and_nothing_constant(
 def drawn(monkeypatch: pytest.MonkeyPatch, draw, *given, **options):  # type: ignore[no-untyped-def]
     """The figure that a drawing saves."""
     kept = []
+    monkeypatch.setattr("granular_contact.report.figures.panels.drawn", nullcontext)
     monkeypatch.setattr("granular_contact.report.figures.panels.save", lambda figure, _: kept.append(figure))
     draw(*given, Path("none.png"), **options)
     return kept[0]

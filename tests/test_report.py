@@ -128,7 +128,7 @@ class TestWholeOrNotAtAll:
 
     @pytest.mark.slow
     @pytest.mark.parametrize("error", [OSError(28, "No space left on device"), KeyboardInterrupt()])
-    @pytest.mark.parametrize("where", ["scenario_text", "_write_series", "swap"])
+    @pytest.mark.parametrize("where", ["scenario_text", "write_table", "swap"])
     def test_a_failure_leaves_the_old_folder(
         self, where: str, error: BaseException, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     ) -> None:

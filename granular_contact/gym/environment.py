@@ -184,8 +184,6 @@ class GranularEnv(gymnasium.Env[Array, Array]):
         """
         if self.render_mode is None:
             return None
-        from granular_contact.gym.environment import picture
-
         return picture(self.simulation)
 
     def close(self) -> None:

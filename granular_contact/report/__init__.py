@@ -22,7 +22,7 @@ import shutil
 import sys
 import time
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
@@ -51,6 +51,7 @@ JOURNAL, SENSITIVITY = "journal", "sensitivity.csv"
 STATISTICS, CONVERGENCE, BANDS = "statistics.csv", "convergence.csv", "bands.csv"  # of an ensemble, which is a sweep
 OPTIMISE, HISTORY, OPTIMUM = "optimise.yaml", "history.csv", "optimise.json"
 BEST_CONFIG, BEST = "best.yaml", "best"
+FIT, RESIDUALS = "fit.json", "residuals.csv"
 # What a results folder holds, by what wrote it.
 ENTRIES = {
     "run": (SUMMARY, SERIES, SCENARIO, MOTION, FIGURES),
@@ -59,10 +60,9 @@ ENTRIES = {
     "compare": (COMPARISON, SUMMARY, SCENARIO, OVERLAY, MOTION, FIGURES),
     "compare-media": (OF_MEDIA, SCENARIO, OVERLAY, MOTION, FIGURES),
     "media": (LAW,),
-    "fit": ("fit.json", "medium.yaml", *(f"medium_{i}.yaml" for i in range(8)), "residuals.csv", FIGURES),
+    "fit": (FIT, "medium.yaml", *(f"medium_{i}.yaml" for i in range(8)), RESIDUALS, FIGURES),
 }
 YOUNG = 60.0  # s: age up to which nobody's folder is cleared away
-CHUNK = 4096  # rows of the table that are Python floats at one time
 
 
 def check_target(directory: Path, kind: str = "run") -> None:
@@ -120,7 +120,7 @@ def write(
     with whole_folder(directory) as making:
         (making / SUMMARY).write_text(_summary(results), encoding="utf-8")
         (making / SCENARIO).write_text(scenario_text(results), encoding="utf-8")
-        _write_series(results, making / SERIES)
+        write_table(making / SERIES, results.names, map(np.ndarray.tolist, results.table))
         if (motion := motion_of(results)) is not None:
             (making / MOTION).write_text(motion_text(motion, results), encoding="utf-8")
     with saved_before(directory):
@@ -248,8 +248,13 @@ _Dumper.add_representer(list, _represent_list)
 
 def scenario_text(results: Results) -> str:
     """Text of scenario.yaml: the resolved scenario below a line with its origin."""
-    header = f"# Written by {PROGRAM} {version(results)}; to run it again: {PROGRAM} run {SCENARIO}\n"
-    return header + yaml_text(results.scenario)
+    versions = results.summary.get("versions") or {}
+    return origin(f"run {SCENARIO}", versions.get(PROGRAM, __version__)) + yaml_text(results.scenario)
+
+
+def origin(command: str, version: str = __version__) -> str:
+    """First line of a file that the program reads again: which version wrote it, and the command."""
+    return f"# Written by {PROGRAM} {version}; to run it again: {PROGRAM} {command}\n"
 
 
 def yaml_text(content: dict[str, Any]) -> str:
@@ -257,36 +262,12 @@ def yaml_text(content: dict[str, Any]) -> str:
     return yaml.dump(content, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=120)
 
 
-def version(results: Results | None = None) -> str:
-    """The version of the run if its summary has it, else that of now."""
-    versions: dict[str, str] = (results.summary.get("versions") if results is not None else None) or {}
-    for name in (PROGRAM, PROGRAM.replace("-", "_")):
-        if name in versions:
-            return versions[name]
-    return __version__
-
-
-def _write_series(results: Results, path: Path) -> None:
-    """timeseries.csv; `repr` is the shortest text that reads back as the same float (0.5 us each)."""
-    with path.open("w", encoding="utf-8", newline="") as file:
-        file.write(",".join(column.name for column in results.columns) + "\n")
-        for start in range(0, len(results.table), CHUNK):
-            rows = results.table[start : start + CHUNK].tolist()
-            file.writelines(",".join(map(repr, row)) + "\n" for row in rows)
-
-
 def write_table(path: Path, head: Sequence[str], rows: Iterable[Sequence[Any]]) -> None:
-    """A CSV file; None is an empty cell."""
+    """A CSV file; None is an empty cell, a float the shortest text that reads back as the same one."""
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(head)
         writer.writerows(rows)
-
-
-def write_rows(path: Path, rows: Iterable[Mapping[str, Any]]) -> None:
-    """A CSV file of rows, one or more, that all have the same keys."""
-    kept = list(rows)
-    write_table(path, list(kept[0]), (list(row.values()) for row in kept))
 
 
 def swap(making: Path, target: Path) -> None:

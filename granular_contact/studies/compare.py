@@ -8,8 +8,7 @@ from __future__ import annotations
 
 import math
 import statistics
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
@@ -177,7 +176,7 @@ def _differences(results: Results, reference: Results) -> dict[str, float | None
             return None
         return float((mine - exact) / (exact - origin))
 
-    angle = _angle_column(reference)
+    angle = next(name for name in reference.names if name.endswith("_angle_deg"))
     return {
         "angle_rms_deg": _rms(results, reference, angle),
         "deflection_rms_m": _rms(results, reference, "deflection_m"),
@@ -187,13 +186,9 @@ def _differences(results: Results, reference: Results) -> dict[str, float | None
     }
 
 
-def _angle_column(results: Results) -> str:
-    return next(column.name for column in results.columns if column.name.endswith("_angle_deg"))
-
-
 def _rms(results: Results, reference: Results, column: str) -> float | None:
     """Root mean square difference of a column over the time that both runs have; None where one has no such column."""
-    if not all(any(c.name == column for c in one.columns) for one in (results, reference)):
+    if not all(column in one.names for one in (results, reference)):
         return None
     end = min(results["time_s"][-1], reference["time_s"][-1])
     time = np.linspace(0.0, end, 2001)
@@ -208,31 +203,39 @@ def cells(row: Row) -> dict[str, str | float | None]:
     return {"model": row.name, **measured, **row.differences, "solve_s": row.seconds}
 
 
-@contextmanager
-def runs_folder(
-    directory: Path, kind: str, rows: Iterable[Mapping[str, Any]], runs: Sequence[tuple[str, Results]], of: Results
-) -> Iterator[Path]:
-    """Give a folder of compared runs with their table, histories and motions, and the scenario of one of them.
+def write_runs(
+    directory: Path,
+    kind: str,
+    rows: Iterable[Mapping[str, Any]],
+    runs: Sequence[tuple[str, Results]],
+    summary: dict[str, Any] | None = None,
+    *,
+    figures: bool,
+) -> None:
+    """Write compared runs: their table, histories and motions, completely or not at all; then figures.
 
-    It is there whole once the block has ended, or not at all.
+    summary: of a comparison whose last run is the reference; without one all runs are alike. The scenario is that of
+    the reference, else of the first.
     """
+    reference, of = ("", runs[0][1]) if summary is None else runs[-1]
+    table = list(rows)
     with report.whole_folder(directory, kind) as folder:
-        report.write_rows(folder / f"{kind}.csv", rows)
+        report.write_table(folder / f"{kind}.csv", list(table[0]), (list(row.values()) for row in table))
         (folder / report.SCENARIO).write_text(report.scenario_text(of), encoding="utf-8")
         write_overlay(runs, folder)
-        yield folder
+        if summary is not None:
+            (folder / report.SUMMARY).write_text(report.json_text(summary), encoding="utf-8")
+    if figures:
+        from granular_contact.report.figures.over_time import draw_runs
+
+        with saved_before(directory):
+            draw_runs(runs, directory / report.FIGURES, reference)
 
 
 def write(comparison: Comparison, directory: Path, figures: bool = True) -> None:
     """Write table, verdict, scenario, histories and motions of all, completely or not at all; then figures."""
     runs = [(row.name, row.results) for row in comparison.rows]
-    with runs_folder(directory, "compare", map(cells, comparison.rows), runs, runs[-1][1]) as folder:
-        (folder / report.SUMMARY).write_text(report.json_text(_summary(comparison)), encoding="utf-8")
-    if figures:
-        from granular_contact.report.figures.over_time import draw_runs
-
-        with saved_before(directory):
-            draw_runs(runs, directory / report.FIGURES, comparison.rows[-1].name)
+    write_runs(directory, "compare", map(cells, comparison.rows), runs, _summary(comparison), figures=figures)
 
 
 def _summary(comparison: Comparison) -> dict[str, Any]:

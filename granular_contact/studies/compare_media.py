@@ -11,14 +11,12 @@ import numpy as np
 
 from granular_contact.config import load
 from granular_contact.errors import ConfigError, Fault, SceneError
-from granular_contact.report import FIGURES
-from granular_contact.report.drawn import saved_before
 from granular_contact.results import Compiling, Results
 from granular_contact.results.frames import MOST
 from granular_contact.results.series import resultant
 from granular_contact.run import run, uninterrupted
 from granular_contact.scene import build
-from granular_contact.studies.compare import runs_folder
+from granular_contact.studies.compare import write_runs
 
 
 @dataclass(frozen=True)
@@ -105,10 +103,4 @@ def cells(row: Row) -> dict[str, str | float | None]:
 def write(rows: Sequence[Row], directory: Path, figures: bool = True) -> None:
     """Write the table, the first run's scenario, histories and motions, completely or not at all; then figures."""
     runs = [(row.name, row.results) for row in rows]
-    with runs_folder(directory, "compare-media", map(cells, rows), runs, rows[0].results):
-        pass
-    if figures:
-        from granular_contact.report.figures.over_time import draw_runs
-
-        with saved_before(directory):
-            draw_runs(runs, directory / FIGURES)
+    write_runs(directory, "compare-media", map(cells, rows), runs, figures=figures)

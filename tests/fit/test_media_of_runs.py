@@ -24,7 +24,7 @@ def two(folder: Path, first: str, second: str = "", keys: str = "medium.plunging
 
 def test_the_medium_is_that_of_a_run_that_has_the_coefficient(tmp_path: Path) -> None:
     found = fitted(tmp_path, two(tmp_path, ALBERT))
-    (medium,) = media(found, "test").values()
+    (medium,) = media(found).values()
     assert medium["law"] == "lee_marghitu"
     assert medium["plunging"]["eta_v"] == found.values[0]
     assert "to 1 run (" in medium["source"]

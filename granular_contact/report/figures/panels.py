@@ -18,6 +18,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from granular_contact.report.drawn import drawn
 from granular_contact.report.figures.style import DPI, FAINT, LEGEND_ROW, SINGLE, style
 from granular_contact.report.units import Array, instant, minus, time_unit, unit_for
 from granular_contact.results import REST_MEASURE, Results
@@ -43,11 +44,11 @@ def blank(width: float, height: float, **options: Any) -> Figure:
 
 @contextmanager
 def saved_figure(file: Path, height: float, width: float = SINGLE) -> Iterator[Figure]:
-    """An empty figure (mm) to be drawn, in the style of all, and saved as a PNG in the end."""
-    with style():
+    """An empty figure (mm) to be drawn, in the style of all, and saved as a PNG in the end; fails as of `drawn`."""
+    with style(), drawn(file) as making:
         figure = blank(width, height, layout="constrained")
         yield figure
-        save(figure, file)
+        save(figure, making)
 
 
 def save(figure: Figure, file: Path) -> None:

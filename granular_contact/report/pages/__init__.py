@@ -19,7 +19,8 @@ from typing import Any
 
 from jinja2 import TemplateError
 
-from granular_contact.report import ENTRIES, MOTION, OVERLAY, PAGE, SCENARIO, SUMMARY, version
+from granular_contact import __version__
+from granular_contact.report import ENTRIES, MOTION, OVERLAY, PAGE, SCENARIO, SUMMARY
 from granular_contact.report.pages import comparison, fit, optimise, run, sweep
 from granular_contact.report.pages.folder import Folder, FolderError, open_folder
 from granular_contact.report.pages.live import nothing_live
@@ -82,7 +83,7 @@ def _tables(folder: Folder) -> dict[str, Any]:
     """Content of the page of results without a template of their own."""
     return {
         "title": folder.path.name,
-        "version": version(),
+        "version": __version__,
         "tables": {path.name: folder.table(path.name) for path in sorted(folder.path.glob("*.csv"))},
         "pictures": [*folder.figures(), *sorted(folder.path.glob("*.png"))],
         **nothing_live(),

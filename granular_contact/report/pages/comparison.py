@@ -7,7 +7,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from granular_contact.report import COMPARISON, OF_MEDIA, OVERLAY, PAGE, PROGRAM, SCENARIO, SUMMARY, version
+from granular_contact import __version__
+from granular_contact.report import COMPARISON, OF_MEDIA, OVERLAY, PAGE, PROGRAM, SCENARIO, SUMMARY
 from granular_contact.report.pages.folder import Folder, FolderError, open_folder
 from granular_contact.report.pages.live import live_overlay, nothing_live
 from granular_contact.report.pages.rendering import rendered
@@ -39,7 +40,7 @@ def content(folder: Folder) -> dict[str, Any]:
         live = live_overlay(names, folder.numbers(OVERLAY), folder.played(), reference)
     return {
         "title": summary.get("name") or folder.path.name,
-        "version": (summary.get("versions") or {}).get(PROGRAM) or version(),
+        "version": (summary.get("versions") or {}).get(PROGRAM) or __version__,
         "summary": summary,
         "of_media": of_media,
         "columns": columns,
@@ -75,7 +76,7 @@ def html(directories: Sequence[Path], file: Path) -> str:
         card = _card(folder, file)
         cards.append(card)
         rows.append([card["title"], card["status"], *(card["numbers"].get(key) for key in NUMBERS)])
-    content = {"title": "Gallery", "version": version(), "cards": cards, "keys": ["run", "status", *NUMBERS]}
+    content = {"title": "Gallery", "version": __version__, "cards": cards, "keys": ["run", "status", *NUMBERS]}
     return rendered("gallery", content | {"rows": rows}, {"files": {}})
 
 

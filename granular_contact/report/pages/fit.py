@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from granular_contact.report import PROGRAM
+from granular_contact.report import FIT, PROGRAM, RESIDUALS
 from granular_contact.report.histories import Curve, Group, panel
 from granular_contact.report.pages.chart import chart
 from granular_contact.report.pages.folder import Folder, Table
@@ -15,7 +15,6 @@ from granular_contact.report.pages.live import live_curves, nothing_live
 from granular_contact.report.pages.rendering import flat
 from granular_contact.report.units import Array, column, is_number, label, plain, split
 
-RECORD, RESIDUALS = "fit.json", "residuals.csv"
 # Told by a section of their own; what else a record holds is shown as it is.
 _TOLD = ("name", "status", "converged", "warnings", "parameters", "correlation", "directions", "runs", "versions")
 _RESIDUAL_COLUMNS = ("run", "column", "data", "model", "residual_over_noise")
@@ -23,7 +22,7 @@ _RESIDUAL_COLUMNS = ("run", "column", "data", "model", "residual_over_noise")
 
 def content(folder: Folder) -> dict[str, Any]:
     """Content for its template."""
-    record = folder.read(RECORD)
+    record = folder.read(FIT)
     parameters: dict[str, dict[str, Any]] = record.get("parameters") or {}
     runs = record.get("runs") or []
     return {

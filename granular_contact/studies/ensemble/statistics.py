@@ -10,15 +10,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from granular_contact.report import BANDS, CONVERGENCE, FIGURES, STATISTICS, write_table
-from granular_contact.report.drawn import drawn
 from granular_contact.report.units import is_number
 from granular_contact.studies.ensemble.runs import INSTANTS, SERIES
 from granular_contact.studies.sweep.journal import Row
+from granular_contact.values.arrays import Vector
 
-Vector = NDArray[np.float64]
 LEVELS = (0.05, 0.25, 0.5, 0.75, 0.95)
 _NOT_KEY = ("cost.", "versions.", f"{SERIES}.", "strips.", "facets.")
 # Shown and drawn before all others.
@@ -125,30 +123,27 @@ def write(found: Summary, folder: Path, *, figures: bool = True) -> None:
     if found.bands:
         names = ["time_s", *(f"{name}_q{100 * x:02.0f}" for name in found.bands for x in LEVELS)]
         table = np.vstack([found.time, *found.bands.values()]).T
-        write_table(folder / BANDS, names, ([repr(float(x)) for x in row] for row in table))
+        write_table(folder / BANDS, names, table.tolist())
     if figures and found.count > 1:
         from granular_contact.report.figures.studies import draw_bands, draw_settling
 
         if found.bands:
-            with drawn(folder / FIGURES / "bands.png") as file:
-                draw_bands(found.time, dict(list(found.bands.items())[:MOST]), file)
+            draw_bands(found.time, dict(list(found.bands.items())[:MOST]), folder / FIGURES / "bands.png")
         if found.numbers:
             settled = {key: one.settling() for key, one in list(found.numbers.items())[:MOST]}
-            with drawn(folder / FIGURES / "convergence_of_means.png") as file:
-                draw_settling(settled, file)
+            draw_settling(settled, folder / FIGURES / "convergence_of_means.png")
 
 
-def _statistics(found: Summary) -> Iterator[list[str]]:
+def _statistics(found: Summary) -> Iterator[list[str | float]]:
     for key, one in found.numbers.items():
         ends = (one.values.min(), *one.quantiles, one.values.max())
-        fields = (one.mean, one.error, one.deviation, *ends)
-        yield [key, str(len(one.values)), *(repr(float(x)) for x in fields)]
+        yield [key, len(one.values), one.mean, one.error, one.deviation, *map(float, ends)]
 
 
-def _convergence(found: Summary) -> Iterator[list[str]]:
+def _convergence(found: Summary) -> Iterator[list[str | float]]:
     """Twice as many runs from line to line, and all of them."""
     for key, one in found.numbers.items():
         runs, mean, half = one.settling()
         last = len(runs) - 1
         for i in sorted({*(2**k - 2 for k in range(1, 24) if 2**k - 2 < last), last}):
-            yield [key, str(int(runs[i])), repr(float(mean[i])), repr(float(half[i]))]
+            yield [key, int(runs[i]), float(mean[i]), float(half[i])]

@@ -10,11 +10,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from granular_contact import __version__
 from granular_contact.config import scenario_to_dict
 from granular_contact.laws.scatter import MOST
-from granular_contact.report import FIGURES, PROGRAM, json_text, version, whole_folder, write_table, yaml_text
+from granular_contact.report import FIGURES, FIT, PROGRAM, RESIDUALS, json_text, whole_folder, write_table, yaml_text
 from granular_contact.report.drawn import saved_before
 from granular_contact.results import Results
 from granular_contact.results.summary import versions
@@ -25,10 +25,8 @@ from granular_contact.studies.fit.measurements import DEPTH, RATE, SPEED, Measur
 from granular_contact.studies.fit.problem import MeasuredRun, Parameter, Problem
 from granular_contact.studies.fit.responses import Key
 from granular_contact.studies.fit.uncertainty import Estimate
+from granular_contact.values.arrays import Vector
 
-Vector = NDArray[np.float64]
-
-SUMMARY, RESIDUALS = "fit.json", "residuals.csv"
 HEAD = ("run", "column", "time_s", "data", "model", "residual_over_noise")
 
 
@@ -41,8 +39,8 @@ def write(fit: Fit, directory: Path, figures: bool = True) -> None:
         The disk refuses, or the folder holds something else.
     """
     with whole_folder(directory, "fit") as folder:
-        (folder / SUMMARY).write_text(json_text(summary(fit)), encoding="utf-8")
-        for name, found in media(fit, f"{PROGRAM} {version()}").items():
+        (folder / FIT).write_text(json_text(summary(fit)), encoding="utf-8")
+        for name, found in media(fit).items():
             (folder / name).write_text(_header(fit, name) + yaml_text(found), encoding="utf-8")
         prescribed = list(dict.fromkeys(name for run in fit.problem.runs for name in run.measured.given))
         write_table(folder / RESIDUALS, [*HEAD, *prescribed], _residual_rows(fit, prescribed))
@@ -52,7 +50,7 @@ def write(fit: Fit, directory: Path, figures: bool = True) -> None:
 
 
 def _header(fit: Fit, name: str) -> str:
-    lines = [f"Written by {PROGRAM} {version()}; in a config: medium: path/to/{name}"]
+    lines = [f"Written by {PROGRAM} {__version__}; in a config: medium: path/to/{name}"]
     shared = [one for one in fit.uncertainty.estimates if one.parameter.shared]
     lines += [f"{one.parameter.label}: {one.value:.6g} +- {one.error:.2g}" for one in shared]
     lines += fit.warnings
@@ -206,7 +204,7 @@ def _short(parameter: Parameter) -> str:
 PROVENANCE = "fitted"
 
 
-def media(fit: Fit, program: str) -> dict[str, dict[str, Any]]:
+def media(fit: Fit) -> dict[str, dict[str, Any]]:
     """Media of the run that has all the fitted coefficients, as configs have them, by the names of their files.
 
     Of several media that add up, those of which something was fitted.
@@ -220,24 +218,20 @@ def media(fit: Fit, program: str) -> dict[str, dict[str, Any]]:
     carrying = fit.problem.runs[held]
     found = scenario_to_dict(carrying.simulator.load(_values(fit, carrying)).scenario)[MEDIUM]
     if not isinstance(found, list):
-        return {f"{MEDIUM}.yaml": _described(fit, found, [key[1:] for key in shared], runs, program)}
+        return {f"{MEDIUM}.yaml": _described(fit, found, [key[1:] for key in shared], runs)}
     return {
-        f"{MEDIUM}_{index}.yaml": _described(
-            fit, found[int(index)], [k[2:] for k in shared if k[1] == index], runs, program
-        )
+        f"{MEDIUM}_{index}.yaml": _described(fit, found[int(index)], [k[2:] for k in shared if k[1] == index], runs)
         for index in sorted({key[1] for key in shared})
     }
 
 
-def _described(
-    fit: Fit, found: dict[str, Any], keys: list[Key], runs: list[MeasuredRun], program: str
-) -> dict[str, Any]:
+def _described(fit: Fit, found: dict[str, Any], keys: list[Key], runs: list[MeasuredRun]) -> dict[str, Any]:
     """A medium with its new source and range in the place of the old ones."""
     names = ", ".join(map(".".join, keys))
     files = sorted({run.measured.file for run in runs})
     listed = ", ".join(files[:4]) + (f" and {len(files) - 4} more" if len(files) > 4 else "")
     what = "force test" if all(isinstance(run.simulator, LawAlone) for run in runs) else "run"
-    source = f"{names} fitted by {program} to {len(runs)} {what}{'s' * (len(runs) > 1)} ({listed})"
+    source = f"{names} fitted by {PROGRAM} {__version__} to {len(runs)} {what}{'s' * (len(runs) > 1)} ({listed})"
     if fit.goodness.status == "misfit":
         source += "; misfit: this law does not describe these data"
     kept = {key: value for key, value in found.items() if key != "standing"}  # that of the numbers before

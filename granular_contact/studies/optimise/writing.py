@@ -16,11 +16,10 @@ from granular_contact.report import (
     OPTIMUM,
     PROGRAM,
     json_text,
-    version,
+    origin,
     write,
     yaml_text,
 )
-from granular_contact.report.drawn import drawn
 from granular_contact.results import Results
 from granular_contact.results.summary import versions
 from granular_contact.studies.optimise.outcome import Outcome
@@ -43,8 +42,9 @@ def work_of(study: Study) -> Contents:
 
 def study_text(study: Study) -> str:
     """A file of the search that needs no other: the config with every default, and what is asked of it."""
-    head = f"# Written by {PROGRAM} {version()}; to run it again: {PROGRAM} optimise {OPTIMISE}\n"
-    return head + yaml_text({"config": scenario_to_dict(study.sweep.base)} | study.file.plain())
+    return origin(f"optimise {OPTIMISE}") + yaml_text(
+        {"config": scenario_to_dict(study.sweep.base)} | study.file.plain()
+    )
 
 
 def write_outcome(outcome: Outcome, folder: Path, *, figures: bool = True) -> Results | None:
@@ -131,12 +131,10 @@ def _draw(outcome: Outcome, folder: Path) -> None:
 
     values = [(one.generation, one.value if one.is_allowed else None) for one in outcome.runs]
     file = outcome.study.file
-    with drawn(folder / "history.png") as picture:
-        draw_history(values, file.objective.words, file.objective.sense == "maximise", picture)
+    draw_history(values, file.objective.words, file.objective.sense == "maximise", folder / "history.png")
     tried = {
         name: [one.numbers.get(name, outcome.study.start[name]) for one in outcome.runs] for name in file.parameters
     }
     scales = {name: (one.start, one.stop, one.scale) for name, one in file.parameters.items()}
     best = None if outcome.best is None else outcome.best.index
-    with drawn(folder / "parameters.png") as picture:
-        draw_parameters(tried, scales, [one.is_allowed for one in outcome.runs], best, picture)
+    draw_parameters(tried, scales, [one.is_allowed for one in outcome.runs], best, folder / "parameters.png")

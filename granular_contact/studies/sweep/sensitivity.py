@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 
 from granular_contact.config import Sweep
 from granular_contact.report import FIGURES, SENSITIVITY, write_table
-from granular_contact.report.drawn import drawn
 from granular_contact.report.units import is_number
 from granular_contact.studies.sweep.journal import Row
+from granular_contact.values.arrays import Vector
 
 CONFIDENCE = 0.95
 RESAMPLES = 999
@@ -26,7 +26,6 @@ WIDEST_INTERVAL = 0.5  # interval of an index that says something
 INDEX_TOLERANCE = 0.1  # how far an index may lie where none can: outside 0 to 1, the first order above the total
 HEAD = ("output", "input", "first_order", "first_low", "first_high", "total", "total_low", "total_high", "note")
 
-Vector = NDArray[np.float64]
 _none = partial(np.empty, 0)
 
 
@@ -140,13 +139,13 @@ def write(found: Sequence[Indices], folder: Path, figures: bool = True) -> None:
 
         for one in known:
             first, total = (one.first, one.first_interval), (one.total, one.total_interval)
-            with drawn(folder / FIGURES / f"sensitivity_{one.output}.png") as file:
-                draw_sensitivity(one.output, one.inputs, first, total, file)
+            file = folder / FIGURES / f"sensitivity_{one.output}.png"
+            draw_sensitivity(one.output, one.inputs, first, total, file)
 
 
-def _cells(one: Indices, i: int) -> list[str]:
+def _cells(one: Indices, i: int) -> list[str | float]:
     if one.refused:
         return [one.output, one.inputs[i], *[""] * 6, one.refused]
     first, total = one.first_interval[:, i], one.total_interval[:, i]
     numbers = one.first[i], first[0], first[1], one.total[i], total[0], total[1]
-    return [one.output, one.inputs[i], *(repr(float(value)) for value in numbers), imprecision(one, i)]
+    return [one.output, one.inputs[i], *map(float, numbers), imprecision(one, i)]

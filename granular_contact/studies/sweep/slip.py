@@ -9,7 +9,6 @@ import numpy as np
 
 from granular_contact.config import Sweep
 from granular_contact.report import FIGURES
-from granular_contact.report.drawn import drawn
 from granular_contact.studies.sweep.journal import Row
 
 SLIP = "wheel.slip"
@@ -33,5 +32,4 @@ def write(sweep: Sweep, rows: Iterable[Row], folder: Path) -> None:
         return
     from granular_contact.report.figures.studies import draw_slip
 
-    with drawn(folder / FIGURES / FIGURE) as file:
-        draw_slip(shown, file)
+    draw_slip(shown, folder / FIGURES / FIGURE)

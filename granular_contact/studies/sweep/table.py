@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from granular_contact.config import Sweep, scenario_to_dict
-from granular_contact.report import PROGRAM, SWEEP, TABLE, version, write_table, yaml_text
+from granular_contact.report import SWEEP, TABLE, origin, write_table, yaml_text
 from granular_contact.studies.sweep.checkpoint import Contents
 from granular_contact.studies.sweep.journal import Row
 
@@ -43,7 +43,7 @@ def columns(sweep: Sweep, rows: Iterable[Row]) -> list[str]:
 
 
 def cell(value: Any) -> str:
-    """`repr` of a float is the shortest text that reads back as the same one; nothing for what is not known."""
+    """A value as the text of a cell; nothing for what is not known."""
     if value is None or (isinstance(value, float) and not math.isfinite(value)):
         return ""
     if isinstance(value, bool):
@@ -52,7 +52,7 @@ def cell(value: Any) -> str:
         return "; ".join(map(cell, value))
     if isinstance(value, dict | list):
         return json.dumps(value, ensure_ascii=False)
-    return repr(value) if isinstance(value, float) else str(value)
+    return str(value)
 
 
 def work_of(sweep: Sweep, noun: str = "sweep", runs: str = "cases") -> Contents:
@@ -66,7 +66,7 @@ def sweep_text(sweep: Sweep) -> str:
 
 
 def _lines(sweep: Sweep) -> Iterator[str]:
-    yield f"# Written by {PROGRAM} {version()}; to run it again: {PROGRAM} sweep {SWEEP}\n"
+    yield origin(f"sweep {SWEEP}")
     yield yaml_text({"config": scenario_to_dict(sweep.base)})
     if sweep.sample is not None:
         yield yaml_text({"sample": sweep.sample.plain()})
