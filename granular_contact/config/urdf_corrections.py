@@ -92,8 +92,8 @@ def masses(node: Mapping, robot: Robot, faults: list[Fault]) -> dict[str, GivenM
             faults += [replace(fault, key=f"model.bodies.{name}.{fault.key}") for fault in own_faults]
             continue
         if held:
-            j, center = read.inertia_kg_m2, read.center_of_mass_m
-            tensor = None if j is None else np.array([[j.xx, j.xy, j.xz], [j.xy, j.yy, j.yz], [j.xz, j.yz, j.zz]])
+            inertia, center = read.inertia_kg_m2, read.center_of_mass_m
+            tensor = None if inertia is None else np.array(inertia.tensor)
             found[name] = GivenMass(read.mass_kg, None if center is None else np.array(center, float), tensor)
     return found
 

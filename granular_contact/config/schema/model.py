@@ -66,7 +66,8 @@ def structure_faults(
     closures = closures or {}
     kinds = {"bodies": bodies, "joints": joints, "closures": closures}
     faults = [fault for kind, given in kinds.items() for fault in _name_faults(kind, given)]
-    faults += _twice("closures", closures, joints, "joint")
+    again = "is the name of a joint already; give another"
+    faults += [(("closures", name), f"{name} {again}") for name in closures if name in joints]
     all_bodies, all_joints = dict.fromkeys(bodies), dict(joints)
     if chain is not None:
         parent, links, hinges = chain
@@ -88,10 +89,6 @@ def structure_faults(
     words = "no joint has {} as its child; each body is the child of one joint"
     faults += [(("bodies", body), words.format(body)) for body in bodies if complete and body not in joints_of]
     return faults + _cycle_faults({child: names[0] for child, names in joints_of.items()}, joints, all_joints)
-
-
-def _twice(kind: str, names: Collection[str], others: Collection[str], what: str) -> list[LocalFault]:
-    return [((kind, name), f"{name} is the name of a {what} already; give another") for name in names if name in others]
 
 
 def _chain_faults(chain: Names, bodies: Collection[str], joints: Collection[str]) -> list[LocalFault]:

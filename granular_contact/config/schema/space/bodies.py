@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import math
-from typing import Annotated, Literal
+from typing import Annotated
 
 from pydantic import Field
 
-from granular_contact.config.schema.mechanism import mass_faults, modulus_faults
-from granular_contact.config.schema.shapes import section_faults
+from granular_contact.config.schema.mechanism import Link, Rigid, modulus_faults
 from granular_contact.config.schema.space.shapes import SpatialShape
 from granular_contact.config.schema.space.turned import Point3
 from granular_contact.values.strict import Faults, Listed, NotNegative, Positive, Strict, Tagged, by_type
@@ -28,8 +26,9 @@ class Inertia(Strict):
     yz: float = 0.0
 
     def _faults(self) -> Faults:
-        moments = self.principal()
-        low, middle, high = moments
+        import numpy as np  # not where only schemas are read
+
+        low, middle, high = moments = np.linalg.eigvalsh(self.tensor).tolist()
         listed = ", ".join(f"{one:.4g}" for one in moments)
         if not low > 0.0:
             yield (), f"has the principal moments {listed}; allowed are moments above 0"
@@ -37,34 +36,19 @@ class Inertia(Strict):
             words = f"no body has the principal moments {listed}: the greatest is at most the sum of the other two"
             yield (), words
 
-    def principal(self) -> list[float]:
-        """Principal moments (kg m2), the least first: roots of the characteristic polynomial of a symmetric matrix."""
-        mean = (self.xx + self.yy + self.zz) / 3.0
-        a, b, c = self.xx - mean, self.yy - mean, self.zz - mean
-        square = (a * a + b * b + c * c + 2.0 * (self.xy**2 + self.xz**2 + self.yz**2)) / 6.0
-        if square <= 0.0:
-            return [mean] * 3
-        spread = math.sqrt(square)
-        det = a * (b * c - self.yz**2) - self.xy * (self.xy * c - self.yz * self.xz)
-        det += self.xz * (self.xy * self.yz - b * self.xz)
-        angle = math.acos(max(-1.0, min(1.0, det / (2.0 * spread**3)))) / 3.0
-        return sorted(mean + 2.0 * spread * math.cos(angle + 2.0 * math.pi * k / 3.0) for k in range(3))
+    @property
+    def tensor(self) -> list[list[float]]:
+        """The matrix, row by row."""
+        return [[self.xx, self.xy, self.xz], [self.xy, self.yy, self.yz], [self.xz, self.yz, self.zz]]
 
 
-class SpatialRigid(Strict):
+class SpatialRigid(Rigid):
     """A rigid body: shapes with a density, or a given mass and shapes for the medium only."""
 
-    type: Literal["rigid"]
-    density_kg_m3: Positive | None = None
-    """Of all shapes; give this or the mass."""
-    mass_kg: Positive | None = None
-    inertia_kg_m2: Inertia | None = None
-    center_of_mass_m: Point3 | None = None
-    """In the frame of the body; null: its origin."""
-    shapes: Annotated[tuple[SpatialShape, ...], Listed] = ()
-
-    def _faults(self) -> Faults:
-        return mass_faults(self)
+    inertia_kg_m2: Inertia | None = None  # type: ignore[assignment]
+    """About the centre of mass."""
+    center_of_mass_m: Point3 | None = None  # type: ignore[assignment]
+    shapes: Annotated[tuple[SpatialShape, ...], Listed] = ()  # type: ignore[assignment]
 
 
 class SpatialFlexible(Strict):
@@ -97,26 +81,20 @@ class SpatialFlexible(Strict):
             yield ("axial_damping_N_s",), "damps a link that keeps its length: give axial_stiffness_N as well"
 
 
-class SpatialLink(Strict):
+class SpatialLink(Link):
     """A straight uniform bar along the x axis of its frame, from the root at the origin to the tip."""
 
-    type: Literal["link"]
-    length_m: Positive
-    diameter_m: Positive | None = None
-    """Of a round section; a rectangular one has width_m and thickness_m."""
     width_m: Positive | None = None
     """Along y."""
     thickness_m: Positive | None = None
     """Along z."""
-    density_kg_m3: Positive
-    flexible: SpatialFlexible | None = None
-    """null: the link is rigid."""
+    flexible: SpatialFlexible | None = None  # type: ignore[assignment]
     facet_size_m: Positive | None = None
     """Greatest edge of its facets, for laws of surfaces; null: by its error, of a link that bends a fourth
     of an element, or its thickness if that is more."""
 
     def _faults(self) -> Faults:
-        yield from section_faults(self.diameter_m, self.width_m, self.thickness_m)
+        yield from super()._faults()
         if self.width_m is not None and self.flexible is not None and self.flexible.bending_stiffness_N_m2 is not None:
             words = "stands beside width_m; a rectangular section has two of them: allowed is youngs_modulus_Pa"
             yield ("flexible", "bending_stiffness_N_m2"), words

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from functools import cached_property
 from itertools import cycle
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import Field
 
 from granular_contact.config.schema.mechanism import Chain, ChainHinge, ChainLink, names
-from granular_contact.config.schema.model import mechanism_faults
+from granular_contact.config.schema.model import Model
 from granular_contact.config.schema.space.bodies import SpatialBody, SpatialFlexible, SpatialLink
 from granular_contact.config.schema.space.joints import SpatialClosure, SpatialHinge, SpatialJoint
 from granular_contact.config.schema.space.turned import ORIGIN, Axis, Point3
-from granular_contact.values.strict import Faults, Listed, Positive, Strict, Text, allow
+from granular_contact.values.strict import Listed, Positive, allow
 
 
 class SpatialChainLink(ChainLink):
@@ -53,29 +52,15 @@ class SpatialChain(Chain):
         }
 
 
-class SpatialModel(Strict):
+class SpatialModel(Model):
     """A mechanism in space, x ahead, y left and z up, before it is placed and set in motion."""
 
-    in_space: Annotated[Literal[True], allow("true, or false for a model in the plane")]
-    name: Text
-    description: Text = ""
-    bodies: dict[str, SpatialBody] = Field(default_factory=dict)
-    joints: dict[str, SpatialJoint] = Field(default_factory=dict)
-    """The tree of joints: each body is the child of one, and the ground is the root."""
-    closures: dict[str, SpatialClosure] = Field(default_factory=dict)
-    """Joints that close loops, between bodies that the tree already connects to the ground."""
+    in_space: Annotated[Literal[True], allow("true, or false for a model in the plane")]  # type: ignore[assignment]
+    """false: a model in the plane, whose keys are others."""
+    bodies: dict[str, SpatialBody] = Field(default_factory=dict)  # type: ignore[assignment]
+    joints: dict[str, SpatialJoint] = Field(default_factory=dict)  # type: ignore[assignment]
+    closures: dict[str, SpatialClosure] = Field(default_factory=dict)  # type: ignore[assignment]
     chain: SpatialChain | None = None
-    """Many equal links in a row, besides the bodies and joints."""
-
-    @cached_property
-    def all_bodies(self) -> dict[str, SpatialBody]:
-        """Bodies by name, the links of the chain at the end."""
-        return self.bodies | (self.chain.expanded()[0] if self.chain is not None else {})
-
-    @cached_property
-    def all_joints(self) -> dict[str, SpatialJoint]:
-        """Joints of the tree by name, the hinges of the chain at the end."""
-        return self.joints | (self.chain.expanded()[1] if self.chain is not None else {})
-
-    def _faults(self) -> Faults:
-        return mechanism_faults(self)
+    if TYPE_CHECKING:
+        all_bodies: dict[str, SpatialBody]  # type: ignore[assignment]
+        all_joints: dict[str, SpatialJoint]  # type: ignore[assignment]

@@ -71,10 +71,7 @@ def initial_faults(initial: SpatialInitial, model: SpatialModel) -> Faults:
 class SpatialScenario(Scenario):
     """A run in space, complete: every name resolved and every default in place."""
 
-    model: SpatialModel  # type: ignore[assignment]
-    surface_height_m: float | None = None
-    """Height of the free surface above the origin; null: the mechanism touches the surface at the start. Parts below it
-    start in the medium with zero friction state, as if placed there without disturbing a grain."""
+    model: SpatialModel
     bed: SpatialBed | None = None  # type: ignore[assignment]
     """Slope or heights of the surface, floor, container and layers; null: level and unbounded."""
     initial: SpatialInitial = SpatialInitial()  # type: ignore[assignment]
