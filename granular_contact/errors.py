@@ -10,7 +10,6 @@ from difflib import get_close_matches
 from numbers import Integral
 from typing import Any
 
-_LONGEST = 60  # characters of a value, in a message
 MOST_NAMES = 12  # of what there is, in a message
 
 
@@ -91,6 +90,11 @@ class MissingPackageError(GranularContactError, ImportError):
     """A package that only this call needs is not installed; the message is one line, with how to install it."""
 
 
+def short(text: str, most: int = 60) -> str:
+    """A value for a message, cut to so many characters."""
+    return text if len(text) <= most else f"{text[: most - 3]}..."
+
+
 def unknown_name(what: str, name: Any, known: Iterable[str], welded: Mapping[str, str] | None = None) -> str:
     """That there is no column, control, ... of a name, with the names nearest to it, or the first of all.
 
@@ -115,8 +119,7 @@ def of_type(name: str, given: Any, kinds: type | tuple[type, ...], allowed: str)
         With its name, what was given and what is allowed, in one line.
     """
     if not isinstance(given, kinds):
-        text = " ".join(repr(given).split())
-        text = text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."
+        text = short(" ".join(repr(given).split()))
         raise TypeError(f"{name}: got {text} of type {type(given).__name__}; allowed is {allowed}")
 
 

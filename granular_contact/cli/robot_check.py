@@ -39,7 +39,8 @@ def check(path: str, shapes: str | None, packages: dict[str, Path], mend: str | 
     if mend is not None:
         _mend(found, Path(mend), packages, hull)
     if not found.faults:
-        print(f"{path}: ok{_count(found)}")
+        count = len(found.notes)
+        print(f"{path}: ok" + f", with {count} note{'s' * (count != 1)}" * (count > 0))
     return not found.faults
 
 
@@ -54,11 +55,6 @@ def _mend(found: Inspection, out: Path, packages: dict[str, Path], hull: bool) -
     print(f"mended copy: {mended.path}" + ("" if mended.done else f" (it has no {found.which} meshes)"))
     for fault in inspect(mended.path, found.which, packages).faults:
         complain(f"not mended: {fault}")
-
-
-def _count(found: Inspection) -> str:
-    number = len(found.notes)
-    return f", with {number} note{'s' * (number != 1)}" if number else ""
 
 
 def _print_shapes(found: Inspection) -> None:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from granular_contact.cli import many
 from granular_contact.cli.common import complain, output_folder, print_numbers, print_table, say, there
-from granular_contact.errors import ConfigError, Fault
+from granular_contact.errors import ConfigError, Fault, short
 
 if TYPE_CHECKING:
     from granular_contact.config import Sweep
@@ -133,8 +133,7 @@ def _short_names(keys: Sequence[str]) -> list[str]:
 
 def _value(value: Any) -> str:
     """A value of a case in a cell."""
-    text = f"{value:.5g}" if isinstance(value, float) else "null" if value is None else str(value)
-    return text if len(text) <= MOST_LETTERS else f"{text[: MOST_LETTERS - 3]}..."
+    return short(f"{value:.5g}" if isinstance(value, float) else "null" if value is None else str(value), MOST_LETTERS)
 
 
 def _show_sensitivity(found: Iterable[Indices]) -> None:

@@ -91,13 +91,8 @@ def _restate_one(medium: dict[str, Any]) -> bool:
 @cache
 def _preset(name: object) -> dict[str, Any] | None:
     """The preset of this name as plain data; None if there is none."""
-    if name not in _names():
+    if name not in medium_names():
         return None
     dumped = load_medium(str(name)).model_dump(by_alias=True)
     listed: dict[str, Any] = plain_data(dumped)
     return listed
-
-
-@cache
-def _names() -> frozenset[str]:
-    return frozenset(medium_names())

@@ -12,11 +12,10 @@ from granular_contact.config import allowed
 from granular_contact.config.schema.scenario import Scenario
 from granular_contact.config.tree import Broken, Items, Node, Path, Scalar, child, find, key_position, plain
 from granular_contact.config.tree import Mapping as MappingNode
-from granular_contact.errors import ConfigError, Fault
+from granular_contact.errors import ConfigError, Fault, short
 from granular_contact.values.strict import FAULTS, did_you_mean
 
 M = TypeVar("M", bound=BaseModel)
-_LONGEST_VALUE = 60
 
 
 def validated(model: type[M], tree: Node, faults: list[Fault]) -> M | None:
@@ -50,7 +49,7 @@ def _is_short_of(error: Mapping[str, Any], errors: Sequence[Mapping[str, Any]]) 
 def got(node: Node) -> str:
     """The value of `node` with its YAML type, cut to a readable length."""
     if isinstance(node, Scalar):
-        text = node.text if len(node.text) <= _LONGEST_VALUE else node.text[: _LONGEST_VALUE - 3] + "..."
+        text = short(node.text)
         if isinstance(node.value, str):
             return f"the text {text!r}"
         return "null" if node.value is None else f"the {_scalar_kind(node.value)} {text}"

@@ -6,21 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
-from granular_contact.config import allowed
+from granular_contact.config import allowed, tree
 from granular_contact.config.file_kind import scenario_class
 from granular_contact.config.messages import got
-from granular_contact.config.tree import (
-    Broken,
-    Items,
-    Mapping,
-    Node,
-    Position,
-    Scalar,
-    drop_key,
-    index_of,
-    set_key,
-    under,
-)
 from granular_contact.config.yaml_source import MAX_DEPTH, read_text
 from granular_contact.errors import Fault
 
@@ -36,8 +24,8 @@ class Override:
     """One `--set`, or one key of a sweep: the value that goes under the key `path`."""
 
     path: tuple[str, ...]
-    value: Node
-    position: Position
+    value: tree.Node
+    position: tree.Position
 
     @property
     def is_reference(self) -> bool:
@@ -64,7 +52,7 @@ def effective(overrides: Sequence[Override]) -> list[Override]:
     ]
 
 
-def split(key: str, position: Position, faults: list[Fault], form: str = "dotted.key") -> tuple[str, ...] | None:
+def split(key: str, position: tree.Position, faults: list[Fault], form: str = "dotted.key") -> tuple[str, ...] | None:
     """The parts of a dotted key; None, with a fault that names the allowed `form`, for one that can't be used."""
     path = tuple(key.strip().split("."))
     if not all(path):
@@ -77,7 +65,7 @@ def split(key: str, position: Position, faults: list[Fault], form: str = "dotted
 
 
 def _parse(text: str, faults: list[Fault]) -> Override | None:
-    position = Position(f"--set {text}", None)
+    position = tree.Position(f"--set {text}", None)
     key, equals, value = text.partition("=")
     path = split(key if equals else "", position, faults, form="dotted.key=value")
     if path is None:
@@ -88,7 +76,7 @@ def _parse(text: str, faults: list[Fault]) -> Override | None:
     return Override(path, read_text(value, position.file, faults, path, numbered=False), position)
 
 
-def apply(root: Node, overrides: Sequence[Override], faults: list[Fault]) -> Node:
+def apply(root: tree.Node, overrides: Sequence[Override], faults: list[Fault]) -> tree.Node:
     """`root` with the overrides in it; one without a place is a fault.
 
     null takes out a key that may be left out and takes no null, so that its default holds.
@@ -101,51 +89,51 @@ def apply(root: Node, overrides: Sequence[Override], faults: list[Fault]) -> Nod
     return root
 
 
-def _without(node: Node, path: tuple[str, ...]) -> Node:
+def _without(node: tree.Node, path: tuple[str, ...]) -> tree.Node:
     """A copy of a node without what stands at a path below it."""
     key = path[0]
-    if isinstance(node, Items):
-        at = index_of(key, node)
+    if isinstance(node, tree.Items):
+        at = tree.index_of(key, node)
         items = (_without(one, path[1:]) if i == at else one for i, one in enumerate(node.nodes))
-        return Items(node.position, tuple(items))
+        return tree.Items(node.position, tuple(items))
     if len(path) > 1:
-        return under(node, key, lambda below: _without(below, path[1:]))
-    return drop_key(node, key) if isinstance(node, Mapping) else node
+        return tree.under(node, key, lambda below: _without(below, path[1:]))
+    return tree.drop_key(node, key) if isinstance(node, tree.Mapping) else node
 
 
-def _placed(node: Node | None, override: Override, depth: int, faults: list[Fault]) -> Node:
+def _placed(node: tree.Node | None, override: Override, depth: int, faults: list[Fault]) -> tree.Node:
     """A copy of `node`, which stands under the first `depth` keys of the override, with the value in its place."""
     if depth == len(override.path):
         return override.value
     key = override.path[depth]
-    if isinstance(node, Mapping) or _is_nothing(node):
-        holder = node if isinstance(node, Mapping) else _begun(override, depth)
+    if isinstance(node, tree.Mapping) or _is_nothing(node):
+        holder = node if isinstance(node, tree.Mapping) else _begun(override, depth)
         value = _placed(holder.nodes.get(key), override, depth + 1, faults)
         at = override.position if depth + 1 == len(override.path) else holder.keys.get(key, override.position)
-        return set_key(holder, key, value, at)
-    if isinstance(node, Items):
+        return tree.set_key(holder, key, value, at)
+    if isinstance(node, tree.Items):
         return _placed_in_list(node, override, depth, faults)
-    if isinstance(node, Scalar):
+    if isinstance(node, tree.Scalar):
         held = override.path[:depth]
         faults.append(override.position.fault(override.path, f"{'.'.join(held)} is {got(node)}, which has no keys"))
-    return node if node is not None else Broken(override.position)
+    return node if node is not None else tree.Broken(override.position)
 
 
-def _begun(override: Override, depth: int) -> Mapping:
+def _begun(override: Override, depth: int) -> tree.Mapping:
     """A new mapping where the config has none; in a union one of the default kind."""
-    empty, tag = Mapping(override.position), allowed.default_tag(override.path[:depth])
+    empty, tag = tree.Mapping(override.position), allowed.default_tag(override.path[:depth])
     if tag is None:
         return empty
-    return set_key(empty, tag[0], Scalar(override.position, tag[1], tag[1]), override.position)
+    return tree.set_key(empty, tag[0], tree.Scalar(override.position, tag[1], tag[1]), override.position)
 
 
-def _is_nothing(node: Node | None) -> bool:
-    return node is None or (isinstance(node, Scalar) and node.value is None)
+def _is_nothing(node: tree.Node | None) -> bool:
+    return node is None or (isinstance(node, tree.Scalar) and node.value is None)
 
 
-def _placed_in_list(node: Items, override: Override, depth: int, faults: list[Fault]) -> Items:
+def _placed_in_list(node: tree.Items, override: Override, depth: int, faults: list[Fault]) -> tree.Items:
     key = override.path[depth]
-    index = index_of(key, node)
+    index = tree.index_of(key, node)
     if index is None:
         allowed = f"0 to {len(node.nodes) - 1}" if node.nodes else "none"
         message = f"got {key!r} as the number of a list item; allowed is {allowed}"
@@ -153,4 +141,4 @@ def _placed_in_list(node: Items, override: Override, depth: int, faults: list[Fa
         return node
     items = list(node.nodes)
     items[index] = _placed(items[index], override, depth + 1, faults)
-    return Items(node.position, tuple(items))
+    return tree.Items(node.position, tuple(items))

@@ -12,23 +12,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+from granular_contact.config import tree
 from granular_contact.config.messages import got, kind_of
-from granular_contact.config.tree import (
-    Broken,
-    Items,
-    Mapping,
-    Node,
-    Position,
-    Scalar,
-    child,
-    drop_key,
-    merge,
-    plain,
-    set_key,
-)
 from granular_contact.config.urdf import is_of_robot, mechanism
 from granular_contact.config.yaml_source import read_file
-from granular_contact.errors import Fault
+from granular_contact.errors import Fault, short
 from granular_contact.laws.catalogue import LAWS
 from granular_contact.robot.files import is_file
 from granular_contact.values.strict import did_you_mean
@@ -71,56 +59,59 @@ class Resolver:
         self._config, self._faults = config, faults
         self.notices: list[Fault] = []
 
-    def resolve(self, node: Node, library: Library) -> Node:
+    def resolve(self, node: tree.Node, library: Library) -> tree.Node:
         """Tree of a model or medium given as name, path, or mapping that may have `from`; null is left alone."""
-        if isinstance(node, Scalar) and node.value is None:
+        if isinstance(node, tree.Scalar) and node.value is None:
             return node
-        if isinstance(node, Mapping | Scalar) and not (isinstance(node, Scalar) and not isinstance(node.value, str)):
+        if isinstance(node, tree.Mapping) or (isinstance(node, tree.Scalar) and isinstance(node.value, str)):
             found = self._expand(node, library, self._config, ())
-            if library is MODELS and isinstance(found, Mapping) and is_of_robot(found):
+            if library is MODELS and isinstance(found, tree.Mapping) and is_of_robot(found):
                 return mechanism(found, self._faults, self.notices)
             return found
-        if isinstance(node, Broken):
+        if isinstance(node, tree.Broken):
             return node
         return self._refuse(node.position, (library.key,), f"got {got(node)}; allowed is {_forms(library)}")
 
-    def _refuse(self, position: Position, path: tuple[str, ...], message: str) -> Broken:
+    def _refuse(self, position: tree.Position, path: tuple[str, ...], message: str) -> tree.Broken:
         self._faults.append(position.fault(path, message))
-        return Broken(position)
+        return tree.Broken(position)
 
-    def _expand(self, node: Node, library: Library, file: Path, chain: tuple[Path, ...]) -> Node:
+    def _expand(self, node: tree.Node, library: Library, file: Path, chain: tuple[Path, ...]) -> tree.Node:
         """`node`, written in `file`, merged over what it refers to; `chain` holds the files that led here."""
-        if isinstance(node, Scalar):
+        if isinstance(node, tree.Scalar):
             return self._load(node, library, (library.key,), file, chain)
-        if not isinstance(node, Mapping):
+        if not isinstance(node, tree.Mapping):
             return node
-        if isinstance(node.nodes.get(SCATTER), Scalar) and library is MEDIA:
+        if isinstance(node.nodes.get(SCATTER), tree.Scalar) and library is MEDIA:
             node = self._with_scatter(node, file, chain)
         if FROM not in node.nodes:
             return node
         base = self._load(node.nodes[FROM], library, (library.key, FROM), file, chain)
-        if isinstance(base, Broken):
+        if isinstance(base, tree.Broken):
             return base
         if library is not MEDIA:
-            return merge(base, drop_key(node, FROM))
-        law, given = child(base, LAW), child(node, LAW)
-        if law is not None and given is not None and plain(law) != plain(given):
-            why = f"got {got(given)}, but {plain(node.nodes[FROM])} is of the law {plain(law)}"
+            return tree.merge(base, tree.drop_key(node, FROM))
+        law, given = tree.child(base, LAW), tree.child(node, LAW)
+        if law is not None and given is not None and tree.plain(law) != tree.plain(given):
+            why = f"got {got(given)}, but {tree.plain(node.nodes[FROM])} is of the law {tree.plain(law)}"
             message = f"{why}, and law can't change under from: leave one of the two out"
             return self._refuse(node.keys[LAW], (library.key, LAW), message)
-        return restated(base, merge(base, drop_key(node, FROM)))
+        return restated(base, tree.merge(base, tree.drop_key(node, FROM)))
 
-    def _with_scatter(self, node: Mapping, file: Path, chain: tuple[Path, ...]) -> Mapping:
+    def _with_scatter(self, node: tree.Mapping, file: Path, chain: tuple[Path, ...]) -> tree.Mapping:
         """A medium with what was measured in the one that it names, which is of the same sand by another law."""
         named = node.nodes[SCATTER]
         found = self._load(named, MEDIA, (MEDIA.key, SCATTER), file, chain)
-        measured = found if isinstance(found, Broken) else child(found, SCATTER) or Items(named.position, ())
-        return set_key(node, SCATTER, measured, node.keys[SCATTER])
+        nothing = tree.Items(named.position, ())
+        measured = found if isinstance(found, tree.Broken) else tree.child(found, SCATTER) or nothing
+        return tree.set_key(node, SCATTER, measured, node.keys[SCATTER])
 
-    def _load(self, node: Node, library: Library, path: tuple[str, ...], file: Path, chain: tuple[Path, ...]) -> Node:
-        if isinstance(node, Broken):
+    def _load(
+        self, node: tree.Node, library: Library, path: tuple[str, ...], file: Path, chain: tuple[Path, ...]
+    ) -> tree.Node:
+        if isinstance(node, tree.Broken):
             return node
-        if not isinstance(node, Scalar) or not isinstance(node.value, str):
+        if not isinstance(node, tree.Scalar) or not isinstance(node.value, str):
             return self._refuse(node.position, path, f"got {got(node)}; allowed is {_forms(library)}")
         found = _find(node.value, library, file, at=file.parent if node.position.line is not None else Path())
         if isinstance(found, str):
@@ -130,26 +121,26 @@ class Resolver:
             names = " -> ".join(link.name for link in (*chain[chain.index(real) :], real))
             return self._refuse(node.position, path, f"got {node.value!r}, which leads back to itself: {names}")
         root = read_file(shown(found), self._faults)
-        if isinstance(root, Mapping):
+        if isinstance(root, tree.Mapping):
             made = self._expand(root, library, found, (*chain, real))
             return _named_at(made, node.position) if library is MEDIA else made
-        if isinstance(root, Broken):
+        if isinstance(root, tree.Broken):
             return root
         return self._refuse(
             root.position, (library.key,), f"is not a {library.noun}: it holds {kind_of(root)}; allowed is a mapping"
         )
 
 
-def _named_at(node: Node, at: Position) -> Node:
+def _named_at(node: tree.Node, at: tree.Position) -> tree.Node:
     """A medium at the position of its name, for faults of it as a whole, and its nulls at that position, too: there
     another medium, or the number that its source leaves open, has to be given.
     """
-    if not isinstance(node, Mapping):
+    if not isinstance(node, tree.Mapping):
         return node
-    node = Mapping(at, node.nodes, node.keys)
+    node = tree.Mapping(at, node.nodes, node.keys)
     for key, value in node.nodes.items():
-        if isinstance(value, Scalar) and value.value is None:
-            node = set_key(node, key, Scalar(at, None, value.text), at)
+        if isinstance(value, tree.Scalar) and value.value is None:
+            node = tree.set_key(node, key, tree.Scalar(at, None, value.text), at)
     return node
 
 
@@ -162,7 +153,7 @@ def _find(name: str, library: Library, file: Path, at: Path) -> Path | str:
 
     at: folder that paths start from, that of the file they stand in; of what stands in none, the working folder.
     """
-    quoted = repr(name if len(name) <= 60 else name[:57] + "...")
+    quoted = repr(short(name))
     if name.endswith((".yaml", ".yml")):
         path = at / name
         start = "the folder of the config" if at == file.parent else "the folder that you are in"
@@ -188,7 +179,7 @@ def _find(name: str, library: Library, file: Path, at: Path) -> Path | str:
 def _is_scenario(path: Path, library: Library) -> bool:
     """Whether a file is a config: one beside the config that is read may have the name of its model."""
     root = read_file(shown(path), [])
-    return isinstance(root, Mapping) and library.key in root.nodes
+    return isinstance(root, tree.Mapping) and library.key in root.nodes
 
 
 def shown(path: Path) -> Path:
@@ -205,12 +196,12 @@ ABOUT = frozenset(
 )  # all else is a number of the law
 
 
-def restated(base: Node | None, node: Node) -> Node:
+def restated(base: tree.Node | None, node: tree.Node) -> tree.Node:
     """The medium `node`, merged over the medium `base`, with its provenance corrected if a number was changed.
 
     A provenance or standing that was overridden stays, and so does a medium without either.
     """
-    if not isinstance(base, Mapping) or not isinstance(node, Mapping) or base is node:
+    if not isinstance(base, tree.Mapping) or not isinstance(node, tree.Mapping) or base is node:
         return node
     numbers = sorted(key for key in node.nodes.keys() - ABOUT if _is_changed(base.nodes.get(key), node.nodes[key]))
     if not numbers or not any(_says(base, key) for key in ("provenance", "standing")):
@@ -219,37 +210,37 @@ def restated(base: Node | None, node: Node) -> Node:
     own = {"provenance": "own", "standing": _standing(base, numbers)}
     for key, text in own.items():
         if node.nodes.get(key) is base.nodes.get(key):
-            node = set_key(node, key, Scalar(at, text, text), at)
+            node = tree.set_key(node, key, tree.Scalar(at, text, text), at)
     return node
 
 
-def restated_each(base: Node | None, node: Node) -> Node:
+def restated_each(base: tree.Node | None, node: tree.Node) -> tree.Node:
     """`restated` of one medium, or of each in a list."""
-    if isinstance(base, Items) and isinstance(node, Items) and len(base.nodes) == len(node.nodes):
-        return Items(node.position, tuple(map(restated, base.nodes, node.nodes)))
+    if isinstance(base, tree.Items) and isinstance(node, tree.Items) and len(base.nodes) == len(node.nodes):
+        return tree.Items(node.position, tuple(map(restated, base.nodes, node.nodes)))
     return restated(base, node)
 
 
-def _is_changed(before: Node | None, after: Node) -> bool:
+def _is_changed(before: tree.Node | None, after: tree.Node) -> bool:
     """Whether a number was changed; giving one that its source leaves open (null) is no change.
 
     A group of numbers that is null, as withdrawing, is not open: it means other numbers of the medium.
     """
     if before is after:
         return False
-    if isinstance(before, Scalar) and before.value is None:
-        return isinstance(after, Mapping)
-    return before is None or plain(before) != plain(after)
+    if isinstance(before, tree.Scalar) and before.value is None:
+        return isinstance(after, tree.Mapping)
+    return before is None or tree.plain(before) != tree.plain(after)
 
 
-def _says(medium: Mapping, key: str) -> bool:
-    held = child(medium, key)
-    return held is not None and plain(held) is not None
+def _says(medium: tree.Mapping, key: str) -> bool:
+    held = tree.child(medium, key)
+    return held is not None and tree.plain(held) is not None
 
 
-def _standing(base: Mapping, numbers: list[str]) -> str:
-    name, held = (child(base, key) for key in ("name", "standing"))
-    said = f"changed from {plain(name) if name is not None else 'another'}: "
-    before = str(plain(held)) if held is not None else ""
+def _standing(base: tree.Mapping, numbers: list[str]) -> str:
+    name, held = (tree.child(base, key) for key in ("name", "standing"))
+    said = f"changed from {tree.plain(name) if name is not None else 'another'}: "
+    before = str(tree.plain(held)) if held is not None else ""
     earlier = before.removeprefix(said).split(", ") if before.startswith(said) else []
     return said + ", ".join(sorted({*earlier, *numbers}))

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from granular_contact.errors import Fault
+from granular_contact.errors import Fault, short
 from granular_contact.robot.source import Element
 from granular_contact.robot.types import Pose, Vector
 
@@ -68,7 +68,7 @@ class Reader:
         value = _number(text)
         if value is None or value < least:
             allowed = "a finite number" + (f" of at least {least:g}" if math.isfinite(least) else "")
-            self.fault(element, _dotted(key, attribute), f"got {_short(text)}; allowed is {allowed}")
+            self.fault(element, _dotted(key, attribute), f"got {short(text)!r}; allowed is {allowed}")
             return None
         return value
 
@@ -97,7 +97,7 @@ class Reader:
             return None
         values = [_number(word) for word in text.split()]
         if len(values) != 3 or None in values:
-            self.fault(element, _dotted(key, attribute), f"got {_short(text)}; allowed are three finite numbers")
+            self.fault(element, _dotted(key, attribute), f"got {short(text)!r}; allowed are three finite numbers")
             return None
         return np.array(values, float)
 
@@ -129,10 +129,6 @@ def _number(text: str) -> float | None:
     except ValueError:
         return None
     return value if math.isfinite(value) and "_" not in text else None
-
-
-def _short(text: str) -> str:
-    return repr(text if len(text) <= 60 else text[:57] + "...")
 
 
 def _dotted(key: str, name: str) -> str:

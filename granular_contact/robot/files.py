@@ -10,6 +10,8 @@ import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
+from granular_contact.errors import short
+
 _URL = re.compile(r"([A-Za-z][A-Za-z0-9+.-]+)://(.*)")
 _PACKAGES = ("package", "model")
 
@@ -23,9 +25,9 @@ def find(name: str, robot: Path, packages: Mapping[str, Path] | None = None) -> 
     url = _URL.fullmatch(given)
     if url is None or url[1] == "file":
         path = robot.parent / (given if url is None else url[2])
-        return path if is_file(path) else f"got {_short(name)}, but there is no file {path.resolve()}"
+        return path if is_file(path) else f"got {short(name, 80)!r}, but there is no file {path.resolve()}"
     if url[1] not in _PACKAGES:
-        return f"got {_short(name)}; allowed are paths and package://, nothing is fetched"
+        return f"got {short(name, 80)!r}; allowed are paths and package://, nothing is fetched"
     package, _, rest = url[2].partition("/")
     looked = []
     folders = _folders(package, robot.resolve(), packages or {})
@@ -34,11 +36,11 @@ def find(name: str, robot: Path, packages: Mapping[str, Path] | None = None) -> 
             return folder / rest
         looked += [str(folder / rest)] if folder in folders else []
     if looked:
-        return f"got {_short(name)}, but there is no file {' or '.join(looked[:3])}"
+        return f"got {short(name, 80)!r}, but there is no file {' or '.join(looked[:3])}"
     above = robot.resolve().parent
     lost = f"neither a folder {package}, nor a package.xml of this name, nor {rest[:80]}"
     where = f"in {above} or the {len(above.parents)} folders above it"
-    return f"got {_short(name)}, but there is {lost} {where}; give its place, as packages: {{{package}: PATH}}"
+    return f"got {short(name, 80)!r}, but there is {lost} {where}; give its place, as packages: {{{package}: PATH}}"
 
 
 def _folders(package: str, robot: Path, packages: Mapping[str, Path]) -> list[Path]:
@@ -72,7 +74,3 @@ def _is_there(path: Path, kind: Callable[[Path], bool]) -> bool:
         return kind(path)
     except (OSError, ValueError):
         return False
-
-
-def _short(name: str) -> str:
-    return repr(name if len(name) <= 80 else name[:77] + "...")

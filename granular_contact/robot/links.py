@@ -28,15 +28,11 @@ def _shapes(reader: Reader, link: Element, which: str, name: str) -> Iterator[Sh
     """Shapes of a kind; their faults are kept apart, as only one kind is used."""
     found = link.findall(which)
     for index, one in enumerate(found):
-        apart = Reader(reader.file)
-        shape = _shape(apart, one, _numbered(f"link.{name}.{which}", index, len(found)), name)
+        apart, number = Reader(reader.file), f".{index}" * (len(found) > 1)
+        shape = _shape(apart, one, f"link.{name}.{which}{number}", name)
         reader.of_shapes[which] += [(name, fault) for fault in apart.faults]
         if shape is not None and not apart.faults:
             yield shape
-
-
-def _numbered(key: str, index: int, count: int) -> str:
-    return f"{key}.{index}" if count > 1 else key
 
 
 def _inertial(reader: Reader, link: Element, name: str) -> Inertial | None:

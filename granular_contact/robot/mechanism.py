@@ -14,7 +14,7 @@ from granular_contact.errors import Fault
 from granular_contact.robot.elements import Reader, without_shape
 from granular_contact.robot.files import find
 from granular_contact.robot.massless import has_world, mimicking, unsupported
-from granular_contact.robot.types import Geometry, Inertial, Joint, Link, Pose, Robot, Shape, Vector
+from granular_contact.robot.types import Geometry, Inertial, Joint, Link, Robot, Shape, Vector
 
 GROUND = "ground"
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_-]*")
@@ -64,7 +64,9 @@ def mechanism_of(robot: Robot, reader: Reader, wishes: Wishes) -> Said:
         bodies[robot.root] = GROUND
     made = {joints[name]: _joint(joint, robot, bodies, wishes) for name, joint in robot.joints.items()}
     if not grounded:
-        made = {_base_name(bodies[robot.root], made): _base(robot, bodies, wishes), **made}
+        root = bodies[robot.root]
+        name = root if root not in made else f"{root}_base"  # another joint may have that of the link
+        made = {name: _base(robot, bodies, wishes), **made}
     links = [link for name, link in robot.links.items() if bodies[name] != GROUND]
     return Said(
         {
@@ -93,11 +95,6 @@ def plain_name(kind: str, name: str) -> str:
     plain = re.sub(r"[^A-Za-z0-9_-]", "_", name)
     plain = plain if _NAME.fullmatch(plain) else f"_{plain}"
     return f"{plain}_" if plain in _TAKEN[kind] else plain
-
-
-def _base_name(root: str, joints: Mapping[str, Said]) -> str:
-    """Name of the joint of the root: that of its link, unless another joint has it."""
-    return root if root not in joints else f"{root}_base"
 
 
 def _base(robot: Robot, bodies: Mapping[str, str], wishes: Wishes) -> Said:
@@ -162,17 +159,13 @@ def _joint(joint: Joint, robot: Robot, bodies: Mapping[str, str], wishes: Wishes
         "child": Said(bodies[joint.child], joint.lines["child"]),
     }
     at = joint.lines.get("origin", joint.line)
-    made |= {key: Said(value, at) for key, value in _placed(joint.origin).items()}
+    made |= {"parent_point_m": Said(_three(joint.origin.xyz), at), "rpy_deg": Said(_degrees(joint.origin.rpy), at)}
     if made["type"] in ("hinge", "slider"):
         made["axis"] = Said(_three(joint.axis), joint.lines.get("axis", joint.line))
         made |= _resistance(joint, made["type"] == "hinge")
         if joint.kind != "continuous" and (stops := _stops(joint, robot, wishes)) is not None:
             made["stops"] = Said(stops, joint.lines.get("limit", joint.line))
     return Said(made, joint.line)
-
-
-def _placed(origin: Pose) -> dict[str, list[float]]:
-    return {"parent_point_m": _three(origin.xyz), "rpy_deg": _degrees(origin.rpy)}
 
 
 def _resistance(joint: Joint, rotary: bool) -> dict[str, Said]:

@@ -28,16 +28,7 @@ class Pose:
     def then(self, inner: Pose) -> Pose:
         """Pose in the outer frame of what has the pose `inner` in this one."""
         turn = self.rotation
-        return Pose(self.xyz + turn @ inner.xyz, rpy_of(turn @ inner.rotation))
-
-
-def rpy_of(turn: Vector) -> Vector:
-    """Roll, pitch, yaw (3,) rad of a rotation matrix (3, 3)."""
-    across = float(np.hypot(turn[0, 0], turn[1, 0]))
-    pitch = np.arctan2(-turn[2, 0], across)
-    if across < 1e-9:  # roll and yaw turn about one axis: all of it is roll
-        return np.array([np.arctan2(-turn[1, 2], turn[1, 1]), pitch, 0.0])
-    return np.array([np.arctan2(turn[2, 1], turn[2, 2]), pitch, np.arctan2(turn[1, 0], turn[0, 0])])
+        return Pose(self.xyz + turn @ inner.xyz, rotations.rpy_of(turn @ inner.rotation))
 
 
 @dataclass(frozen=True)

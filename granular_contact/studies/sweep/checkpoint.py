@@ -22,7 +22,7 @@ import yaml
 from granular_contact import report
 from granular_contact.config.differences import MISSING, differences
 from granular_contact.config.tree import dotted
-from granular_contact.errors import GranularContactError
+from granular_contact.errors import GranularContactError, short
 from granular_contact.report import CASES, JOURNAL
 from granular_contact.results.summary import versions
 from granular_contact.studies.sweep.journal import Journal
@@ -191,8 +191,7 @@ def _difference(there: str, here: str, file: str) -> str:
 
 
 def _short(value: Any) -> str:
-    text = json.dumps(value, ensure_ascii=False, default=str)
-    return text if len(text) <= 40 else text[:37] + "..."
+    return short(json.dumps(value, ensure_ascii=False, default=str), 40)
 
 
 def _clear(folder: Path) -> None:
