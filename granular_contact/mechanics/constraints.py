@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from granular_contact.scene.layout import FREEDOMS
 from granular_contact.scene.types import Joint, Vector
 
 if TYPE_CHECKING:
@@ -49,15 +50,9 @@ class Constraints:
         """What a joint keeps at zero."""
         if joint.kind == "free":
             return self._none(0)
-        if joint.kind == "slider":
-            across = self._apart(joint).along(self._axes(joint)[:, 1:])
-            s, rate = self.motion.coordinate(joint)
-            turn, spin = self._turn(joint.parent, joint.parent_point), self._spin(joint)
-            # n (d'' - 2 w x s' e) - w' s, of the offset d along the axis e with the normal n in a frame that turns.
-            across = Rows(across.J - s[:, None, None] * turn.J, across.c - (2.0 * spin * rate)[:, None])
-            return together([across, self._turned(joint)])
-        apart = self._apart(joint)
-        return apart if joint.kind == "hinge" else together([apart, self._turned(joint)])
+        displacements, turns = FREEDOMS[joint.kind]
+        rows = self._across(joint) if displacements else self._apart(joint)
+        return rows if turns else together([rows, self._turned(joint)])
 
     def moved(self, joint: Joint) -> Rows:
         """The coordinate (rad clockwise, or m) of a hinge or slider."""
@@ -66,6 +61,14 @@ class Constraints:
             return Rows(-turned.J, -turned.c)
         s, spin = self.motion.coordinate(joint)[0], self._spin(joint)
         return self._apart(joint).along(self._axes(joint)[:, :1]).plus((spin**2 * s)[:, None])
+
+    def _across(self, joint: Joint) -> Rows:
+        """Of the offset of a slider's points across its axis."""
+        across = self._apart(joint).along(self._axes(joint)[:, 1:])
+        s, rate = self.motion.coordinate(joint)
+        turn, spin = self._turn(joint.parent, joint.parent_point), self._spin(joint)
+        # n (d'' - 2 w x s' e) - w' s, of the offset d along the axis e with the normal n in a frame that turns.
+        return Rows(across.J - s[:, None, None] * turn.J, across.c - (2.0 * spin * rate)[:, None])
 
     def _none(self, count: int) -> Rows:
         n, m = self.shape

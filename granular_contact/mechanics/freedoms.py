@@ -17,6 +17,7 @@ import numpy as np
 
 from granular_contact.mechanics.constraints import together
 from granular_contact.mechanics.kinematics import Kinematics
+from granular_contact.scene.layout import FREEDOMS
 from granular_contact.scene.types import Drive, Joint, Vector
 
 REGULAR = 1e-8  # of the greatest singular value: what is less is no constraint of its own
@@ -42,7 +43,7 @@ def freedoms(motion: Kinematics) -> Freedoms:
     scene, (n, m) = motion.scene, motion.trajectory.q.shape
     moved = {drive.joint for drive in scene.drives if drive.kind == "motion"}
     tree, closures = ([joint for joint in scene.joints if joint.closes is closes] for closes in (False, True))
-    sizes = [3 if one.kind == "free" else int(one.has_coordinate and one.name not in moved) for one in tree]
+    sizes = [0 if one.name in moved else sum(FREEDOMS[one.kind]) for one in tree]
     ends = np.cumsum([0, *sizes]).tolist()
     columns = {joint.name: slice(*both) for joint, both in zip(tree, pairwise(ends), strict=True)}
     bending = _shapes(motion, tree, ends[-1])
@@ -55,7 +56,7 @@ def freedoms(motion: Kinematics) -> Freedoms:
             _turn_by_bending(motion, joint, bending[joint.child], W, turns)
         if columns[joint.name].start < columns[joint.name].stop:
             _turn_by_joint(motion, joint, columns[joint.name], turns)
-            if joint.kind != "free":
+            if joint.has_coordinate:
                 i = columns[joint.name].start
                 K[:, i, i], D[:, i, i] = slopes(motion, joint, scene.drive(joint.name))
     _carry(motion, turns, _carried(motion, tree, columns, bending, size), W)
@@ -113,12 +114,13 @@ def _turn_by_joint(motion: Kinematics, joint: Joint, columns: slice, turns: Turn
         turns.along[:, columns] = [[1.0, 0.0], [0.0, 1.0], [0.0, 0.0]]
         turns.s[:, columns] = [0.0, 0.0, 1.0]
         turns.place[:, columns] = motion.center(joint.child)[0][:, None]
-    elif joint.kind == "slider":
-        assert joint.axis is not None
+        return
+    if joint.axis is not None:
         angle = motion.angle(joint.parent, joint.parent_point)[0] + np.arctan2(joint.axis[1], joint.axis[0])
         turns.along[:, columns.start] = np.column_stack([np.cos(angle), np.sin(angle)])
-    else:  # coordinates of hinges turn clockwise
-        turns.s[:, columns], turns.place[:, columns.start] = -1.0, motion.position(joint.child, joint.child_point)[0]
+    if FREEDOMS[joint.kind][1]:  # clockwise
+        last = columns.stop - 1
+        turns.s[:, last], turns.place[:, last] = -1.0, motion.position(joint.child, joint.child_point)[0]
 
 
 def _turn_by_bending(motion: Kinematics, joint: Joint, columns: slice, W: Vector, turns: Turns) -> None:

@@ -15,12 +15,11 @@ from granular_contact.scene.bodies import flexible_links, rigid_body
 from granular_contact.scene.checks import beyond_numbers, closure_faults, inapplicable, media_notes, too_steep
 from granular_contact.scene.drives import drives
 from granular_contact.scene.joints import joints_of
-from granular_contact.scene.layout import GROUND, ZERO, JointState, Layout, lay_out, point
+from granular_contact.scene.layout import FREEDOMS, GROUND, ZERO, JointState, Layout, lay_out, point, start
 from granular_contact.scene.loops import PlanarLoops, closed, redundant
 from granular_contact.scene.methods import check_minimal, check_reduced, serves
 from granular_contact.scene.parts import FlexibleLink, RigidBody, Shape, turned
 from granular_contact.scene.shapes import farthest, lowest
-from granular_contact.scene.start import start
 from granular_contact.scene.steps import steps
 from granular_contact.scene.stiff import LEAST_BOW, bow, with_rigid
 from granular_contact.scene.types import Drive, Minimal, Reduced, Scene, Vector
@@ -281,7 +280,7 @@ def _tip(ends: list[End], rigid: tuple[RigidBody, ...], layout: Layout) -> tuple
     if not ends:
         return rigid[0].name, ZERO
     on_ground = [joint for joint in layout.model.all_joints.values() if joint.parent == GROUND]
-    if any(isinstance(joint, schema.Slider | schema.Free) for joint in on_ground):
+    if any(FREEDOMS[joint.type][0] for joint in on_ground):
         lowest = min(end.lowest for end in ends)
         return next((e.body, e.point) for e in reversed(ends) if e.lowest <= lowest + 1e-12)
     root = point(on_ground[0].parent_point_m)

@@ -99,9 +99,8 @@ def _scale(loops: Loops) -> Vector:
     length = max(float(np.linalg.norm(point)) for point in points) or 1.0
     scale = np.ones(loops.size)
     for name, joint in loops.joints.items():
-        at = loops.places[name]
-        lengths = {"slider": 1, "free": (at.stop - at.start + 1) // 2}.get(joint.type, 0)  # they come before turns
-        scale[at.start : at.start + lengths] = length
+        first, (displacements, _) = loops.places[name].start, loops.freedoms[joint.type]
+        scale[first : first + displacements] = length
     return scale
 
 
@@ -123,8 +122,5 @@ def other_homes(loops: Loops, written: Mapping[str, Any], states: Mapping[str, A
 
 
 def _differ(one: Any, other: Any) -> bool:
-    if hasattr(one, "turn"):
-        return bool(
-            np.abs(one.turn - other.turn).max() > _ALIKE or np.abs(one.position - other.position).max() > _ALIKE
-        )
-    return bool(np.abs(one.value - other.value).max() > _ALIKE)
+    parts = [part for part in ("value", "position", "turn") if hasattr(one, part)]
+    return any(np.abs(getattr(one, part) - getattr(other, part)).max(initial=0.0) > _ALIKE for part in parts)

@@ -28,14 +28,14 @@ def joints_of(
             continue
         assert child is not None  # closures with child and parent swapped are refused before
         pin = placed[joint.child].world(point(joint.child_point_m))
-        # The points of a slider stay where they are on their bodies; elsewhere both are the pin.
+        # The points of a joint with an axis stay where they are on their bodies; elsewhere both are the pin.
         at = pin
         start, rate = coordinate(placed, name, joint, states)
         axis, offset = None, 0.0
-        if isinstance(joint, schema.SliderClosure):
+        if hasattr(joint, "axis"):
             at = placed[joint.parent].world(point(joint.parent_point_m))
             axis = rotation(placed[joint.parent].angle - parent_frame.angle) @ direction(joint)
-        elif isinstance(joint, schema.HingeClosure):
+        if isinstance(joint, schema.HingeClosure):
             offset = start - (parent_frame.angle - child_frame.angle)
             offset = 0.0 if abs(offset) < 1e-12 else offset
         yield Joint(

@@ -12,11 +12,14 @@ from typing import Any
 import numpy as np
 
 from granular_contact.config import schema
+from granular_contact.errors import Fault
 from granular_contact.scene.parts import InitialMotion, WorkspaceBound, rotation, turned
-from granular_contact.scene.types import Vector
+from granular_contact.scene.start import Said, Start, begun
+from granular_contact.scene.types import Drive, Vector
 
 GROUND = "ground"
-SIZES = {"hinge": 1, "slider": 1, "free": 3, "weld": 0}  # degrees of freedom of joints
+# Displacements and turns that joints leave free.
+FREEDOMS = {"hinge": (0, 1), "slider": (1, 0), "free": (2, 1), "weld": (0, 0)}
 ZERO = np.zeros(2)
 STILL = InitialMotion(ZERO, 0.0, ZERO, 0.0)
 Pose = dict[str, InitialMotion]  # of all bodies, the ground among them
@@ -48,8 +51,8 @@ def point(xy: tuple[float, float]) -> Vector:
     return np.array(xy, dtype=float)
 
 
-def direction(joint: schema.SliderClosure) -> Vector:
-    """Unit vector (2,) along the axis of a slider, in the frame of its parent."""
+def direction(joint: Any) -> Vector:
+    """Unit vector (2,) along the axis of a joint, in the frame of its parent."""
     axis = point(joint.axis)
     unit: Vector = axis / math.hypot(*axis)
     return unit
@@ -92,6 +95,46 @@ def _child(joint: schema.Joint, state: JointState | None, parent: InitialMotion,
     arm = rotation(angle) @ point(joint.child_point_m)
     velocity = parent.speed_at(pin) + speed - rate * np.array([-arm[1], arm[0]])
     return InitialMotion(pin - arm, angle, velocity, rate)
+
+
+def start(scenario: schema.Scenario, drives: tuple[Drive, ...], impact_speed: float, faults: list[Fault]) -> Start:
+    """Initial states of all joints of the tree, not looking at loops; faults are appended.
+
+    impact_speed: rate of the ground hinges (rad/s).
+    """
+    initial = scenario.initial
+
+    def said(name: str, joint: schema.Joint) -> Said:
+        given = (initial.joints or {}).get(name, schema.JointStart())
+        struck = isinstance(joint, schema.Hinge) and joint.parent == GROUND and initial.impact_angle_deg is not None
+        places = (given.angle_deg, given.position_m, given.x_m, given.y_m)
+        has_rate = given.rate_rad_s is not None or given.speed_m_s is not None
+        free = isinstance(joint, schema.Free)
+        return Said(
+            _said(joint, given, initial, impact_speed),
+            free or struck or any(v is not None for v in places),
+            free or (struck and impact_speed != 0.0) or has_rate,
+        )
+
+    return begun(scenario, drives, said, faults)
+
+
+def _said(joint: schema.Joint, said: schema.JointStart, initial: schema.Initial, impact_speed: float) -> JointState:
+    """State of a joint as the run gives it; the reference configuration at rest where it does not."""
+    if isinstance(joint, schema.Slider):
+        at = joint.home_m if said.position_m is None else said.position_m
+        return JointState(np.array([at]), np.array([said.speed_m_s or 0.0]))
+    if isinstance(joint, schema.Free):
+        value = [said.x_m or 0.0, said.y_m or 0.0, math.radians(said.angle_deg or 0.0)]
+        return JointState(np.array(value), np.array([said.vx_m_s or 0.0, said.vy_m_s or 0.0, said.rate_rad_s or 0.0]))
+    assert isinstance(joint, schema.Hinge)  # a weld has no state
+    on_ground = joint.parent == GROUND
+    home = initial.impact_angle_deg if on_ground and initial.impact_angle_deg is not None else joint.home_deg
+    angle = home if said.angle_deg is None else said.angle_deg
+    speed = impact_speed if on_ground else 0.0
+    return JointState(
+        np.array([math.radians(angle)]), np.array([speed if said.rate_rad_s is None else said.rate_rad_s])
+    )
 
 
 def workspace_bounds(model: schema.Model, placed: Pose) -> dict[str, WorkspaceBound]:

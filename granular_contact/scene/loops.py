@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from granular_contact.config import schema
 from granular_contact.errors import Fault, scene_fault
 from granular_contact.scene.homes import other_homes, solved
-from granular_contact.scene.layout import SIZES, JointState, Pose, direction, is_rigid, point, pose
+from granular_contact.scene.layout import FREEDOMS, JointState, Pose, direction, is_rigid, point, pose
 from granular_contact.scene.parts import rotation, turned
 from granular_contact.scene.start import Start, home
 from granular_contact.scene.types import Drive, Vector
@@ -28,12 +28,14 @@ _CONTINUATION_STEPS = 8  # in which a loop is led from home to where the run wan
 class Loops:
     """The loops of a model, as equations of the states of its tree of joints; in the plane `PlanarLoops`.
 
-    sizes: degrees of freedom by type of joint. States are those of the layout, in the plane or in space.
+    freedoms: how many displacements and turns each type of joint leaves free, which are its coordinates in this order.
+    States are those of the layout, in the plane or in space.
     """
 
-    def __init__(self, model: Any, sizes: Mapping[str, int]) -> None:
-        self.model = model
-        self.joints = {name: joint for name, joint in model.all_joints.items() if sizes.get(joint.type, 0) > 0}
+    def __init__(self, model: Any, freedoms: Mapping[str, tuple[int, int]]) -> None:
+        self.model, self.freedoms = model, freedoms
+        sizes = {kind: sum(both) for kind, both in freedoms.items()}
+        self.joints = {name: joint for name, joint in model.all_joints.items() if sizes[joint.type] > 0}
         ends = np.cumsum([0, *(sizes[joint.type] for joint in self.joints.values())])
         self.places = {name: slice(a, b) for name, a, b in zip(self.joints, ends, ends[1:], strict=False)}
         self.size = int(ends[-1])
@@ -97,7 +99,7 @@ class PlanarLoops(Loops):
     """The loops of a model in the plane; what is welded to the ground is turned by ground_angle (rad)."""
 
     def __init__(self, model: schema.Model, ground_angle: float) -> None:
-        super().__init__(model, SIZES)
+        super().__init__(model, FREEDOMS)
         self.ground_angle = ground_angle
 
     def pose(self, states: Mapping[str, JointState]) -> Pose:
@@ -121,19 +123,18 @@ class PlanarLoops(Loops):
 
     def apart(self, name: str, gap: Vector) -> tuple[float, float]:
         """Distance (m) and angle (rad) in the residual of a closure."""
-        if isinstance(self.model.closures[name], schema.HingeClosure):
+        if FREEDOMS[self.model.closures[name].type][1]:
             return float(np.linalg.norm(gap)), 0.0
         return float(np.linalg.norm(gap[:-1])), abs(float(gap[-1]))
 
 
 def _held(joint: schema.Closure, angle: float, gap: Vector, turn: float) -> Vector:
     """What a closure holds of a gap (2,) and a turn; angle (rad): of its parent."""
-    if isinstance(joint, schema.HingeClosure):
-        return gap
-    if isinstance(joint, schema.SliderClosure):
+    displacements, turns = FREEDOMS[joint.type]
+    if displacements:
         along = rotation(angle) @ direction(joint)
-        return np.array([np.array([-along[1], along[0]]) @ gap, turn])
-    return np.array([*gap, turn])
+        gap = np.array([np.array([-along[1], along[0]]) @ gap])
+    return gap if turns else np.array([*gap, turn])
 
 
 def closed(loops: Loops, begun: Start, faults: list[Fault], notes: list[Fault]) -> dict[str, Any]:

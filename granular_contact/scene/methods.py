@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from granular_contact.config.schema.joints import PLURAL, SINGULAR
+from granular_contact.config.schema.joints import joint_of
 from granular_contact.errors import scene_error
 from granular_contact.scene.parts import FlexibleLink, RigidBody
 from granular_contact.scene.types import Joint, Minimal, Reduced, Scene
@@ -55,7 +55,7 @@ def _obstacles(scene: Scene) -> Iterator[str]:
     others: dict[tuple[str, str], list[str]] = {}
     for joint in scene.joints:
         if joint.closes or joint.kind == "weld":
-            words = f"is {SINGULAR[joint.kind]}", f"are {PLURAL[joint.kind]}"
+            words = f"is a {joint_of(joint.kind)}", f"are {joint_of(joint.kind)}s"
             others.setdefault(("closes a loop", "close loops") if joint.closes else words, []).append(joint.name)
     for (one, many), names in others.items():
         yield f"{named(names)} {one if len(names) == 1 else many}"
@@ -128,7 +128,7 @@ def _joints(scene: Scene) -> Iterator[str]:
         child, fits = _reduces(scene, joint)
         if not fits:
             where = "the ground" if joint.parent is None else joint.parent
-            yield f"{joint.name} is {SINGULAR[joint.kind]} between {where} and {child}"
+            yield f"{joint.name} is a {joint_of(joint.kind)} between {where} and {child}"
 
 
 def _reduces(scene: Scene, joint: Joint) -> tuple[str, bool]:

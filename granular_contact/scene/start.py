@@ -11,7 +11,6 @@ import numpy as np
 
 from granular_contact.config import schema
 from granular_contact.errors import Fault, scene_fault
-from granular_contact.scene.layout import GROUND, JointState
 from granular_contact.scene.types import Drive
 
 # What a start may differ by from a prescribed motion (rad, m, rad/s, m/s): the digits of a config.
@@ -33,28 +32,6 @@ class Said(NamedTuple):
     state: Any  # of `Start.states`
     has_place: bool
     has_rate: bool
-
-
-def start(scenario: schema.Scenario, drives: tuple[Drive, ...], impact_speed: float, faults: list[Fault]) -> Start:
-    """Initial states of all joints of the tree, not looking at loops; faults are appended.
-
-    impact_speed: rate of the ground hinges (rad/s).
-    """
-    initial = scenario.initial
-
-    def said(name: str, joint: schema.Joint) -> Said:
-        given = (initial.joints or {}).get(name, schema.JointStart())
-        struck = isinstance(joint, schema.Hinge) and joint.parent == GROUND and initial.impact_angle_deg is not None
-        places = (given.angle_deg, given.position_m, given.x_m, given.y_m)
-        has_rate = given.rate_rad_s is not None or given.speed_m_s is not None
-        free = isinstance(joint, schema.Free)
-        return Said(
-            _said(joint, given, initial, impact_speed),
-            free or struck or any(v is not None for v in places),
-            free or (struck and impact_speed != 0.0) or has_rate,
-        )
-
-    return begun(scenario, drives, said, faults)
 
 
 def begun(
@@ -89,24 +66,6 @@ def begun(
 def home(joint: Any) -> float:
     """Coordinate (rad, m) of a hinge or slider, in the plane or in space, in the reference configuration."""
     return math.radians(joint.home_deg) if joint.type == "hinge" else float(joint.home_m)
-
-
-def _said(joint: schema.Joint, said: schema.JointStart, initial: schema.Initial, impact_speed: float) -> JointState:
-    """State of a joint as the run gives it; the reference configuration at rest where it does not."""
-    if isinstance(joint, schema.Slider):
-        at = joint.home_m if said.position_m is None else said.position_m
-        return JointState(np.array([at]), np.array([said.speed_m_s or 0.0]))
-    if isinstance(joint, schema.Free):
-        value = [said.x_m or 0.0, said.y_m or 0.0, math.radians(said.angle_deg or 0.0)]
-        return JointState(np.array(value), np.array([said.vx_m_s or 0.0, said.vy_m_s or 0.0, said.rate_rad_s or 0.0]))
-    assert isinstance(joint, schema.Hinge)  # a weld has no state
-    on_ground = joint.parent == GROUND
-    home = initial.impact_angle_deg if on_ground and initial.impact_angle_deg is not None else joint.home_deg
-    angle = home if said.angle_deg is None else said.angle_deg
-    speed = impact_speed if on_ground else 0.0
-    return JointState(
-        np.array([math.radians(angle)]), np.array([speed if said.rate_rad_s is None else said.rate_rad_s])
-    )
 
 
 def _gaps(name: str, joint: Any, own: Said, follows: Any) -> Iterator[Fault]:

@@ -43,7 +43,7 @@ class Joint:
     """
 
     name: str
-    kind: Literal["hinge", "weld", "slider", "free"]
+    kind: str  # the type of the config
     parent: str | None
     parent_point: Vector
     child: str
@@ -242,7 +242,7 @@ class Scene:
     def pivot(self) -> Joint | None:
         """First hinge to the ground of a mechanism that hangs on it by hinges and welds alone."""
         on_ground = [c for c in self.joints if c.parent is None]
-        if any(c.kind in ("slider", "free") for c in on_ground) or any(c.closes for c in self.joints):
+        if any(c.kind not in ("hinge", "weld") for c in on_ground) or any(c.closes for c in self.joints):
             return None
         return next((c for c in on_ground if c.kind == "hinge"), None)
 

@@ -5,13 +5,13 @@ With it the checks of a scenario against its mechanism: initial states and drive
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from typing import Annotated, Any
 
 from pydantic import Field
 
 from granular_contact.config.schema.drives import TARGETS, AnyDrive, Motion, target
-from granular_contact.config.schema.joints import SINGULAR
+from granular_contact.config.schema.joints import joint_of
 from granular_contact.config.schema.model import GROUND, Model
 from granular_contact.config.schema.signals import AnySignal, Buehler, Shared, Sine
 from granular_contact.values.strict import Faults, LocalFault, Strict, no_such
@@ -39,11 +39,6 @@ class JointStart(Strict):
         return self.y_m
 
 
-KEYS = {
-    "hinge": ("angle_deg", "rate_rad_s"),
-    "slider": ("position_m", "speed_m_s"),
-    "free": ("x_m", "y_m", "angle_deg", "vx_m_s", "vy_m_s", "rate_rad_s"),
-}
 RATES = ("rate_rad_s", "speed_m_s", "vx_m_s", "vy_m_s")
 
 
@@ -85,32 +80,27 @@ def initial_faults(initial: Initial, model: Model) -> Iterator[LocalFault]:
         words = f"got {initial.impact_angle_deg:g}, but no hinge and no weld is on the ground: use initial.joints"
         yield ("initial", "impact_angle_deg"), words
     for name, start in (initial.joints or {}).items():
-        yield from joint_state_faults(name, start, model, KEYS, "hinges, sliders and free joints")
+        yield from joint_state_faults(name, start, model, "hinges, sliders and free joints")
         pinned = name in joints and joints[name].type != "weld" and joints[name].parent == GROUND
         if pinned and start.angle_deg is not None and initial.impact_angle_deg is not None:
             words = "got this and initial.impact_angle_deg; allowed is one of them"
             yield ("initial", "joints", name, "angle_deg"), words
 
 
-def joint_state_faults(
-    name: str, start: Any, model: Any, keys: Mapping[str, Iterable[str]], allowed: str
-) -> Iterator[LocalFault]:
-    """Faults of the initial state of one joint, in the plane or in space.
-
-    keys: those of a state, by type of joint; allowed: words for the joints that have one.
-    """
+def joint_state_faults(name: str, start: Any, model: Any, allowed: str) -> Iterator[LocalFault]:
+    """Faults of the initial state of one joint, in the plane or in space; allowed: words for joints that have one."""
     joints, path = model.all_joints, ("initial", "joints", name)
     if name not in joints:
         what = "closes a loop, which follows from the others" if name in model.closures else None
         yield path, f"{name} {what}" if what else no_such("joint", name, joints)
         return
-    kind = joints[name].type
-    if kind == "weld":
-        yield path, f"{name} is a weld, which has no state; allowed are {allowed}"
+    kind, keys = joint_of(joints[name].type), joints[name].start_keys
+    if not keys:
+        yield path, f"{name} is a {kind}, which has no state; allowed are {allowed}"
         return
     given = {key for key in start.model_fields_set if getattr(start, key) is not None}
-    for key in sorted(given - set(keys[kind])):
-        yield (*path, key), f"{name} is {SINGULAR[kind]}; allowed are {', '.join(keys[kind])}"
+    for key in sorted(given - set(keys)):
+        yield (*path, key), f"{name} is a {kind}; allowed are {', '.join(keys)}"
 
 
 def drive_faults(drives: Mapping[str, AnyDrive], signals: Mapping[str, AnySignal], model: Any) -> Iterator[LocalFault]:
@@ -127,17 +117,17 @@ def drive_faults(drives: Mapping[str, AnyDrive], signals: Mapping[str, AnySignal
         if name not in joints:
             yield path, no_such("joint", name, joints)
             continue
-        kind = joints[name].type
+        kind, what = joints[name].type, joint_of(joints[name].type)
         if isinstance(drive, Motion) and name in model.closures:
             yield (
                 path,
                 f"{name} closes a loop; a motion drives a joint of the tree: make one of them the closure instead",
             )
         elif kind not in TARGETS.values():
-            yield path, f"{name} is {SINGULAR[kind]}, which can't be driven; allowed are hinges and sliders"
+            yield path, f"{name} is a {what}, which can't be driven; allowed are hinges and sliders"
         elif kind != TARGETS[key]:
             allowed = ", ".join(k for k, of in TARGETS.items() if of == kind)
-            yield (*path, key), f"{name} is {SINGULAR[kind]}; a drive of {SINGULAR[kind]} has one of the keys {allowed}"
+            yield (*path, key), f"{name} is a {what}; a drive of a {what} has one of the keys {allowed}"
 
 
 def unused_signals(drives: Mapping[str, AnyDrive], signals: Mapping[str, AnySignal]) -> list[str]:

@@ -10,7 +10,7 @@ its axis.
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, get_args
+from typing import Annotated, Any, ClassVar, Literal, get_args
 
 from pydantic import GetCoreSchemaHandler
 from pydantic_core import CoreSchema, core_schema
@@ -20,15 +20,12 @@ from granular_contact.values.strict import Faults, NotNegative, Point, Positive,
 # The words of robotics for types of joints, and ours.
 SYNONYMS = {"revolute": "hinge", "prismatic": "slider", "fixed": "weld", "floating": "free"}
 IN_SPACE = {"spherical": "ball"}
-# One and several joints of a type in messages.
-SINGULAR = {
-    "hinge": "a hinge",
-    "slider": "a slider",
-    "weld": "a weld",
-    "free": "a free joint",
-    "ball": "a ball joint",
-}
-PLURAL = {"hinge": "hinges", "slider": "sliders", "weld": "welds", "free": "free joints", "ball": "ball joints"}
+_NOUNS = "hinge", "slider", "weld"  # types that are nouns by themselves
+
+
+def joint_of(kind: str) -> str:
+    """Name of a type of joints in messages: hinge, ball joint."""
+    return kind if kind in _NOUNS else f"{kind} joint"
 
 
 class OrSynonym:
@@ -47,6 +44,7 @@ class _Ends(Strict):
     """A body, or `ground`."""
     child: str
     """A body; each is the child of exactly one joint, besides the closures of loops."""
+    start_keys: ClassVar[tuple[str, ...]] = ()  # of its state at the start, see `JointStart`
     parent_point_m: Point = (0.0, 0.0)
     """Where the joint sits in the frame of the parent."""
     child_point_m: Point = (0.0, 0.0)
@@ -96,6 +94,7 @@ class HingeClosure(_Ends):
 class Hinge(HingeClosure):
     """The child turns about the normal of the plane."""
 
+    start_keys = "angle_deg", "rate_rad_s"
     home_deg: float = 0.0
     """Angle at the start, unless the run says otherwise; clockwise, from the x axis of the parent."""
 
@@ -155,6 +154,7 @@ class SliderClosure(_Ends):
 class Slider(SliderClosure):
     """The child moves along an axis that is fixed in the parent, and does not turn."""
 
+    start_keys = "position_m", "speed_m_s"
     home_m: float = 0.0
     """Position along the axis at the start, unless the run says otherwise."""
 
@@ -163,6 +163,7 @@ class Free(_Ends):
     """The child moves freely in the plane; `initial.joints` of the run gives its initial state."""
 
     type: Annotated[Literal["free"], OrSynonym()]
+    start_keys = "x_m", "y_m", "angle_deg", "vx_m_s", "vy_m_s", "rate_rad_s"
 
     def _faults(self) -> Faults:
         if self.parent != "ground":

@@ -19,7 +19,7 @@ from granular_contact.mechanics.space.coordinates import coordinate
 from granular_contact.mechanics.space.system import SpatialSystem
 from granular_contact.mechanics.system import RigidHandle
 from granular_contact.sand.space.of_scene import add_part, load_of
-from granular_contact.scene.space.loops import CONSTRAINED
+from granular_contact.scene.space.layout import CONSTRAINED
 from granular_contact.scene.space.types import SpatialJoint, SpatialRigidBody, SpatialScene
 
 WHOLE = {

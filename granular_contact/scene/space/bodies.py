@@ -18,8 +18,8 @@ from granular_contact.geometry import rotations
 from granular_contact.sand.space.triangles import FACET_SIZE
 from granular_contact.scene.joint_law import IDLE, joint_law
 from granular_contact.scene.layout import GROUND
-from granular_contact.scene.space.layout import STILL, JointState, Pose, axis_of
-from granular_contact.scene.space.loops import CONSTRAINED, joint_frame
+from granular_contact.scene.space.layout import CONSTRAINED, STILL, JointState, Pose, axis_of, slides
+from granular_contact.scene.space.loops import joint_frame
 from granular_contact.scene.space.mass_properties import Mass, merged
 from granular_contact.scene.space.section import Element
 from granular_contact.scene.space.shapes import moved, part_of
@@ -134,12 +134,12 @@ def joints_of(
             continue
         assert child is not None  # closures with child and parent swapped are refused before
         turn, at_child = joint_frame(joint, placed)
-        at_parent = _origin(placed, joint) if joint.type == "slider" else at_child
+        at_parent = _origin(placed, joint) if slides(joint) else at_child
+        elastic: Elastic | None = getattr(joint, "elastic", None)
         on_child = turn  # closed to round-off
-        if joint.type in ("hinge", "ball", "free"):
+        if elastic is None and not all(CONSTRAINED[joint.type][3:]):
             on_child = placed[joint.child].rotation @ rotations.to_axis(axis_of(joint))
         start, rate = coordinate(name, joint, placed, states)
-        elastic: Elastic | None = getattr(joint, "elastic", None)
         yield SpatialJoint(
             name=name,
             kind=joint.type,

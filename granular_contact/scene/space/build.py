@@ -21,7 +21,7 @@ from granular_contact.scene.methods import check_minimal, serves
 from granular_contact.scene.space.beams import beams, cut
 from granular_contact.scene.space.bed import bed
 from granular_contact.scene.space.bodies import bodies_of, joints_of, on_ground, rigid_body
-from granular_contact.scene.space.layout import pose, start
+from granular_contact.scene.space.layout import pose, slides, start
 from granular_contact.scene.space.loops import SpatialLoops, needed
 from granular_contact.scene.space.modes import check as check_modes
 from granular_contact.scene.space.types import Part, SpatialRigidBody, SpatialScene, Vector
@@ -147,7 +147,7 @@ def _tip(model: schema.SpatialModel, rigid: tuple[SpatialRigidBody, ...]) -> tup
     if not ends:
         return rigid[0].name, np.zeros(3)
     roots = on_ground(model)
-    flies = any(joint.type in ("slider", "free") for joint in roots)
+    flies = any(joint.type == "free" or slides(joint) for joint in roots)
     root = np.array(roots[0].parent_point_m)
     best, found = -math.inf, (rigid[0].name, np.zeros(3))
     for body, part in ends:

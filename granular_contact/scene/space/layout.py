@@ -8,17 +8,18 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
 from granular_contact.config.schema import space as schema
-from granular_contact.config.schema.space.joints import AnyClosure, AnyJoint
+from granular_contact.config.schema.space.joints import AnyJoint
 from granular_contact.errors import Fault
 from granular_contact.geometry import rotations
 from granular_contact.scene.layout import GROUND, joints_outward
 from granular_contact.scene.space.shapes import orientation
 from granular_contact.scene.space.types import SpatialMotion, Vector
-from granular_contact.scene.start import Said, Start, begun, home
+from granular_contact.scene.start import Said, Start, begun
 from granular_contact.scene.types import Drive
 
 ZERO = np.zeros(3)
@@ -28,38 +29,65 @@ Pose = dict[str, SpatialMotion]  # of all bodies, the ground among them
 
 @dataclass(frozen=True)
 class JointState:
-    """State of a joint: coordinate (rad or m) of a hinge or slider, position (3,) m of a free body from the joint's
-    point on the ground, orientation (3, 3) of the child in the parent's frame for a ball or free joint; rates: (1,) of
-    the coordinate, of a ball joint the angular velocity (3,) along the axes of the parent, of a free one velocity and
-    angular velocity (6,), world frame.
+    """State of a joint: value (k,) its coordinates along (m) and about (rad) its axis; of a free body position (3,) m
+    from the joint's point on the ground, of it and of a ball joint turn (3, 3), the child's axes in the parent's frame.
+
+    rates: (k,) of the coordinates, of a ball joint the angular velocity (3,) along the axes of the parent, of a free
+    one velocity and angular velocity (6,), world frame.
     """
 
     rates: Vector
-    coordinate: float = 0.0
+    value: Vector = field(default_factory=lambda: np.zeros(0))
     position: Vector = field(default_factory=lambda: ZERO)
     turn: Vector = field(default_factory=lambda: np.eye(3))
 
+    @property
+    def coordinate(self) -> float:
+        """Of a hinge or slider."""
+        return float(self.value[0])
+
     def at(self, coordinate: float) -> JointState:
         """The same of a hinge or slider at another coordinate."""
-        return replace(self, coordinate=coordinate)
+        return replace(self, value=np.array([coordinate]))
 
     def displaced(self, change: Vector) -> JointState:
         """The state after a small displacement, as rates over a unit of time."""
-        if len(change) == 1:
-            return self.at(self.coordinate + float(change[0]))
+        if len(self.value):
+            return replace(self, value=self.value + change)
         position = self.position + change[:3] if len(change) == 6 else self.position
         return replace(self, position=position, turn=rotations.of_vector(change[-3:]) @ self.turn)
 
 
-# Degrees of freedom; links that bend are straight at the start.
-SIZES = {"hinge": 1, "slider": 1, "ball": 3, "free": 6, "weld": 0, "elastic": 0, "stretching": 0}
+# Of each type of joint the displacements along the axes of its frame, whose z is its axis, and the rotations about
+# them, that are held.
+CONSTRAINED = {
+    "hinge": (True, True, True, True, True, False),
+    "slider": (True, True, False, True, True, True),
+    "weld": (True,) * 6,
+    "ball": (True, True, True, False, False, False),
+    "elastic": (True, True, True, False, False, False),
+    "stretching": (False, True, True, False, False, False),
+    "free": (False,) * 6,
+}
+BENDING = dict.fromkeys(("elastic", "stretching"), (1, 3))  # freedoms between elements of links, if these stretched
+# Displacements and turns that are free; links that bend are straight at the start.
+FREEDOMS = {kind: (held[:3].count(False), held[3:].count(False)) for kind, held in CONSTRAINED.items()}
+FREEDOMS |= dict.fromkeys(BENDING, (0, 0))
 
 
-def axis_of(joint: AnyJoint | AnyClosure) -> Vector:
-    """Unit vector (3,) along the axis of a hinge or slider, in the frame of its child; z for any other joint."""
-    if not isinstance(joint, schema.SpatialHingeClosure | schema.SpatialSliderClosure):
-        return np.array([0.0, 0.0, 1.0])
-    axis = np.array(joint.axis, float)
+def slides(joint: Any) -> bool:
+    """Whether the child moves along the axis of a joint."""
+    return CONSTRAINED[joint.type][:3] == (True, True, False)
+
+
+def turns(joint: Any) -> bool:
+    """Whether the child turns about the axis of a joint, and no other."""
+    return CONSTRAINED[joint.type][3:] == (True, True, False)
+
+
+def axis_of(joint: Any) -> Vector:
+    """Unit vector (3,) along the axis of a joint, in the frame of its child; z for one that has none."""
+    axis = np.array(getattr(joint, "axis", (0.0, 0.0, 1.0)), float)
     return np.asarray(axis / np.linalg.norm(axis))
 
 
@@ -75,12 +103,14 @@ def _child(joint: AnyJoint, state: JointState | None, parent: SpatialMotion) -> 
     """Pose and velocity of the child of a joint."""
     pin, home, speed, rate = parent.world(np.array(joint.parent_point_m)), orientation(joint), ZERO, parent.rate
     turn = parent.rotation @ home
-    if state is not None and joint.type == "slider":
-        along = turn @ axis_of(joint)
-        pin, speed = pin + state.coordinate * along, state.rates[0] * along
-    elif state is not None and joint.type == "hinge":
-        turn = turn @ rotations.about(axis_of(joint), state.coordinate)
-        rate = rate + state.rates[0] * (turn @ axis_of(joint))
+    if state is not None and len(state.value):
+        axis = axis_of(joint)
+        if slides(joint):
+            along = turn @ axis
+            pin, speed = pin + state.value[0] * along, state.rates[0] * along
+        if turns(joint):
+            turn = turn @ rotations.about(axis, state.value[-1])
+            rate = rate + state.rates[-1] * (turn @ axis)
     elif state is not None and joint.type in ("ball", "elastic", "stretching"):
         turn, rate = parent.rotation @ state.turn, rate + parent.rotation @ state.rates[-3:]
         if len(state.rates) == 4:
@@ -105,15 +135,17 @@ def start(scenario: schema.SpatialScenario, drives: tuple[Drive, ...], faults: l
     return begun(scenario, drives, said, faults)
 
 
-def _said(joint: AnyJoint, said: schema.SpatialJointStart) -> JointState:
+def _said(joint: Any, said: schema.SpatialJointStart) -> JointState:
     """State of a joint as the run gives it; the reference configuration at rest where it does not."""
-    if joint.type == "slider":
-        return JointState(
-            np.array([said.speed_m_s or 0.0]), home(joint) if said.position_m is None else said.position_m
-        )
-    if joint.type == "hinge":
-        angle = home(joint) if said.angle_deg is None else math.radians(said.angle_deg)
-        return JointState(np.array([said.rate_rad_s or 0.0]), angle)
+    value, rates = [], []
+    if slides(joint):
+        value.append(joint.home_m if said.position_m is None else said.position_m)
+        rates.append(said.speed_m_s or 0.0)
+    if turns(joint):
+        value.append(math.radians(joint.home_deg if said.angle_deg is None else said.angle_deg))
+        rates.append(said.rate_rad_s or 0.0)
+    if value:
+        return JointState(np.array(rates), np.array(value))
     turn = orientation(said if said.is_turned else joint)
     spin = np.array(said.spin_rad_s or (0.0, 0.0, 0.0))
     if joint.type == "ball":

@@ -16,22 +16,10 @@ from granular_contact.config.schema.space.joints import AnyClosure, AnyJoint
 from granular_contact.errors import Fault, scene_fault
 from granular_contact.geometry import rotations
 from granular_contact.scene.loops import RANK_TOLERANCE, Loops
-from granular_contact.scene.space.layout import SIZES, JointState, Pose, axis_of, pose
+from granular_contact.scene.space.layout import BENDING, CONSTRAINED, FREEDOMS, JointState, Pose, axis_of, pose, turns
 from granular_contact.scene.space.shapes import orientation
 from granular_contact.scene.space.types import Vector
 from granular_contact.scene.types import Drive
-
-# Displacements along the axes of the joint's frame, whose z is its axis, and rotations about them, that are held.
-CONSTRAINED = {
-    "hinge": (True, True, True, True, True, False),
-    "slider": (True, True, False, True, True, True),
-    "weld": (True,) * 6,
-    "ball": (True, True, True, False, False, False),
-    "elastic": (True, True, True, False, False, False),
-    "stretching": (False, True, True, False, False, False),
-    "free": (False,) * 6,
-}
-BENDING = {"elastic": 4, "stretching": 4}  # degrees of freedom between elements of links, if these stretched
 
 
 class SpatialLoops(Loops):
@@ -39,7 +27,7 @@ class SpatialLoops(Loops):
 
     def __init__(self, model: schema.SpatialModel, *, bending: bool = False) -> None:
         """bending: whether links that bend do, and stretch; to close loops they do not."""
-        super().__init__(model, SIZES | BENDING if bending else SIZES)
+        super().__init__(model, FREEDOMS | BENDING if bending else FREEDOMS)
 
     def pose(self, states: Mapping[str, JointState]) -> Pose:
         """Pose of the mechanism."""
@@ -76,8 +64,8 @@ def joint_frame(joint: AnyJoint | AnyClosure, placed: Pose) -> tuple[Vector, Vec
 
 
 def _misaligned(joint: AnyClosure, turn: Vector) -> Vector:
-    """Rotation vector (3,) rad by which a closure's frames differ, apart from what a hinge leaves free."""
-    if joint.type != "hinge":
+    """Rotation vector (3,) rad by which a closure's frames differ, apart from a turn about its axis that is free."""
+    if not turns(joint):
         return rotations.vector_of(turn)
     z = turn[:, 2]
     sine = np.array([-z[1], z[0], 0.0])

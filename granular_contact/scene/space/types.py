@@ -194,7 +194,7 @@ class SpatialJoint:
     """
 
     name: str
-    kind: Literal["hinge", "weld", "slider", "ball", "free", "elastic", "stretching"]
+    kind: str  # the type of the config; of one between elements of a link `elastic` or `stretching`
     parent: str | None
     parent_point: Vector
     parent_turn: Vector

@@ -7,7 +7,7 @@ the child's point at the origin. The coordinate of a hinge turns the child right
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
@@ -24,12 +24,15 @@ from granular_contact.config.schema.joints import (
 from granular_contact.config.schema.space.turned import ORIGIN, Axis, Oriented, Point3
 from granular_contact.values.strict import Faults, NotNegative, Positive, Strict, Tagged
 
+_TURN = "rpy_deg", "quaternion"
+
 
 class _Ends(Oriented):
     parent: str
     """A body, or `ground`."""
     child: str
     """A body; each is the child of exactly one joint, besides the closures of loops."""
+    start_keys: ClassVar[tuple[str, ...]] = ()  # of its state at the start, see `SpatialJointStart`
     parent_point_m: Point3 = ORIGIN
     """Where the joint sits in the frame of the parent."""
     child_point_m: Point3 = ORIGIN
@@ -51,6 +54,7 @@ class SpatialHingeClosure(_Ends):
 class SpatialHinge(SpatialHingeClosure):
     """The child turns about an axis."""
 
+    start_keys = "angle_deg", "rate_rad_s"
     home_deg: float = 0.0
     """Angle at the start, unless the run says otherwise; right-handed about the axis."""
 
@@ -80,6 +84,7 @@ class Ball(_Ends):
     """The child turns as it likes about a point."""
 
     type: Annotated[Literal["ball"], OrSynonym()]
+    start_keys = *_TURN, "spin_rad_s"
     spring: BallSpring | None = None
     damping_Nm_s_per_rad: NotNegative = 0.0
     """Of the angular velocity relative to the parent, about any axis."""
@@ -101,6 +106,7 @@ class SpatialSliderClosure(_Ends):
 class SpatialSlider(SpatialSliderClosure):
     """The child moves along an axis, and does not turn."""
 
+    start_keys = "position_m", "speed_m_s"
     home_m: float = 0.0
     """Position along the axis at the start, unless the run says otherwise."""
 
@@ -109,6 +115,7 @@ class SpatialFree(_Ends):
     """The child moves freely; `initial.joints` of the run gives its initial state."""
 
     type: Annotated[Literal["free"], OrSynonym()]
+    start_keys = "x_m", "y_m", "z_m", *_TURN, "vx_m_s", "vy_m_s", "vz_m_s", "spin_rad_s"
 
     def _faults(self) -> Faults:
         if self.parent != "ground":

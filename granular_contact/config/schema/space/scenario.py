@@ -35,13 +35,6 @@ class SpatialJointStart(JointStart, Oriented):
         return self.z_m
 
 
-TURN = ("rpy_deg", "quaternion")
-KEYS = {
-    "hinge": ("angle_deg", "rate_rad_s"),
-    "slider": ("position_m", "speed_m_s"),
-    "ball": (*TURN, "spin_rad_s"),
-    "free": ("x_m", "y_m", "z_m", *TURN, "vx_m_s", "vy_m_s", "vz_m_s", "spin_rad_s"),
-}
 RATES = ("rate_rad_s", "speed_m_s", "vx_m_s", "vy_m_s", "vz_m_s", "spin_rad_s")
 
 
@@ -65,7 +58,7 @@ class SpatialInitial(Strict):
 def initial_faults(initial: SpatialInitial, model: SpatialModel) -> Faults:
     """Faults of an initial state, with paths below the scenario."""
     for name, start in (initial.joints or {}).items():
-        yield from joint_state_faults(name, start, model, KEYS, "all other joints")
+        yield from joint_state_faults(name, start, model, "all other joints")
 
 
 class SpatialScenario(Scenario):
