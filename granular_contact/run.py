@@ -18,7 +18,7 @@ from granular_contact.laws.kinds import WORDS
 from granular_contact.results import Compiling, Outline, Progress, Results, Status
 from granular_contact.results.observation import Observation, key_numbers, results
 from granular_contact.results.observed import Observations
-from granular_contact.scene.types import Reduced, Scene
+from granular_contact.scene.types import Minimal, Reduced, Scene
 
 if TYPE_CHECKING:
     from granular_contact.mechanics.kinematics import Kinematics
@@ -195,7 +195,7 @@ def begin(scene: Scene, progress: Progress | None = None, *, pauses: bool = Fals
     """Get ready to solve a scene by its method; pauses: whether it is to be looked at and steered on the way."""
     if scene.method is None:
         return _by_engine(scene, progress, pauses)
-    return (_by_modes if isinstance(scene.method, Reduced) else _by_minimal)(scene, progress)
+    return _OTHERS[type(scene.method)](scene, progress)
 
 
 def _by_engine(scene: Scene, progress: Progress | None, pauses: bool) -> Begun:
@@ -246,6 +246,9 @@ def _by_modes(scene: Scene, progress: Progress | None) -> Begun:
     assert isinstance(scene.method, Reduced)
     reduced = model(scene, scene.method)
     return Begun(Solve(reduced, progress), partial(observe, reduced), None)
+
+
+_OTHERS = {Minimal: _by_minimal, Reduced: _by_modes}  # than the engine, by their options
 
 
 def _solved(scene: Scene, progress: Progress | None) -> tuple[Begun, Any]:

@@ -17,7 +17,7 @@ from granular_contact.scene.drives import drives
 from granular_contact.scene.joints import joints_of
 from granular_contact.scene.layout import FREEDOMS, GROUND, ZERO, JointState, Layout, lay_out, point, start
 from granular_contact.scene.loops import PlanarLoops, closed, redundant
-from granular_contact.scene.methods import check_minimal, check_reduced, serves
+from granular_contact.scene.methods import check, serves
 from granular_contact.scene.parts import FlexibleLink, RigidBody, Shape, turned
 from granular_contact.scene.shapes import farthest, lowest
 from granular_contact.scene.steps import steps
@@ -143,17 +143,14 @@ def verified(scene: Scene, scenario: schema.Scenario) -> tuple[str, ...]:
     """
     if faults := [*beyond_numbers(scene), *inapplicable(scene, scenario)]:
         raise SceneError(faults)
-    if isinstance(scene.method, Reduced):
-        check_reduced(scene, scene.method.modes)
-    elif scene.method is not None:
-        check_minimal(scene)
-    else:
-        return tuple(
-            link.name
-            for link in scene.links
-            if bow(scene.force_scale, link.length, link.bending_stiffness, link.axial_stiffness) < LEAST_BOW
-        )
-    return ()
+    check(scene)
+    if scene.method is not None:
+        return ()
+    return tuple(
+        link.name
+        for link in scene.links
+        if bow(scene.force_scale, link.length, link.bending_stiffness, link.axial_stiffness) < LEAST_BOW
+    )
 
 
 def _laid_out(
@@ -304,10 +301,10 @@ def _nothing_to_act_on(scenario: schema.Scenario, ends: list[End]) -> Iterator[F
         yield scene_fault("model.bodies", "no part is a link or a shape in_sand, so the medium has nothing to act on")
 
 
-def _method(scenario: schema.Scenario, placed: Bed | None) -> Reduced | Minimal | None:
-    reduced = scenario.method.reduced
-    if reduced is None or reduced.static != "auto":
-        return reduced or scenario.method.minimal
+def _method(scenario: schema.Scenario, placed: Bed | None) -> schema.AnyMethod | None:
+    chosen = scenario.method.chosen
+    if not isinstance(chosen, Reduced) or chosen.static != "auto":
+        return chosen
     has_sign = placed is None or all(medium.by_component for medium in placed.media)
-    static = "true_sign" if reduced.modes == 0 and has_sign else scenario.load.friction.type
-    return reduced.model_copy(update={"static": static})
+    static = "true_sign" if chosen.modes == 0 and has_sign else scenario.load.friction.type
+    return chosen.model_copy(update={"static": static})

@@ -18,6 +18,20 @@ IN_MINIMAL_IN_SPACE = (
 )
 
 
+def check(scene: Scene) -> None:
+    """Refuse a scene that its method does not support.
+
+    Raises
+    ------
+    SceneError
+        As of `check_minimal` and `check_reduced`.
+    """
+    if isinstance(scene.method, Minimal):
+        check_minimal(scene)
+    elif isinstance(scene.method, Reduced):
+        check_reduced(scene, scene.method.modes)
+
+
 def check_minimal(scene: Scene) -> None:
     """Refuse a scene that minimal coordinates do not support.
 

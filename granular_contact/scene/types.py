@@ -14,10 +14,10 @@ from typing import ClassVar, Literal
 import numpy as np
 
 # A run's settings are the scenario's own, as they were validated.
+from granular_contact.config.schema import AnyMethod, Scenario
 from granular_contact.config.schema import Load as Load
 from granular_contact.config.schema import Minimal as Minimal
 from granular_contact.config.schema import Reduced as Reduced
-from granular_contact.config.schema import Scenario
 from granular_contact.config.schema import Solver as Solver
 from granular_contact.errors import Fault
 from granular_contact.laws.law import Law
@@ -111,7 +111,7 @@ class Scene:
     solver: Steps
     tip: tuple[str, Vector]
     output_interval: float | None
-    method: Reduced | Minimal | None = None
+    method: AnyMethod | None = None
     drives: tuple[Drive, ...] = ()
     settle: bool = False
     body_columns: bool = False

@@ -14,7 +14,7 @@ from granular_contact.config.schema.drives import AnyDrive, External, Force, Hin
 from granular_contact.config.schema.initial import Initial, JointStart
 from granular_contact.config.schema.joints import Closure, Free, Hinge, HingeClosure, Joint, Slider, SliderClosure, Weld
 from granular_contact.config.schema.mechanism import Body, Flexible, Link, Rigid
-from granular_contact.config.schema.method import Engine, Minimal, Reduced
+from granular_contact.config.schema.method import AnyMethod, Engine, Minimal, Reduced
 from granular_contact.config.schema.model import Model
 from granular_contact.config.schema.scenario import Load, Output, Scenario, Solver
 from granular_contact.config.schema.signals import AnySignal, Buehler, Constant, Csv, Ramp, Shared, Sine, Table

@@ -8,9 +8,7 @@ from pydantic import Field, model_serializer, model_validator
 
 from granular_contact.values.strict import Faults, Strict, refusal
 
-AUTO, ENGINE, MINIMAL, REDUCED = "auto", "engine", "minimal", "reduced"
-OPTIONS = ENGINE, MINIMAL, REDUCED
-WORDS = AUTO, *OPTIONS
+AUTO = "auto"
 
 
 class Engine(Strict):
@@ -33,6 +31,9 @@ class Reduced(Strict):
     In space auto alone."""
     rtol: Annotated[float, Field(ge=1e-13, le=1e-2)] = 1e-6
     """Error of a step, relative to the size and the speed of the mechanism. In space steps follow `solver`."""
+
+
+AnyMethod = Minimal | Reduced  # options of all but the engine, which has none
 
 
 class Method(Strict):
@@ -60,6 +61,11 @@ class Method(Strict):
         """Its word."""
         return next((name for name in OPTIONS if getattr(self, name) is not None), AUTO)
 
+    @property
+    def chosen(self) -> AnyMethod | None:
+        """Its options; None for the engine and for auto."""
+        return None if self.name in (AUTO, "engine") else getattr(self, self.name)
+
     def _faults(self) -> Faults:
         given = [name for name in OPTIONS if getattr(self, name) is not None]
         if len(given) > 1:
@@ -70,3 +76,7 @@ class Method(Strict):
         options = getattr(self, self.name, None)
         written = {} if options is None else options.model_dump(mode="json")
         return {self.name: written} if written else self.name
+
+
+OPTIONS = tuple(Method.model_fields)
+WORDS = AUTO, *OPTIONS

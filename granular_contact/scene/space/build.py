@@ -17,7 +17,7 @@ from granular_contact.scene.checks import beyond_numbers, closure_faults, media_
 from granular_contact.scene.drives import drives
 from granular_contact.scene.layout import GROUND, weld_groups
 from granular_contact.scene.loops import closed
-from granular_contact.scene.methods import check_minimal, serves
+from granular_contact.scene.methods import check, serves
 from granular_contact.scene.space.beams import beams, cut
 from granular_contact.scene.space.bed import bed
 from granular_contact.scene.space.bodies import bodies_of, joints_of, on_ground, rigid_body
@@ -73,7 +73,7 @@ def built(scenario: schema.SpatialScenario) -> SpatialScene:
         tip=_tip(model, rigid),
         output_interval=scenario.output.interval_s,
         drives=driven,
-        method=scenario.method.minimal if reduced is None else Minimal(),
+        method=scenario.method.chosen if reduced is None else Minimal(),
         modes=None if reduced is None else reduced.modes,
         settle=scenario.initial.settle,
         body_columns=_has_body_columns(scenario, rigid),
@@ -83,8 +83,7 @@ def built(scenario: schema.SpatialScenario) -> SpatialScene:
     )
     if faults := list(beyond_numbers(scene)):
         raise SceneError(faults)
-    if scene.method is not None:
-        check_minimal(scene)
+    check(scene)
     check_modes(scene)
     if scene.modes is None and (stiff := tuple(_too_stiff(scene))):
         return replace(built(with_rigid(scenario, stiff)), stiff=stiff)
