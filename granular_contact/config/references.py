@@ -14,7 +14,6 @@ from pathlib import Path
 
 from granular_contact.config import tree
 from granular_contact.config.messages import got, kind_of
-from granular_contact.config.urdf import is_of_robot, mechanism
 from granular_contact.config.yaml_source import read_file
 from granular_contact.errors import Fault, short
 from granular_contact.laws.catalogue import LAWS
@@ -65,7 +64,9 @@ class Resolver:
             return node
         if isinstance(node, tree.Mapping) or (isinstance(node, tree.Scalar) and isinstance(node.value, str)):
             found = self._expand(node, library, self._config, ())
-            if library is MODELS and isinstance(found, tree.Mapping) and is_of_robot(found):
+            if library is MODELS and isinstance(found, tree.Mapping) and "urdf" in found.nodes:
+                from granular_contact.config.urdf import mechanism  # of a robot file alone
+
                 return mechanism(found, self._faults, self.notices)
             return found
         if isinstance(node, tree.Broken):

@@ -4,26 +4,23 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from granular_contact.config.messages import validated
+from granular_contact.config.references import shown
 from granular_contact.config.schema.robot import RobotFile
-from granular_contact.config.tree import Broken, Items, Mapping, Node, Position, Scalar, made, merge
+from granular_contact.config.tree import Broken, Items, Mapping, Node, Position, Scalar, made, mapping, merge
+from granular_contact.config.urdf_corrections import masses, put_right, without_used
 from granular_contact.errors import ConfigError, Fault
+from granular_contact.robot.massless import completed, has_world, held, matching, merged
+from granular_contact.robot.mechanism import Said, Wishes, mechanism_of
+from granular_contact.robot.types import Robot
+from granular_contact.robot.urdf import read_all
 from granular_contact.values.strict import did_you_mean, no_such
-
-if TYPE_CHECKING:
-    from granular_contact.robot.mechanism import Wishes
-    from granular_contact.robot.types import Robot
 
 URDF = "urdf"
 # Keys of a mechanism in space that may stand beside those of a robot file, and are put over what it gives.
 _OVER = ("in_space", "name", "description", "bodies", "joints", "closures", "chain")
-
-
-def is_of_robot(node: Node) -> bool:
-    """Whether a model names a robot file."""
-    return isinstance(node, Mapping) and URDF in node.nodes
 
 
 def mechanism(node: Mapping, faults: list[Fault], notices: list[Fault]) -> Node:
@@ -40,8 +37,8 @@ def mechanism(node: Mapping, faults: list[Fault], notices: list[Fault]) -> Node:
     try:
         found = _translated(node, asked, folder, faults, notices)
     except ConfigError as error:  # of the file as a whole; without a line of its own it is a fault of its name
-        shown = error.faults[0].file
-        own_faults = [at.fault(("model", URDF), f"{shown} {one.message}") for one in error.faults]
+        file = error.faults[0].file
+        own_faults = [at.fault(("model", URDF), f"{file} {one.message}") for one in error.faults]
         faults += [one if one.line is not None else new for one, new in zip(error.faults, own_faults, strict=True)]
         found = None
     return _lost(node) if found is None or len(faults) > before else found
@@ -50,8 +47,8 @@ def mechanism(node: Mapping, faults: list[Fault], notices: list[Fault]) -> Node:
 def _lost(node: Mapping) -> Node:
     """A model in space of which nothing is known, so that the rest of the config is checked as one in space."""
     at = node.position
-    parts: dict[str, Node] = {"in_space": made(True, at), "name": made("robot", at), "bodies": Broken(at)}
-    return Mapping(at, parts | {"joints": Broken(at)}, dict.fromkeys((*parts, "joints"), at))
+    named = {"in_space": made(True, at), "name": made("robot", at)}
+    return mapping(named | {"bodies": Broken(at), "joints": Broken(at)}, at)
 
 
 def _part(node: Mapping, keys: Any) -> Mapping:
@@ -78,12 +75,6 @@ def _translated(
     node: Mapping, asked: RobotFile, folder: Path, faults: list[Fault], notices: list[Fault]
 ) -> Node | None:
     """The mechanism with the keys beside `urdf` put over it; raises ConfigError if the file can't be read as XML."""
-    from granular_contact.config.references import shown
-    from granular_contact.config.urdf_corrections import masses, put_right, without_used
-    from granular_contact.robot.massless import completed, has_world, held, merged
-    from granular_contact.robot.mechanism import mechanism_of
-    from granular_contact.robot.urdf import read_all
-
     robot, reader = read_all(shown(folder / asked.urdf))
     sand = _sand(asked, robot)
     reader.use(asked.shapes, sand)
@@ -109,16 +100,12 @@ def _translated(
 
 def _sand(asked: RobotFile, robot: Robot) -> frozenset[str] | None:
     """Links on whose shapes the medium acts; None: on all."""
-    from granular_contact.robot.massless import matching
-
     if asked.in_sand is None:
         return None
     return frozenset(name for pattern in asked.in_sand for name in matching(pattern, robot.links))
 
 
 def _wishes(asked: RobotFile, sand: frozenset[str] | None, folder: Path) -> Wishes:
-    from granular_contact.robot.mechanism import Wishes
-
     return Wishes(
         which=asked.shapes,
         sand=sand,
@@ -133,8 +120,6 @@ def _wishes(asked: RobotFile, sand: frozenset[str] | None, folder: Path) -> Wish
 
 def _unmatched(node: Mapping, asked: RobotFile, robot: Robot) -> list[Fault]:
     """Faults of patterns that mean no joint or link, or no link with a shape."""
-    from granular_contact.robot.massless import matching
-
     found = []
     for key, what, patterns, names in (
         ("fix", "joint", asked.fix, list(robot.joints)),
@@ -153,13 +138,10 @@ def _unmatched(node: Mapping, asked: RobotFile, robot: Robot) -> list[Fault]:
 
 def _placed(said: Any, at: Position) -> Node:
     """The tree of a mechanism of `robot.mechanism`."""
-    from granular_contact.robot.mechanism import Said
-
     if isinstance(said, Said):
         return _placed(said.value, Position(at.file, said.line))
     if isinstance(said, dict):
-        nodes = {key: _placed(held, at) for key, held in said.items()}
-        return Mapping(at, nodes, {key: node.position for key, node in nodes.items()})
+        return mapping({key: _placed(held, at) for key, held in said.items()}, at)
     if isinstance(said, list):
         return Items(at, tuple(_placed(held, at) for held in said))
     return made(said, at)

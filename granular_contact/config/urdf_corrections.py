@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from pydantic import ValidationError
@@ -14,12 +13,10 @@ from granular_contact.config.schema.space.bodies import Inertia, SpatialRigid
 from granular_contact.config.schema.space.turned import Point3
 from granular_contact.config.tree import Mapping, Node, child, plain
 from granular_contact.errors import Fault
+from granular_contact.robot.elements import Incomplete, Reader
+from granular_contact.robot.mechanism import plain_name
+from granular_contact.robot.types import Robot
 from granular_contact.values.strict import Positive, Strict
-
-if TYPE_CHECKING:
-    from granular_contact.robot.elements import Reader
-    from granular_contact.robot.massless import GivenMass
-    from granular_contact.robot.types import Robot
 
 # A key of a joint or body here -> the parts of the file's joint or link that it replaces.
 _OF_JOINTS = {
@@ -68,8 +65,6 @@ def _replaced(node: Mapping, robot: Robot) -> Iterator[str]:
 
 def _given(node: Mapping, kind: str, names: list[str]) -> Iterator[tuple[str, Mapping]]:
     """Names in the file, of joints or links, for which there are keys beside `urdf`, and these."""
-    from granular_contact.robot.mechanism import plain_name
-
     held = node.nodes.get(kind)
     for name in names:
         given = None if held is None else child(held, plain_name(kind, name))
@@ -77,10 +72,8 @@ def _given(node: Mapping, kind: str, names: list[str]) -> Iterator[tuple[str, Ma
             yield name, given
 
 
-def masses(node: Mapping, robot: Robot, faults: list[Fault]) -> dict[str, GivenMass]:
+def masses(node: Mapping, robot: Robot, faults: list[Fault]) -> dict[str, Incomplete]:
     """Mass properties beside `urdf` by the names of links."""
-    from granular_contact.robot.massless import GivenMass
-
     found = {}
     for name, given in _given(node, "bodies", list(robot.links)):
         held = {key: below for key, below in given.nodes.items() if key in BodyMass.model_fields}
@@ -94,7 +87,7 @@ def masses(node: Mapping, robot: Robot, faults: list[Fault]) -> dict[str, GivenM
         if held:
             inertia, center = read.inertia_kg_m2, read.center_of_mass_m
             tensor = None if inertia is None else np.array(inertia.tensor)
-            found[name] = GivenMass(read.mass_kg, None if center is None else np.array(center, float), tensor)
+            found[name] = Incomplete(read.mass_kg, None if center is None else np.array(center, float), tensor)
     return found
 
 

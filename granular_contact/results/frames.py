@@ -122,6 +122,17 @@ def surface_height(surface: ArrayLike, x: ArrayLike) -> Vector:
     return height_at(np.array([[0.0, float(corners)]]) if corners.ndim == 0 else corners, x)
 
 
+def take_in(surface: ArrayLike | None, low: Vector, high: Vector, below: float) -> None:
+    """Let a window from low to high (2,) m take in the surface, if it is near, and `below` of its size under that."""
+    size = max(float(np.max(high - low)), 1e-9)
+    if surface is None:
+        return
+    sand = surface_height(surface, np.linspace(low[0], high[0], 65))
+    if sand.max() > low[1] - 2 * size:
+        low[1] = min(low[1], sand.min() - below * size)
+        high[1] = max(high[1], sand.max())
+
+
 def immersed(outlines: Sequence[Outline], surface: ArrayLike | None) -> Vector:
     """Points (k, 2) m along the lines of outlines, and on the rims of discs, that are below the surface."""
     if surface is None or not outlines:

@@ -15,12 +15,12 @@ from granular_contact.robot.types import Pose, Vector
 
 @dataclass(frozen=True)
 class Incomplete:
-    """What could be read of a link's mass properties, in its frame: as of `types.Inertial`, None where it is faulty."""
+    """What is known of a link's mass properties, in its frame: as of `types.Inertial`, None what is not."""
 
     mass: float | None
-    center: Vector
+    center: Vector | None
     tensor: Vector | None
-    line: int
+    line: int = 0
 
 
 class Reader:

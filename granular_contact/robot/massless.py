@@ -7,14 +7,14 @@ It is also said here which joints a mechanism can't have, and which are held.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fnmatch import fnmatchcase
 
 import numpy as np
 
 from granular_contact.robot.elements import Incomplete, Reader
 from granular_contact.robot.inertia import added, moved
-from granular_contact.robot.types import Inertial, Joint, Link, Pose, Robot, Shape, Vector
+from granular_contact.robot.types import Inertial, Joint, Link, Pose, Robot, Shape
 
 WORLDS = ("world", "ground")
 
@@ -25,16 +25,7 @@ def has_world(robot: Robot) -> bool:
     return robot.root in WORLDS and root.inertial is None
 
 
-@dataclass(frozen=True)
-class GivenMass:
-    """Mass properties in the frame of a link that are given beside the file: as of `Inertial`, None what is not."""
-
-    mass: float | None
-    center: Vector | None
-    tensor: Vector | None
-
-
-def completed(robot: Robot, reader: Reader, given: Mapping[str, GivenMass], fixed_base: bool) -> Robot:
+def completed(robot: Robot, reader: Reader, given: Mapping[str, Incomplete], fixed_base: bool) -> Robot:
     """The robot with mass properties by the names of links, where those of the file are faulty or must not lack.
 
     Links that are whole in the file, or can be part of another, stay as they are.
@@ -47,17 +38,17 @@ def completed(robot: Robot, reader: Reader, given: Mapping[str, GivenMass], fixe
     merged(replace(robot, links=links), trial, fixed_base)
     moving = {name for name in given for fault in trial.faults if fault.key == f"link.{name}"}
     for name in moving:
-        links[name] = _with_mass(links[name], given[name], Incomplete(None, np.zeros(3), None, links[name].line))
+        links[name] = _with_mass(links[name], given[name], Incomplete(None, None, None, links[name].line))
     return replace(robot, links=links)
 
 
-def _with_mass(link: Link, given: GivenMass, read: Incomplete) -> Link:
+def _with_mass(link: Link, given: Incomplete, read: Incomplete) -> Link:
     """A link with what is given, else with what could be read; as it was where that is not all."""
     mass = read.mass if given.mass is None else given.mass
     tensor = read.tensor if given.tensor is None else given.tensor
     if not mass or tensor is None:
         return link
-    center = read.center if given.center is None else given.center
+    center = next((one.center for one in (given, read) if one.center is not None), np.zeros(3))
     return replace(link, inertial=Inertial(mass, center, tensor, read.line))
 
 

@@ -61,15 +61,17 @@ class Initial(Strict):
         if self.impact_tip_speed_m_s is not None and self.impact_speed_rad_s != 0.0:
             yield ("impact_tip_speed_m_s",), "got both this and impact_speed_rad_s; allowed is one of them"
         if self.settle:
-            yield from [(path, f"got {value:g}, but settle is true: allowed is 0") for path, value in self._speeds()]
+            yield from speed_faults(self, (), ("impact_speed_rad_s", "impact_tip_speed_m_s"))
+            for name, start in (self.joints or {}).items():
+                yield from speed_faults(start, ("joints", name), RATES)
 
-    def _speeds(self) -> list[tuple[tuple[str, ...], float]]:
-        speeds: list[tuple[tuple[str, ...], float | None]] = [
-            ((key,), getattr(self, key)) for key in ("impact_speed_rad_s", "impact_tip_speed_m_s")
-        ]
-        for name, start in (self.joints or {}).items():
-            speeds += [(("joints", name, key), getattr(start, key)) for key in RATES]
-        return [(path, value) for path, value in speeds if value]
+
+def speed_faults(start: Strict, path: tuple[str, ...], keys: Iterable[str]) -> Faults:
+    """Faults of speeds with which a run would start that begins from static equilibrium."""
+    for key in keys:
+        if (value := getattr(start, key)) not in (None, 0.0, (0.0, 0.0, 0.0)):
+            got = f"{value:g}" if isinstance(value, float) else f"{list(value)}"
+            yield (*path, key), f"got {got}, but settle is true: allowed is 0"
 
 
 def initial_faults(initial: Initial, model: Model) -> Iterator[LocalFault]:

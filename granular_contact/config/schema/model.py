@@ -44,8 +44,8 @@ def structure_faults(
     bodies: Collection[str],
     joints: Mapping[str, tuple[str, str]],
     *,
-    closures: Mapping[str, tuple[str, str]] | None = None,
-    chain: Names | None = None,
+    closures: Mapping[str, tuple[str, str]],
+    chain: Names | None,
     complete: bool = True,
 ) -> list[LocalFault]:
     """Faults of a mechanism, with paths below the model.
@@ -63,7 +63,6 @@ def structure_faults(
     complete
         False if `joints` lacks some whose ends could not be read; a body without a joint is then no fault.
     """
-    closures = closures or {}
     kinds = {"bodies": bodies, "joints": joints, "closures": closures}
     faults = [fault for kind, given in kinds.items() for fault in _name_faults(kind, given)]
     again = "is the name of a joint already; give another"

@@ -13,9 +13,9 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Polygon, Rectangle
 
 from granular_contact.report.figures.outlines import (
-    add_sand,
     around,
     deepest_point,
+    draw_bed,
     edge,
     fixed_points,
     hinges_of,
@@ -24,19 +24,16 @@ from granular_contact.report.figures.outlines import (
 from granular_contact.report.figures.panels import blank
 from granular_contact.report.figures.style import (
     DOUBLE,
-    FLOOR,
     GRAINS,
     INK,
     LEGEND_ROW,
     PIN,
-    SAND,
-    SAND_EDGE,
     SINGLE,
     VERMILION,
 )
 from granular_contact.report.units import Array, Unit, instant, minus, sized, unit_for
 from granular_contact.results import Results, Snapshot
-from granular_contact.results.frames import surface_height
+from granular_contact.results.frames import surface_height, take_in
 from granular_contact.results.interpolation import at_times
 
 _POSES: dict[str, dict[str, Any]] = {
@@ -102,8 +99,7 @@ def _sand(axes: Axes, results: Results, view: View, unit: Unit) -> None:
     top = surface_height(surface, x)
     if top.max() <= bottom:
         return
-    corners = np.vstack([[left, bottom], np.column_stack([x, top]), [right, bottom]]) * unit.factor
-    axes.add_patch(Polygon(corners, facecolor=SAND, edgecolor="none", zorder=0))
+    draw_bed(axes, x, top, bottom, results.layers, results.floor, unit.factor)
     place = np.random.default_rng(7)
     width, height = view.size
     depth = min(float(top.max()) - bottom, height)
@@ -114,12 +110,6 @@ def _sand(axes: Axes, results: Results, view: View, unit: Unit) -> None:
         under = up < surface_height(surface, across)
         across, up = across[under] * unit.factor, up[under] * unit.factor
         axes.scatter(across, up, s=size[under], color=colour, linewidths=0, zorder=1)
-    axes.plot(*corners[1:-1].T, color=SAND_EDGE, linewidth=0.9, zorder=2)
-    for depth in results.layers:
-        axes.plot(x * unit.factor, (top - depth) * unit.factor, color=SAND_EDGE, linewidth=0.6, dashes=(5, 3), zorder=2)
-    if results.floor is not None and results.floor > bottom:
-        size = np.array([width, results.floor - bottom]) * unit.factor
-        axes.add_patch(Rectangle(tuple(view.low * unit.factor), *size, facecolor=FLOOR, zorder=2))
 
 
 def _pose(shot: Snapshot) -> dict[str, Any]:
@@ -205,7 +195,7 @@ def whole_view(results: Results) -> View:
     """Everything drawn, and a strip of sand under it."""
     points = np.concatenate([edge(outline) for shot in results.snapshots for outline in shot.outlines])
     low, high = points.min(axis=0), points.max(axis=0)
-    add_sand(results.surface, low, high, 0.05)
+    take_in(results.surface, low, high, 0.05)
     return View("mechanism", low, high).grown(0.06)
 
 

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from matplotlib.axes import Axes
 from numpy.typing import ArrayLike
 
+from granular_contact.report.figures.style import FLOOR, SAND, SAND_EDGE
 from granular_contact.report.units import Array
 from granular_contact.results import Outline, Results, Snapshot
 from granular_contact.results.frames import surface_height
@@ -32,15 +35,20 @@ def is_closed(outline: Outline) -> bool:
     return len(outline.points) > 3 and bool(np.array_equal(outline.points[0], outline.points[-1]))
 
 
-def add_sand(surface: float | Array | None, low: Array, high: Array, below: float) -> None:
-    """Let a window from low to high (2,) m take in the surface, if it is near, and `below` of its size under that."""
-    size = max(float(np.max(high - low)), 1e-9)
-    if surface is None:
-        return
-    sand = surface_height(surface, np.linspace(low[0], high[0], 65))
-    if sand.max() > low[1] - 2 * size:
-        low[1] = min(low[1], sand.min() - below * size)
-        high[1] = max(high[1], sand.max())
+def draw_bed(
+    axes: Axes, x: Array, top: Array, bottom: float, layers: Sequence[float], floor: float | None, factor: float
+) -> None:
+    """Draw the medium from its surface, heights top (n,) m at x (n,) m, down to a height, with its layers and floor.
+
+    layers: depths (m); floor: height (m). factor: from m to the unit of the axes.
+    """
+    x, top, bottom = factor * x, factor * top, factor * bottom
+    axes.fill_between(x, bottom, top, color=SAND, linewidth=0, zorder=0)
+    axes.plot(x, top, color=SAND_EDGE, linewidth=0.9, zorder=2)
+    for depth in layers:
+        axes.plot(x, top - factor * depth, color=SAND_EDGE, linewidth=0.6, dashes=(5, 3), zorder=2)
+    if floor is not None and factor * floor > bottom:
+        axes.axhspan(bottom, factor * floor, facecolor=FLOOR, linewidth=0, zorder=2)
 
 
 def _normals(points: Array) -> Array:

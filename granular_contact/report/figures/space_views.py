@@ -13,8 +13,9 @@ from matplotlib.patches import Patch
 
 from granular_contact.report.figures.contacts import in_contact
 from granular_contact.report.figures.depth_buffer import seen
+from granular_contact.report.figures.outlines import draw_bed
 from granular_contact.report.figures.panels import blank
-from granular_contact.report.figures.style import DOUBLE, FLOOR, PALETTE, SAND, SAND_EDGE
+from granular_contact.report.figures.style import DOUBLE, FLOOR, PALETTE
 from granular_contact.report.units import Array, Unit, instant, unit_for
 from granular_contact.results import Results
 from granular_contact.results.motion import Motion, Part, coarser
@@ -120,16 +121,8 @@ def _ground(axes: Axes, motion: Motion, across: int, low: Array, high: Array, un
     x, y, z = motion.ground
     along, height = (x, z[len(y) // 2]) if across == 0 else (y, z[:, len(x) // 2])
     bottom = min(low[2], float(height.min())) - float(high[2] - low[2])
-    along, bottom = along * unit.factor, bottom * unit.factor
-    axes.fill_between(along, bottom, height * unit.factor, color=SAND, linewidth=0, zorder=0)
-    axes.plot(along, height * unit.factor, color=SAND_EDGE, linewidth=0.8, zorder=1)
-    of = motion.bedding
-    for depth in of.layers:
-        top = (height - depth) * unit.factor
-        axes.plot(along, top, color=SAND_EDGE, linewidth=0.6, dashes=(5, 3), zorder=1)
-    if of.floor is not None:
-        axes.axhspan(bottom, of.floor * unit.factor, facecolor=FLOOR, linewidth=0, zorder=1)
-    for axis, place in of.walls:
+    draw_bed(axes, along, height, bottom, motion.bedding.layers, motion.bedding.floor, unit.factor)
+    for axis, place in motion.bedding.walls:
         if axis == across:
             axes.axvline(place * unit.factor, color=FLOOR, linewidth=1.6, zorder=1)
 

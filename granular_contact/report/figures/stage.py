@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.colors import to_rgb
 
-from granular_contact.report.figures.outlines import add_sand, edge
+from granular_contact.report.figures.outlines import edge
 from granular_contact.report.figures.style import FLOOR, SAND, SAND_EDGE
 from granular_contact.report.units import Array
 from granular_contact.results import Results, Snapshot
-from granular_contact.results.frames import surface_height
+from granular_contact.results.frames import surface_height, take_in
 
 WIDTH, FLATTEST, TALLEST = 640, 0.53, 1.0  # px; height to width
 HEADER, FOOTER, SIDE = 48, 42, 26  # px kept free of the mechanism
@@ -48,7 +48,7 @@ def stage_of(results: Results, width: int = WIDTH, flattest: float = FLATTEST) -
     width in px; its height is at least `flattest` times that.
     """
     low, high = bounds(results.frames)
-    add_sand(results.surface, low, high, 0.1)
+    take_in(results.surface, low, high, 0.1)
     stage = _around(low, high, width, flattest)
     largest = strongest(results.frames)
     tips = [force.point + arrow_vector(force.force, largest, stage) for one in results.frames for force in one.forces]

@@ -12,7 +12,7 @@ import numpy as np
 
 from granular_contact.report.pages.folder import Bed
 from granular_contact.report.units import Array, round_below, sized
-from granular_contact.results.frames import surface_height
+from granular_contact.results.frames import surface_height, take_in
 from granular_contact.results.motion import Motion, scaled
 
 WIDTH, FLATTEST, TALLEST = 960.0, 0.42, 0.75  # px; height to width
@@ -30,11 +30,7 @@ def stage(motion: Motion, bed: Bed, shown: int, path: Array) -> dict[str, Any]:
     reach = [0.5 * part.diameter for part in motion.parts]
     low = np.min([points.min(axis=(0, 1)) - r for points, r in zip(drawn, reach, strict=True)], axis=0)
     high = np.max([points.max(axis=(0, 1)) + r for points, r in zip(drawn, reach, strict=True)], axis=0)
-    if bed.surface is not None:
-        size = float(np.max(high - low))
-        top = surface_height(bed.surface, np.linspace(low[0], high[0], 65))
-        if top.max() > low[1] - 2 * size:
-            low[1], high[1] = min(low[1], top.min() - 0.15 * size), max(high[1], top.max())
+    take_in(bed.surface, low, high, 0.15)
     wide, tall = np.maximum(high - low, 1e-12)
     across = WIDTH * (1 - 2 * MARGIN)
     height = float(np.clip(across * tall / wide + 2 * MARGIN * WIDTH, FLATTEST * WIDTH, TALLEST * WIDTH))

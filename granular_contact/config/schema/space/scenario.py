@@ -5,7 +5,7 @@ The start is positions, orientations and rates of joints; whether it fits them i
 
 from __future__ import annotations
 
-from granular_contact.config.schema.initial import JointStart, drive_faults, joint_state_faults
+from granular_contact.config.schema.initial import JointStart, drive_faults, joint_state_faults, speed_faults
 from granular_contact.config.schema.method import Reduced
 from granular_contact.config.schema.scenario import Scenario
 from granular_contact.config.schema.space.bed import SpatialBed
@@ -48,11 +48,7 @@ class SpatialInitial(Strict):
 
     def _faults(self) -> Faults:
         for name, start in (self.joints or {}).items() if self.settle else ():
-            for key in RATES:
-                value = getattr(start, key)
-                if value is not None and value not in (0.0, (0.0, 0.0, 0.0)):
-                    got = f"{value:g}" if isinstance(value, float) else f"{list(value)}"
-                    yield ("joints", name, key), f"got {got}, but settle is true: allowed is 0"
+            yield from speed_faults(start, ("joints", name), RATES)
 
 
 def initial_faults(initial: SpatialInitial, model: SpatialModel) -> Faults:
