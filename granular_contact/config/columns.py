@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
@@ -10,46 +10,49 @@ from pathlib import Path
 from granular_contact.config.csv_table import Table, few, form_faults, number, read_table
 from granular_contact.config.messages import unknown
 from granular_contact.config.references import shown
-from granular_contact.config.tree import Broken, Items, Mapping, Node, Position, Scalar, child, dotted, rewritten
+from granular_contact.config.tree import Broken, Items, Mapping, Node, Position, Scalar, dotted, rewritten
 from granular_contact.config.tree import Path as TreePath
 from granular_contact.errors import Fault
 from granular_contact.laws.table import MOST_DRIVING, axis_faults, driving, power
 
 KEYS = ("drives", "signals")  # of a scenario, below which files may be named
 MOST_ROWS = 100_000
-_KEYS = {"type", "file", "column", "time_column", "interpolation"}
+_MEDIA = ("medium", "bed")
+_OF_CSV = {"type", "file", "column", "time_column", "interpolation"}
 
 
-def with_columns(node: Node, key: str, folder: Path, faults: list[Fault]) -> Node:
-    """The tree under a key of a scenario with every signal of the type csv replaced by a table.
+def with_numbers(node: Node, key: str, folder: Path, faults: list[Fault]) -> Node:
+    """The tree under a key of a scenario with the numbers of CSV files in it: as a table in the place of every signal
+    of the type csv, and in every law `table` that names a file.
 
     Paths start from `folder`; in what stands in no file, as in `--set`, from the working folder.
     """
 
     def change(node: Mapping, path: TreePath) -> Node | None:
-        kind = child(node, "type")
-        is_csv = isinstance(kind, Scalar) and kind.value == "csv"
-        return _table(node, path, folder, faults) if is_csv else None
+        if key in KEYS:
+            return _signal(node, path, folder, faults) if _text(node, "type") == "csv" else None
+        return _stresses(node, path, folder, faults) if _text(node, "law") == "table" else None
 
-    return rewritten(node, change, (key,)) if key in KEYS else node
+    return rewritten(node, change, (key,)) if key in (*KEYS, *_MEDIA) else node
 
 
-def _table(node: Mapping, path: TreePath, folder: Path, faults: list[Fault]) -> Node:
+def _signal(node: Mapping, path: TreePath, folder: Path, faults: list[Fault]) -> Node:
     """A csv signal as a table; unchanged if its keys are faulty, which the schema reports."""
     file, column = (_text(node, key) for key in ("file", "column"))
     time_column = "time_s" if "time_column" not in node.nodes else _text(node, "time_column")
-    if file is None or column is None or time_column is None or not set(node.nodes) <= _KEYS:
+    if file is None or column is None or time_column is None or not set(node.nodes) <= _OF_CSV:
         return node
-    at = node.nodes["file"].position
-    start = folder if at.line is not None else Path()
-    table = _read(start / file, (time_column, column), at, (*path, "file"), faults)
-    if table is None:
+    own_faults = list[Fault]()
+    table = _table(node, path, folder, own_faults)
+    found = None if table is None else _pairs(table, (time_column, column), own_faults)
+    faults += [one if one.key else replace(one, key=dotted(path)) for one in own_faults]
+    if found is None:
         return Broken(node.position)
-    source = f"{file}, column {column}"
+    at, source = node.nodes["file"].position, f"{file}, column {column}"
     nodes: dict[str, Node] = {
         "type": Scalar(at, "table", "table"),
-        "time_s": numbers_of(at, table[0]),
-        "values": numbers_of(at, table[1]),
+        "time_s": _numbers(at, found[0]),
+        "values": _numbers(at, found[1]),
         "source": Scalar(at, source, source),
     }
     if "interpolation" in node.nodes:
@@ -62,43 +65,35 @@ def _text(node: Mapping, key: str) -> str | None:
     return held.value if isinstance(held, Scalar) and isinstance(held.value, str) else None
 
 
-def numbers_of(at: Position, values: list[float]) -> Items:
+def _numbers(at: Position, values: list[float]) -> Items:
     """A list of numbers as a node."""
     return Items(at, tuple(Scalar(at, value, repr(value)) for value in values))
 
 
-def _read(
-    file: Path, names: tuple[str, str], at: Position, path: TreePath, faults: list[Fault]
-) -> tuple[list[float], list[float]] | None:
-    """Times and values of a column, or None with faults."""
-    found_faults = list[Fault]()
-    table = table_named(file, at, path, found_faults)
-    if table is not None:
-        words = "there is no column"
-        lost = [f"{words} {name!r}; {unknown(name, table.header)}" for name in names if name not in table.header]
-        found = _pairs(table, names) if not lost else [Fault(table.file, table.header_line, "", one) for one in lost]
-        if isinstance(found, tuple):
-            return found
-        found_faults = found
-    faults += [one if one.key else replace(one, key=dotted(path[:-1])) for one in found_faults]
-    return None
-
-
-def table_named(file: Path, at: Position, path: TreePath, faults: list[Fault]) -> Table | None:
-    """Table of a file; where it can't be read, the line that names it is at fault."""
-    found = list[Fault]()
+def _table(node: Mapping, path: TreePath, folder: Path, faults: list[Fault]) -> Table | None:
+    """Table of the file that a mapping names; where it can't be read, the line that names it is at fault."""
+    at, found = node.nodes["file"].position, list[Fault]()
+    file = (folder if at.line is not None else Path()) / str(_text(node, "file"))
     table = read_table(shown(file), found)
     words = f"got {file.name!r}, but {shown(file)} can't be read"
-    faults += [at.fault(path, f"{words}: {one.message}") if one.line is None else one for one in found]
+    faults += [at.fault((*path, "file"), f"{words}: {one.message}") if one.line is None else one for one in found]
     return table
 
 
-def _fault(table: Table, line: int | None, message: str) -> list[Fault]:
-    return [Fault(table.file, line, "", message)]
+def _lost(table: Table, names: Sequence[str]) -> list[Fault]:
+    """Faults of columns that are not there."""
+    return [
+        Fault(table.file, table.header_line, "", f"there is no column {name!r}; {unknown(name, table.header)}")
+        for name in names
+        if name not in table.header
+    ]
 
 
-def _pairs(table: Table, names: tuple[str, str]) -> tuple[list[float], list[float]] | list[Fault]:
-    """Times and values of two columns, or the first fault of them."""
+def _pairs(table: Table, names: tuple[str, str], faults: list[Fault]) -> tuple[list[float], list[float]] | None:
+    """Times and values of two columns; None, with the first fault of them."""
+    if lost := _lost(table, names):
+        faults += lost
+        return None
     times, values = list[float](), list[float]()
     where = [table.header.index(name) for name in names]
     for line, cells in zip(table.lines, table.rows, strict=True):
@@ -106,19 +101,25 @@ def _pairs(table: Table, names: tuple[str, str]) -> tuple[list[float], list[floa
             continue
         texts = [cells[i] if i < len(cells) else "" for i in where]
         time, value = map(number, texts)
+        wrong = ""
         if time is None or value is None:
             i = 0 if time is None else 1
             got = f"got {texts[i][:40]!r}" if texts[i] else "got nothing"
-            return _fault(table, line, f"{got} in the column {names[i]}; allowed is a finite number")
-        if times and time <= times[-1]:
-            return _fault(table, line, f"got the time {time:g} after {times[-1]:g}; allowed are times that grow")
-        if len(times) == MOST_ROWS:
-            return _fault(table, line, f"got more than {MOST_ROWS} rows; at most that many are allowed")
-        times.append(time)
-        values.append(value)
+            wrong = f"{got} in the column {names[i]}; allowed is a finite number"
+        elif times and time <= times[-1]:
+            wrong = f"got the time {time:g} after {times[-1]:g}; allowed are times that grow"
+        elif len(times) == MOST_ROWS:
+            wrong = f"got more than {MOST_ROWS} rows; at most that many are allowed"
+        else:
+            times.append(time)
+            values.append(value)
+        if wrong:
+            faults.append(Fault(table.file, line, "", wrong))
+            return None
     if len(times) < 2:
         words = f"got {len(times)} row{'s' * (len(times) != 1)} of numbers; allowed are 2 or more"
-        return _fault(table, None, words)
+        faults.append(Fault(table.file, None, "", words))
+        return None
     return times, values
 
 
@@ -126,48 +127,25 @@ COLUMNS = ("depth_m", "beta_deg", "gamma_deg", "stress_x_Pa", "stress_z_Pa")
 Rows = dict[tuple[float, float, float], tuple[float, float]]
 
 
-def with_tables(node: Node, key: str, folder: Path, faults: list[Fault]) -> Node:
-    """The tree under a key of a scenario with every file of a law `table` replaced by its numbers; paths as of
-    `with_columns`.
-    """
-
-    def change(node: Mapping, path: TreePath) -> Node | None:
-        law, file = child(node, "law"), child(node, "file")
-        named = isinstance(file, Scalar) and isinstance(file.value, str)
-        if not (named and isinstance(law, Scalar) and law.value == "table"):
-            return None
-        assert isinstance(file, Scalar)
-        found = _read_stresses(folder, faults, file, dotted((*path, "file")))
-        if found is None:
-            return Broken(node.position)
-        nodes = {name: one for name, one in node.nodes.items() if name != "file"}
-        nodes |= {name: numbers_of(file.position, values) for name, values in found.items()}
-        return Mapping(node.position, nodes, {name: node.keys.get(name, file.position) for name in nodes})
-
-    return rewritten(node, change, (key,)) if key in ("medium", "bed") else node
-
-
-def _read_stresses(folder: Path, faults: list[Fault], named: Scalar, key: str) -> dict[str, list[float]] | None:
-    """Axes and stresses of a file; None, with faults."""
-    start = folder if named.position.line is not None else Path()
-    table = table_named(start / str(named.value), named.position, (key,), faults)
-    if table is None:
+def _stresses(node: Mapping, path: TreePath, folder: Path, faults: list[Fault]) -> Node | None:
+    """A law with the axes and stresses of its file; None of one that names none."""
+    if _text(node, "file") is None:
         return None
-    own_faults = form_faults(table)
-    lost = [name for name in COLUMNS if name not in table.header]
-    own_faults += [
-        Fault(table.file, table.header_line, "", f"there is no column {name!r}; {unknown(name, table.header)}")
-        for name in lost
-    ]
-    rows = {} if own_faults else _rows(table, own_faults)
+    own_faults = list[Fault]()
+    table = _table(node, path, folder, own_faults)
+    own_faults += [] if table is None else [*form_faults(table), *_lost(table, COLUMNS)]
+    rows = {} if table is None or own_faults else _rows(table, own_faults)
     axes = [sorted({place[i] for place in rows}) for i in range(3)]
-    if not own_faults:
+    if table is not None and not own_faults:
         own_faults += few(table.file, [*_holes(table, rows, axes)])
+    faults += own_faults
     if own_faults:
-        faults += own_faults
-        return None
-    ordered = [rows[place] for place in product(*axes)]  # type: ignore[index]
-    return dict(zip(COLUMNS, (*axes, [x for x, _ in ordered], [z for _, z in ordered]), strict=True))
+        return Broken(node.position)
+    at, ordered = node.nodes["file"].position, [rows[place] for place in product(*axes)]  # type: ignore[index]
+    columns = (*axes, [x for x, _ in ordered], [z for _, z in ordered])
+    nodes = {name: one for name, one in node.nodes.items() if name != "file"}
+    nodes |= {name: _numbers(at, values) for name, values in zip(COLUMNS, columns, strict=True)}
+    return Mapping(node.position, nodes, {name: node.keys.get(name, at) for name in nodes})
 
 
 def _rows(table: Table, own_faults: list[Fault]) -> Rows:

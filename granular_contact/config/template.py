@@ -16,7 +16,7 @@ from pydantic import ValidationError
 from granular_contact.config import overrides as setting
 from granular_contact.config import tree
 from granular_contact.config.columns import KEYS as COLUMN_KEYS
-from granular_contact.config.columns import with_columns, with_tables
+from granular_contact.config.columns import with_numbers
 from granular_contact.config.file_kind import scenario_class, with_paths
 from granular_contact.config.given import changes as changes_of
 from granular_contact.config.given import merged
@@ -163,8 +163,7 @@ class Template:
         if known is not None and known.written is written:
             return known
         folder = self._path.parent
-        node = with_columns(written, key, folder, faults)
-        node = with_tables(node, key, folder, faults)
+        node = with_numbers(written, key, folder, faults)
         return _Part(written, with_paths(node, key, folder))
 
     @property
