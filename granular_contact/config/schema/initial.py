@@ -5,7 +5,7 @@ With it the checks of a scenario against its mechanism: initial states and drive
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Annotated, Any
 
 from pydantic import Field

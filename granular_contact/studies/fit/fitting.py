@@ -27,26 +27,16 @@ from granular_contact.studies.fit.measurements import SIGNS
 from granular_contact.studies.fit.problem import Parameter, Problem
 from granular_contact.studies.fit.responses import Key, ModelFailed
 from granular_contact.studies.fit.scatter import Scattering, separate
-from granular_contact.studies.fit.solve import DIED, NEGLIGIBLE_COST, SAME_COST, Progress, Solution, jacobian, solve
-from granular_contact.studies.fit.uncertainty import Uncertainty, band, uncertainty
+from granular_contact.studies.fit.solve import DIED, NEGLIGIBLE_COST, SAME_COST, Progress, Solution, solve
+from granular_contact.studies.fit.uncertainty import Uncertainty, uncertainty
 from granular_contact.values.arrays import Vector
 
-BAND_POINTS = 241
 DISTRUST = "the model does not describe these data, and the standard errors are too small"
 
 
 @dataclass(frozen=True)
-class Curve:
-    """One run as fitted: times (m,) s of the measurement, model and half width of its 95 % band (m, columns)."""
-
-    time: Vector
-    model: Vector
-    half_width: Vector
-
-
-@dataclass(frozen=True)
 class Fit:
-    """Result of a fit. residuals: data less model (n, columns) of each run; curves: for figures.
+    """Result of a fit. residuals: data less model (n, columns) of each run.
 
     scatter: of the grains, where it was separated from noise.
     """
@@ -56,7 +46,6 @@ class Fit:
     uncertainty: Uncertainty
     goodness: Goodness
     residuals: tuple[Vector, ...]
-    curves: tuple[Curve, ...]
     scatter: Scattering | None = None
 
     @property
@@ -120,18 +109,8 @@ def fit(problem: Problem, workers: int = 1, progress: Progress | None = None) ->
             raise SolveError(f"the model fails near the best parameters: {error}") from error
         judged, covariance = replace(solution, residuals=grains.white * grains.noise), grains.covariance
     known = uncertainty(problem, solution, covariance)
-    times = [np.linspace(time[0], time[-1], BAND_POINTS) for time in problem.times()]
-    model = problem.split(problem.model(solution.scaled, times), times)
-    width = problem.split(band(known, jacobian(problem, solution.scaled, times)), times)
-    return Fit(
-        problem,
-        solution,
-        known,
-        goodness(problem, judged),
-        tuple(problem.split(solution.residuals)),
-        tuple(Curve(*one) for one in zip(times, model, width, strict=True)),
-        grains,
-    )
+    residuals = tuple(problem.split(solution.residuals))
+    return Fit(problem, solution, known, goodness(problem, judged), residuals, grains)
 
 
 BEYOND = 2.0  # times the greatest of several published values, or below the least: more is unlikely for a sand

@@ -24,9 +24,11 @@ from granular_contact.studies.fit.law_alone import LawAlone
 from granular_contact.studies.fit.measurements import DEPTH, RATE, SPEED, Measured
 from granular_contact.studies.fit.problem import MeasuredRun, Parameter, Problem
 from granular_contact.studies.fit.responses import Key
-from granular_contact.studies.fit.uncertainty import Estimate
+from granular_contact.studies.fit.solve import jacobian
+from granular_contact.studies.fit.uncertainty import Estimate, band
 from granular_contact.values.arrays import Vector
 
+BAND_POINTS = 241
 HEAD = ("run", "column", "time_s", "data", "model", "residual_over_noise")
 
 
@@ -167,14 +169,18 @@ def _residual_rows(fit: Fit, prescribed: list[str]) -> Iterator[list[Any]]:
 def _draw(fit: Fit, folder: Path) -> None:
     from granular_contact.report.figures.fits import RunPicture, draw
 
-    sigma, quantile = dict(zip(fit.problem.columns, fit.solution.sigma, strict=True)), fit.uncertainty.quantile
+    problem, scaled = fit.problem, fit.solution.scaled
+    times = [np.linspace(time[0], time[-1], BAND_POINTS) for time in problem.times()]
+    models = problem.split(problem.model(scaled, times), times)
+    widths = problem.split(band(fit.uncertainty, jacobian(problem, scaled, times)), times)
+    sigma, quantile = dict(zip(problem.columns, fit.solution.sigma, strict=True)), fit.uncertainty.quantile
     runs = []
-    for run, residuals, curve in zip(fit.problem.runs, fit.residuals, fit.curves, strict=True):
+    for run, residuals, model, width, time in zip(problem.runs, fit.residuals, models, widths, times, strict=True):
         held = run.measured
         noise = np.array([sigma[column] for column in held.columns])
-        arrays = held.values, residuals, curve.model, curve.half_width
-        runs.append(RunPicture(run.name, held.columns, noise, quantile, *arrays, *_axis(held, curve.time)))
-    shared = [j for j, p in enumerate(fit.problem.parameters) if p.shared]
+        arrays = held.values, residuals, model, width
+        runs.append(RunPicture(run.name, held.columns, noise, quantile, *arrays, *_axis(held, time)))
+    shared = [j for j, p in enumerate(problem.parameters) if p.shared]
     ones = [fit.uncertainty.estimates[j] for j in shared]
     estimates = [(_short(one.parameter), one.value, one.error) for one in ones]
     correlation = fit.uncertainty.correlation[np.ix_(shared, shared)]
@@ -249,17 +255,12 @@ def _values(fit: Fit, run: MeasuredRun) -> tuple[float, ...]:
     return tuple(float(fit.values[i]) for i in run.acting)
 
 
-def results_of(fit: Fit, run: MeasuredRun) -> Results:
-    """The whole run with the best parameters."""
-    return run.simulator.results(_values(fit, run))
-
-
 def seen(fit: Fit, runs: list[MeasuredRun]) -> dict[str, list[float]]:
     """Speeds (m/s) and depths (m) of what met the medium, and its diameters or widths (m): least, greatest."""
     speeds, depths, sizes = list[float](), list[float](), list[float]()
     for run in runs:
         model, values = run.simulator, _values(fit, run)
-        own = model.seen(values) if isinstance(model, LawAlone) else _seen_of_run(run, results_of(fit, run))
+        own = model.seen(values) if isinstance(model, LawAlone) else _seen_of_run(run, model.results(values))
         speeds += own[0]
         depths += own[1]
         sizes += own[2]
