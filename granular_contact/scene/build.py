@@ -9,6 +9,7 @@ import numpy as np
 
 from granular_contact.config import Given, Loaded, loaded, schema
 from granular_contact.config.changed import checked
+from granular_contact.config.schema.joints import joint_of
 from granular_contact.errors import Fault, SceneError, scene_fault
 from granular_contact.scene.bed import Bed, bed
 from granular_contact.scene.bodies import flexible_links, rigid_body
@@ -219,8 +220,9 @@ def _joint_faults(layout: Layout) -> Iterator[Fault]:
             link = bodies.get(body)
             if not isinstance(link, schema.Link) or link.flexible is None:
                 continue
-            if isinstance(joint, schema.SliderClosure) and side == "parent":
-                yield scene_fault(f"model.{kind}.{name}.parent", f"{body} is flexible; a slider has a rigid parent")
+            if hasattr(joint, "axis") and side == "parent":
+                words = f"{body} is flexible; a {joint_of(joint.type)} has a rigid parent"
+                yield scene_fault(f"model.{kind}.{name}.parent", words)
             elif tuple(xy) not in ((0.0, 0.0), (link.length_m, 0.0)):
                 yield scene_fault(
                     f"model.{kind}.{name}.{side}_point_m",
