@@ -21,7 +21,7 @@ from granular_contact.results.observed import Observations
 from granular_contact.scene.types import Minimal, Reduced, Scene
 
 if TYPE_CHECKING:
-    from granular_contact.mechanics.kinematics import Kinematics
+    from granular_contact.engines.tree.tree import Tree
     from granular_contact.mechanics.system import System, Trajectory
 
 Made = TypeVar("Made")
@@ -198,44 +198,32 @@ def begin(scene: Scene, progress: Progress | None = None, *, pauses: bool = Fals
     return _OTHERS[type(scene.method)](scene, progress)
 
 
-def _by_engine(scene: Scene, progress: Progress | None, pauses: bool) -> Begun:
+def _by_engine(scene: Any, progress: Progress | None, pauses: bool) -> Begun:
+    from granular_contact.engines.exudyn.solve import Solve
+
     if scene.in_space:
-        return _in_space(scene, progress, pauses)
-    from granular_contact.engines.exudyn.build import build
-    from granular_contact.engines.exudyn.solve import Solve
-    from granular_contact.mechanics.observe import observe
+        from granular_contact.engines.exudyn.build_in_space import build as build_in_space
 
-    system = build(scene)
-    return Begun(Solve(system, progress, pauses=pauses), partial(observe, system), system)
+        system: System = build_in_space(scene)
+    else:
+        from granular_contact.engines.exudyn.build import build
 
-
-def _in_space(scene: Any, progress: Progress | None, pauses: bool) -> Begun:
-    from granular_contact.engines.exudyn.build_in_space import build
-    from granular_contact.engines.exudyn.solve import Solve
-    from granular_contact.mechanics.space.observe import observe
-
-    system = build(scene)
-    return Begun(Solve(system, progress, pauses=pauses), partial(observe, system), system)
+        system = build(scene)
+    return Begun(Solve(system, progress, pauses=pauses), system.observe, system)
 
 
 def _by_minimal(scene: Any, progress: Progress | None) -> Begun:
+    from granular_contact.engines.tree.solve import Solve
+
     if scene.in_space:
-        return _minimal_in_space(scene, progress)
-    from granular_contact.engines.tree.solve import Solve
-    from granular_contact.engines.tree.tree import tree
-    from granular_contact.mechanics.observe import observe
+        from granular_contact.engines.tree.space_tree import tree as tree_in_space
 
-    made = tree(scene)
-    return Begun(Solve(made, progress), partial(observe, made.system), made.system)
+        made: Tree = tree_in_space(scene)
+    else:
+        from granular_contact.engines.tree.tree import tree
 
-
-def _minimal_in_space(scene: Any, progress: Progress | None) -> Begun:
-    from granular_contact.engines.tree.solve import Solve
-    from granular_contact.engines.tree.space_tree import tree
-    from granular_contact.mechanics.space.observe import observe
-
-    made = tree(scene)
-    return Begun(Solve(made, progress), partial(observe, made.system), made.system)
+        made = tree(scene)
+    return Begun(Solve(made, progress), made.system.observe, made.system)
 
 
 def _by_modes(scene: Scene, progress: Progress | None) -> Begun:
@@ -256,17 +244,6 @@ def _solved(scene: Scene, progress: Progress | None) -> tuple[Begun, Any]:
     begun = begin(scene, progress)
     begun.solving.advance()
     return begun, begun.solving.trajectory()
-
-
-def _motion(system: Any, trajectory: Trajectory) -> Kinematics:
-    """The motion of a system."""
-    if system.scene.in_space:
-        from granular_contact.mechanics.space.kinematics import SpatialKinematics
-
-        return SpatialKinematics(system, trajectory)
-    from granular_contact.mechanics.kinematics import Kinematics
-
-    return Kinematics(system, trajectory)
 
 
 def _observed(
@@ -320,7 +297,7 @@ def _chosen(scene: Scene, progress: Progress | None) -> tuple[Begun, Any]:
 
     spent, before, coarser = trajectory.cost.solve_s, None, None
     while begun.system:
-        motion = _motion(begun.system, trajectory)
+        motion = begun.system.kinematics(trajectory)
         found = errors(motion, coarser=coarser)
         trajectory = replace(trajectory, strip_error=max(found.values(), default=0.0))
         shorter = finer(motion, found, before, coarser is not None)

@@ -17,8 +17,6 @@ from granular_contact.scene.types import Joint, Vector
 
 if TYPE_CHECKING:
     from granular_contact.mechanics.coordinates import Coordinate
-    from granular_contact.mechanics.kinematics import Kinematics
-    from granular_contact.mechanics.system import Trajectory
     from granular_contact.sand.load import GranularLoad
 
 
@@ -68,12 +66,6 @@ class Sensors:
     def follows(self) -> bool:
         """Whether it has to see all rows."""
         return bool(self._turning)
-
-    def kinematics(self, trajectory: Trajectory) -> Kinematics:
-        """Kinematics of its system along a trajectory."""
-        from granular_contact.mechanics.kinematics import Kinematics
-
-        return Kinematics(self.system, trajectory)
 
     # ---- set up ----
 

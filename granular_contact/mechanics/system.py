@@ -14,7 +14,9 @@ from granular_contact.scene.types import Scene, Vector
 
 if TYPE_CHECKING:
     from granular_contact.mechanics.joint_loads import JointLoad
+    from granular_contact.mechanics.kinematics import Kinematics
     from granular_contact.mechanics.sensors import Sensors
+    from granular_contact.results.observation import Observation
     from granular_contact.sand.history import LoadHistory
 
 
@@ -118,6 +120,18 @@ class System:
         from granular_contact.mechanics.sensors import Sensors
 
         return Sensors(self, None if self.bed is None else self.bed.load)
+
+    def kinematics(self, trajectory: Trajectory) -> Kinematics:
+        """Its motion along a trajectory."""
+        from granular_contact.mechanics.kinematics import Kinematics
+
+        return Kinematics(self, trajectory)
+
+    def observe(self, trajectory: Trajectory) -> Observation:
+        """What results hold of a run."""
+        from granular_contact.mechanics.observe import observe
+
+        return observe(self, trajectory)
 
     def node_at(self, body: str, point: Vector) -> int:
         """Node that a point (2,) m of a body belongs to: that of a rigid body, the root or tip of a link."""

@@ -235,8 +235,7 @@ class Solve:
         recorder = self.recorder
         row, count = recorder.states[recorder.rows - 1 : recorder.rows], recorder.size
         q, v = row[:, 1 : 1 + count] + self._reference, row[:, 1 + count :]
-        assert self._sensors is not None  # of one that pauses
-        return self._sensors.kinematics(at_one(self.system, row[:, 0], q, v)).outlines(0)
+        return self.system.kinematics(at_one(self.system, row[:, 0], q, v)).outlines(0)
 
     def set_to(self, joint: str, value: float) -> None:
         """Set the drive of a joint, in SI units, from now on; at the start the accelerations follow."""

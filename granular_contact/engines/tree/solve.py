@@ -99,7 +99,7 @@ class Solve:
         """The mechanism as it is drawn, at the present state."""
         system, now = self.tree.system, slice(self.march.last, self.march.last + 1)
         q, v = (self._coordinates(now, derivative) for derivative in (0, 1))
-        return self._sensors.kinematics(at_one(system, np.array([self.time]), q, v)).outlines(0)
+        return system.kinematics(at_one(system, np.array([self.time]), q, v)).outlines(0)
 
     def _coordinates(self, rows: int | slice, derivative: int) -> Vector:
         """Coordinates of the system (m,) or (k, m) in these rows, their rates, or accelerations as in kernels."""

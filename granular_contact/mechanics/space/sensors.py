@@ -10,9 +10,8 @@ import numpy as np
 from granular_contact.geometry import rotations
 from granular_contact.mechanics.sensors import Sensors
 from granular_contact.mechanics.space.coordinates import coordinate
-from granular_contact.mechanics.space.kinematics import SpatialKinematics, angular
+from granular_contact.mechanics.space.kinematics import angular
 from granular_contact.mechanics.space.system import SpatialSystem
-from granular_contact.mechanics.system import Trajectory
 from granular_contact.results.in_space import SpatialSeen
 from granular_contact.results.observed import Instant, Observations
 from granular_contact.sand.work import about
@@ -56,10 +55,6 @@ class SpatialSensors(Sensors):
     def follows(self) -> bool:
         """As of `Sensors`."""
         return any(self.seen.hinges)
-
-    def kinematics(self, trajectory: Trajectory) -> SpatialKinematics:
-        """As of `Sensors`."""
-        return SpatialKinematics(self.system, trajectory)
 
     def follow(self, q: Vector) -> None:
         """Count the turns of hinges over rows (n, m) of coordinates that came since the last call."""

@@ -6,11 +6,13 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from granular_contact.mechanics.system import RigidHandle, System
+from granular_contact.mechanics.system import RigidHandle, System, Trajectory
 from granular_contact.scene.space.types import SpatialRigidBody, SpatialScene
 
 if TYPE_CHECKING:
     from granular_contact.mechanics.sensors import Sensors
+    from granular_contact.mechanics.space.kinematics import SpatialKinematics
+    from granular_contact.results.observation import Observation
     from granular_contact.sand.space.load import SpatialLoad
 
 
@@ -33,3 +35,15 @@ class SpatialSystem(System):
         from granular_contact.mechanics.space.sensors import SpatialSensors
 
         return SpatialSensors(self, None if self.bed is None else self.bed.load)
+
+    def kinematics(self, trajectory: Trajectory) -> SpatialKinematics:
+        """As of `System`."""
+        from granular_contact.mechanics.space.kinematics import SpatialKinematics
+
+        return SpatialKinematics(self, trajectory)
+
+    def observe(self, trajectory: Trajectory) -> Observation:
+        """As of `System`."""
+        from granular_contact.mechanics.space.observe import observe
+
+        return observe(self, trajectory)
