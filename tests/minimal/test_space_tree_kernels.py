@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -186,6 +188,18 @@ def test_chart_of_rotation_vectors(angle: float) -> None:
     np.testing.assert_allclose(space_rotations.drift_of(tuple(u), tuple(rate), of), drift, atol=1e-6)
     turned = rotations.of_quaternion(np.array([space_rotations.by_vector(tuple(u))]))[0]
     np.testing.assert_allclose(turned, Rotation.from_rotvec(u).as_matrix(), atol=1e-14)
+
+
+@pytest.mark.parametrize("square", [0.0, 0.05, 0.0999999, 0.1000001, 2.0])
+def test_coefficients_of_the_chart_are_those_of_their_power_series(square: float) -> None:
+    """a = sum (-x)^k / (2k + 2)!, b = sum (-x)^k / (2k + 3)! of x = u . u, and 2 da/dx, 2 db/dx, to 30 terms."""
+    terms = range(30)
+    a, b = ([(-1.0) ** k / math.factorial(2 * k + more) for k in terms] for more in (2, 3))
+    values = [sum(c * square**k for k, c in enumerate(of)) for of in (a, b)]
+    slopes = [sum(2.0 * k * c * square ** (k - 1) for k, c in enumerate(of) if k > 0) for of in (a, b)]
+    # Closed forms lose what cancels in 1 - cos and the like: 1e-16 over x^2 or less.
+    found = space_rotations.chart((np.sqrt(square), 0.0, 0.0))
+    np.testing.assert_allclose(found, values + slopes, rtol=0.0, atol=2e-15 if square < 0.1 else 1e-13)
 
 
 def test_a_new_chart_leaves_the_motion_as_it_is() -> None:

@@ -6,7 +6,7 @@ J(u) u' (the left Jacobian of SO(3), see Sola et al. 2018),
     J u' = u' + a u x u' + b u x (u x u'),    a = (1 - cos |u|) / |u|^2,    b = (|u| - sin |u|) / |u|^3,
 
 both in the frame that exp(u) turns from. J is regular below a whole turn; near 0 its coefficients are taken from series
-in |u|^2, whose first term left out is below 1e-15.
+in |u|^2, whose first term left out is below 2e-15.
 """
 
 from __future__ import annotations
@@ -140,7 +140,7 @@ def chart(u):
             0.5 - x * (1.0 / 24.0 - x * (1.0 / 720.0 - x * (1.0 / 40320.0 - x * (1.0 / 3628800.0 - x / 479001600.0)))),
             1.0 / 6.0 - x * (1.0 / 120.0 - x * (1.0 / 5040.0 - x * (1.0 / 362880.0 - x / 39916800.0))),
             -1.0 / 12.0 + x * (1.0 / 180.0 - x * (1.0 / 6720.0 - x * (1.0 / 453600.0 - x / 47900160.0))),
-            -1.0 / 60.0 + x * (1.0 / 1260.0 - x * (1.0 / 60480.0 - x / 4989600.0)),
+            -1.0 / 60.0 + x * (1.0 / 1260.0 - x * (1.0 / 60480.0 - x * (1.0 / 4989600.0 - x / 622702080.0))),
         )
     angle = math.sqrt(x)
     s, c = math.sin(angle), math.cos(angle)
