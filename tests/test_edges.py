@@ -198,3 +198,14 @@ def test_a_motion_that_runs_away_ends_there_and_is_told() -> None:
     assert run.status.code == "failed"
     assert run.status.message.startswith("the motion diverged at 0 s; take a smaller solver.step_s")
     assert len(run["time_s"]) == 1  # the step that left is not kept
+
+
+@pytest.mark.parametrize(("method", "torque", "unit"), [("engine", 1e7, 1.0), ("minimal", 3e8, 0.025)])
+def test_a_motion_has_run_away_once_a_speed_is_above_1e8(method: str, torque: float, unit: float) -> None:
+    """Even acceleration from rest: after one step below it, after two above. m/s at the rim; the engine, of rad/s."""
+    more = "solver.step_s=1e-3", "solver.end_time_s=3e-3", f"method={method}"
+    run = simulate(BALL_ON_HINGE, f"drives.pivot={{type: torque, torque_Nm: {torque}}}", *more)
+    rate = torque * 1e-3 / (0.1 * 7700.0 * np.pi / 6.0 * 0.05**5)  # of a ball's inertia m d^2 / 10
+    assert 0.5e8 < unit * rate < 1e8
+    assert run["mean_rate_rad_s"].tolist() == pytest.approx([0.0, rate], rel=1e-9)
+    assert run.status.message.startswith("the motion diverged at 0.001 s; take a smaller solver.step_s")

@@ -55,6 +55,11 @@ def test_numbers_of_a_drive() -> None:
     assert (told["work_put_in_J"], told["largest_force_N"], told["largest_power_W"]) == (0.0, 7.0, 8.0)
 
 
+def test_a_run_that_ended_as_it_began_has_no_means() -> None:
+    told = drive_numbers(np.zeros(1), Driving(np.full(1, 3.0), np.zeros(1), np.zeros(1)), np.zeros(1), rotary=True)
+    assert (told["largest_torque_Nm"], told["rms_torque_Nm"], told["mean_power_W"]) == (3.0, 0.0, 0.0)
+
+
 def test_the_mean_square_of_few_steps_is_that_of_many() -> None:
     """A controller's torque that fades from its start on by two thirds a step, and one that swings in 12 steps."""
     fading = np.exp(-np.linspace(0.0, 20.0, 20))

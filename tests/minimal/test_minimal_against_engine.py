@@ -117,6 +117,12 @@ def test_long_runs_outgrow_the_first_table() -> None:
     assert results["time_s"][-1] == 0.02
 
 
+def test_a_matrix_of_newton_serves_many_steps() -> None:
+    """Of even steps, which bring hardly a change of the matrix until bristles yield."""
+    cost = fixed(1e-4).summary["cost"]
+    assert cost["jacobians"] < 0.1 * cost["steps"]
+
+
 def test_slope_of_the_surface() -> None:
     bed = "bed={slope_deg: 8}"
     ours, theirs = fixed(4e-5, bed), by_engine(4e-5, bed)

@@ -8,8 +8,8 @@ from support_parts import of_tree
 from support_runs import order, scene_of, simulate
 from support_slopes import slopes_of_what_joints_lack
 
-from granular_contact.engines.tree.kernels import tree, tree_load
-from granular_contact.engines.tree.kernels.tree_arrays import NODE, places, room
+from granular_contact.engines.tree.kernels import tree, tree_load, tree_march
+from granular_contact.engines.tree.kernels.tree_arrays import FASTEST, NODE, places, room
 from granular_contact.engines.tree.march import March
 from granular_contact.engines.tree.tree import tree as make_tree
 
@@ -129,6 +129,15 @@ def test_matrix_of_newton_is_the_slope_of_what_joints_lack() -> None:
     # What turns with the change is left out: next to nothing at rest. Slopes of the sand are chords, some of them
     # beyond where a bristle yields, so that they are less steep or more.
     np.testing.assert_allclose(slopes, matrix, atol=0.1 * np.abs(sand).max())
+
+
+def test_what_creeps_is_solved_as_closely_as_what_is_fast() -> None:
+    """A share of the fastest speed so far, down to a thousandth of the 1 mm/s of rest, where steps are long."""
+    march = March(make_tree(scene_of(CHAIN_IN_SAND)))
+    clock, share = march.arrays["clock"], march.arrays["control"]["share"][0]
+    for speed, least in ((3.0, 0.0), (1e-5, 0.0), (1e-8, 1e-6)):
+        clock[FASTEST] = speed
+        assert of_tree(tree_march.allowed)(1e6, march._words) == pytest.approx(share * max(speed, least), rel=1e-12)
 
 
 CHAIN_IN_SAND = """

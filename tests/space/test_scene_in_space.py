@@ -52,6 +52,27 @@ def scene_of(run: dict[str, Any]) -> SpatialScene:
     return scene
 
 
+BEAM = {"type": "link", "length_m": 0.2, "diameter_m": 0.01, "density_kg_m3": 2000}
+SOFT = {"youngs_modulus_Pa": 1e9, "elements": 4, "axial_stiffness_N": 1e5}
+FIXED = {
+    "in_space": True,
+    "name": "held twice",
+    "bodies": {
+        "beam": BEAM | {"flexible": {"youngs_modulus_Pa": 1e9, "elements": 4, "axial_stiffness_N": 1e5}},
+        "crank": BEAM,
+    },
+    "joints": {
+        "clamp": {"type": "weld", "parent": "ground", "child": "beam"},
+        "elbow": {
+            "type": "hinge",
+            "axis": [0, 1, 0],
+            "parent": "beam",
+            "child": "crank",
+            "parent_point_m": [0.2, 0, 0],
+        },
+    },
+    "closures": {"back": {"type": "ball", "parent": "crank", "child": "beam", "parent_point_m": [0.2, 0, 0]}},
+}
 TENSOR = {"xx": 1, "yy": 1, "zz": 3}
 FAULTS = {
     "no body has it": (
@@ -73,6 +94,10 @@ FAULTS = {
     "no mesh": (
         changed("model.bodies.box.shapes", [{"type": "mesh", "file": "nowhere.stl"}]),
         "model.bodies.box.shapes.0.file: there is no such file",
+    ),
+    "closure to what is fixed": (
+        RUN | {"model": FIXED, "initial": {}},
+        "model.closures.back.child: beam is fixed to the ground: make it the parent",
     ),
     "law of bars": (
         changed("medium", "hill_cylinders"),
