@@ -40,6 +40,17 @@ _TREES = (
     "tests/minimal/test_minimal_against_engine.py",
     "tests/minimal/test_mechanisms_against_engine.py",
 )
+_SPACE_TREES = "tests/minimal/test_space_tree_kernels.py", "tests/minimal/test_space_trees.py"
+_LINKS = (
+    "tests/space/test_stretch_and_damping.py",
+    "tests/space/test_runs_in_space.py",
+    "tests/space/test_bending_links.py",
+)
+_FACETS = (
+    "tests/space/test_layers_in_space.py",
+    "tests/space/test_wrenches_by_quadrature.py",
+    "tests/space/test_forces_in_space.py",
+)
 AREAS: dict[str, dict[str, tuple[str, ...]]] = {
     "joints": {
         "mechanics/kernels/joint_loads.py": _JOINTS,
@@ -92,6 +103,25 @@ AREAS: dict[str, dict[str, tuple[str, ...]]] = {
             "tests/multibody/test_batches.py",
             "tests/multibody/test_bed.py",
         ),
+    },
+    "mechanisms in space": {
+        "engines/tree/kernels/space_tree.py": _SPACE_TREES,
+        "engines/tree/kernels/space_fold.py": _SPACE_TREES,
+        "engines/tree/kernels/space_rotations.py": _SPACE_TREES,
+        "engines/tree/kernels/space_ball_joints.py": (*_LINKS, _SPACE_TREES[1]),
+        "mechanics/kernels/space_joints.py": (*_LINKS, _SPACE_TREES[1]),
+        "mechanics/space/beams.py": _LINKS,
+        "mechanics/space/kinematics.py": (*_LINKS, "tests/space/test_scene_in_space.py", "tests/space/test_travel.py"),
+    },
+    "medium in space": {
+        "sand/kernels/facets.py": _FACETS,
+        "sand/kernels/facet_parts.py": _FACETS,
+        "sand/kernels/facet_slopes.py": (_FACETS[2],),
+        "sand/kernels/space_bodies.py": (_FACETS[2], "tests/space/test_bodies_in_space.py"),
+        "sand/kernels/space_friction.py": (_FACETS[2], "tests/space/test_bodies_in_space.py"),
+        "sand/kernels/bars.py": (_FACETS[2], _FACETS[0]),
+        "sand/space/facets.py": ("tests/space/test_shapes_in_space.py", *_FACETS),
+        "sand/space/round_shapes.py": ("tests/space/test_shapes_in_space.py", "tests/space/test_scene_in_space.py"),
     },
 }
 # Of the operators those that change what is computed.
