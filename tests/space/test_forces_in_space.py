@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import doctest
 from dataclasses import replace
+from itertools import product
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
-from support_space import FLAT, PAIRS, SAND, Array, Motion, both, driven, load_on, prism, state
+from support_space import FLAT, PAIRS, PLAY, SAND, WAY, Array, Motion, both, driven, load_on, prism, state
 
 import granular_contact.sand.space
-from granular_contact import Bar, Box, Cone, Drft, Mesh, Plate, Rft, Rft3d, Sphere
+from granular_contact import Bar, Box, Capsule, Cone, Cylinder, Drft, Mesh, Plate, Rft, Rft3d, Sphere
 from granular_contact.laws.rft3d import C
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
 from granular_contact.sand.contact_lines import Body, outline, polyline
@@ -364,6 +365,48 @@ def test_how_facets_are_kept_together_changes_nothing(shape: Shape) -> None:
     np.testing.assert_allclose(loads[1].batches[0].anchors, loads[0].batches[0].anchors, atol=1e-15)
     assert (one.bodies[:, 0, 2] == 0.0).any()
     assert scale > 1.0
+
+
+CIRCLE = np.column_stack([np.cos(a := np.linspace(0.0, 2.0 * np.pi, 4000)), np.sin(a), 0.0 * a])
+HALF = np.array(list(product((-0.5, 0.5), repeat=3)))
+WEDGE = prism(np.array([[0.0, 0.0], [0.1, 0.02], [0.03, 0.08]]), 0.05)
+# Shapes with points of which one is the deepest, or with the radius of a sphere around them (m).
+EXTREMES: dict[str, tuple[Any, Shape, Any, float]] = {
+    "box": (SAND, Box((0.1, 0.07, 0.05)), HALF * [0.1, 0.07, 0.05], 0.0),
+    "plate": (SAND, Plate((0.1, 0.06)), HALF * [0.1, 0.06, 0.0], 0.0),
+    "mesh": (SAND, WEDGE, WEDGE.vertices, 0.0),
+    "cylinder": (SAND, Cylinder(0.06, 0.1), np.vstack([0.03 * CIRCLE + [0.0, 0.0, z] for z in (-0.05, 0.05)]), 0.0),
+    "cone": (SAND, Cone(0.08, 0.06), np.vstack([np.zeros(3), 0.04 * CIRCLE + [0.0, 0.0, 0.06]]), 0.0),
+    "capsule": (SAND, Capsule(0.05, 0.08), np.array([[0.0, 0.0, -0.04], [0.0, 0.0, 0.04]]), 0.025),
+    "sphere": (SAND, Sphere(0.08), np.zeros((1, 3)), 0.04),
+    "bar": (PLAY, Bar(WAY, 0.008), np.array(WAY), 0.0),
+}
+
+
+@pytest.mark.parametrize("slope", [(0.0, 0.0, 0.0), (0.3, -0.2, 0.0)], ids=["level", "slope"])
+@pytest.mark.parametrize("name", EXTREMES)
+def test_depth_speed_and_lowest_point_are_those_of_the_points_of_a_body(
+    name: str, slope: tuple[float, float, float]
+) -> None:
+    medium, shape, points, radius = EXTREMES[name]
+    size, random = 0.01, np.random.default_rng(5)
+    load = load_on(medium, shape, None if name == "bar" else size, slope=slope)
+    rise, steep = np.array([*slope[:2], -1.0]), np.sqrt(1.0 + slope[0] ** 2 + slope[1] ** 2)
+    for seed in range(4):
+        place, turn = np.array([0.02, -0.03, -0.2]), Rotation.random(random_state=seed)
+        velocity, spin = random.normal(size=3), 3.0 * random.normal(size=3)
+        q, v = state(place, turn, velocity, spin)
+        load.start(q)
+        load.update_active(1e-3)
+        load.accept(0.0, q, v)
+        arms, seen = turn.apply(points), load.history
+        # Of circles the 4000 points miss pi^2 / 2 / 4000^2 of the radius at most.
+        assert seen.depth[-1] == pytest.approx(((place + arms) @ rise).max() + radius * steep, abs=2e-8)
+        assert seen.lowest[-1] == pytest.approx((place + arms)[:, 2].min() - radius, abs=2e-8)
+        fastest = np.linalg.norm(velocity + np.cross(spin, arms), axis=1).max()
+        # Of facets the speed is that of centroids, which no corner of theirs is farther from than the size.
+        off = 0.0 if name == "bar" else (size + radius) * np.linalg.norm(spin)
+        assert abs(seen.speed[-1] - fastest) < off + 1e-9
 
 
 def test_a_flat_body_close_above_the_surface_is_out_of_reach() -> None:

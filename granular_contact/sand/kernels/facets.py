@@ -234,7 +234,8 @@ def add_up(B, n, W):
 def follow_facets(elements, anchors, cluster, pose, ground, medium, row):
     """`space_law.follow` of facets, of which most are above the surface and no deeper than one before them."""
     R, x, v, w, steep = axes(pose), pose[3], pose[4], pose[5], ground[3]
-    mapped, plane, d = medium.heights != 0, room1(PLANE), seen(axes(pose), ground[1], ground[2], -1.0)
+    d, down = seen(R, ground[1], ground[2], -1.0), seen(R, 0.0, 0.0, -1.0)
+    mapped, plane = medium.heights != 0, room1(PLANE)
     high = highest(cluster, R, x, ground, medium, plane) if mapped else 0.0
     for i in range(elements.shape[0]):
         E = elements[i]
@@ -248,12 +249,12 @@ def follow_facets(elements, anchors, cluster, pose, ground, medium, row):
         if z + E[3] * steep <= min(0.0, row[law.DEPTH]) and medium.count == 0:
             anchors[i, 0], anchors[i, 1], anchors[i, 2] = ax, ay, az
             continue
-        lowest = beyond_centre(E, d)
-        deepest = z + lowest
-        if E[FORM] != PATCH:
+        deepest = z + beyond_centre(E, d)
+        if E[FORM] != PATCH:  # whose corners are beyond the round surface; rims have its deepest points
             row[law.DEPTH] = max(row[law.DEPTH], deepest)
+            if deepest > 0.0:
+                row[law.LOWEST] = min(row[law.LOWEST], pz - beyond_centre(E, down))
         if deepest > 0.0:
-            row[law.LOWEST] = min(row[law.LOWEST], pz - lowest)
             vx, vy, vz = v[0] + w[1] * rz - w[2] * ry, v[1] + w[2] * rx - w[0] * rz, v[2] + w[0] * ry - w[1] * rx
             row[law.SPEED] = max(row[law.SPEED], math.sqrt(vx * vx + vy * vy + vz * vz))
             ax, ay, az = law.drag_anchor(medium, ((px, py, pz), (anchors[i, 0], anchors[i, 1], anchors[i, 2])))
@@ -265,7 +266,10 @@ def follow_facets(elements, anchors, cluster, pose, ground, medium, row):
 
 @part
 def beyond_centre(E, d):
-    """By how much the deepest point of a facet (a row) is deeper than its centroid; its depth grows by d (3,)."""
+    """By how much the deepest point of a facet (a row) is deeper than its centroid; its depth grows by d (3,).
+
+    With d downward, by how much its lowest point is lower.
+    """
     dx, dy, dz = d
     if E[FORM] == RIM:
         along, square = dx * E[4] + dy * E[5] + dz * E[6], dx * dx + dy * dy + dz * dz
