@@ -11,9 +11,13 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
+from scipy.spatial.transform import Rotation
+from support_parts import called
 from support_runs import ROOT
 
 from granular_contact import Results, load, simulate
+from granular_contact.engines.tree.kernels import space_ball_joints
+from granular_contact.engines.tree.kernels.tree_arrays import SPACE_NODE
 from granular_contact.geometry import rotations
 from granular_contact.mechanics.joint_loads import fill
 from granular_contact.mechanics.kernels import joint_loads
@@ -393,6 +397,51 @@ def test_forces_in_a_ball_joint_are_those_of_its_potential_and_its_damper() -> N
             if damping == 0.0:
                 np.testing.assert_allclose(f, -slope, atol=1e-6)
                 assert np.abs(f).max() > 0.1
+
+
+def test_forces_between_elements_are_those_of_their_energy_and_their_damping() -> None:
+    """Of both engines, at any angle: their power is -d/dt (K t^2 + k s^2) / 2 - D t'^2 - d s'^2, t the rotation vector.
+
+    s: how far the child's point is from the parent's, along x of the joint. Rates by differences of a rigid motion.
+    """
+    random = np.random.default_rng(2)
+    soft = {"youngs_modulus_Pa": 1e6, "elements": 2, "axial_stiffness_N": 1.0}
+    rod = ARM["bodies"]["upper"] | {"flexible": soft}
+    clamp = {"type": "weld", "parent": "ground", "child": "rod"}
+    made: Any = build(
+        load({"model": {"in_space": True, "name": "rod", "bodies": {"rod": rod}, "joints": {"a": clamp}}})
+    )
+    K, D, (k, d) = np.array([0.3, 0.5, 0.2]), np.array([0.02, 0.01, 0.03]), (4.0, 0.7)
+    P, C = rotations.of_rpy([0.3, -0.5, 0.9]), rotations.of_rpy([-0.2, 0.4, 0.1])
+    law = replace(made.joints[-1].elastic, stiffness=K, damping=D, axial=(k, d))
+    joint = replace(made.joints[-1], elastic=law, parent="one", parent_turn=P, child_turn=C)
+    places = np.repeat(np.arange(14)[:, None], 2, axis=1)[None]
+    node = np.zeros(1, SPACE_NODE)[0]
+    node["before"], node["bends"], node["damps"] = rotations.quaternion_of(P), K, D
+    for angle in (0.005, 0.4, 2.5):
+        t = random.normal(size=3)
+        parent, points, speeds = rotations.of_quaternion(random.normal(size=4)), *random.normal(size=(2, 2, 3))
+        child = parent @ P @ rotations.of_vector(t * angle / np.linalg.norm(t)) @ C.T
+        spins = random.normal(size=(2, 3))
+
+        def at(h: float) -> tuple[np.ndarray, np.ndarray, float]:
+            """Coordinates, rotation vector and how far the points are apart after a motion for a short time."""
+            turns = [rotations.of_vector(h * w) @ R for w, R in zip(spins, (parent, child), strict=True)]  # noqa: B023
+            x = points + h * speeds  # noqa: B023
+            q = np.concatenate([[*x[i], *rotations.quaternion_of(turns[i])] for i in (0, 1)])
+            apart = x[1] + turns[1] @ joint.child_point - x[0] - turns[0] @ joint.parent_point
+            vector = Rotation.from_matrix((turns[0] @ P).T @ turns[1] @ C).as_rotvec()
+            return q, vector, float((turns[0] @ P)[:, 0] @ apart)
+
+        (q, theta, s), after, before = at(0.0), at(1e-6), at(-1e-6)
+        v, rate, speed = ((a - b) / 2e-6 for a, b in zip(after, before, strict=True))
+        for kind, axial in (("elastic", 0.0), ("stretching", (k * s + d * speed) * speed)):
+            f, one = np.zeros(14), SpatialCoordinate(replace(joint, kind=kind), [0.0] * 14)
+            joint_loads.force(one.record, np.zeros((1, 5)), places, q, v, f)
+            assert f @ v == pytest.approx(-(K * theta + D * rate) @ rate - axial, rel=1e-6)
+        turn, w = P @ theta, parent.T @ (spins[1] - spins[0])
+        moment = np.array(called(space_ball_joints.elastic)(tuple(turn), tuple(w), node))
+        assert moment @ w == pytest.approx(-(K * theta + D * rate) @ rate, rel=1e-6)
 
 
 @pytest.mark.parametrize("kind", ["hinge", "slider"])

@@ -52,6 +52,25 @@ def test_facets_have_the_area_of_the_surface_and_enclose_its_volume(name: str) -
     assert off[0] < 2e-2
 
 
+@pytest.mark.parametrize("name", SOLIDS)
+def test_a_larger_solid_is_cut_alike(name: str) -> None:
+    """Sixteen times as large: all that is computed of it differs in the exponent of two alone."""
+    shape = SOLIDS[name][0]
+    sizes = {
+        key: tuple(16.0 * np.array(size)) if key == "size" else 16.0 * size for key, size in vars(shape).items() if size
+    }
+    larger = type(shape)(**sizes)
+    for made, there in ((shape.corners(), larger.corners()), (shape.drawn(), larger.drawn())):
+        np.testing.assert_allclose(there, 16.0 * made, rtol=1e-12, atol=1e-12)
+    np.testing.assert_allclose(larger.facets().place, 16.0 * shape.facets().place, rtol=1e-12, atol=1e-12)
+
+
+def test_a_capsule_without_a_length_is_cut_as_a_sphere() -> None:
+    for size in (None, 0.02):
+        levels = [np.unique(np.round(shape.corners(size)[..., 2], 6)) for shape in (Sphere(D), Capsule(D, 1e-9))]
+        np.testing.assert_allclose(*levels, atol=1e-6)
+
+
 @pytest.mark.parametrize(("name", "sides"), [("cylinder", 48), ("cone", 48), ("sphere", 24), ("capsule", 24)])
 def test_what_is_round_is_drawn_round(name: str, sides: int) -> None:
     """A regular polygon of n sides with the area of its circle is pi^2 / 3 n^2 of the radius away from it at most."""
