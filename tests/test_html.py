@@ -26,7 +26,7 @@ from support_results import make
 from support_runs import CONFIGS, scenario_of
 
 from granular_contact import cli, report
-from granular_contact.report.pages import FolderError, html, rendering
+from granular_contact.report.pages import FolderError, html
 from granular_contact.report.pages import write as write_page
 from granular_contact.report.pages.folder import Bed, Folder
 from granular_contact.report.pages.stage import stage
@@ -372,16 +372,6 @@ def test_only_our_scripts_run_and_plotly_is_in_the_page(pages: dict[str, Path]) 
         assert policy[1].split() == hashes
         assert len(hashes) == count
     assert "unsafe-eval" not in page
-
-
-def test_a_page_without_plotly_has_its_figures_and_says_so(
-    monkeypatch: pytest.MonkeyPatch, pages: dict[str, Path]
-) -> None:
-    monkeypatch.setattr(rendering, "plotly", lambda: None)
-    page = html(pages["run"].parent)
-    assert 'id="plotly"' not in page
-    assert "pip install plotly" in page
-    assert page.count("data:image/png") == pages["run"].read_text(encoding="utf-8").count("data:image/png")
 
 
 def test_whatever_is_written_stays_text(tmp_path: Path) -> None:

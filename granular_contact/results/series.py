@@ -28,27 +28,28 @@ def joint(name: str, child: str, parent: str | None, angle: Vector, rate: Vector
     angle_words = f"angle of {child} at {name}, {what}, clockwise positive"
     if in_space:
         angle_words = f"angle of {child} at {name} relative to {parent or 'the ground'}, right-handed about its axis"
+    return _turn(name, angle_words, angle, rate)
+
+
+def ball(name: str, child: str, parent: str | None, angle: Vector, rate: Vector) -> Series:
+    """Angle (n,) rad of the rotation of a ball joint from home, and its rate (n,) rad/s."""
+    what = f"angle of the rotation of {child} at {name} relative to {parent or 'the ground'}, from home"
+    return _turn(name, what, angle, rate)
+
+
+def _turn(name: str, what: str, angle: Vector, rate: Vector) -> Series:
     return {
-        f"{name}_angle_deg": (angle_words, np.degrees(angle)),
+        f"{name}_angle_deg": (what, np.degrees(angle)),
         f"{name}_rate_rad_s": (f"rate of {name}_angle", rate),
     }
 
 
 def slider(name: str, child: str, parent: str | None, position: Vector, speed: Vector) -> Series:
     """Position (n,) m and speed (n,) m/s of a slider."""
-    of = "the ground" if parent is None else parent
+    what = f"position of {child} along the axis of {name} in {parent or 'the ground'}"
     return {
-        f"{name}_position_m": (f"position of {child} along the axis of {name} in {of}", position),
+        f"{name}_position_m": (what, position),
         f"{name}_speed_m_s": (f"rate of {name}_position", speed),
-    }
-
-
-def ball(name: str, child: str, parent: str | None, angle: Vector, rate: Vector) -> Series:
-    """Angle (n,) rad of the rotation of a ball joint from home, and its rate (n,) rad/s."""
-    angle_words = f"angle of the rotation of {child} at {name} relative to {parent or 'the ground'}, from home"
-    return {
-        f"{name}_angle_deg": (angle_words, np.degrees(angle)),
-        f"{name}_rate_rad_s": (f"rate of {name}_angle", rate),
     }
 
 

@@ -170,9 +170,9 @@ def _mended(inertial: Element, tensor: Vector, mass: float, corners: Vector, rea
 
 def _of_hull(points: Vector, mass: float) -> Vector:
     """Inertia (3, 3) kg m^2 of the convex hull of points (n, 3) m about its centre of mass, of one density."""
-    from trimesh import Trimesh
+    from trimesh.convex import convex_hull
 
-    hull = Trimesh(points, np.zeros((0, 3), int), process=False).convex_hull
+    hull = convex_hull(points)
     hull.density = mass / hull.volume
     return np.asarray(hull.moment_inertia, float)
 

@@ -7,7 +7,7 @@ from difflib import get_close_matches
 from os import PathLike
 from pathlib import Path
 
-from granular_contact.errors import ConfigError
+from granular_contact.errors import ConfigError, unknown_name
 from granular_contact.robot.elements import Reader
 from granular_contact.robot.links import read_joint, read_link
 from granular_contact.robot.source import Element, parse
@@ -67,8 +67,8 @@ def _named(reader: Reader, root: Element, tag: str) -> Iterator[tuple[str, Eleme
 
 def _misspelt(reader: Reader, root: Element) -> None:
     for element in root:
-        if isinstance(element.tag, str) and element.tag not in _TAGS and get_close_matches(element.tag, _TAGS, 1, 0.75):
-            near = get_close_matches(element.tag, _TAGS, 1, 0.75)[0]
+        known = not isinstance(element.tag, str) or element.tag in _TAGS
+        for near in () if known else get_close_matches(element.tag, _TAGS, 1, 0.75):
             reader.fault(element, element.tag[:40], f"unknown element; did you mean <{near}>?")
 
 
@@ -88,7 +88,9 @@ def root_of(reader: Reader, links: Mapping[str, Link], joints: Mapping[str, Join
         else:
             above[joint.child] = joint
         if joint.mimic and joint.mimic not in joints:
-            reader.fault(joint.lines["mimic"], f"joint.{joint.name}.mimic", _no_such("joint", joint.mimic, joints))
+            reader.fault(
+                joint.lines["mimic"], f"joint.{joint.name}.mimic", unknown_name("joint", joint.mimic[:60], joints)
+            )
     roots = [name for name in links if name not in above]
     if not links:
         reader.fault(None, "link", "is missing; a robot has one link or more")
@@ -104,15 +106,9 @@ def root_of(reader: Reader, links: Mapping[str, Link], joints: Mapping[str, Join
 def _check_ends(reader: Reader, joint: Joint, links: Mapping[str, Link]) -> None:
     for end, name in (("parent", joint.parent), ("child", joint.child)):
         if name not in links:
-            reader.fault(joint.lines[end], f"joint.{joint.name}.{end}", _no_such("link", name, links))
+            reader.fault(joint.lines[end], f"joint.{joint.name}.{end}", unknown_name("link", name[:60], links))
     if joint.parent == joint.child:
         reader.fault(joint.lines["child"], f"joint.{joint.name}.child", f"joins {joint.child} to itself")
-
-
-def _no_such(what: str, name: str, known: Mapping[str, object]) -> str:
-    near = get_close_matches(name, known, 1)
-    hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(list(known)[:8]) or 'none'}"
-    return f"got {name[:60]!r}, but there is no such {what}; {hint}"
 
 
 def _check_loops(reader: Reader, links: Mapping[str, Link], above: Mapping[str, Joint]) -> None:

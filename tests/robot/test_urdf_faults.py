@@ -45,7 +45,7 @@ FAULTS = [
     ('<child link="leg"/>', "", 10, "joint.hip.child", 'is missing; allowed is <child link="..."/>'),
     (HIP_LIMIT, "", 10, "joint.hip.limit", "is missing"),
     (HIP_LIMIT, '<limit lower="1" upper="0.5"/>', 10, "joint.hip.limit.lower", "got 1; allowed is below upper, 0.5"),
-    (HIP_LIMIT, f'{HIP_LIMIT}<mimic joint="knee"/>', 10, "joint.hip.mimic", "there is no such joint"),
+    (HIP_LIMIT, f'{HIP_LIMIT}<mimic joint="knee"/>', 10, "joint.hip.mimic", "no joint 'knee'"),
     ('<axis xyz="0 1 0"/>', '<axis xyz="0 0 0"/>', 10, "joint.hip.axis.xyz", "got 0 0 0; allowed is a direction"),
     ('damping="0.01"', 'damping="-1"', 10, "joint.hip.dynamics.damping", "of at least 0"),
     ('<parent link="leg"/><child link="foot"/>', '<parent link="leg"/><child link="wheel"/>', 12, "joint.axle.child", "wheel is the child of slide already"),

@@ -7,38 +7,58 @@ from typing import Annotated, Literal
 from granular_contact.config.schema.signals import Buehler, Signal
 from granular_contact.values.strict import Faults, Listed, NotNegative, Positive, Strict, Tagged, by_type
 
+# Key of the signal -> type of joint that has such a coordinate.
+TARGETS = {
+    "torque_Nm": "hinge",
+    "angle_deg": "hinge",
+    "rate_rad_s": "hinge",
+    "force_N": "slider",
+    "position_m": "slider",
+    "speed_m_s": "slider",
+}
+_RATES = "rate_rad_s", "speed_m_s"
+# Type of joint -> keys of the gains and the limit of its control.
+OF_TARGET = {
+    "hinge": ("gain_Nm_per_rad", "rate_gain_Nm_s_per_rad", "limit_Nm"),
+    "slider": ("gain_N_per_m", "speed_gain_N_s_per_m", "limit_N"),
+}
 
-def _exactly_one(drive: Strict, names: tuple[str, ...]) -> Faults:
-    given = [name for name in names if getattr(drive, name) is not None]
-    if len(given) != 1:
-        got = " and ".join(given) or "none"
-        yield (), f"got {got} of {', '.join(names)}; exactly one is allowed"
-    for name in given:
-        if name != "angle_deg" and isinstance(getattr(drive, name), Buehler):
-            yield (name,), "got a buehler clock, which gives angles; allowed are the other signals"
+
+class _Drive(Strict):
+    def _faults(self) -> Faults:
+        """Of the signal: one is needed."""
+        names = [name for name in TARGETS if name in type(self).model_fields]
+        given = [name for name in names if getattr(self, name) is not None]
+        if len(given) != 1:
+            got = " and ".join(given) or "none"
+            yield (), f"got {got} of {', '.join(names)}; exactly one is allowed"
+        for name in given:
+            if name != "angle_deg" and isinstance(getattr(self, name), Buehler):
+                yield (name,), "got a buehler clock, which gives angles; allowed are the other signals"
 
 
-class Torque(Strict):
+class _Control(_Drive):
+    def _faults(self) -> Faults:
+        yield from super()._faults()
+        gain, rate_gain, _ = next(keys for keys in OF_TARGET.values() if hasattr(self, keys[0]))
+        yield from _gains(self, gain, rate_gain, by_rate=any(getattr(self, key, None) is not None for key in _RATES))
+
+
+class Torque(_Drive):
     """A torque on a hinge, the opposite one on its parent."""
 
     type: Literal["torque"]
     torque_Nm: Signal
 
-    def _faults(self) -> Faults:
-        return _exactly_one(self, ("torque_Nm",))
 
-
-class Force(Strict):
+class Force(_Drive):
     """A force along the axis of a slider, the opposite one on its parent."""
 
     type: Literal["force"]
     force_N: Signal
 
-    def _faults(self) -> Faults:
-        return _exactly_one(self, ("force_N",))
 
-
-class Motion(Strict):
+class Motion(_Drive):
     """The joint follows the signal exactly, whatever torque or force it takes; its rate must not jump."""
 
     type: Literal["motion"]
@@ -49,11 +69,8 @@ class Motion(Strict):
     smooth_s: Positive | None = None
     """Time over which each jump of the rate is smoothed; null: jumps are refused."""
 
-    def _faults(self) -> Faults:
-        return _exactly_one(self, ("angle_deg", "position_m"))
 
-
-class HingeControl(Strict):
+class HingeControl(_Control):
     """Torque = gain (reference angle - angle) + rate gain (reference rate - rate), within a limit."""
 
     type: Literal["pd"]
@@ -66,12 +83,8 @@ class HingeControl(Strict):
     limit_Nm: Positive | None = None
     """null: no limit."""
 
-    def _faults(self) -> Faults:
-        yield from _exactly_one(self, ("angle_deg", "rate_rad_s"))
-        yield from _gains(self, "gain_Nm_per_rad", "rate_gain_Nm_s_per_rad", by_rate=self.rate_rad_s is not None)
 
-
-class SliderControl(Strict):
+class SliderControl(_Control):
     """Force = gain (reference position - position) + speed gain (reference speed - speed), within a limit."""
 
     type: Literal["pd_slider"]
@@ -84,12 +97,8 @@ class SliderControl(Strict):
     limit_N: Positive | None = None
     """null: no limit."""
 
-    def _faults(self) -> Faults:
-        yield from _exactly_one(self, ("position_m", "speed_m_s"))
-        yield from _gains(self, "gain_N_per_m", "speed_gain_N_s_per_m", by_rate=self.speed_m_s is not None)
 
-
-class External(Strict):
+class External(_Drive):
     """Set by a program while the run goes on, see `granular_contact.Simulation`: a torque or force, or a PD target.
 
     One of the first six keys says what is set; its value acts until then. Of a target the torque or force is gain
@@ -122,7 +131,7 @@ class External(Strict):
     """null: no limit."""
 
     def _faults(self) -> Faults:
-        if faults := list(_exactly_one(self, tuple(TARGETS))):
+        if faults := list(super()._faults()):
             yield from faults
             return
         key = target(self)
@@ -131,18 +140,11 @@ class External(Strict):
         if key in ("torque_Nm", "force_N"):
             others += [gain, rate_gain, limit]
         else:
-            yield from _gains(self, gain, rate_gain, by_rate=key in ("rate_rad_s", "speed_m_s"))
+            yield from _gains(self, gain, rate_gain, by_rate=key in _RATES)
         for name in others:
             if getattr(self, name):
                 yield (name,), f"got {getattr(self, name):g}, but {key} is set: allowed is nothing"
         yield from _range_faults(self, key)
-
-
-# Type of joint -> keys of the gains and the limit of its control.
-OF_TARGET = {
-    "hinge": ("gain_Nm_per_rad", "rate_gain_Nm_s_per_rad", "limit_Nm"),
-    "slider": ("gain_N_per_m", "speed_gain_N_s_per_m", "limit_N"),
-}
 
 
 def _range_faults(drive: External, key: str) -> Faults:
@@ -166,15 +168,6 @@ def _gains(drive: Strict, gain: str, rate_gain: str, *, by_rate: bool) -> Faults
 DRIVES = by_type(Torque, Force, Motion, HingeControl, SliderControl, External)
 AnyDrive = Torque | Force | Motion | HingeControl | SliderControl | External
 Drive = Annotated[AnyDrive, Tagged("type", DRIVES)]
-# Key of the signal -> type of joint that has such a coordinate.
-TARGETS = {
-    "torque_Nm": "hinge",
-    "angle_deg": "hinge",
-    "rate_rad_s": "hinge",
-    "force_N": "slider",
-    "position_m": "slider",
-    "speed_m_s": "slider",
-}
 
 
 def target(drive: AnyDrive) -> str:

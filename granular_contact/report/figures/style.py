@@ -13,7 +13,7 @@ from pathlib import Path
 import matplotlib
 
 SINGLE, DOUBLE, DPI = 88.0, 180.0, 200  # column widths, mm, and dots per inch
-INK, FAINT, GRID = "#262626", "#8C8C8C", "#E9E9E9"
+INK, FAINT = "#262626", "#8C8C8C"
 BLUE, VERMILION, GREEN, ORANGE, SKY, PURPLE = "#0072B2", "#D55E00", "#009E73", "#E69F00", "#56B4E9", "#CC79A7"
 PALETTE = (BLUE, VERMILION, GREEN, PURPLE, ORANGE, SKY)
 LINES = ("-", "--", "-.", ":")  # styles, of curves in one panel

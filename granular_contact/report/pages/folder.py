@@ -131,13 +131,11 @@ class Folder:
 
     def text(self, name: str) -> str | None:
         """A text file as it is, YAML checked for its form; None if there is none."""
-        file, faults = self.path / name, list[Fault]()
-        try:
-            found = file.read_text(encoding="utf-8") if self.has(name) else None
-        except (OSError, UnicodeDecodeError):
-            raise FolderError(f"{file}: can't be read as text") from None
-        if found is not None and file.suffix == ".yaml":
-            read_text(found, str(file), faults)
+        if not self.has(name):
+            return None
+        found, faults = self._text(name), list[Fault]()
+        if name.endswith(".yaml"):
+            read_text(found, str(self.path / name), faults)
         if faults:
             raise FolderError(str(faults[0]))
         return found

@@ -7,7 +7,6 @@ package; it is packed into the page, so that one file can be passed on; the brow
 
 from __future__ import annotations
 
-import importlib.util
 import json
 import re
 import struct
@@ -17,6 +16,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from datetime import datetime, timezone
 from functools import cache
 from hashlib import sha256
+from importlib.metadata import distribution
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -44,10 +44,9 @@ def rendered(kind: str, content: dict[str, Any], data: dict[str, Any], *, draws:
     template = _templates().select_template([f"{kind}.html", "fallback.html"])
     made = datetime.now(timezone.utc).strftime("%Y-%m-%d %H:%M UTC")
     script, drawing = own(*_SCRIPTS.get(kind, ("tables", "files"))), plotly() if draws else None
-    hashes = [script.hash] if drawing is None else [script.hash, drawing.hash]
-    more = {"script": script.text, "hashes": Markup(" ".join(hashes)), "data_block": data_block(data)}
-    drawn = {"plotly": None if drawing is None else drawing.text, "draws": draws}
-    return template.render(content, results=kind, generator=GENERATOR, made=made, **more, **drawn)
+    hashes = Markup(" ".join(one.hash for one in (script, drawing) if one))
+    more = {"script": script.text, "plotly": drawing and drawing.text, "hashes": hashes, "data_block": data_block(data)}
+    return template.render(content, results=kind, generator=GENERATOR, made=made, draws=draws, **more)
 
 
 @cache
@@ -171,15 +170,11 @@ def own(*names: str) -> Script:
 
 
 @cache
-def plotly() -> Script | None:
-    """Plotly's script, packed; None where its package is not there."""
-    found = importlib.util.find_spec("plotly")  # not imported, which would take longer than all else
-    if found is None or found.origin is None:
-        return None
-    path = Path(found.origin).parent / "package_data" / "plotly.min.js"
-    if not path.is_file():
-        return None
-    text = path.read_text(encoding="utf-8")
+def plotly() -> Script:
+    """Plotly's script, packed."""
+    # Not imported, which would take longer than all else.
+    file = distribution("plotly").locate_file("plotly/package_data/plotly.min.js")
+    text = Path(str(file)).read_text(encoding="utf-8")
     return Script(Markup(packed(text.encode())), _hash(text))
 
 
