@@ -39,7 +39,8 @@ def unsolved(scene: Scene, t: float, step: float, problem: str = "") -> Status:
     """Status of a solve that no step (s) leads on from a time (s), however short."""
     reason = problem or "Newton's method did not converge"
     # In space the engine asks for so little that forces far above the weight may leave more by their round-off.
-    coarser = f" or a larger solver.tolerance (now {scene.solver.tolerance:g})" if scene.in_space else ""
+    by_engine = scene.in_space and scene.method is None
+    coarser = f" or a larger solver.tolerance (now {scene.solver.tolerance:g})" if by_engine else ""
     return Status("failed", f"{reason} at {t:.6g} s, with the step reduced to {step:.2g} s; {_remedy(scene)}{coarser}")
 
 
