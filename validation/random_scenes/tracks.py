@@ -92,7 +92,7 @@ def reach(body: Tree) -> float:
     if body["type"] == "link":
         return float(body["length_m"])
     most = 0.01
-    for shape in body["shapes"]:
+    for shape in body.get("shapes", []):
         points = [shape[key] for key in ("start_m", "end_m", "center_m") if key in shape] + shape.get("points_m", [])
         size = shape.get("radius_m", 0.5 * max(shape.get("length_m", 0.0), shape.get("diameter_m", 0.0)))
         size = max(size, 0.5 * math.hypot(*shape.get("size_m", ())))
