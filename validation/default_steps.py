@@ -5,11 +5,11 @@
 Each config, by the method that suits it: as shipped, by the rule (`scene/steps.py`), with fixed steps from 8 ms down,
 and with several accuracies. An error is the greatest distance of any coordinate (of angles times how far their body
 reaches) from a fine run, at any step, over the longest way of any coordinate; the fine run has a tenth of the fixed
-step, or an accuracy of 1e-4. Of what moves as it is told, at any step, the places say nothing; there the work of the
-medium stands for them, which is what such a run is for. Times are processor time of the solve, the least of two rounds
-in turn; where a setting then seems to be off its front, it and what is faster are run again in turn, as the clock of a
-machine may change. A setting lies on the front if nothing takes less than 1 / 1.3 of its time and is as exact, to a
-tenth of the error.
+step, or an accuracy of 1e-4. In space all runs of a config have the facets that it ships with. Of what moves as it is
+told, at any step, the places say nothing; there the work of the medium stands for them, which is what such a run is
+for. Times are processor time of the solve, the least of two rounds in turn; where a setting then seems to be off its
+front, it and what is faster are run again in turn, as the clock of a machine may change. A setting lies on the front if
+nothing takes less than 1 / 1.3 of its time and is as exact, to a tenth of the error.
 
 A looser accuracy ought to cost no more than a tighter one where steps are shipped chosen: that is looked at in
 iterations, which no clock changes.
@@ -20,7 +20,8 @@ from __future__ import annotations
 import math
 import sys
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
@@ -58,6 +59,12 @@ def scene_of(config: str, sets: tuple[str, ...]) -> Scene:
     return build(load_scenario(CONFIGS / f"{config}.yaml", sets))
 
 
+def with_facets_of(shipped: Scene, config: str, sets: tuple[str, ...]) -> Scene:
+    """A config with overrides; in space with facets as exact as those of the shipped one, whatever its steps."""
+    scene = scene_of(config, sets)
+    return replace(scene, solver=scene.solver.model_copy(update={"named": shipped.solver.named}))
+
+
 def solved(scene: Scene) -> tuple[Run, Cost, float]:
     """A run, what it cost, and the processor time of its solve (s)."""
     begun = begin(scene)
@@ -88,12 +95,14 @@ def fixed(step: float) -> tuple[str, str]:
 
 def measured(config: str) -> tuple[list[Setting], str]:
     """Settings of a config, the shipped one and that of the rule first; how the rule chose."""
-    scene, by_rule = scene_of(config, ()), scene_of(config, OPEN)
+    scene = scene_of(config, ())
+    of_config = partial(with_facets_of, scene, config)
+    by_rule = of_config(OPEN)
     fine = fixed(FINER * scene.solver.step_s) if scene.solver.accuracy is None else (f"solver.accuracy={REFERENCE}",)
-    reference, *_ = solved(scene_of(config, fine))
+    reference, *_ = solved(of_config(fine))
     ways: dict[str, tuple[str, ...]] = {f"{1e3 * step:g} ms": fixed(step) for step in STEPS}
     ways |= {f"accuracy {accuracy:g}": (f"solver.accuracy={accuracy}",) for accuracy in ACCURACIES}
-    every = {name: scene_of(config, sets) for name, sets in ways.items()}
+    every = {name: of_config(sets) for name, sets in ways.items()}
     alike = [_like(one, every) for one in (scene, by_rule)]
     found: dict[str, Setting] = {}
 
