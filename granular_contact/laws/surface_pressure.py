@@ -104,9 +104,8 @@ class SurfacePressure(Law):
         """Pressure and shear; as `sand.kernels.plates.traction`."""
         (tx, ty), (ux, uy) = t, u
         across, along = tx * uy - ty * ux, tx * ux + ty * uy
-        lead = faded(across) if side == 0.0 else math.copysign(1.0, across)
+        lead = led(across, tx, side)
         p = pressure(z, width, m)
-        lead *= downward(math.copysign(1.0, across) * tx)
         s = abs(lead) * faded(along) * shear(p, z, width, j, m)
         return (p * lead * ty, -p * lead * tx), (-s * tx, -s * ty)
 
@@ -115,13 +114,23 @@ class SurfacePressure(Law):
         """Pressure and shear; as `sand.kernels.facet_blocks.traction`."""
         (nx, ny, nz), (ux, uy, uz) = n, u
         across = nx * ux + ny * uy + nz * uz
-        lead = faded(across) if side == 0.0 else math.copysign(1.0, across)
+        lead = led(across, nz, side)
         p = pressure(z, 0.0, m)
-        lead *= downward(math.copysign(1.0, across) * nz)
         tx, ty, tz = ux - across * nx, uy - across * ny, uz - across * nz
         s = abs(lead) * shear(p, z, 0.0, j, m) / max(FADE, math.sqrt(tx * tx + ty * ty + tz * tz))
         p *= lead
         return (-p * nx, -p * ny, -p * nz), (-s * tx, -s * ty, -s * tz)
+
+
+def led(across, up, side):
+    """Share of the pressure on an element, positive against its normal, which looks up by `up`, the sine of an angle.
+
+    across: n . u, whose sign says which face of a thin plate leads. Of a facet on one side it may be below 0 at the
+    centroid and yet above it on the part that leads.
+    """
+    if side != 0.0:
+        return side * downward(side * up)
+    return faded(across) * downward(math.copysign(1.0, across) * up)
 
 
 def faded(part):

@@ -86,3 +86,14 @@ def test_what_gets_out_of_the_medium_starts_anew() -> None:
     assert (ways[1] > ways[0]).all()
     assert not ways[2].any()
     assert (load.batches[0].anchors[:, 3] > 0.1).all()  # the whole way goes on
+
+
+@pytest.mark.parametrize("medium", [BEKKER, REECE], ids=["bekker", "reece"])
+def test_a_facet_is_pressed_alike_whether_or_not_its_centroid_leads(medium: Any) -> None:
+    """Where it leads in part: the sign of n . u at its centroid turned the pressure round, a jump that ended runs."""
+    m = medium.model_copy(update={"plate_width": 0.05}).record(TRUE_SIGN, G).view(np.recarray)[0]
+    n, t = np.array([0.6, 0.0, -0.8]), np.array([0.8, 0.0, 0.6])
+    leads, trails = (np.array(medium.facet_traction(0.02, n, t + across * n, 1.0, 0.01, m)) for across in (1e-9, -1e-9))
+    # The pressure does not know the direction, the shear follows it: its change is some 1e-9 of it.
+    np.testing.assert_allclose(trails, leads, rtol=1e-6)
+    assert leads[0] @ n < 0.0

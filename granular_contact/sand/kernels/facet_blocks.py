@@ -50,7 +50,8 @@ def stress(n, u, m):
 def traction(z, n, u, side, j, m):
     """Stresses (3,) Pa of the first and of the second term of a law at a depth z > 0 (m), else as of `stress`.
 
-    side as of `space_law.facets`; j (m): shear displacement.
+    side as of `space_law.facets`: where it is 1 the facet leads, if in part alone, so that n . u at its centroid may be
+    below 0; j (m): shear displacement.
     """
 
 
