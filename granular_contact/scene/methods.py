@@ -6,16 +6,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from granular_contact.config.schema.joints import joint_of
+from granular_contact.config.schema.joints import joint_of, joints_of
 from granular_contact.errors import scene_error
+from granular_contact.scene.layout import FREEDOMS
 from granular_contact.scene.parts import FlexibleLink, RigidBody
 from granular_contact.scene.types import Joint, Minimal, Reduced, Scene
-
-IN_MINIMAL = "minimal coordinates are for trees of rigid bodies that hinges and sliders join, on the ground or free"
-IN_MINIMAL_IN_SPACE = (
-    "minimal coordinates in space are for trees of bodies and links that hinges, sliders and ball joints join, "
-    "on the ground or free"
-)
 
 
 def check(scene: Scene) -> None:
@@ -58,7 +53,14 @@ def reason(scene: Scene) -> str:
 
 
 def _for_what(scene: Scene) -> str:
-    return IN_MINIMAL_IN_SPACE if scene.in_space else IN_MINIMAL
+    """What minimal coordinates are for, in the plane or in space."""
+    freedoms, where, what = FREEDOMS, "", "rigid bodies"
+    if scene.in_space:
+        from granular_contact.scene.space import layout
+
+        freedoms, where, what = layout.FREEDOMS, " in space", "bodies and links"
+    joints = joints_of(kind for kind, free in freedoms.items() if any(free) and kind != "free")
+    return f"minimal coordinates{where} are for trees of {what} that {joints} join, on the ground or free"
 
 
 def _obstacles(scene: Scene) -> Iterator[str]:

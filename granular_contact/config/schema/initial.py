@@ -11,7 +11,7 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from granular_contact.config.schema.drives import TARGETS, AnyDrive, Motion, target
-from granular_contact.config.schema.joints import joint_of
+from granular_contact.config.schema.joints import MOVABLE, joint_of, joints_of
 from granular_contact.config.schema.model import GROUND, Model
 from granular_contact.config.schema.signals import AnySignal, Buehler, Shared, Sine
 from granular_contact.values.strict import Faults, LocalFault, Strict, no_such
@@ -82,7 +82,7 @@ def initial_faults(initial: Initial, model: Model) -> Iterator[LocalFault]:
         words = f"got {initial.impact_angle_deg:g}, but no hinge and no weld is on the ground: use initial.joints"
         yield ("initial", "impact_angle_deg"), words
     for name, start in (initial.joints or {}).items():
-        yield from joint_state_faults(name, start, model, "hinges, sliders and free joints")
+        yield from joint_state_faults(name, start, model, joints_of(MOVABLE))
         pinned = name in joints and joints[name].type != "weld" and joints[name].parent == GROUND
         if pinned and start.angle_deg is not None and initial.impact_angle_deg is not None:
             words = "got this and initial.impact_angle_deg; allowed is one of them"

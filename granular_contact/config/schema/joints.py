@@ -10,6 +10,7 @@ its axis.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Annotated, Any, ClassVar, Literal, get_args
 
 from pydantic import GetCoreSchemaHandler
@@ -26,6 +27,12 @@ _NOUNS = "hinge", "slider", "weld"  # types that are nouns by themselves
 def joint_of(kind: str) -> str:
     """Name of a type of joints in messages: hinge, ball joint."""
     return kind if kind in _NOUNS else f"{kind} joint"
+
+
+def joints_of(kinds: Iterable[str]) -> str:
+    """Names of several types of joints in messages: hinges, sliders and ball joints."""
+    *first, last = (f"{joint_of(kind)}s" for kind in kinds)
+    return f"{', '.join(first)} and {last}"
 
 
 class OrSynonym:
@@ -177,6 +184,7 @@ def by_name(*classes: type[Strict]) -> dict[str, type[Strict]]:
 
 
 JOINTS = by_name(Hinge, Weld, Slider, Free)
+MOVABLE = "hinge", "slider", "free"  # that have a state at the start
 Joint = Annotated[Hinge | Weld | Slider | Free, Tagged("type", JOINTS)]
 CLOSURES = by_name(HingeClosure, Weld, SliderClosure)
 Closure = Annotated[HingeClosure | Weld | SliderClosure, Tagged("type", CLOSURES)]
