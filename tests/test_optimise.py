@@ -147,7 +147,7 @@ def test_one_number_of_a_parameter_goes_to_all_its_keys(tmp_path):
     text = FILE.replace(f"  {ANGLE}: [10, 80]", f"  both: {{keys: [gravity_m_s2, {ANGLE}], from: 10, to: 80}}")
     held = study(tmp_path, text)
     assert held.start == {SPEED: 6.24, "both": None}  # they differ in the config
-    scenario = held.load(held.case(1, {"both": 12.5})).scenario
+    scenario = held.sweep.scenario(held.case(1, {"both": 12.5}))
     assert scenario.gravity_m_s2 == scenario.initial.impact_angle_deg == 12.5
 
 

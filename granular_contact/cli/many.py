@@ -12,7 +12,6 @@ import threading
 import time
 from collections.abc import Callable, Generator, Iterable, Iterator
 from contextlib import closing, contextmanager
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, TextIO
 
@@ -32,7 +31,6 @@ from granular_contact.errors import ConfigError
 
 if TYPE_CHECKING:
     from granular_contact.config import Sweep
-    from granular_contact.results.alike import Kinds
     from granular_contact.studies.sweep import Row, WorkerPool
     from granular_contact.studies.sweep.checkpoint import Checkpoint, Contents
 
@@ -184,21 +182,14 @@ def take(
 MOST_WARNINGS = 5  # kinds
 
 
-def _none() -> Kinds:
-    from granular_contact.results.alike import Kinds
-
-    return Kinds()
-
-
-@dataclass
 class Ends:
     """How the runs of a sweep ended, and what they warn of; runs: what they are called."""
 
-    runs: str
-    count: int = 0
-    failed: int = 0
-    useless: int = 0
-    warnings: Kinds = field(default_factory=_none)
+    def __init__(self, runs: str) -> None:
+        from granular_contact.results.alike import Kinds
+
+        self.runs, self.warnings = runs, Kinds()
+        self.count = self.failed = self.useless = 0
 
     def add(self, row: Row) -> None:
         """Count a run."""

@@ -20,7 +20,6 @@ from granular_contact.config.overrides import Override, split
 from granular_contact.config.schema.optimise import OptimiseFile, Parameter
 from granular_contact.config.sweep import Probe, Sweep, base_of, case_faults, one_a_place
 from granular_contact.config.sweep_cases import Case, read_overrides, with_long
-from granular_contact.config.template import Loaded
 from granular_contact.config.yaml_source import read_file
 from granular_contact.errors import ConfigError, Fault
 from granular_contact.values.strict import did_you_mean
@@ -78,10 +77,6 @@ class Study:
             else _fraction(float(self.start[name] or 0.0), one.start, one.stop, one.scale)
             for name, one in self.file.parameters.items()
         ]
-
-    def load(self, case: Case) -> Loaded:
-        """The scenario of a case."""
-        return self.sweep.load(case)
 
     def fault(self, path: tree.Path, message: str) -> ConfigError:
         """An error about a key of the file, at its line."""

@@ -184,8 +184,6 @@ def _doubtful(file: str, link: Link, shapes: list[Inspected]) -> Iterator[Fault]
     elif gyration < _LEAST_GYRATION * farthest:
         yield Fault(file, link.inertial.line, key, f"its inertia is very small for its shapes: {sizes}")
     low, high = points.min(axis=0), points.max(axis=0)
-    if (link.inertial.center < low - 0.5 * (high - low)).any() or (
-        link.inertial.center > high + 0.5 * (high - low)
-    ).any():
+    if (np.abs(link.inertial.center - 0.5 * (low + high)) > high - low).any():
         shown = ", ".join(f"{1e3 * x:.4g}" for x in link.inertial.center)
         yield Fault(file, link.inertial.line, key, f"its centre of mass ({shown}) mm lies far outside its shapes")

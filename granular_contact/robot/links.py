@@ -102,7 +102,7 @@ def _shape(reader: Reader, element: Element, key: str, link: str) -> Shape | Non
 
 def _geometry(reader: Reader, element: Element, key: str) -> Geometry | None:
     if element.tag == "mesh":
-        return _mesh(reader, element, key)
+        return read_mesh(reader, element, key)
     if element.tag == "box":
         size = reader.three(element, "size", key)
         if element.get("size") is None:
@@ -117,7 +117,8 @@ def _geometry(reader: Reader, element: Element, key: str) -> Geometry | None:
     return None if found is None else Geometry(element.tag, (2.0 * found[0], *found[1:]))
 
 
-def _mesh(reader: Reader, element: Element, key: str) -> Geometry | None:
+def read_mesh(reader: Reader, element: Element, key: str) -> Geometry | None:
+    """The file of a `<mesh>` and its scale; None, with faults, where they can't be told."""
     file = reader.text(element, "filename", key)
     scale = reader.three(element, "scale", key)
     if scale is not None and (scale == 0.0).any():

@@ -17,7 +17,7 @@ from granular_contact.robot.elements import Reader
 from granular_contact.robot.files import find
 from granular_contact.robot.inertia import impossible, raised
 from granular_contact.robot.inspection import Inspected, Inspection
-from granular_contact.robot.links import MOMENTS, tensor_of
+from granular_contact.robot.links import MOMENTS, read_mesh, tensor_of
 from granular_contact.robot.mending_mesh import mended_mesh
 from granular_contact.robot.source import Element, parse, refused
 from granular_contact.robot.surfaces import Surfaces
@@ -104,22 +104,13 @@ def _rename(
         path = find(element.get("filename") or "", source, packages)
         if isinstance(path, str):
             continue
-        kind = element.getparent().getparent().tag
-        scale = _scale(element.get("scale") or "1 1 1")
-        new = names.get((path, scale)) if kind == which and scale is not None else None
+        kind, read = element.getparent().getparent().tag, read_mesh(Reader(""), element, "")
+        new = names.get((path, read.scale)) if kind == which and read is not None else None
         if new is None:
             element.set("filename", os.path.relpath(path.resolve(), out.resolve()))
             continue
         element.set("filename", f"meshes/{new}")
         element.attrib.pop("scale", None)
-
-
-def _scale(text: str) -> tuple[float, float, float] | None:
-    try:
-        x, y, z = (float(word) for word in text.split())
-    except ValueError:  # which has its fault
-        return None
-    return x, y, z
 
 
 ROUND_OFF = 1e-12  # of the largest moment of inertia: is written as 0, as its digits differ between processors
@@ -134,8 +125,8 @@ def mend_inertias(root: Element, inspection: Inspection) -> Iterator[str]:
     for link in root.findall("link"):
         inertial, name = link.find("inertial"), link.get("name") or ""
         reader = Reader(inspection.robot.file)
-        mass = None if inertial is None or inertial.find("mass") is None else inertial.find("mass").get("value")
-        weight = reader.number(inertial.find("mass"), "value", "") if mass is not None else None
+        mass = link.find("inertial/mass")
+        weight = None if mass is None else reader.number(mass, "value", "")
         if not weight or weight < 0.0:
             continue
         tensor = tensor_of(reader, inertial, "", weight)

@@ -139,7 +139,7 @@ class Outcome:
     def scenario(self) -> Scenario:
         """The config with the best numbers; as it is if all runs failed."""
         numbers = {} if self.best is None else self.best.numbers
-        return self.study.load(self.study.case(0, numbers)).scenario
+        return self.study.sweep.scenario(self.study.case(0, numbers))
 
     def simulate(self) -> Results:
         """The best run once more, with its series."""

@@ -20,7 +20,6 @@ from granular_contact.report import (
     write,
     yaml_text,
 )
-from granular_contact.results import Results
 from granular_contact.results.summary import versions
 from granular_contact.studies.optimise.outcome import Outcome
 from granular_contact.studies.optimise.search import packages
@@ -47,8 +46,8 @@ def study_text(study: Study) -> str:
     )
 
 
-def write_outcome(outcome: Outcome, folder: Path, *, figures: bool = True) -> Results | None:
-    """Write what a search found into a folder; the results of the best run, None if all failed.
+def write_outcome(outcome: Outcome, folder: Path, *, figures: bool = True) -> None:
+    """Write what a search found into a folder, with the results of the best run.
 
     Raises
     ------
@@ -57,19 +56,17 @@ def write_outcome(outcome: Outcome, folder: Path, *, figures: bool = True) -> Re
     """
     write_history(outcome, folder)
     (folder / OPTIMUM).write_text(json_text(outcome_data(outcome)), encoding="utf-8")
-    results = None if outcome.best is None else _write_best(outcome, folder, figures)
+    if outcome.best is not None:
+        _write_best(outcome, folder, figures)
     if figures:
         _draw(outcome, folder / FIGURES)
-    return results
 
 
-def _write_best(outcome: Outcome, folder: Path, figures: bool) -> Results:
+def _write_best(outcome: Outcome, folder: Path, figures: bool) -> None:
     """Write the config of the best run, and its results."""
     head = f"# The best of {len(outcome.runs)} runs of {outcome.study.name}; to run it: {PROGRAM} run {BEST_CONFIG}\n"
     (folder / BEST_CONFIG).write_text(head + yaml_text(scenario_to_dict(outcome.scenario)), encoding="utf-8")
-    results = outcome.simulate()
-    write(results, folder / BEST, figures=figures and outcome.scenario.output.figures)
-    return results
+    write(outcome.simulate(), folder / BEST, figures=figures and outcome.scenario.output.figures)
 
 
 def write_history(outcome: Outcome, folder: Path) -> None:
