@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from granular_contact.report.units import Array, Unit, greatest, split, unit_for
+from granular_contact.results.energy import accumulate
 
 ROUND_OFF = 1e-9  # of the largest number of its unit in the table: what is smaller is no motion, force or energy
 SAME = 1e-6  # of the greatest: curves that differ by less are one
@@ -43,8 +44,7 @@ class Curve:
         """Its values (rows,) in SI units or degrees, by the values of columns."""
         total = np.sum([factor * column(name) for name, factor in self.terms], axis=0)
         if self.integral:
-            time = column("time_s")
-            total = np.concatenate([[0.0], np.cumsum(0.5 * (total[1:] + total[:-1]) * np.diff(time))])
+            total = accumulate(column("time_s"), total)
         return np.asarray(total - total[0] if self.start else total)
 
 
