@@ -42,6 +42,7 @@ class Recorder:
         self.reason = ""
         self.control: StepControl | None = None
         self.shortened = 0
+        self.asked = self.solver.step_s  # s: fixed steps, which divide the way to the next pause evenly
         self._rest_time = system.scene.rest_time
         self._moving = self.size * self.solver.rest_speed_m_s**2  # m2/s2, see `_rests`
         self.most = most_steps(system.scene)
@@ -132,7 +133,7 @@ class Recorder:
     def _count(self, t: float) -> None:
         """Count the steps that the engine made shorter than asked for; the last one only fills up the time."""
         if self.control is None and self.rows > 0 and t < self.solver.end_time_s * (1.0 - 1e-9):
-            self.shortened += t - self.time < 0.99 * self.solver.step_s
+            self.shortened += t - self.time < 0.99 * self.asked
 
     def _is_over(self, t: float, v: Vector) -> bool:
         if self.reason == "":

@@ -197,7 +197,8 @@ class Solve:
             whole = now == 0.0 and until == self._end
             recorder.control.until = math.inf if whole else until
         else:
-            it.maxStepSize = (until - now) / max(1, math.ceil((until - now) / self.system.scene.solver.step_s - 1e-9))
+            count = max(1, math.ceil((until - now) / self.system.scene.solver.step_s - 1e-9))
+            it.maxStepSize = recorder.asked = (until - now) / count
         recorder.resume(self._conv, self.spent)
 
     def _too_fast(self) -> str:
