@@ -209,3 +209,13 @@ def test_a_motion_has_run_away_once_a_speed_is_above_1e8(method: str, torque: fl
     assert 0.5e8 < unit * rate < 1e8
     assert run["mean_rate_rad_s"].tolist() == pytest.approx([0.0, rate], rel=1e-9)
     assert run.status.message.startswith("the motion diverged at 0.001 s; take a smaller solver.step_s")
+
+
+def test_a_speed_is_that_of_one_coordinate() -> None:
+    """Two balls at 0.8e8 rad/s each: together they are above 1e8, and neither is."""
+    ball = "model.bodies.other={type: rigid, density_kg_m3: 7700, shapes: [{type: sphere, diameter_m: 0.05}]}"
+    hinge = "model.joints.spindle={type: hinge, parent: ground, child: other, parent_point_m: [1, 0]}"
+    torque = "{type: torque, torque_Nm: 1e7}"
+    more = f"drives={{pivot: {torque}, spindle: {torque}}}", "solver.step_s=1e-3", "method=engine"
+    run = simulate(BALL_ON_HINGE, ball, hinge, *more)
+    assert len(run["time_s"]) == 2

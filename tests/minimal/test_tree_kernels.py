@@ -140,6 +140,14 @@ def test_what_creeps_is_solved_as_closely_as_what_is_fast() -> None:
         assert of_tree(tree_march.allowed)(1e6, march._words) == pytest.approx(share * max(speed, least), rel=1e-12)
 
 
+def test_iterations_are_led_by_those_before() -> None:
+    """In long steps of a chain that bristles hold, which plain iterations can't solve with a matrix now and then."""
+    cost = simulate(CHAIN_IN_SAND, "solver.accuracy=null", "solver.step_s=1e-3").summary["cost"]
+    assert cost["newton_iterations"] < 6.0 * cost["steps"]
+    assert cost["jacobians"] < 0.2 * cost["steps"]
+    assert cost["shortened_steps"] == 0
+
+
 CHAIN_IN_SAND = """
 model:
   name: three

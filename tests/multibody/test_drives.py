@@ -48,6 +48,15 @@ DRIVES = {
 }
 
 
+@pytest.mark.parametrize("case", ["torque", "torque between", "control", "control of the rate"])
+def test_signals_are_followed_by_both_engines_without_a_medium(case: str) -> None:
+    """Steps of order two, ten times as long: a hundredth of a turn is more than both err by."""
+    more = f"drives={{{DRIVES[case]}}}", "solver.end_time_s=0.1", "solver.step_s=1e-3"
+    engine, minimal = (simulate(ARM, *more, f"method={method}") for method in ("engine", "minimal"))
+    for angle in ("shoulder_angle_deg", "elbow_angle_deg"):
+        np.testing.assert_allclose(engine[angle], minimal[angle], atol=5e-3 * np.ptp(minimal[angle]))
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("case", DRIVES)
 def test_work_of_drives_is_in_the_balance(case: str) -> None:
