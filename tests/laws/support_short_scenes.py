@@ -144,7 +144,9 @@ def others() -> Iterator[tuple[str, Any]]:
     linked = THROWN.replace("SHAPE", BOX).replace("  joints:\n", ARM)
     yield "joint in space, minimal", lambda: final(linked, sample(LAWS["rft3d"]), "method=minimal")
     sprung = BALL_JOINT.join(linked.split("type: hinge"))
-    yield "ball joint in space, minimal", lambda: final(sprung, sample(LAWS["rft3d"]), "method=minimal")
+    for method in ("engine", "minimal"):
+        way = f"method={method}"
+        yield f"ball joint in space, {method}", lambda w=way: final(sprung, sample(LAWS["rft3d"]), w)
     rough = Rft(scatter=Scatter(0.3, 0.02, 1))
     yield "scatter", lambda: final(SWUNG.replace("SHAPE", ROUND), rough, "method=engine")
     yield "scatter in space", lambda: final(THROWN.replace("SHAPE", BOX), rough)

@@ -78,7 +78,22 @@ def test_what_is_round_is_drawn_round(name: str, sides: int) -> None:
     widest = corners[np.abs(np.hypot(corners[..., 0], corners[..., 1]) / (D / 2) - 1.0) < 0.02]
     angles = np.unique(np.round(np.arctan2(widest[:, 1], widest[:, 0]), 6) % np.round(2.0 * np.pi, 6))
     assert len(angles) >= sides
+    if name in ("sphere", "capsule"):  # from pole to pole half as many
+        assert len(np.unique(np.round(corners[..., 2], 6))) > sides // 2
     assert len(corners) < 1000  # which a player and a report hold
+
+
+@pytest.mark.parametrize("name", SOLIDS)
+def test_edges_of_facets_are_in_their_planes(name: str) -> None:
+    """Counter-clockwise about the normal; of what is round the second one is level, along the parallel."""
+    made = SOLIDS[name][0].facets(0.02)
+    for edge in (made.a, made.b):
+        assert np.abs(np.sum(edge * made.normal, axis=1)).max() < 1e-12
+    assert (np.sum(np.cross(made.a, made.b) * made.normal, axis=1) > 0.1 * made.area / 4.0).all()
+    if name != "box":
+        off_axis = np.hypot(made.place[:, 0], made.place[:, 1]) > 1e-6
+        assert np.abs(made.b[off_axis, 2]).max() < 1e-12
+        assert np.abs(np.sum(made.b * made.place, axis=1)[off_axis]).max() < 1e-12
 
 
 @pytest.mark.parametrize("name", SOLIDS)
