@@ -31,7 +31,7 @@ from granular_contact.jit import compiled_sources
 
 ROOT = Path(__file__).parents[1]
 PLACE = Path(tempfile.gettempdir()) / "granular-contact-mutants"
-COPIED = ("granular_contact", "tests", "models", "configs", "validation", "pyproject.toml")
+COPIED = ("granular_contact", "tests", "models", "configs", "examples", "validation", "pyproject.toml")
 LONGEST = 900.0  # s: a mutant that runs longer hangs, which is noticed
 # Files whose places are changed, by area, each with the tests that have to notice.
 _JOINTS = "tests/multibody/test_powers.py", "tests/multibody/test_joints.py", "tests/multibody/test_coordinates.py"
@@ -53,9 +53,9 @@ _FACETS = (
 )
 AREAS: dict[str, dict[str, tuple[str, ...]]] = {
     "joints": {
-        "mechanics/kernels/joint_loads.py": _JOINTS,
+        "mechanics/kernels/joint_loads.py": (*_JOINTS, "tests/space/test_runs_in_space.py"),
         "mechanics/kernels/joint_laws.py": _JOINTS,
-        "engines/exudyn/joint_actions.py": _JOINTS,
+        "engines/exudyn/joint_actions.py": (*_JOINTS, "tests/multibody/test_drives.py"),
         "mechanics/joint_history.py": (*_JOINTS, "tests/test_simulation.py"),
     },
     "trees": {
@@ -64,7 +64,12 @@ AREAS: dict[str, dict[str, tuple[str, ...]]] = {
         "engines/tree/kernels/tree_newton.py": _TREES,
         "engines/tree/kernels/tree_march.py": (*_TREES, "tests/multibody/test_stepping.py", "tests/test_simulation.py"),
         "mechanics/kernels/step_choice.py": ("tests/multibody/test_stepping.py", "tests/multibody/test_drives.py"),
-        "engines/tree/march.py": (*_TREES, "tests/test_start_in_sand.py", "tests/test_simulation.py"),
+        "engines/tree/march.py": (
+            *_TREES,
+            "tests/test_start_in_sand.py",
+            "tests/test_simulation.py",
+            "tests/multibody/test_wheels.py::test_a_wheel_begins_and_stays_steady",
+        ),
     },
     "observers": {
         "mechanics/observe.py": (
@@ -80,11 +85,16 @@ AREAS: dict[str, dict[str, tuple[str, ...]]] = {
     "decisions": {
         "scene/workspace.py": ("tests/scene/test_workspace.py", "tests/scene/test_build.py"),
         "scene/joints.py": ("tests/scene/test_build.py", "tests/scene/test_mechanisms.py", _JOINTS[0]),
-        "scene/checks.py": ("tests/test_bed_of_a_run.py", "tests/scene/test_workspace.py"),
+        "scene/checks.py": (
+            "tests/space/test_scene_in_space.py",
+            "tests/scene/test_workspace.py",
+            "tests/test_bed_of_a_run.py",
+        ),
         "engines/exudyn/recorder.py": (
             "tests/multibody/test_free.py",
             "tests/test_edges.py",
             "tests/test_simulation.py",
+            "tests/multibody/test_iterations.py",
             "tests/multibody/test_stepping.py",
         ),
         "results/limits.py": ("tests/test_bed_of_a_run.py", "tests/test_edges.py", "tests/test_start_in_sand.py"),
@@ -118,7 +128,11 @@ AREAS: dict[str, dict[str, tuple[str, ...]]] = {
         "sand/kernels/facet_parts.py": _FACETS,
         "sand/kernels/facet_slopes.py": (_FACETS[2],),
         "sand/kernels/space_bodies.py": (_FACETS[2], "tests/space/test_bodies_in_space.py"),
-        "sand/kernels/space_friction.py": (_FACETS[2], "tests/space/test_bodies_in_space.py"),
+        "sand/kernels/space_friction.py": (
+            _FACETS[2],
+            "tests/space/test_bodies_in_space.py",
+            "tests/mujoco_door/test_mujoco_motion.py",
+        ),
         "sand/kernels/bars.py": (_FACETS[2], _FACETS[0]),
         "sand/space/facets.py": ("tests/space/test_shapes_in_space.py", *_FACETS),
         "sand/space/round_shapes.py": ("tests/space/test_shapes_in_space.py", "tests/space/test_scene_in_space.py"),
