@@ -9,12 +9,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support_runs import scene_of, simulate
+from support_runs import scenario_of, scene_of, simulate
 
 from granular_contact.cli import main
 from granular_contact.engines.exudyn.recorder import Recorder
 from granular_contact.engines.modal.marching import March
 from granular_contact.errors import SceneError
+from granular_contact.run import run as solve
+from granular_contact.scene import build
 
 ROOT = Path(__file__).parents[1]
 SETTLED = """
@@ -219,3 +221,15 @@ def test_a_speed_is_that_of_one_coordinate() -> None:
     more = f"drives={{pivot: {torque}, spindle: {torque}}}", "solver.step_s=1e-3", "method=engine"
     run = simulate(BALL_ON_HINGE, ball, hinge, *more)
     assert len(run["time_s"]) == 2
+
+
+@pytest.mark.parametrize("method", ["engine", "minimal"])
+def test_a_run_tells_on_its_way_how_far_it_is(method: str) -> None:
+    """5000 steps; each method tells every thousand or more often."""
+    more = "initial.impact_speed_rad_s=1", "solver.step_s=2e-5", f"method={method}"
+    scenario, told = scenario_of(BALL_ON_HINGE, *more), list[tuple[float, float]]()
+    solve(build(scenario), scenario, progress=lambda t, end: told.append((t, end)))
+    times = [t for t, _ in told]
+    assert {end for _, end in told} == {0.1}
+    assert times == sorted(times)
+    assert np.diff(times, prepend=0.0, append=0.1).max() < 0.03
