@@ -26,7 +26,7 @@ from llvmlite import ir
 from numba import cfunc, from_dtype, types
 from numba.extending import intrinsic
 
-from granular_contact.jit.compiled import COMPILES, PLAIN
+from granular_contact.jit.compiled import COMPILES, options
 
 OWN = None  # among the types of arguments: where a law's function takes its own record
 _BYTE, _WORD = ir.IntType(8).as_pointer(), ir.IntType(64)
@@ -54,10 +54,11 @@ def address_of(function: Any, kinds: tuple[Any, ...], result: Any, own: np.dtype
     known = plain, kinds, own
     if known not in _compiled:
         signature = result(*(from_dtype(own) if kind is OWN else kind for kind in kinds))
+        told = options(allocates=not plain.__module__.startswith("granular_contact."))  # a law from outside may
         try:
-            _compiled[known] = cfunc(signature, cache=True, **PLAIN)(plain)
+            _compiled[known] = cfunc(signature, cache=True, **told)(plain)
         except RuntimeError:  # it has no file, as in a notebook
-            _compiled[known] = cfunc(signature, **PLAIN)(plain)
+            _compiled[known] = cfunc(signature, **told)(plain)
     address: int = _compiled[known].address
     return address
 

@@ -31,7 +31,7 @@ from numba.extending import infer_getattr, intrinsic, lower_getattr_generic, mod
 from numpy.typing import DTypeLike, NDArray
 
 from granular_contact.jit.compiled import COMPILES
-from granular_contact.jit.memory import array_at
+from granular_contact.jit.memory import array_at, view_of
 
 WORDS = 4  # for each array: where it begins, and its size along up to three axes
 _layouts: dict[str, Layout] = {}
@@ -112,18 +112,8 @@ def _array(context: Any, builder: Any, kind: Any, words: Any, name: str) -> Any:
     def read(i: int) -> Any:
         return builder.load(builder.gep(words, [context.get_constant(word, begin + i)]))
 
-    array = context.make_array(found)(context, builder)
-    item = context.get_constant(word, context.get_abi_sizeof(context.get_data_type(found.dtype)))
-    shape, strides = [read(1 + axis) for axis in range(found.ndim)], [item]
-    for size in reversed(shape):
-        strides.insert(0, builder.mul(strides[0], size))
-    sizes = types.UniTuple(word, found.ndim)
-    array.shape, array.strides = (context.make_tuple(builder, sizes, some) for some in (shape, strides[1:]))
-    array.data = builder.inttoptr(read(0), array.data.type)
-    array.itemsize, array.nitems = item, builder.sdiv(strides[0], item)
-    array.meminfo = context.get_constant_null(types.MemInfoPointer(found.dtype))
-    array.parent = context.get_constant_null(types.pyobject)
-    return array._getvalue()
+    data = builder.inttoptr(read(0), context.get_value_type(types.voidptr))
+    return view_of(context, builder, found, data, [read(1 + axis) for axis in range(found.ndim)])
 
 
 def _view(layout: Layout) -> Any:

@@ -1,24 +1,28 @@
 """Views of arrays, arrays on the stack, zeros and copies in compiled functions: a few instructions each.
 
-Numba counts references to each slice of an array, and takes `np.empty` from the heap. By slices in place of these views
-a run of the runner takes 12 % longer, by `np.empty` 6 % more. A view is an array at an address (`numba.carray`), which
-has no count of references: good for as long as the array that it is a view of. Nothing is checked: bounds are those
-that the caller knows to be good, arrays are contiguous (C).
+Compiled functions neither count references to arrays nor make arrays on the heap (`compiled`). A view is an array at an
+address, good for as long as the array that it is a view of. Nothing is checked: bounds are those that the caller knows
+to be good, arrays are contiguous (C).
 
-The bodies of the functions are what they mean, and what runs where nothing is compiled (NUMBA_DISABLE_JIT).
+The bodies of the functions are what they mean, and what runs where nothing is compiled (NUMBA_DISABLE_JIT). What is
+compiled for them is written by numba's low-level interface (`numba.extending`), without a function of its own.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from ctypes import c_byte
 from typing import Any
 
 import numpy as np
 from llvmlite import ir
-from numba import carray, types
-from numba.extending import intrinsic, overload
+from numba import types
+from numba.extending import lower_builtin, type_callable
 from numpy.typing import NDArray
+
+NUMBERS = types.Array(types.float64, 1, "C")
+_BYTE = ir.IntType(8).as_pointer()
 
 
 def array_at(address: int, shape: tuple[int, ...], dtype: np.dtype) -> NDArray[Any]:
@@ -29,42 +33,51 @@ def array_at(address: int, shape: tuple[int, ...], dtype: np.dtype) -> NDArray[A
     return np.frombuffer(memoryview((c_byte * size).from_address(int(address))), dtype).reshape(shape)
 
 
-def pointer_to(number: Any) -> Any:
-    """Function for kernels: address, a whole number -> pointer to numbers or records of this type of numba's."""
-    kind = types.CPointer(number)
+def view_of(context: Any, builder: Any, kind: Any, data: Any, shape: Sequence[Any]) -> Any:
+    """The array of a type of numba's that begins where a pointer is, in LLVM's code; data, shape: values there."""
+    array, word = context.make_array(kind)(context, builder), types.intp
+    sizes = [context.get_constant(word, context.get_abi_sizeof(context.get_data_type(kind.dtype)))]
+    number = context.get_constant(word, 1)
+    for size in reversed(shape):
+        sizes.insert(0, builder.mul(sizes[0], size))
+        number = builder.mul(number, size)
+    axes = types.UniTuple(word, kind.ndim)
+    array.shape, array.strides = (context.make_tuple(builder, axes, some) for some in (shape, sizes[1:]))
+    array.data = builder.bitcast(data, array.data.type)
+    array.itemsize, array.nitems = sizes[-1], number
+    array.meminfo = context.get_constant_null(types.MemInfoPointer(kind.dtype))
+    array.parent = context.get_constant_null(types.pyobject)
+    return array._getvalue()
 
-    @intrinsic
-    def pointer(typing_context, address):
-        def generate(context, builder, signature, values):
-            return builder.inttoptr(values[0], context.get_value_type(kind))
 
-        return kind(types.intp), generate
+def _of(array: Any, axes: int) -> Any:
+    """Type of views of an array with so many axes; None of what is no array."""
+    return types.Array(array.dtype, axes, "C") if isinstance(array, types.Array) else None
 
-    return pointer
+
+def _from(context: Any, builder: Any, signature: Any, values: Any) -> tuple[Any, list[Any], Any]:
+    """The array that is the first argument, its shape, and where its row begins that the second one names."""
+    array = context.make_array(signature.args[0])(context, builder, values[0])
+    shape = [builder.extract_value(array.shape, axis) for axis in range(signature.args[0].ndim)]
+    row = context.cast(builder, values[1], signature.args[1], types.intp)
+    begin = builder.mul(row, builder.extract_value(array.strides, 0))
+    return array, shape, builder.gep(builder.bitcast(array.data, _BYTE), [begin])
 
 
 def numbers_at(address, count):
-    """Array (count,) of the float64 that lie at an address, a whole number."""
+    """Array (count,) of the float64 that lie at an address, a whole number, which a record may have as a float."""
     return array_at(int(address), (int(count),), np.dtype(np.float64))
 
 
-@overload(numbers_at)
-def _numbers_at(address, count):
-    at = pointer_to(types.float64)
-    return lambda address, count: carray(at(address), (count,))
+@type_callable(numbers_at)
+def _type_of_numbers(context):
+    return lambda address, count: NUMBERS
 
 
-@intrinsic(prefer_literal=True)
-def _stack(typing_context, size):
-    """Pointer to so many float64 on the stack of the function it is called in; the size is a constant."""
-    kind = types.CPointer(types.float64)
-
-    def generate(context, builder, signature, values):
-        with builder.goto_entry_block():
-            room = builder.alloca(ir.ArrayType(ir.DoubleType(), size.literal_value))
-        return builder.bitcast(room, context.get_value_type(kind))
-
-    return kind(size), generate
+@lower_builtin(numbers_at, types.Number, types.Integer)
+def _numbers_at(context, builder, signature, values):
+    address, count = (context.cast(builder, *one, types.intp) for one in zip(values, signature.args, strict=True))
+    return view_of(context, builder, NUMBERS, builder.inttoptr(address, _BYTE), [count])
 
 
 def rows(array, first, count):
@@ -72,18 +85,16 @@ def rows(array, first, count):
     return array[first : first + count]
 
 
-@overload(rows)
-def _rows(array, first, count):
-    at = pointer_to(array.dtype)
-    if array.ndim == 1:
-        return lambda array, first, count: carray(at(array.ctypes.data + first * array.strides[0]), (count,))
-    if array.ndim == 2:
-        return lambda array, first, count: carray(
-            at(array.ctypes.data + first * array.strides[0]), (count, array.shape[1])
-        )
-    return lambda array, first, count: carray(
-        at(array.ctypes.data + first * array.strides[0]), (count, array.shape[1], array.shape[2])
-    )
+@type_callable(rows)
+def _type_of_rows(context):
+    return lambda array, first, count: _of(array, array.ndim)
+
+
+@lower_builtin(rows, types.Array, types.Integer, types.Integer)
+def _rows(context, builder, signature, values):
+    _, shape, begin = _from(context, builder, signature, values)
+    count = context.cast(builder, values[2], signature.args[2], types.intp)
+    return view_of(context, builder, signature.return_type, begin, [count, *shape[1:]])
 
 
 def piece(array, i, count):
@@ -91,12 +102,16 @@ def piece(array, i, count):
     return array[i, :count]
 
 
-@overload(piece)
-def _piece(array, i, count):
-    at = pointer_to(array.dtype)
-    if array.ndim == 2:
-        return lambda array, i, count: carray(at(array.ctypes.data + i * array.strides[0]), (count,))
-    return lambda array, i, count: carray(at(array.ctypes.data + i * array.strides[0]), (count, array.shape[2]))
+@type_callable(piece)
+def _type_of_piece(context):
+    return lambda array, i, count: _of(array, array.ndim - 1)
+
+
+@lower_builtin(piece, types.Array, types.Integer, types.Integer)
+def _piece(context, builder, signature, values):
+    _, shape, begin = _from(context, builder, signature, values)
+    count = context.cast(builder, values[2], signature.args[2], types.intp)
+    return view_of(context, builder, signature.return_type, begin, [count, *shape[2:]])
 
 
 def flat(array):
@@ -104,21 +119,15 @@ def flat(array):
     return array.reshape(-1)
 
 
-@overload(flat)
-def _flat(array):
-    at = pointer_to(array.dtype)
-    return lambda array: carray(at(array.ctypes.data), (array.size,))
+@type_callable(flat)
+def _type_of_flat(context):
+    return lambda array: _of(array, 1)
 
 
-def borrowed(array):
-    """View of a whole array, whose references nobody counts."""
-    return array
-
-
-@overload(borrowed)
-def _borrowed(array):
-    at = pointer_to(array.dtype)
-    return lambda array: carray(at(array.ctypes.data), array.shape)
+@lower_builtin(flat, types.Array)
+def _flat(context, builder, signature, values):
+    array = context.make_array(signature.args[0])(context, builder, values[0])
+    return view_of(context, builder, signature.return_type, array.data, [array.nitems])
 
 
 def room1(n):
@@ -126,22 +135,9 @@ def room1(n):
     return np.empty(n)
 
 
-@overload(room1, prefer_literal=True, inline="always")
-def _room1(n):
-    size = n.literal_value
-    return lambda n: carray(_stack(size), (size,))
-
-
 def room2(n, m):
     """As `room1`, (n, m)."""
     return np.empty((n, m))
-
-
-@overload(room2, prefer_literal=True, inline="always")
-def _room2(n, m):
-    shape = n.literal_value, m.literal_value
-    size = math.prod(shape)
-    return lambda n, m: carray(_stack(size), shape)
 
 
 def room3(n, m, k):
@@ -149,11 +145,25 @@ def room3(n, m, k):
     return np.empty((n, m, k))
 
 
-@overload(room3, prefer_literal=True, inline="always")
-def _room3(n, m, k):
-    shape = n.literal_value, m.literal_value, k.literal_value
-    size = math.prod(shape)
-    return lambda n, m, k: carray(_stack(size), shape)
+def _constant(*sizes: Any) -> Any:
+    """Type of a room of these sizes, which are constants; None, so that numba tries constants, of other numbers."""
+    known = all(isinstance(size, types.IntegerLiteral) for size in sizes)
+    return types.Array(types.float64, len(sizes), "C") if known else None
+
+
+type_callable(room1)(lambda context: lambda n: _constant(n))
+type_callable(room2)(lambda context: lambda n, m: _constant(n, m))
+type_callable(room3)(lambda context: lambda n, m, k: _constant(n, m, k))
+
+
+@lower_builtin(room1, types.IntegerLiteral)
+@lower_builtin(room2, types.IntegerLiteral, types.IntegerLiteral)
+@lower_builtin(room3, types.IntegerLiteral, types.IntegerLiteral, types.IntegerLiteral)
+def _room(context, builder, signature, values):
+    shape = [size.literal_value for size in signature.args]
+    with builder.goto_entry_block():
+        begin = builder.alloca(ir.ArrayType(ir.DoubleType(), math.prod(shape)))
+    return view_of(context, builder, signature.return_type, begin, [context.get_constant(types.intp, n) for n in shape])
 
 
 def clear(array):
@@ -161,28 +171,38 @@ def clear(array):
     array[...] = 0
 
 
-@overload(clear)
-def _clear(array):
-    zero = array.dtype(0)
+@type_callable(clear)
+def _type_of_clear(context):
+    return lambda array: types.none if isinstance(array, types.Array) else None
 
-    def fill(array):
-        entries = flat(array)
-        for i in range(entries.size):
-            entries[i] = zero
 
-    return fill
+@lower_builtin(clear, types.Array)
+def _clear(context, builder, signature, values):
+    begin, size = _bytes(context, builder, signature.args[0], values[0])
+    fill = builder.module.declare_intrinsic("llvm.memset", [_BYTE, size.type])
+    builder.call(fill, [begin, ir.IntType(8)(0), size, ir.IntType(1)(0)])
+    return context.get_dummy_value()
 
 
 def copy(to, given):
-    """Set all entries of an array to those of another of its size."""
-    flat(to)[...] = flat(given)
+    """Set all entries of an array to those of another of its size and type."""
+    to[...] = given
 
 
-@overload(copy)
-def _copy(to, given):
-    def fill(to, given):
-        entries, others = flat(to), flat(given)
-        for i in range(entries.size):
-            entries[i] = others[i]
+@type_callable(copy)
+def _type_of_copy(context):
+    return lambda to, given: types.none if to == given and isinstance(to, types.Array) else None
 
-    return fill
+
+@lower_builtin(copy, types.Array, types.Array)
+def _copy(context, builder, signature, values):
+    (begin, size), (given, _) = (_bytes(context, builder, *one) for one in zip(signature.args, values, strict=True))
+    move = builder.module.declare_intrinsic("llvm.memcpy", [_BYTE, _BYTE, size.type])
+    builder.call(move, [begin, given, size, ir.IntType(1)(0)])
+    return context.get_dummy_value()
+
+
+def _bytes(context: Any, builder: Any, kind: Any, value: Any) -> tuple[Any, Any]:
+    """Where the bytes of an array begin, and how many they are."""
+    array = context.make_array(kind)(context, builder, value)
+    return builder.bitcast(array.data, _BYTE), builder.mul(array.nitems, array.itemsize)

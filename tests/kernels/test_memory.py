@@ -10,6 +10,7 @@ import pytest
 from numba import njit
 
 from granular_contact.jit import memory
+from granular_contact.jit.compiled import options
 
 A = np.arange(60.0).reshape(5, 4, 3)
 STATIONS = np.array([(1.0, 2), (3.0, 4), (5.0, 6)], [("x", "f8"), ("k", "i8")])
@@ -19,7 +20,6 @@ VIEWS: dict[str, tuple[Callable[..., Any], tuple[Any, ...]]] = {
     "rows of records": (lambda a: memory.rows(a, 1, 2), (STATIONS,)),
     "piece of three": (lambda a: memory.piece(a, 4, 3), (A,)),
     "flat": (lambda a: memory.flat(a), (A,)),
-    "borrowed": (lambda a: memory.borrowed(a), (A,)),
 }
 
 
@@ -61,3 +61,12 @@ def test_copies_are_of_all_entries() -> None:
     to = np.zeros_like(A)
     njit(lambda to, given: memory.copy(to, given))(to, A)
     np.testing.assert_array_equal(to, A)
+
+
+def test_references_to_arrays_are_not_counted() -> None:
+    counted, uncounted = (
+        njit(**options(allocates))(lambda a: memory.rows(a, 1, 2)[0, 0, 0]) for allocates in (True, False)
+    )
+    assert counted(A) == uncounted(A) == A[1, 0, 0]
+    texts = ["\n".join(one.inspect_llvm().values()) for one in (counted, uncounted)]
+    assert ["NRT_decref" in text for text in texts] == [True, False]

@@ -42,8 +42,7 @@ def arrays_of(reduced: Model) -> PendulumArrays:
         medium = medium_record(_law(reduced), lines, paths=False, bodies=False)
     profile = np.array([[0.0, -np.inf if scene.surface is None else scene.surface]])
     anchors, most = np.zeros((starts[-1], 2)), max((len(stations) for _, stations in meets), default=0)
-    room, depths = np.zeros((6, most, 2)), np.zeros(most)
-    return PendulumArrays(record, geometry, starts, lines, profile, medium, anchors, room, depths)
+    return PendulumArrays(record, geometry, starts, lines, profile, medium, anchors, np.zeros((6, most, 2)))
 
 
 def stacked(several: Sequence[Model]) -> PendulumArrays:

@@ -65,7 +65,7 @@ def total(joint, s, rate, anchor, value, value_rate):
 # ---- over all rows of a history ----
 
 
-@kernel
+@kernel(allocates=True)
 def stops(joint, s, rate):
     """Elastic part and whole of the force of the stops, (2, n), at coordinates s (n,) and rates (n,)."""
     forces = np.zeros((2, s.shape[0]))
@@ -74,7 +74,7 @@ def stops(joint, s, rate):
     return forces
 
 
-@kernel
+@kernel(allocates=True)
 def frictions(joint, s, rate, anchor):
     """Dry friction (n,), its anchor led along from row to row."""
     forces = np.zeros(s.shape[0])
@@ -84,7 +84,7 @@ def frictions(joint, s, rate, anchor):
     return forces
 
 
-@kernel
+@kernel(allocates=True)
 def drive_forces(joint, targets, s, rate):
     """Force (n,) of a drive towards values and rates, targets (n, 2)."""
     forces = np.zeros(s.shape[0])

@@ -17,10 +17,8 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from granular_contact.jit.compiled import part
-from granular_contact.jit.memory import clear, room1, room3, rows
+from granular_contact.jit.memory import clear, room1, room3
 from granular_contact.sand.kernels import space_law as law
 from granular_contact.sand.kernels.bar_statics import add_vertical_force
 from granular_contact.sand.kernels.friction import SMOOTH
@@ -33,15 +31,15 @@ from granular_contact.sand.kernels.vectors import cross, norm
 
 
 @part
-def station(E, x, v, w, R, p, velocity):
-    """Fill p (3,) m and velocity (3,) m/s of a station of a body, E (3,) m in its frame."""
-    rx = R[0, 0] * E[0] + R[0, 1] * E[1] + R[0, 2] * E[2]
-    ry = R[1, 0] * E[0] + R[1, 1] * E[1] + R[1, 2] * E[2]
-    rz = R[2, 0] * E[0] + R[2, 1] * E[1] + R[2, 2] * E[2]
-    p[0], p[1], p[2] = x[0] + rx, x[1] + ry, x[2] + rz
-    velocity[0] = v[0] + w[1] * rz - w[2] * ry
-    velocity[1] = v[1] + w[2] * rx - w[0] * rz
-    velocity[2] = v[2] + w[0] * ry - w[1] * rx
+def station(E, pose, ground, medium):
+    """Position (3,) m and velocity (3,) m/s of a station of a body, E (3,) m in its frame, and its depth (m)."""
+    x, v, w = pose[3], pose[4], pose[5]
+    rx = pose[0, 0] * E[0] + pose[0, 1] * E[1] + pose[0, 2] * E[2]
+    ry = pose[1, 0] * E[0] + pose[1, 1] * E[1] + pose[1, 2] * E[2]
+    rz = pose[2, 0] * E[0] + pose[2, 1] * E[1] + pose[2, 2] * E[2]
+    px, py, pz = x[0] + rx, x[1] + ry, x[2] + rz
+    velocity = v[0] + w[1] * rz - w[2] * ry, v[1] + w[2] * rx - w[0] * rz, v[2] + w[0] * ry - w[1] * rx
+    return (px, py, pz), velocity, surface_at(px, py, ground, medium, room1(PLANE)) - pz
 
 
 @part
@@ -56,45 +54,33 @@ def add(f, x, y, z, W, term):
 
 
 @part
-def placed(elements, pose, ground, medium):
-    """Positions (n, 3) m and velocities (n, 3) m/s of the stations, and their depths (n,) m."""
-    n = elements.shape[0]
-    P, V, Z, plane = np.empty((n, 3)), np.empty((n, 3)), np.empty(n), room1(PLANE)
-    for i in range(n):
-        station(elements[i], pose[3], pose[4], pose[5], rows(pose, 0, 3), P[i], V[i])
-        Z[i] = surface_at(P[i, 0], P[i, 1], ground, medium, plane) - P[i, 2]
-    return P, V, Z
-
-
-@part
 def between(p, q):
-    """Vector (3,) from one point to another, rows of arrays."""
+    """Vector (3,) from one point to another."""
     return q[0] - p[0], q[1] - p[1], q[2] - p[2]
 
 
 @part
 def bar_forces(elements, anchors, cluster, pose, ground, medium, W):
     """`space_law.forces` of a bar."""
-    x, n = pose[3], elements.shape[0]
-    P, V, Z = placed(elements, pose, ground, medium)
-    f = room3(TERMS, 2, 3)
+    x, n, f = pose[3], elements.shape[0], room3(TERMS, 2, 3)
+    q, v1, z1 = station(elements[0], pose, ground, medium)
+    p = q
     for i in range(n - 1):
-        a, b = inside(Z[i], Z[i + 1], medium)
+        p, v0, z0 = q, v1, z1
+        q, v1, z1 = station(elements[i + 1], pose, ground, medium)
+        a, b = inside(z0, z1, medium)
         if a == b:
             continue
         clear(f)
-        p, q = P[i], P[i + 1]
-        v0, v1 = (V[i, 0], V[i, 1], V[i, 2]), (V[i + 1, 0], V[i + 1, 1], V[i + 1, 2])
         e0, e1 = between(anchors[i], p), between(anchors[i + 1], q)
-        law.bar_force(medium, (Strip(a, b, Z[i], Z[i + 1], between(p, q), v0, v1, e0, e1), cluster, f))
+        law.bar_force(medium, (Strip(a, b, z0, z1, between(p, q), v0, v1, e0, e1), cluster, f))
         for term in range(TERMS):
             add(f[term, 0], p[0] - x[0], p[1] - x[1], p[2] - x[2], W, term)
             add(f[term, 1], q[0] - x[0], q[1] - x[1], q[2] - x[2], W, term)
-    within = Z[n - 1] > 0.0 and (not medium.layered or medium.top < Z[n - 1] <= medium.bottom)
+    within = z1 > 0.0 and (not medium.layered or medium.top < z1 <= medium.bottom)
     if within and cluster.cap and medium.cap != 0:
         clear(f)
-        p, q = P[n - 2], P[n - 1]
-        law.cap_force(medium, (between(p, q), (V[n - 1, 0], V[n - 1, 1], V[n - 1, 2]), cluster, f))
+        law.cap_force(medium, (between(p, q), v1, cluster, f))
         for term in range(TERMS):
             add(f[term, 1], q[0] - x[0], q[1] - x[1], q[2] - x[2], W, term)
 
@@ -103,17 +89,18 @@ def bar_forces(elements, anchors, cluster, pose, ground, medium, W):
 def follow_stations(elements, anchors, cluster, pose, ground, medium, row):
     """`space_law.follow` of the stations of bars, whose anchors are free unless a strip at them is immersed."""
     n = elements.shape[0]
-    P, V, Z = placed(elements, pose, ground, medium)
+    p, v, z = station(elements[0], pose, ground, medium)
+    before = z
     for i in range(n):
-        row[law.DEPTH] = max(row[law.DEPTH], Z[i])
-        if Z[i] > 0.0:
-            row[law.SPEED] = max(row[law.SPEED], math.sqrt(V[i, 0] ** 2 + V[i, 1] ** 2 + V[i, 2] ** 2))
-            row[law.LOWEST] = min(row[law.LOWEST], P[i, 2])
-    for i in range(n):
-        px, py, pz = P[i, 0], P[i, 1], P[i, 2]
-        if Z[max(0, i - 1)] > 0.0 or Z[i] > 0.0 or Z[min(n - 1, i + 1)] > 0.0:
-            px, py, pz = law.drag_anchor(medium, ((px, py, pz), (anchors[i, 0], anchors[i, 1], anchors[i, 2])))
-        anchors[i, 0], anchors[i, 1], anchors[i, 2] = px, py, pz
+        q, v1, after = station(elements[min(n - 1, i + 1)], pose, ground, medium)
+        row[law.DEPTH] = max(row[law.DEPTH], z)
+        if z > 0.0:
+            row[law.SPEED] = max(row[law.SPEED], norm(v))
+            row[law.LOWEST] = min(row[law.LOWEST], p[2])
+        if before > 0.0 or z > 0.0 or after > 0.0:
+            p = law.drag_anchor(medium, (p, (anchors[i, 0], anchors[i, 1], anchors[i, 2])))
+        anchors[i, 0], anchors[i, 1], anchors[i, 2] = p
+        before, p, v, z = z, q, v1, after
 
 
 # ---- terms of laws ----

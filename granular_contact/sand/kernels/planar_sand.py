@@ -64,9 +64,10 @@ def ask(w, r, q, v, f, totals):
 @part
 def contact_of(w, r):
     """Line r of a batch, with room of its own, which keeps what was found last."""
-    ends = w.ends
-    s, n = ends[r, 0], ends[r + 1, 0] - ends[r, 0]
-    return on_line(w, r, part_of(w, 0, s, n), part_of(w, 1, s, n), part_of(w, 2, s, n))
+    ends, room = w.ends, w.room
+    s, e = ends[r, 0], ends[r + 1, 0]
+    P, V, F = rows(piece(room, 0, e), s, e - s), rows(piece(room, 1, e), s, e - s), rows(piece(room, 2, e), s, e - s)
+    return on_line(w, r, P, V, F)
 
 
 @part
@@ -76,12 +77,6 @@ def on_line(w, r, P, V, F):
     s, n = ends[r, 0], ends[r + 1, 0] - ends[r, 0]
     stations, anchors = rows(w.geometry, s, n), rows(w.anchors, s, n)
     return Contact(stations, rows(w.lines, r, 1), profile, medium, anchors, P, V, F)
-
-
-@part
-def part_of(w, k, first, count):
-    """Room k for the stations of a line."""
-    return rows(piece(w.room, k, first + count), first, count)
 
 
 @kernel
@@ -118,7 +113,8 @@ def tangent(sand, system_q, system_v, fq, fv, triplets):
                 continue
             s, n = ends[r, 0], ends[r + 1, 0] - ends[r, 0]
             c, m = ends[r, 1], ends[r + 1, 1] - ends[r, 1]
-            q, v, block, P = piece(body, 0, m), piece(body, 1, m), rows(body, BLOCK, m), part_of(w, 0, s, n)
+            q, v, block = piece(body, 0, m), piece(body, 1, m), rows(body, BLOCK, m)
+            P = rows(piece(w.room, 0, s + n), s, n)
             at, row = rows(w.places, c, m), body.shape[0] - KEPT * (active.shape[0] - r)
             gather(system_q, system_v, w.reference, at, q, v)
             f, room = piece(body, row + 3, m), w.room

@@ -77,15 +77,16 @@ def distributed_forces(P, V, anchors, line, profile, medium, F, totals):
 
 
 @part
-def immersed_segment(Z):
-    """First and last immersed point of a line with depths Z (n,) m as positions i + xi along its stations.
+def immersed_segment(P, profile):
+    """First and last immersed point of a line with stations P (n, 2) m as positions i + xi along them.
 
     (0, 0) when none is immersed.
     """
     first, last = 0.0, 0.0
-    found = False
-    for i in range(Z.shape[0] - 1):
-        a, b = immersed_interval(Z[i], Z[i + 1])
+    found, z1 = False, depth(profile, P[0, 0], P[0, 1])
+    for i in range(P.shape[0] - 1):
+        z0, z1 = z1, depth(profile, P[i + 1, 0], P[i + 1, 1])
+        a, b = immersed_interval(z0, z1)
         if b > a:
             if not found:
                 first = i + a
@@ -128,10 +129,7 @@ def at(A, position):
 def resultant_forces(P, V, anchors, line, profile, medium, F, totals):
     """Law for the immersed part as one straight piece; it moves, and its bristle is stretched, as its middle."""
     clear(F)
-    Z = np.empty(P.shape[0])
-    for i in range(P.shape[0]):
-        Z[i] = depth(profile, P[i, 0], P[i, 1])
-    first, last = immersed_segment(Z)
+    first, last = immersed_segment(P, profile)
     if last == first:
         return
     middle = halfway(P, first, last)
@@ -145,7 +143,7 @@ def resultant_forces(P, V, anchors, line, profile, medium, F, totals):
     # The ends of the segment lie on the surface only up to round-off; the depth there is zero by definition.
     z0, z1 = max(0.0, depth(profile, x0, y0)), max(0.0, depth(profile, x1, y1))
     law.strip_force(Strip(0.0, 1.0, z0, z1, c, v, v, e, e), line, medium, f)
-    if line.cap and Z[-1] > 0.0:
+    if line.cap and depth(profile, P[-1, 0], P[-1, 1]) > 0.0:
         law.cap_force(c, v, line, medium, f)
     xi = middle - i
     for term in range(TERMS):

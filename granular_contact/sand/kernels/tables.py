@@ -2,16 +2,10 @@
 
 from __future__ import annotations
 
-import numpy as np
-
-from granular_contact.jit import memory
 from granular_contact.jit.compiled import part
+from granular_contact.jit.memory import numbers_at
 
-
-@part
-def numbers_at(address, count):
-    """Array (count,) of what lies at an address, a whole number that a record has as a float."""
-    return memory.numbers_at(np.int64(address), count)
+__all__ = ["interval", "numbers_at"]
 
 
 @part

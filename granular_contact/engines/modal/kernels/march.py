@@ -13,12 +13,12 @@ import numpy as np
 from granular_contact.engines.modal.kernels.events import TOUCHED, look_for_stop, regime_end, shorten
 from granular_contact.engines.modal.kernels.modal import SIZE
 from granular_contact.engines.modal.kernels.modal_calls import rates
-from granular_contact.engines.modal.kernels.modal_load import PendulumArrays, drag, lent
+from granular_contact.engines.modal.kernels.modal_load import PendulumArrays, drag
 from granular_contact.engines.modal.kernels.modal_motion import decide, follow
 from granular_contact.engines.modal.kernels.runge_kutta import STAGES, error, inside, interpolant, step
 from granular_contact.engines.modal.kernels.slip import middle, slip_velocity
 from granular_contact.jit.compiled import kernel, part
-from granular_contact.jit.memory import borrowed, clear, copy, piece, room1, room2
+from granular_contact.jit.memory import clear, copy, piece, room1, room2
 from granular_contact.jit.memory import rows as rows_of
 from granular_contact.jit.records import fields, record_dtype
 
@@ -80,7 +80,7 @@ class Room(NamedTuple):
 @kernel
 def write_row(t, y, s, w, row):
     """Fill a row: time, state, forces of the medium (3, 3) as in `strips`."""
-    fill_row(t, borrowed(y), borrowed(s), lent(w), True, borrowed(row))
+    fill_row(t, y, s, w, True, row)
 
 
 @part
@@ -289,7 +289,7 @@ def march(share, codes, state, stacked, control, allowed, room):
         if codes[i] != PAUSE:
             continue
         run, w = state_of_run(state, i), arrays_of_run(stacked, i)
-        codes[i] = march_one(share, run, w, control[i], piece(allowed, i, allowed.shape[1]), lent_room(room))
+        codes[i] = march_one(share, run, w, control[i], piece(allowed, i, allowed.shape[1]), room)
 
 
 @part
@@ -304,17 +304,11 @@ def state_of_run(state, i):
 
 
 @part
-def lent_room(room):
-    """The same room for the time of a call, see `memory.borrowed`."""
-    return Room(borrowed(room.pair), borrowed(room.slopes), borrowed(room.path), borrowed(room.end))
-
-
-@part
 def arrays_of_run(w, i):
     """Arrays of one run."""
     stations = w.geometry.shape[1]
     return PendulumArrays(
-        rows_of(w.pendulum, i, 1), piece(w.geometry, i, stations), borrowed(w.starts),
+        rows_of(w.pendulum, i, 1), piece(w.geometry, i, stations), w.starts,
         piece(w.lines, i, w.lines.shape[1]), piece(w.profile, i, w.profile.shape[1]), rows_of(w.medium, i, 1),
-        piece(w.anchors, i, stations), borrowed(w.room), borrowed(w.depths),
+        piece(w.anchors, i, stations), w.room,
     )  # fmt: skip

@@ -25,7 +25,7 @@ _RECORDS = {name: types.Array(from_dtype(dtype), 1, "C") for name, dtype in zip(
 )}  # fmt: skip
 _STARTS = types.Array(types.int64, 1, "C")
 _ROOM = types.Array(types.float64, 3, "C")
-_KINDS = {**_RECORDS, "starts": _STARTS, "profile": _ROWS, "anchors": _ROWS, "room": _ROOM, "depths": _ROW}
+_KINDS = {**_RECORDS, "starts": _STARTS, "profile": _ROWS, "anchors": _ROWS, "room": _ROOM}
 _ARRAYS = types.NamedTuple([_KINDS[name] for name in PendulumArrays._fields], PendulumArrays)
 _ARGUMENTS: dict[str, tuple[Any, ...]] = {
     "rates": (_ROW, _ROW, _ARRAYS, _ROW, _ROWS, _ROW),

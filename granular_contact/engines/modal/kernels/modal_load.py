@@ -13,7 +13,7 @@ import numpy as np
 
 from granular_contact.engines.modal.kernels.modal import modal_scatter, modal_stations, place_stations, within_reach
 from granular_contact.jit.compiled import kernel, part
-from granular_contact.jit.memory import borrowed, clear, piece, rows
+from granular_contact.jit.memory import clear, piece, rows
 from granular_contact.sand.kernels.law import forces
 from granular_contact.sand.kernels.lines import drag_anchors
 
@@ -23,8 +23,8 @@ class PendulumArrays(NamedTuple):
 
     pendulum: (1,) record of `pendulum`; geometry: stations of all lines, one after another; starts: (lines + 1,) first
     station of each line; lines: (lines,) records of `sand.kernels.law`; profile: (k, 2) of `sand.kernels.surface`;
-    medium: (1,) record of the law; anchors: (stations, 2) m; room, depths: to work in, (6, stations of the longest
-    line, 2) and (stations of it,).
+    medium: (1,) record of the law; anchors: (stations, 2) m; room: to work in, (6, stations of the longest
+    line, 2).
     """
 
     pendulum: Any
@@ -35,28 +35,12 @@ class PendulumArrays(NamedTuple):
     medium: Any
     anchors: Any
     room: Any
-    depths: Any
-
-
-@part
-def lent(w):
-    """The same arrays for the time of a call, see `memory.borrowed`."""
-    return PendulumArrays(
-        borrowed(w.pendulum), borrowed(w.geometry), borrowed(w.starts), borrowed(w.lines), borrowed(w.profile),
-        borrowed(w.medium), borrowed(w.anchors), borrowed(w.room), borrowed(w.depths),
-    )  # fmt: skip
 
 
 @part(inline=True)
 def stations_of(w, r):
-    """Stations of a line."""
-    return rows(w.geometry, w.starts[r], w.starts[r + 1] - w.starts[r])
-
-
-@part(inline=True)
-def anchors_of(w, r):
-    """Anchors (n, 2) m of a line."""
-    return rows(w.anchors, w.starts[r], w.starts[r + 1] - w.starts[r])
+    """The first station of a line among those of all, and how many it has."""
+    return w.starts[r], w.starts[r + 1] - w.starts[r]
 
 
 @part
@@ -90,11 +74,11 @@ def load_at(c, s, q, v, sigma, w, totals, Q):
         Q[i] = 0.0
     clear(totals)
     for r in range(w.lines.shape[0]):
-        geometry = stations_of(w, r)
-        first, n = within_reach(c, s, q, geometry, w.profile[0, 1])
+        begin, n = stations_of(w, r)
+        first, n = within_reach(c, s, q, rows(w.geometry, begin, n), w.profile[0, 1])
         if n == 0:
             continue
-        geometry, anchors = rows(geometry, first, n), rows(anchors_of(w, r), first, n)
+        geometry, anchors = rows(w.geometry, begin + first, n), rows(w.anchors, begin + first, n)
         P, V, F = piece(w.room, 0, n), piece(w.room, 1, n), piece(w.room, 2, n)
         place_stations(c, s, q, v, geometry, P, V)
         if pendulum.true_sign:
@@ -107,13 +91,13 @@ def load_at(c, s, q, v, sigma, w, totals, Q):
 def drag(q, v, w):
     """Let the anchors follow after an accepted step."""
     for r in range(w.lines.shape[0]):
-        geometry = stations_of(w, r)
-        P, V = piece(w.room, 0, geometry.shape[0]), piece(w.room, 1, geometry.shape[0])
-        modal_stations(q, v, geometry, P, V)
-        drag_anchors(P, anchors_of(w, r), w.lines[r], w.profile, w.medium[0])
+        first, n = stations_of(w, r)
+        P, V = piece(w.room, 0, n), piece(w.room, 1, n)
+        modal_stations(q, v, rows(w.geometry, first, n), P, V)
+        drag_anchors(P, rows(w.anchors, first, n), w.lines[r], w.profile, w.medium[0])
 
 
-@kernel
+@kernel(allocates=True)
 def rest(q, geometry, anchors):
     """Put the anchors (n, 2) m of a line where its stations are: no bristle is stretched."""
     modal_stations(q, np.zeros_like(q), geometry, anchors, np.empty_like(anchors))

@@ -36,18 +36,16 @@ def middle(q, w):
     """
     line, place, deepest = 0, 0.0, -np.inf
     for r in range(w.lines.shape[0] - 1, -1, -1):
-        geometry = stations_of(w, r)
-        n = geometry.shape[0]
-        P, V, Z = piece(w.room, 3, n), piece(w.room, 4, n), rows(w.depths, 0, n)
-        modal_stations(q, q, geometry, P, V)
+        first, n = stations_of(w, r)
+        P, V = piece(w.room, 3, n), piece(w.room, 4, n)
+        modal_stations(q, q, rows(w.geometry, first, n), P, V)
+        above, below = immersed_segment(P, w.profile)
+        if below > above:
+            return r, halfway(P, above, below), True
         for i in range(n):
-            Z[i] = depth(w.profile, P[i, 0], P[i, 1])
-        first, last = immersed_segment(Z)
-        if last > first:
-            return r, halfway(P, first, last), True
-        for i in range(n):
-            if Z[i] > deepest:
-                line, place, deepest = r, float(i), Z[i]
+            z = depth(w.profile, P[i, 0], P[i, 1])
+            if z > deepest:
+                line, place, deepest = r, float(i), z
     return line, place, False
 
 
@@ -58,9 +56,9 @@ def slip_velocity(q, v, w, g):
     if q.shape[0] == 1:
         g[0] = v[0]
         return immersed
-    geometry = stations_of(w, r)
-    P, V = piece(w.room, 3, geometry.shape[0]), piece(w.room, 4, geometry.shape[0])
-    modal_stations(q, v, geometry, P, V)
+    first, n = stations_of(w, r)
+    P, V = piece(w.room, 3, n), piece(w.room, 4, n)
+    modal_stations(q, v, rows(w.geometry, first, n), P, V)
     g[0], g[1] = at(V, place)
     return immersed
 
@@ -72,8 +70,8 @@ def slip_rows(q, w, J):
         J[0, 0] = 1.0
         return
     r, place, _ = middle(q, w)
-    geometry = stations_of(w, r)
-    n = geometry.shape[0]
+    first, n = stations_of(w, r)
+    geometry = rows(w.geometry, first, n)
     P, V, F = piece(w.room, 3, n), piece(w.room, 4, n), piece(w.room, 5, n)
     modal_stations(q, q, geometry, P, V)
     i, cos, sin = min(int(place), n - 2), math.cos(q[0]), math.sin(q[0])

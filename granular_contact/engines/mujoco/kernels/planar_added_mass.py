@@ -68,7 +68,7 @@ def act(words):
     resist(w)
 
 
-@part
+@part(allocates=True)
 def follow(w):
     """End of a step at these poses: anchors follow; what the next may touch is active.
 
@@ -118,7 +118,7 @@ def may_touch(depth, speed, step):
     return depth + 4.0 * step * (speed + 10.0 * step) > -1e-3
 
 
-@part
+@part(allocates=True)
 def resist(w):
     """As `space_added_mass.resist`."""
     ends, geometry, lines, profile, medium = w.ends, w.geometry, w.lines, w.profile, w.medium
