@@ -1,0 +1,70 @@
+"""The force on a body in space is a continuous function of its place and motion, or states have no step."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+from support_space import PAIRS, Array, load_on, state
+
+from granular_contact import Box
+from granular_contact.laws.reece import Reece
+from granular_contact.laws.static_friction import Elastoplastic, Smooth
+
+SINKAGE = Reece(1330.0, 20.0, 1.2, 29.0, cohesion=300.0, plate_width=0.05), Box((0.1, 0.07, 0.05))
+CASES = {**PAIRS, "reece": SINKAGE}
+POINTS, CLOSEST, HALVINGS = 100, 4, 40
+
+
+@pytest.mark.parametrize("static", [Elastoplastic(1e-4, 1e-3), Smooth(0.01)], ids=["bristles", "smooth"])
+@pytest.mark.parametrize("name", CASES)
+def test_the_force_is_continuous(name: str, static: Any) -> None:
+    """Along ways from one random state to another: where the force changes most they are halved until they are one."""
+    load, rng, jumps = load_on(*CASES[name], static=static), np.random.default_rng(7), []
+    for _ in range(12):
+        begin, at = _way(rng)
+        load.start(begin)
+        jumps += _greatest_jumps(lambda s, at=at: load.force(*at(s), np.zeros(7)))  # type: ignore[misc]
+    assert len(jumps) > 3 * CLOSEST
+    # 2^-40 of 1 m/s and of 1 cm, where the steepest slopes are 1e5 /m: far below what a jump is.
+    assert max(jumps) < 1e-7
+
+
+def _way(rng: np.random.Generator) -> tuple[Array, Callable[[float], tuple[Array, Array]]]:
+    """Coordinates where bristles are at rest, some 10 um aside, and coordinates and rates (7,) at s in [0, 1]."""
+    place, turn = np.array([0.0, 0.0, rng.uniform(-0.06, 0.03)]), Rotation.from_quat(rng.normal(size=4))
+    begin, _ = state(place + rng.normal(size=3) * 1e-5, turn, np.zeros(3), np.zeros(3))
+    far = rng.integers(2) * rng.normal(size=6) * np.repeat([0.01, 0.1], 3)  # half of the ways are of motions alone
+    one, other = rng.normal(size=(2, 6)) * np.repeat([0.3, 3.0], 3)
+
+    def at(s: float) -> tuple[Array, Array]:
+        v = (1.0 - s) * one + s * other
+        return state(place + s * far[:3], Rotation.from_rotvec(s * far[3:]) * turn, v[:3], v[3:])
+
+    return begin, at
+
+
+def _greatest_jumps(force: Callable[[float], Array]) -> list[float]:
+    """Jumps of a force (7,) along s in [0, 1], over its greatest, at the CLOSEST places; none where nothing acts."""
+    places = np.linspace(0.0, 1.0, POINTS)
+    forces = [force(s) for s in places]
+    scale = np.repeat([np.abs(forces)[:, :3].max(), np.abs(forces)[:, 3:].max()], [3, 4])
+    if not scale.any():
+        return []
+    scale[scale == 0.0] = 1.0  # a ball has no moment
+    jumps = []
+    for i in np.argsort([np.abs((b - a) / scale).max() for a, b in pairwise(forces)])[-CLOSEST:]:
+        (a, b), (one, other) = places[i : i + 2], forces[i : i + 2]
+        for _ in range(HALVINGS):
+            middle = 0.5 * (a + b)
+            between = force(middle)
+            if np.abs((between - one) / scale).max() > np.abs((other - between) / scale).max():
+                b, other = middle, between
+            else:
+                a, one = middle, between
+        jumps.append(float(np.abs((other - one) / scale).max()))
+    return jumps
