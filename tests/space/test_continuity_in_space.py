@@ -14,6 +14,7 @@ from support_space import PAIRS, Array, load_on, state
 from granular_contact import Box
 from granular_contact.laws.reece import Reece
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
+from granular_contact.sand.space.load import SpatialLoad
 
 SINKAGE = Reece(1330.0, 20.0, 1.2, 29.0, cohesion=300.0, plate_width=0.05), Box((0.1, 0.07, 0.05))
 CASES = {**PAIRS, "reece": SINKAGE}
@@ -28,7 +29,7 @@ def test_the_force_is_continuous(name: str, static: Any) -> None:
     for _ in range(12):
         begin, at = _way(rng)
         load.start(begin)
-        jumps += _greatest_jumps(lambda s, at=at: load.force(*at(s), np.zeros(7)))  # type: ignore[misc]
+        jumps += _greatest_jumps(_along(load, at))
     assert len(jumps) > 3 * CLOSEST
     # 2^-40 of 1 m/s and of 1 cm, where the steepest slopes are 1e5 /m: far below what a jump is.
     assert max(jumps) < 1e-7
@@ -46,6 +47,11 @@ def _way(rng: np.random.Generator) -> tuple[Array, Callable[[float], tuple[Array
         return state(place + s * far[:3], Rotation.from_rotvec(s * far[3:]) * turn, v[:3], v[3:])
 
     return begin, at
+
+
+def _along(load: SpatialLoad, at: Callable[[float], tuple[Array, Array]]) -> Callable[[float], Array]:
+    """Force (7,) of a load at s."""
+    return lambda s: load.force(*at(s), np.zeros(7))
 
 
 def _greatest_jumps(force: Callable[[float], Array]) -> list[float]:
