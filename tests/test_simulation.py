@@ -192,9 +192,14 @@ def test_a_state_of_another_scene_is_refused() -> None:
 # ---- what is seen ----
 
 
-@pytest.mark.parametrize("name", ["leg", "flexible", "minimal", "leg, minimal"])
+SEEN = {name: SCENES[name] for name in ("leg", "flexible", "minimal", "leg, minimal")}
+SEEN["sliders"] = "dragged_plate", ("solver.end_time_s=0.02", "method=engine")
+SEEN["hinges of links that bend"] = "chain_flexible", ("solver.end_time_s=0.01", "solver.rest_time_s=null")
+
+
+@pytest.mark.parametrize("name", SEEN)
 def test_observations_are_the_columns_of_the_results(name: str) -> None:
-    text, overrides = SCENES[name]
+    text, overrides = SEEN[name]
     simulation = Simulation(scenario_of(text, *overrides, "output.bodies=all"))
     go_on(simulation, 7)
     seen, results = simulation.observe(), simulation.results()

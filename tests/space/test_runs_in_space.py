@@ -473,3 +473,21 @@ def test_the_gradient_of_a_coordinate_is_its_derivative(kind: str) -> None:
         assert rate == pytest.approx((moved[0] - moved[1]) / 2e-6, rel=1e-5)
         assert rate == pytest.approx(np.dot(slope, v), rel=1e-12)
         assert kind == "slider" or rate == pytest.approx(2.3, rel=1e-5)
+
+
+def test_penetration_ends_where_the_lower_end_stops_falling() -> None:
+    """Of a ball that is thrown askew and rolls as it sinks: within two steps of where its path is lowest."""
+    ball = {"type": "sphere", "diameter_m": 0.03, "facet_size_m": 0.004}
+    model = {
+        "in_space": True,
+        "name": "ball",
+        "bodies": {"ball": {"type": "rigid", "density_kg_m3": 2000, "shapes": [ball]}},
+        "joints": {"flight": {"type": "free", "parent": "ground", "child": "ball"}},
+    }
+    start = {"joints": {"flight": {"z_m": 0.02, "vx_m_s": 0.5, "vy_m_s": 0.4, "vz_m_s": -1}}}
+    run = {"model": model, "medium": "rft3d_sand", "surface_height_m": 0, "initial": start}
+    results = simulate(load(run | {"solver": {"end_time_s": 0.02, "step_s": 1e-4}}))
+    lowest = results["time_s"][np.flatnonzero(np.diff(results["tip_z_m"]) >= 0.0)[0]]
+    told = results.summary["touch_time_s"] + results.summary["penetration_time_s"]
+    assert told == pytest.approx(lowest, abs=2e-4)
+    assert 0.005 < results.summary["penetration_time_s"] < 0.01
