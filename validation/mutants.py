@@ -127,7 +127,11 @@ AREAS: dict[str, dict[str, tuple[str, ...]]] = {
         "sand/kernels/facets.py": _FACETS,
         "sand/kernels/facet_parts.py": _FACETS,
         "sand/kernels/facet_slopes.py": (_FACETS[2],),
-        "sand/kernels/space_bodies.py": (_FACETS[2], "tests/space/test_bodies_in_space.py"),
+        "sand/kernels/space_bodies.py": (
+            _FACETS[2],
+            "tests/space/test_bodies_in_space.py",
+            "tests/multibody/test_beams_of_a_bed.py",
+        ),
         "sand/kernels/space_friction.py": (
             _FACETS[2],
             "tests/space/test_bodies_in_space.py",

@@ -96,6 +96,16 @@ def test_an_accepted_step_is_the_same_whatever_forces_were_asked_for_before_it()
         np.testing.assert_array_equal(ours, theirs)
 
 
+def test_what_may_not_touch_the_surface_in_a_step_is_not_asked_for() -> None:
+    """In 10 ms at four times 0.1 m/s, and as much as it may become faster meanwhile: from 9 mm above it on."""
+    for height, may in ((0.02, False), (0.0052, True)):
+        load = plate_load()
+        pose, velocity = np.array([0.0, height, 0.0]), np.array([0.0, -SPEED, 0.0])
+        load.start(pose)
+        load.accept(0.0, pose, velocity)
+        assert bool(load.update_active(0.01)) == may
+
+
 def test_work_of_a_level_plate_is_that_of_a_force_that_grows_with_the_depth() -> None:
     load = plate_load()
     pose, velocity = pushed(load, 2000)
