@@ -140,9 +140,10 @@ def summaries_apart(one: Any, other: Any, own: Track, size: float, weight: float
     """Greatest difference of two summaries, over what such a number can be at most in the run; with its key.
 
     own: the track of the first; size (m) of what turns; weight (N): gravity and motion exchange at least its work over
-    the way. A cost of transport is as uncertain as the work and the distance that it is the ratio of. An instant is
-    told by what happens: where it is another one, it is off by no more than what moves between the two. That of a
-    maximum is left out: two peaks may be equally high; so are facets, which each run chooses by itself.
+    the way. A cost of transport is as uncertain as the work and the distance that it is the ratio of. Pull and slip of
+    a wheel may be about nothing: beside the weight, and 1. An instant is told by what happens: where it is another one,
+    it is off by no more than what moves between the two. That of a maximum is left out: two peaks may be equally high;
+    so are facets, which each run chooses by itself.
     """
     mine, theirs = dict(numbers(one.summary)), dict(numbers(other.summary))
     end = max(float(one["time_s"][-1]), float(other["time_s"][-1]))
@@ -164,6 +165,8 @@ def summaries_apart(one: Any, other: Any, own: Track, size: float, weight: float
             continue
         scale = next((value for tail, value in scales.items() if key.endswith(tail)), 0.0)
         itself = not scale or "largest_" in key  # a peak may be many times what energy over time makes in the mean
+        if key.startswith("wheel.") and not scale:  # forces beside the weight, slip and ratios beside 1
+            scale = weight if key.endswith("_N") else 1.0
         scale = max(scale, abs(theirs[key]) if itself else 0.0, 1e-300)
         off = abs(mine[key] - theirs[key]) / scale
         if key.endswith("time_s"):
