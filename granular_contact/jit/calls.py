@@ -26,7 +26,7 @@ from llvmlite import ir
 from numba import cfunc, from_dtype, types
 from numba.extending import intrinsic
 
-from granular_contact.jit.compiled import COMPILES, options
+from granular_contact.jit.compiled import COMPILES, from_outside, options
 
 OWN = None  # among the types of arguments: where a law's function takes its own record
 _BYTE, _WORD = ir.IntType(8).as_pointer(), ir.IntType(64)
@@ -54,7 +54,7 @@ def address_of(function: Any, kinds: tuple[Any, ...], result: Any, own: np.dtype
     known = plain, kinds, own
     if known not in _compiled:
         signature = result(*(from_dtype(own) if kind is OWN else kind for kind in kinds))
-        told = options(allocates=not plain.__module__.startswith("granular_contact."))  # a law from outside may
+        told = options(from_outside(plain))
         try:
             _compiled[known] = cfunc(signature, cache=True, **told)(plain)
         except RuntimeError:  # it has no file, as in a notebook

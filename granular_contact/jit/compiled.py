@@ -54,6 +54,11 @@ def part(
     return register_jitable(cache=cache, forceinline=inline, **options(allocates))(function)
 
 
+def from_outside(function: Callable[..., Any]) -> bool:
+    """Whether a function is none of this package, as that of a user's law: it may make arrays."""
+    return not str(function.__module__).startswith("granular_contact.")
+
+
 def options(allocates: bool = False) -> dict[str, Any]:
     """Options of numba for a function; allocates: as of `kernel`."""
     return {**PLAIN, "_nrt": allocates}

@@ -6,6 +6,7 @@ import inspect
 from collections.abc import Callable, Iterator
 from typing import Any, ClassVar, Literal
 
+import numpy as np
 import pytest
 
 from granular_contact import Law, simulate
@@ -170,3 +171,17 @@ def test_what_cant_be_compiled_is_one_sentence(members: dict[str, Any], said: st
     with pytest.raises(TypeError, match=said) as caught:
         disc(own(**members))
     assert len(str(caught.value).splitlines()) == 1
+
+
+def through_an_array(t, u, m):  # type: ignore[no-untyped-def]  # noqa: ARG001
+    stresses = np.zeros(2)
+    stresses[1] = -m.q * u[1]
+    return stresses[0], stresses[1]
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("forgotten")
+def test_it_may_make_arrays() -> None:
+    """Functions of the package make none, and are compiled without what arrays need."""
+    # Another constant, or its record would be that of the laws above.
+    disc(own(stress=staticmethod(through_an_array), constants=("q",), numbers=lambda self, gravity: {"q": 2e5}))  # noqa: ARG005
