@@ -331,6 +331,7 @@ def offenders(found: Sequence[Found]) -> dict[str, list[Found]]:
         "every run ends, or says what to change": [
             one for one in found if one.end not in (*GOOD, "refused") and not _explained(one)
         ],
+        "no run fails": [one for one in found if one.end == "failed"],
     }
     for name in _images(found):
         broken[name] = [one for one in found if one.silent and one.images.get(name, 0.0) > one.alike]
