@@ -70,12 +70,16 @@ class StepControl:
         step = self._it.currentStepSize
         self._read()
         need, factor = self._judge(self._words, step, self._record, self.speed, self.now)
-        if need > 1.0 and step > self.least and not self._in_vain(step, need):
+        in_vain = self._in_vain(step, need)
+        if need > 1.0 and step > self.least and not in_vain:
             self.refused += 1
             self.tried = step, need
             self.solver.conv.jacobianUpdateRequested = True
             return [REFUSED, factor * step]
-        self.next = min(factor * step, self.longest) if need <= 1.0 or self.tried is None else step
+        if need <= 1.0 or self.tried is None:
+            self.next = min(factor * step, self.longest)
+        else:
+            self.next = self.tried[0] if in_vain else step
         return NO_ERROR
 
     def _in_vain(self, step: float, need: float) -> bool:
