@@ -46,7 +46,7 @@ FIXED = (8e-3, 4e-3, 2e-3, 1e-3)  # s
 STEPS = (4e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4)  # s, of MuJoCo
 LEVELS = (1e-2, 3e-3, 1e-3)
 OURS, NATIVE = "granular-contact", "MuJoCo, compiled"
-MOST = {1e-2: 1.0, 1e-3: 1.0}  # times MuJoCo's
+MOST = {1e-2: 1.0, 1e-3: 1.0 / 3.0}  # times MuJoCo's
 Found = tuple[str, str, float, float]  # way or tool, setting, error and least time (s)
 
 
@@ -211,7 +211,7 @@ def study(quick: bool) -> Outcome:
             least.append([name, f"{level:.1%}", *(f"{one:.3f}" for one in times)])
             if level in MOST:
                 ratio = times[0] / times[1]
-                detail = f"{ratio:.2f} times MuJoCo's time (asked: {MOST[level]:g}), in {times[0]:.3f} s"
+                detail = f"{ratio:.2f} times MuJoCo's time (asked: {MOST[level]:.2g}), in {times[0]:.3f} s"
                 if times[1] == math.inf:
                     detail = f"in {times[0]:.3f} s; MuJoCo does not come to it with steps of {1e3 * STEPS[-1]:g} ms"
                 claims.append(Claim(f"space_fronts.{name} at {level:.1%}", ratio <= MOST[level], detail))
