@@ -14,9 +14,6 @@ many       sweep, sweep_cases                   a config and what to replace in 
            optimise                             a config, what may change in it and what is best
 """
 
-# mypy: implicit-reexport
-# ruff: noqa: F401
-
 from granular_contact.config import schema
 from granular_contact.config.export import json_schema, scenario_to_dict
 from granular_contact.config.file_kind import is_fit, is_optimise, is_run, is_sweep
@@ -28,3 +25,29 @@ from granular_contact.config.sweep import Sweep, load_sweep
 from granular_contact.config.sweep_cases import Case
 from granular_contact.config.template import Loaded, SourceMap
 from granular_contact.config.written_numbers import write_numbers
+
+__all__ = [
+    "Case",
+    "Given",
+    "Loaded",
+    "Scenario",
+    "SourceMap",
+    "Study",
+    "Sweep",
+    "is_fit",
+    "is_optimise",
+    "is_run",
+    "is_sweep",
+    "json_schema",
+    "load",
+    "load_medium",
+    "load_optimise",
+    "load_scenario",
+    "load_sweep",
+    "loaded",
+    "medium_names",
+    "scenario_given",
+    "scenario_to_dict",
+    "schema",
+    "write_numbers",
+]
