@@ -55,13 +55,13 @@ def _of(array: Any, axes: int) -> Any:
     return types.Array(array.dtype, axes, "C") if isinstance(array, types.Array) else None
 
 
-def _from(context: Any, builder: Any, signature: Any, values: Any) -> tuple[Any, list[Any], Any]:
-    """The array that is the first argument, its shape, and where its row begins that the second one names."""
+def _from(context: Any, builder: Any, signature: Any, values: Any) -> tuple[list[Any], Any]:
+    """Shape of the array that is the first argument, and where its row begins that the second one names."""
     array = context.make_array(signature.args[0])(context, builder, values[0])
     shape = [builder.extract_value(array.shape, axis) for axis in range(signature.args[0].ndim)]
     row = context.cast(builder, values[1], signature.args[1], types.intp)
     begin = builder.mul(row, builder.extract_value(array.strides, 0))
-    return array, shape, builder.gep(builder.bitcast(array.data, _BYTE), [begin])
+    return shape, builder.gep(builder.bitcast(array.data, _BYTE), [begin])
 
 
 def numbers_at(address, count):
@@ -92,7 +92,7 @@ def _type_of_rows(context):
 
 @lower_builtin(rows, types.Array, types.Integer, types.Integer)
 def _rows(context, builder, signature, values):
-    _, shape, begin = _from(context, builder, signature, values)
+    shape, begin = _from(context, builder, signature, values)
     count = context.cast(builder, values[2], signature.args[2], types.intp)
     return view_of(context, builder, signature.return_type, begin, [count, *shape[1:]])
 
@@ -109,7 +109,7 @@ def _type_of_piece(context):
 
 @lower_builtin(piece, types.Array, types.Integer, types.Integer)
 def _piece(context, builder, signature, values):
-    _, shape, begin = _from(context, builder, signature, values)
+    shape, begin = _from(context, builder, signature, values)
     count = context.cast(builder, values[2], signature.args[2], types.intp)
     return view_of(context, builder, signature.return_type, begin, [count, *shape[2:]])
 

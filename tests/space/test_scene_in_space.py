@@ -58,7 +58,7 @@ FIXED = {
     "in_space": True,
     "name": "held twice",
     "bodies": {
-        "beam": BEAM | {"flexible": {"youngs_modulus_Pa": 1e9, "elements": 4, "axial_stiffness_N": 1e5}},
+        "beam": BEAM | {"flexible": SOFT},
         "crank": BEAM,
     },
     "joints": {

@@ -23,8 +23,7 @@ class PendulumArrays(NamedTuple):
 
     pendulum: (1,) record of `pendulum`; geometry: stations of all lines, one after another; starts: (lines + 1,) first
     station of each line; lines: (lines,) records of `sand.kernels.law`; profile: (k, 2) of `sand.kernels.surface`;
-    medium: (1,) record of the law; anchors: (stations, 2) m; room: to work in, (6, stations of the longest
-    line, 2).
+    medium: (1,) record of the law; anchors: (stations, 2) m; room: to work in, (6, stations of the longest line, 2).
     """
 
     pendulum: Any
