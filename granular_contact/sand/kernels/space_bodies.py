@@ -56,12 +56,15 @@ def read(system_q, system_v, reference, at, body, q, v):
     if body.places == body.size:
         gather(system_q, system_v, reference, at, q, v)
         return
-    for j in range(6):
-        q[j], v[j] = 0.0, 0.0
+    shape = body.shape
+    for i in range(3):
+        x, y, vx, vy = 0.0, 0.0, 0.0, 0.0
         for k in range(4):
-            place, share = at[3 * k + j % 3, 0], body.shape[4 * (j // 3) + k]
-            q[j] += share * (system_q[place] + reference[place])
-            v[j] += share * system_v[place]
+            place = at[3 * k + i, 0]
+            now, rate = system_q[place] + reference[place], system_v[place]
+            x, y = x + shape[k] * now, y + shape[4 + k] * now
+            vx, vy = vx + shape[k] * rate, vy + shape[4 + k] * rate
+        q[i], q[3 + i], v[i], v[3 + i] = x, y, vx, vy
 
 
 @part
@@ -197,13 +200,17 @@ def accept(words, system_q, system_v, row, begins):
     solve begins here instead, with no bristle stretched; of poses, proximity and row only the poses are filled.
     """
     w = view(words)
-    q, v, f, W = room1(7), room1(7), room1(7), room2(TERMS, 6)
+    q, v, f, W, G = room1(7), room1(7), room1(7), room2(TERMS, 6), room2(3, 4)
     bodies, medium, columns = w.bodies, w.medium[0], w.columns
     for b in range(bodies.shape[0]):
         body, pose, near = bodies[b], w.poses[b], w.proximity[b]
         at = rows(w.places, body.start, body.places)
         read(system_q, system_v, w.reference, at, body, q, v)
-        loaded = law.body_forces(medium, (q, v, body, w, pose, W, f))
+        loaded = False
+        if acts(body, w.active):
+            loaded = law.body_forces(medium, (q, v, body, w, pose, W, f))
+        else:
+            place(q, v, body, w.turn, medium, pose, G)
         if begins:
             for c in range(body.first, body.last):
                 release(w.elements, w.anchors, w.clusters[c], pose, medium, True)
