@@ -17,6 +17,7 @@ import granular_contact.sand.space
 from granular_contact import Bar, Box, Capsule, Cone, Cylinder, Drft, Mesh, Plate, Rft, Rft3d, Sphere
 from granular_contact.laws.rft3d import C
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
+from granular_contact.sand import state as kept
 from granular_contact.sand.contact_lines import Body, outline, polyline
 from granular_contact.sand.kernels import space_bodies
 from granular_contact.sand.load import GranularLoad
@@ -338,6 +339,48 @@ def test_what_is_out_of_reach_costs_nothing_and_changes_nothing() -> None:
     assert max(seen[:55]) > 0
     np.testing.assert_array_equal(loads[0].history.bodies, loads[1].history.bodies)
     assert np.abs(loads[0].history.bodies).max() > 0.1
+
+
+@pytest.mark.parametrize("name", ["rft3d", "lee_marghitu", "ball"])
+def test_an_accepted_step_is_the_same_whatever_forces_were_asked_for_before_it(name: str) -> None:
+    """Forces found at the end of a step are taken for it, but not those of another state, anchor or active cluster."""
+    motion = Motion(3, way=0.05)
+
+    def accepted(asked: bool) -> list[Array]:
+        medium, shape = PAIRS[name]
+        load, rows = load_on(medium, shape, 0.008, static=Elastoplastic(1e-3, 1e-3)), []
+        load.start(motion.state(0.0)[0])
+        load.accept(0.0, *motion.state(0.0))
+        before = kept.state(load)
+
+        def end(step: float, at: float, *asks: float) -> None:
+            """A step to the place in the motion `at`, with forces asked for at others."""
+            for one in asks if asked else ():
+                load.force(*motion.state(one), np.zeros(7))
+            load.update_active(step)
+            load.accept(load.time + 1e-3, *motion.state(at))
+            rows.extend([load.table.row.copy(), load.batches[0].anchors.copy()])
+
+        end(1.0, 0.02, 0.03, 0.02)  # found at its end, and known
+        end(1.0, 0.02)  # where anchors have followed
+        end(1.0, 0.04, 0.04, 0.03)
+        if asked:
+            load.force(*motion.state(0.06), np.zeros(7))
+        kept.restore(load, before)  # other anchors
+        end(1.0, 0.06)
+        high = motion.state(0.0)[0] + 0.04 * np.eye(7)[2]
+        load.start(high)
+        load.accept(0.0, high, np.zeros(7))
+        load.update_active(1e-9)
+        active = load.batches[0].active
+        assert name != "rft3d" or 0 < active.sum() < len(active)
+        end(1.0, 0.1, 0.1)
+        return rows
+
+    with_forces, without = accepted(True), accepted(False)
+    for ours, theirs in zip(with_forces, without, strict=True):
+        np.testing.assert_array_equal(ours, theirs)
+    assert np.abs(without[0]).max() > 1.0  # N
 
 
 @pytest.mark.parametrize("shape", [Box((0.3, 0.2, 0.02)), Sphere(0.1), Cone(0.08, 0.06)], ids=["box", "sphere", "cone"])

@@ -19,8 +19,13 @@ These arrays are:
     ground              see `ground`
     medium              see `space_law`; (1,)
     poses, proximity    (bodies, 6, 3) and (bodies, 3), of the last accepted step
+    asked, wrenches     (bodies, 2, 7) coordinates and rates at which forces were asked for last, and (bodies, TERMS, 6)
+                        what was found there, see below
     columns             (bodies, 3) where the power of the medium, its terms and the wrench of a body stand in a row of
                         the history, six numbers each: force (N) and moment about the world origin (N m), world frame
+
+A step mostly ends where forces were asked for last, and then `accept` does not compute them again. A first coordinate
+that is no number says that they are not known any more, as anchors follow or other clusters are active.
 
 Coordinates of a body: see `space_coordinates`. A piece of a cubic cable element has the position and the slope
 r' = dr/ds at its middle, y = S q of the 12 coordinates q of the element (`BODY`), and acts on them by S^T.
@@ -122,15 +127,15 @@ def body_forces(q, v, body, w, medium, pose, W, out):
 def force(words, system_q, system_v, out):
     """Add the generalised forces of the active clusters to out, the coordinates of the bed."""
     w = view(words)
-    q, v, f, pose, W = room1(7), room1(7), room1(7), room2(6, 3), room2(TERMS, 6)
+    f, pose = room1(7), room2(6, 3)
     bodies, active, medium = w.bodies, w.active, w.medium[0]
     for b in range(bodies.shape[0]):
         body = bodies[b]
         if not acts(body, active):
             continue
-        at = rows(w.places, body.start, body.places)
+        at, q, v = rows(w.places, body.start, body.places), w.asked[b, 0], w.asked[b, 1]
         read(system_q, system_v, w.reference, at, body, q, v)
-        law.body_forces(medium, (q, v, body, w, pose, W, f))
+        law.body_forces(medium, (q, v, body, w, pose, w.wrenches[b], f))
         for i in range(body.places):
             out[at[i, 1]] += spread(f, body, i)
 
@@ -200,17 +205,17 @@ def accept(words, system_q, system_v, row, begins):
     solve begins here instead, with no bristle stretched; of poses, proximity and row only the poses are filled.
     """
     w = view(words)
-    q, v, f, W, G = room1(7), room1(7), room1(7), room2(TERMS, 6), room2(3, 4)
+    q, v, f, G = room1(7), room1(7), room1(7), room2(3, 4)
     bodies, medium, columns = w.bodies, w.medium[0], w.columns
     for b in range(bodies.shape[0]):
-        body, pose, near = bodies[b], w.poses[b], w.proximity[b]
-        at = rows(w.places, body.start, body.places)
+        body, pose, near, W = bodies[b], w.poses[b], w.proximity[b], w.wrenches[b]
+        at, loaded = rows(w.places, body.start, body.places), acts(body, w.active)
         read(system_q, system_v, w.reference, at, body, q, v)
-        loaded = False
-        if acts(body, w.active):
-            loaded = law.body_forces(medium, (q, v, body, w, pose, W, f))
-        else:
+        if begins or not loaded or known(w.asked[b], body, q, v):
             place(q, v, body, w.turn, medium, pose, G)
+        else:
+            loaded = law.body_forces(medium, (q, v, body, w, pose, W, f))
+        w.asked[b, 0, 0] = np.nan
         if begins:
             for c in range(body.first, body.last):
                 release(w.elements, w.anchors, w.clusters[c], pose, medium, True)
@@ -225,6 +230,15 @@ def accept(words, system_q, system_v, row, begins):
                 row[power] += W[term, i] * pose[4, i] + W[term, 3 + i] * pose[5, i]
             write(W, term, w.turn, q, row, columns[b, 1] + 6 * term)
             write(W, term, w.turn, q, row, columns[b, 2])
+
+
+@part
+def known(asked, body, q, v):
+    """Whether the last forces on a body were found at q and v."""
+    same = True
+    for i in range(body.size):
+        same = same and asked[0, i] == q[i] and asked[1, i] == v[i]
+    return same
 
 
 @part
@@ -297,6 +311,7 @@ def update_active(words, step):
                 now = may_touch(near, step)
             if now and not active[c]:
                 release(w.elements, w.anchors, one, pose, medium, False)
+                w.asked[b, 0, 0] = np.nan
             active[c] = now
             some = some or now
     return some

@@ -69,7 +69,7 @@ BODIES = Layout(
     clusters=(CLUSTER, 1),
     active=(np.bool_, 1),
     medium=(SPACE_LAW, 1),
-    poses=(float, 3),
+    **dict.fromkeys(("poses", "asked", "wrenches"), (float, 3)),
 )
 
 _NUMBER, _CLUSTER = types.float64, from_dtype(CLUSTER)

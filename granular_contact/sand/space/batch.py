@@ -14,6 +14,7 @@ from granular_contact.jit.compiled import ready
 from granular_contact.laws.kinds import Kind
 from granular_contact.sand.kernels import space_bodies as kernels
 from granular_contact.sand.kernels.ground import PLANE
+from granular_contact.sand.kernels.law import TERMS
 from granular_contact.sand.kernels.space_clusters import APPROACH, DEEPEST, EVER
 from granular_contact.sand.kernels.space_joining import space_record
 from granular_contact.sand.kernels.space_law import BODIES, BODY
@@ -24,7 +25,7 @@ Vector = NDArray[np.float64]
 # Those of its arrays that kernels know by the same names.
 OWN = (
     *("places", "bodies", "turn", "clusters", "elements", "anchors", "active", "ground", "poses", "proximity"),
-    "columns",
+    *("columns", "asked", "wrenches"),
 )
 
 
@@ -35,7 +36,7 @@ class SpatialBatch:
     (3, 3): from the world to the frame of the bed; columns: for each element set, as of `history.HistoryTable`. anchors
     (rows, 3) m: the friction state, with `paths` more columns, see `kernels.space_law`; layer: depths (m) that the
     medium lies between, None if it fills the bed; active (clusters,): what may touch the surface in this step; poses,
-    proximity: see `kernels.space_bodies`.
+    proximity, asked, wrenches: see `kernels.space_bodies`.
     """
 
     def __init__(
@@ -70,6 +71,8 @@ class SpatialBatch:
         self.active = np.ones(len(self.clusters), dtype=bool)
         self.poses = np.zeros((len(self.bodies), 6, 3))
         self.proximity = np.zeros((len(self.bodies), 3))
+        self.asked = np.full((len(self.bodies), 2, 7), np.nan)
+        self.wrenches = np.zeros((len(self.bodies), TERMS, 6))
         self.entries = int(np.sum(self.bodies["places"] ** 2))  # most that a tangent has
         self._compiled = False
 
@@ -90,6 +93,7 @@ class SpatialBatch:
         self.active[:] = True
         self.anchors[:] = 0.0
         self.proximity[:] = 0.0
+        self.forget()
         self.proximity[:, EVER] = -np.inf
         self._reference = reference
         own = {name: getattr(self, name) for name in OWN}
@@ -146,7 +150,8 @@ class SpatialBatch:
         return min((-depth / speed for depth, speed in near if depth < 0.0 < speed), default=math.inf)
 
     def forget(self) -> None:
-        """As of `batch.Batch`: in space no forces are kept."""
+        """As of `batch.Batch`."""
+        self.asked[:, 0, 0] = np.nan
 
     def state(self) -> tuple[NDArray[Any], ...]:
         """What accepted steps change."""
