@@ -93,17 +93,17 @@ def inertial_force(strip, k, line, f):
     """Add the inertial term to f[INERTIAL]; k = lam rho b (kg/m2)."""
     length = kernels.vectors.norm(strip.c)
     k *= length
-    tx, ty = strip.c[0] / length, strip.c[1] / length
+    chord = strip.c[0] / length, strip.c[1] / length
     (v0x, v0y), (v1x, v1y) = strip.v0, strip.v1
-    t0x, t0y = kernels.plates.tangent_at(tx, ty, line.turn, 0.0)
-    t1x, t1y = kernels.plates.tangent_at(tx, ty, line.turn, 1.0)
+    t0x, t0y = kernels.plates.tangent_at(chord, line.turn, 0.0)
+    t1x, t1y = kernels.plates.tangent_at(chord, line.turn, 1.0)
     turn = kernels.immersion.sign_change(strip.a, strip.b, t0x * v0y - t0y * v0x, t1x * v1y - t1y * v1x)
     for start, end in ((strip.a, turn), (turn, strip.b)):
         if start == end:
             continue
         for gauss in (kernels.immersion.GAUSS_LOW, kernels.immersion.GAUSS_HIGH):
             xi = start + (end - start) * gauss
-            sx, sy = kernels.plates.tangent_at(tx, ty, line.turn, xi)
+            sx, sy = kernels.plates.tangent_at(chord, line.turn, xi)
             w = sx * ((1.0 - xi) * v0y + xi * v1y) - sy * ((1.0 - xi) * v0x + xi * v1x)
             if line.side * w < 0.0:
                 continue
