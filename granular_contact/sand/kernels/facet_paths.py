@@ -11,11 +11,15 @@ the grain that its path was in when forces were last asked for, and s r of `scat
 change once a grain only, and to find them costs more than all the rest; none is taken for another grain, so that they
 are no part of any state.
 
-Where a medium shears their last three columns are the displacement S (m) of the anchor along the surface, in the
-direction in which it moved last and as long as its path since the middle got into the medium, or since the shear turned
-back: with the displacement d (m) of the middle from its anchor along the surface, whose direction is e,
+Where a medium shears their last three columns are the displacement S (m) of the anchor along the surface since the
+middle got into the medium, which turns with the normal. With the displacement d (m) of the middle from its anchor along
+the surface, whose direction is e,
 
-    j = max(0, S . e) + |d|,    S <- (max(0, S . e) + |d|) e    with the d of the anchor, where it is dragged.
+    j = max(0, S . e) + |d|,    S <- S - min(0, S . e) e + d    with the d of the anchor, where it is dragged.
+
+So what was sheared against e is counted anew, as in the plane (`path_length`), and what was sheared across it counts
+again where the motion turns back to it. Sums of vectors in the frame of the ground are those of Wong and Chiang (2001)
+for tracks that turn. A sum of path lengths would depend on the length of steps: what turns within one is lost to it.
 """
 
 from __future__ import annotations
@@ -27,6 +31,7 @@ import numpy as np
 from granular_contact.jit.compiled import part
 from granular_contact.sand.kernels.facet_blocks import FIRST, NOTED, ROW, SHEAR, E, N, vector
 from granular_contact.sand.kernels.scatter import value
+from granular_contact.sand.kernels.vectors import dot
 
 PATH, LAST, KEPT = 3, 4, 7
 COLUMNS, SHEARED = 10, 3  # of anchors, without those of the shear displacement; of it
@@ -80,12 +85,22 @@ def count(anchors, i, p, a, n, immersed):
         anchors[i, LAST], anchors[i, LAST + 1], anchors[i, LAST + 2] = p
     if shears(anchors):
         first = anchors.shape[1] - SHEARED
-        e = a[0] - anchors[i, 0], a[1] - anchors[i, 1], a[2] - anchors[i, 2]
-        j, (ex, ey, ez) = slid(anchors, i, e, n)
-        if not immersed:
-            j, ex = 0.0, 1.0
-        if j > 0.0 or not immersed:  # else the anchor has not moved
-            anchors[i, first], anchors[i, first + 1], anchors[i, first + 2] = j * ex, j * ey, j * ez
+        s = along_surface((anchors[i, first], anchors[i, first + 1], anchors[i, first + 2]), n)
+        for k in range(3):
+            anchors[i, first + k] = s[k]
+        j, e = slid(anchors, i, (a[0] - anchors[i, 0], a[1] - anchors[i, 1], a[2] - anchors[i, 2]), n)
+        more = j - dot(s, e)
+        for k in range(3):
+            anchors[i, first + k] = s[k] + more * e[k] if immersed else 0.0
+
+
+@part
+def along_surface(s, n):
+    """A vector (3,) of the same length along a surface whose normal has turned to n."""
+    across, square = dot(s, n), dot(s, s)
+    left = square - across * across
+    k = math.sqrt(square / left) if left > 0.0 else 0.0
+    return k * (s[0] - across * n[0]), k * (s[1] - across * n[1]), k * (s[2] - across * n[2])
 
 
 @part

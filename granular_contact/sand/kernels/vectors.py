@@ -17,6 +17,12 @@ def norm(a):
 
 
 @part
+def dot(a, b):
+    """A . b of vectors (3,)."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@part
 def cross(a, b):
     """A x b (3,)."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
