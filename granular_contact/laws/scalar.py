@@ -52,8 +52,7 @@ class ScalarLaw(Law):
     @staticmethod
     def space_ball_force(z, v, e, cluster, m, f):
         """Add the force of a ball in space to f[term, xyz]; arguments as in `sand.kernels.space_law.ball_force`."""
-        q, _ = kernels.space_friction.drive(e, v, m)
-        u, share = kernels.space_friction.mobilised(q, m)
+        u, share = kernels.space_friction.mobilised(kernels.space_friction.drive(e, v, m), m)
         resist(z, u, share, v, cluster, m, f)
 
 

@@ -12,7 +12,7 @@ from support_slow import Link, kernel, medium
 
 from granular_contact.laws.lee_marghitu import LeeMarghitu, VerticalResistance
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
-from granular_contact.sand.kernels import friction, lines, planar_friction
+from granular_contact.sand.kernels import friction, lines, planar_friction, space_friction
 from granular_contact.sand.kernels.forces import medium_record
 from granular_contact.sand.kernels.friction import drag_component
 
@@ -78,6 +78,20 @@ def test_the_way_of_a_step_does_not_outweigh_the_velocity_at_its_end() -> None:
     q = called(planar_friction.drive)((1e-3, 0.0), (0.0, 0.1), DAMPED)
     (ux, uy), share = called(planar_friction.mobilised)(q, DAMPED)
     assert (ux / uy, share) == pytest.approx((0.1, 1.0), rel=1e-12)
+
+
+def test_the_bristle_of_a_facet_that_was_dragged_far_leans_towards_the_velocity() -> None:
+    """On a circle the path of a step points where the body went in its middle: late by half the angle of the turn."""
+    for turn in (0.1, 0.02):  # rad in a step
+        chord, v = (np.array([np.cos(angle), np.sin(angle), 0.0]) for angle in (0.0, 0.5 * turn))
+        for far in (10.0, 100.0):
+            e, rate = far * U_Y * chord, 0.1 * v
+            by_e, by_v, _ = called(space_friction.factors_of_facet)(tuple(e), tuple(rate), PLASTIC)
+            q = by_e * e + by_v * rate
+            late = 0.5 * turn - math.atan2(q[1], q[0])
+            # T |v| is 100 u_y, so that the bristle is 1 / 101 of q. Of it 1 / far is not led, and u_y / (T |v|) = 0.01.
+            assert late == pytest.approx(0.5 * turn / 101.0 * (1.0 / far + 0.01), rel=0.06)
+            assert np.linalg.norm(q) == pytest.approx(101.0 * U_Y, rel=turn**2)
 
 
 def test_planar_direction_is_that_of_a_component_along_an_axis() -> None:

@@ -23,7 +23,7 @@ from granular_contact.jit.compiled import part
 from granular_contact.jit.memory import room2
 from granular_contact.sand.kernels.friction import SMOOTH
 from granular_contact.sand.kernels.plates import EDGE
-from granular_contact.sand.kernels.space_friction import stretched
+from granular_contact.sand.kernels.space_friction import factors_of_facet
 
 # A block (ROWS, LANES): facets that are loaded, in columns, so that a law treats several of them in one instruction.
 LANES = 32
@@ -86,14 +86,16 @@ def vector(B, row, k):
 def lead(B, n, m):
     """Fill rows U and SHARE of a block: the directions u in which a law sees facets move, and the shares g s."""
     rest = m.v_eps if m.friction == SMOOTH else m.u_y
-    Q = room2(5, LANES)  # q and its factor of v, see `space_friction.drive`; 1 / |q|
+    Q = room2(5, LANES)  # q and its factor of what v differs by, see `space_friction.factors_of_facet`; 1 / |q|
     D = room2(4, LANES)  # what is filled
     if m.friction == SMOOTH:
         for k in range(n):
             Q[0, k], Q[1, k], Q[2, k], Q[3, k] = B[V, k], B[V + 1, k], B[V + 2, k], 1.0
     else:
         for k in range(n):
-            (Q[0, k], Q[1, k], Q[2, k]), Q[3, k] = stretched(vector(B, E, k), vector(B, V, k), m)
+            by_e, by_v, Q[3, k] = factors_of_facet(vector(B, E, k), vector(B, V, k), m)
+            for i in range(3):
+                Q[i, k] = by_e * B[E + i, k] + by_v * B[V + i, k]
     for k in range(n):
         x, y, z = Q[0, k], Q[1, k], Q[2, k]
         h = math.sqrt(x * x + y * y + z * z)

@@ -47,6 +47,7 @@ from granular_contact.sand.kernels.facet_blocks import (
 )  # fmt: skip
 from granular_contact.sand.kernels.facet_parts import immersed_part
 from granular_contact.sand.kernels.ground import PLANE, surface_at
+from granular_contact.sand.kernels.space_friction import TINY
 
 COLUMNS = 18
 SIDE, FORM, CURVE = 14, 15, 16
@@ -157,13 +158,19 @@ def highest(cluster, R, x, ground, medium, plane):
 
 @part(inline=True)
 def trails(B, n):
-    """Whether nothing of a facet of a block leads, neither by its motion nor by its bristle."""
+    """Whether nothing of a facet of a block leads, neither by its motion nor by its bristle.
+
+    By its bristle with all factors that `space_friction.factors_of_facet` may have: the greatest and none.
+    """
     vx, vy, vz, ex, ey, ez = B[V, n], B[V + 1, n], B[V + 2, n], B[E, n], B[E + 1, n], B[E + 2, n]
     along = B[N, n] * vx + B[N + 1, n] * vy + B[N + 2, n] * vz
     if along > 0.0 or along + spread(B, n, vx, vy, vz, 1.0) > 0.0:
         return False
     along = B[N, n] * ex + B[N + 1, n] * ey + B[N + 2, n] * ez
-    return along <= 0.0 and along + spread(B, n, ex, ey, ez, 0.0) <= 0.0
+    if along > 0.0 or along + spread(B, n, ex, ey, ez, 0.0) > 0.0:
+        return False
+    most = max(0.0, ex * vx + ey * vy + ez * vz) / max(TINY, vx * vx + vy * vy + vz * vz)
+    return along + spread(B, n, ex, ey, ez, most) <= 0.0
 
 
 @part(inline=True)

@@ -26,23 +26,23 @@ from granular_contact.sand.kernels.friction import SMOOTH, sliding
 
 
 @part
-def shortening(ex, ey, m):
-    """Factor in (0, 1] that shortens p - anchor (m) to e."""
-    h = math.sqrt(ex * ex + ey * ey)
-    return m.u_y / h if h > m.u_y else 1.0
+def factors(e, v, m):
+    """Factors of e = p - anchor (2,) m and of the velocity v (2,) m/s in q, of which the second is in s."""
+    if m.friction == SMOOTH:
+        return 0.0, 1.0
+    h, speed = math.sqrt(e[0] * e[0] + e[1] * e[1]), math.sqrt(v[0] * v[0] + v[1] * v[1])
+    k, tau = m.u_y / h if h > m.u_y else 1.0, m.tau
+    along, most = e[0] * v[0] + e[1] * v[1], h * speed
+    if along > 0.0 and most > 0.0:
+        tau += along / most * (sliding(k * h, m) - m.tau)
+    return k, tau
 
 
 @part
 def drive(e, v, m):
-    """Vector q (2,) along which a law sees the motion: m, or m/s where smooth; e = p - anchor (2,) m, v (2,) m/s."""
-    if m.friction == SMOOTH:
-        return v
-    (ex, ey), (vx, vy) = e, v
-    h, k, tau = math.sqrt(ex * ex + ey * ey), shortening(ex, ey, m), m.tau
-    along, most = ex * vx + ey * vy, h * math.sqrt(vx * vx + vy * vy)
-    if along > 0.0 and most > 0.0:
-        tau += along / most * (sliding(k * h, m) - m.tau)
-    return k * ex + tau * vx, k * ey + tau * vy
+    """Vector q (2,) along which a law sees the motion: m, or m/s where smooth; arguments as of `factors`."""
+    k, tau = factors(e, v, m)
+    return k * e[0] + tau * v[0], k * e[1] + tau * v[1]
 
 
 @part

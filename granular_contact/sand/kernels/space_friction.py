@@ -3,6 +3,20 @@
 Stretch, velocity and direction have three components; all equations are those of the plane, where the third is zero.
 A law that opposes the components of the motion one by one has two bristles in space: one in the horizontal plane, by
 radial return, and one along the vertical.
+
+A facet has one bristle for all its places, and is loaded by where n . q is above 0, to a thousandth of |q|. Where a
+body turns that needs two things more of it, with w = |v| + u_y / T. Each place moves by another velocity, and a bristle
+that slides on is stretched along that of its own place: q = e + tau v differs between two places by
+
+    (tau + u_y / w) (v - v')        across v.
+
+Without the second term a ball that slides slowly and turns would be loaded on facets that trail, the more so the
+larger they are. And p - anchor, the path of the step, points where the facet went in its middle. A bristle that is
+dragged much farther than u_y therefore leans towards v: the direction of e is that of
+
+    (1 - f) e / |e| + f v / |v|,    f = cos(e, v) (1 - u_y / |p - anchor|) |v| / w.
+
+With |v| in place of w both would jump where a body comes to rest.
 """
 
 from __future__ import annotations
@@ -10,7 +24,7 @@ from __future__ import annotations
 import math
 
 from granular_contact.jit.compiled import part
-from granular_contact.sand.kernels.friction import SMOOTH, drag_component, sliding
+from granular_contact.sand.kernels.friction import SMOOTH, SWITCH, drag_component, sliding
 from granular_contact.sand.kernels.planar_friction import radial_return
 
 TINY = 1e-300  # so that nothing is divided by zero where nothing is stretched, or at rest
@@ -18,23 +32,45 @@ TINY = 1e-300  # so that nothing is divided by zero where nothing is stretched, 
 
 @part
 def drive(e, v, m):
-    """Vector q (3,) as in `planar_friction.drive`: p - anchor e (m), velocity v (m/s); and the factor of v in it."""
+    """Vector q (3,) as in `planar_friction.drive`: p - anchor e (m), velocity v (m/s)."""
     if m.friction == SMOOTH:
-        return v, 1.0
-    return stretched(e, v, m)
+        return v
+    k, tau = factors(e, v, m)
+    return k * e[0] + tau * v[0], k * e[1] + tau * v[1], k * e[2] + tau * v[2]
+
+
+@part
+def factors(e, v, m):
+    """As `planar_friction.factors`, of bristles alone."""
+    h, speed, along = lengths(e, v)
+    slides = along / max(TINY, h * speed)
+    return m.u_y / h if h > m.u_y else 1.0, m.tau + slides * (sliding(min(h, m.u_y), m) - m.tau)
 
 
 @part(inline=True)
-def stretched(e, v, m):
-    """`drive` of a bristle, without a branch, so that compilers make one of several of them at once."""
+def lengths(e, v):
+    """Lengths of two vectors (3,), and their product where it is above 0."""
     (ex, ey, ez), (vx, vy, vz) = e, v
-    h, square = math.sqrt(ex * ex + ey * ey + ez * ez), vx * vx + vy * vy + vz * vz
-    along = ex * vx + ey * vy + ez * vz
+    h, speed = math.sqrt(ex * ex + ey * ey + ez * ez), math.sqrt(vx * vx + vy * vy + vz * vz)
+    return h, speed, max(0.0, ex * vx + ey * vy + ez * vz)
+
+
+@part(inline=True)
+def factors_of_facet(e, v, m):
+    """`factors` of a facet, and the factor of what v differs by within it.
+
+    Without a branch, so that compilers make one of several of them at once.
+    """
+    h, speed, along = lengths(e, v)
     k = m.u_y / h if h > m.u_y else 1.0
-    slides = max(0.0, along) / max(TINY, h * math.sqrt(square))  # cosine
-    yields = sliding(min(h, m.u_y), m) - m.tau
-    tau = m.tau + (slides * yields if along > 0.0 and h > 0.5 * m.u_y and square > 0.0 else 0.0)
-    return (k * ex + tau * vx, k * ey + tau * vy, k * ez + tau * vz), tau
+    slides = along / max(TINY, h * speed)  # cosine
+    slides = slides if h > 0.5 * m.u_y else 0.0
+    of_v = slides / (speed + m.u_y / SWITCH)
+    f = of_v * (1.0 - k) * speed
+    k /= math.sqrt(1.0 - 2.0 * f * (1.0 - f) * (1.0 - slides))  # the length of both together
+    leant, upright = k * h * of_v * (1.0 - m.u_y / max(h, m.u_y)), k * (1.0 - f)
+    tau = m.tau + slides * (sliding(min(h, m.u_y), m) - m.tau) + leant
+    return upright, tau, tau + upright * h * of_v * min(1.0, 2.0 * h / m.u_y - 1.0)
 
 
 @part

@@ -33,7 +33,7 @@ from granular_contact.sand.kernels.facet_blocks import (
 )
 from granular_contact.sand.kernels.friction import SMOOTH
 from granular_contact.sand.kernels.plates import EDGE
-from granular_contact.sand.kernels.space_friction import stretched
+from granular_contact.sand.kernels.space_friction import factors_of_facet
 
 
 @part
@@ -104,13 +104,12 @@ def weigh(B, n, step, bristle, M):
     smooth = bristle.friction == SMOOTH
     for k in range(n):
         ex, ey, ez, vx, vy, vz = B[E, k], B[E + 1, k], B[E + 2, k], B[V, k], B[V + 1, k], B[V + 2, k]
-        (qx, qy, qz), tau = stretched((ex, ey, ez), (vx, vy, vz), bristle)
-        far = math.sqrt(ex * ex + ey * ey + ez * ez)
-        share = bristle.u_y / far if far > bristle.u_y else 1.0
+        share, tau, turns = factors_of_facet((ex, ey, ez), (vx, vy, vz), bristle)
         if smooth:
-            qx, qy, qz, tau, share = vx, vy, vz, 1.0, 0.0
+            share, tau, turns = 0.0, 1.0, 1.0
+        qx, qy, qz = share * ex + tau * vx, share * ey + tau * vy, share * ez + tau * vz
         q = math.sqrt(qx * qx + qy * qy + qz * qz)
-        s = spread(B, k, qx, qy, qz, tau)
+        s = spread(B, k, qx, qy, qz, turns)
         along = B[N, k] * qx + B[N + 1, k] * qy + B[N + 2, k] * qz + s
         fades = B[ONE_SIDE, k] != 0.0 and bristle.pressed > EDGE * q and along < bristle.pressed + 2.0 * s
         if B[ONE_SIDE, k] == 0.0:

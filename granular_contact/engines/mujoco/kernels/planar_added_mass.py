@@ -22,7 +22,7 @@ from granular_contact.sand.kernels.friction import SMOOTH
 from granular_contact.sand.kernels.friction import drive as drive_along
 from granular_contact.sand.kernels.kinematics import stations
 from granular_contact.sand.kernels.law import TERMS, forces
-from granular_contact.sand.kernels.planar_friction import drive, shortening
+from granular_contact.sand.kernels.planar_friction import factors
 from granular_contact.sand.kernels.planar_sand import LINES
 from granular_contact.sand.kernels.surface import height
 
@@ -209,15 +209,8 @@ def stretch(P, V, anchors, m, step, F, Q):
             Q[i, 0], Q[i, 1] = qx, qy
             Q[i, 2], Q[i, 3] = growth(ex, vx, qx, m, step), growth(ey, vy, qy, m, step)
             continue
-        qx, qy = drive((ex, ey), (vx, vy), m)
-        if m.friction == SMOOTH:
-            share, tau = 0.0, 1.0
-        else:
-            share, tau, speed = shortening(ex, ey, m), m.tau, math.sqrt(vx * vx + vy * vy)
-            if speed > 0.0:
-                x, y = qx - share * ex, qy - share * ey
-                tau = max(tau, math.sqrt(x * x + y * y) / speed)
-        Q[i, 0], Q[i, 1] = qx, qy
+        share, tau = factors((ex, ey), (vx, vy), m)
+        Q[i, 0], Q[i, 1] = share * ex + tau * vx, share * ey + tau * vy
         Q[i, 2] = Q[i, 3] = step * (share * step + tau)
 
 

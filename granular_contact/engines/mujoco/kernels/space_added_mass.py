@@ -21,7 +21,7 @@ from granular_contact.sand.kernels.friction import drive as drive_along
 from granular_contact.sand.kernels.law import TERMS
 from granular_contact.sand.kernels.planar_friction import drive as drive_across
 from granular_contact.sand.kernels.space_clusters import DEEPEST, bound, bound_cluster, may_touch, reach_below, release
-from granular_contact.sand.kernels.space_friction import drive
+from granular_contact.sand.kernels.space_friction import factors
 from granular_contact.sand.kernels.vectors import norm
 
 # Those arrays of `space_law.BODIES` that are needed here, and the ones above; active (clusters,): which may touch the
@@ -166,11 +166,12 @@ def weigh(f, E, A, pose, ahead, step, bristle, inertia):
         add_point(mass, bx, by, bz, inertia)
         add_inertia(upward - mass, pose[2, 0], pose[2, 1], pose[2, 2], bx, by, bz, inertia)
         return
-    (qx, qy, qz), tau = drive((ex, ey, ez), (vx, vy, vz), bristle)
-    q, h = norm((qx, qy, qz)), norm((ex, ey, ez))
+    share, tau = 0.0, 1.0
+    if bristle.friction != SMOOTH:
+        share, tau = factors((ex, ey, ez), (vx, vy, vz), bristle)
+    q = norm((share * ex + tau * vx, share * ey + tau * vy, share * ez + tau * vz))
     if q == 0.0:
         return
-    share = 0.0 if bristle.friction == SMOOTH else min(1.0, bristle.u_y / h) if h > 0.0 else 1.0
     growth = step * (share * step + tau) * norm(f)
     add_point(growth / q, bx, by, bz, inertia)
 
