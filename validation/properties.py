@@ -6,11 +6,12 @@ A scene is a seed (validation/random_scenes): a mechanism of every kind, with dr
 bed, solved in every way. It goes through the loader of the command line, and is run as it is; mirrored in x; a
 kilometre away; with its parts in another order; with half the step; with a quarter to a sixteenth of it; with a quarter
 of the step (a smaller part where that is too long), eight times the strips and four times the elements (in space: half
-the step, and facets of a third); and with chosen steps where they were fixed, or the other way round. A run is
-**silent** when it ends well without a warning about its own accuracy. Differences are greatest distances of any body
-(with its turn times its reach) over the way of whatever moves most; infinite where an image does not end. --store keeps
-what came of every scene in a file, and runs those alone that have none yet: for a study that is stopped and goes on, or
-several at once. --keep writes every scene that offends as a config. `properties_in_space.py` does the same in space.
+the step, and facets of a third); and with chosen steps where they were fixed, or the other way round. All but the last
+have the strips or facets that the run itself chose, or shares of them. A run is **silent** when it ends well without a
+warning about its own accuracy. Differences are greatest distances of any body (with its turn times its reach) over the
+way of whatever moves most; infinite where an image does not end. --store keeps what came of every scene in a file, and
+runs those alone that have none yet: for a study that is stopped and goes on, or several at once. --keep writes every
+scene that offends as a config. `properties_in_space.py` does the same in space.
 """
 
 from __future__ import annotations
@@ -39,7 +40,7 @@ from granular_contact.errors import GranularContactError
 from granular_contact.scene import build
 from granular_contact.studies.processes import cores, local_processes
 from validation.random_scenes import images, images_in_space, in_space
-from validation.random_scenes.scenes import Drawn, draw, solve, write
+from validation.random_scenes.scenes import Drawn, draw, solve, solve_and_keep, write
 from validation.random_scenes.tracks import Track, apart, summaries_apart, track
 from validation.stability import GOOD, OF_RANGES
 from validation.study import Claim, Outcome
@@ -49,9 +50,11 @@ COUNT, QUICK, SEED = 1000, 8, 0
 SHARE = 0.2  # of the time of a scene, in the quick form
 SILENT = 1e-2  # of the way: what a run without a warning may be off by
 BALANCE = 1e-3
-ALIKE = 1e-4  # of the way: images; or the accuracy; or, where round-off grows as the motion diverges, what steps do
+# Of the way: images; or the accuracy for which steps are chosen; or, where round-off grows as the motion diverges, what
+# steps do.
+ALIKE = 1e-4
 STRIPS, ELEMENTS = 8, 4
-FACETS = 1.0 / 3.0  # of their usual size
+FACETS = 1.0 / 3.0  # of their size
 
 
 @dataclass(frozen=True)
@@ -172,7 +175,7 @@ def _judged(drawn: Drawn, folder: Path, share: float, world: World) -> Found:
     tree = drawn.tree | {"solver": solver | {"max_wall_s": world.wall, "end_time_s": share * solver["end_time_s"]}}
     try:
         scene = build(load_scenario(write(tree, folder)))
-        results = solve(tree, folder)
+        results, kept = solve_and_keep(tree, folder)
     except GranularContactError as error:
         return Found(drawn.seed, drawn.kind, drawn.solver, _law(tree), "refused", str(error).splitlines()[0])
     found: dict[str, Any] = {
@@ -180,21 +183,21 @@ def _judged(drawn: Drawn, folder: Path, share: float, world: World) -> Found:
         "end": results.status.code, "message": results.status.message, "warnings": _doubts(results),
         "finite": bool(np.isfinite(results.table).all()),
         "imbalance": results.summary["energy"]["imbalance_relative"],
-        "accuracy": solver.get("accuracy", 0.0),
+        "accuracy": scene.solver.accuracy or 0.0,
     }  # fmt: skip
     if results.status.code not in GOOD:
         return Found(**found)
     own = track(results, tree, scene.least_path)
     again = _Again(own, folder, scene.least_path)
     found["images"] = {
-        name: again.off(image, tree, name == "mirror image", ends=math.inf) for name, image in world.images.items()
+        name: again.off(image, kept, name == "mirror image", ends=math.inf) for name, image in world.images.items()
     }
-    found["half"] = again.off(lambda one: images.finer(one, 2.0), tree, silent=True)
+    found["half"] = again.off(lambda one: images.finer(one, 2.0), kept, silent=True)
     steps = tree["solver"]["end_time_s"] / tree["solver"].get("step_s", images.STEP)
     most = min(16.0, max(4.0, 2.0 ** math.floor(math.log2(world.most_steps / steps))))
-    found["steps"] = again.off(lambda one: images.finer(one, most), tree)
+    found["steps"] = again.off(lambda one: images.finer(one, most), kept)
     for factor in (world.shorter, most):  # a reference with steps that are too long itself tells nothing of strips
-        found["space"] = again.off(partial(world.divided, factor=factor), tree, silent=factor < most)
+        found["space"] = again.off(partial(world.divided, factor=factor), kept, silent=factor < most)
         if math.isfinite(found["space"]):
             break
     if (other := again.run(images.chosen, tree)) is not None and other.status.code in GOOD:

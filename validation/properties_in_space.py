@@ -4,7 +4,7 @@
 
 Scenes of `random_scenes.in_space`: bodies of every shape, meshes, chains on hinges and balls, sliders, legs, wheels,
 with drives, in laws of surfaces, bars and balls, on beds that are level, sloped, a map of heights, layered or with a
-floor. Finer in space are facets of a third of their usual size.
+floor. Finer in space are facets of a third of the size that the run chose.
 """
 
 from __future__ import annotations

@@ -138,5 +138,6 @@ def shifted(tree: Tree) -> Tree:
 
 
 def finer(tree: Tree, share: float) -> Tree:
-    """With facets of a share of the size that is usual, which no run makes smaller still."""
-    return tree | {"aside": tree.get("aside", {}) | {"facet_share": share}}
+    """With facets of a share of the size that `scenes.solve_and_keep` has noted."""
+    aside = tree["aside"]
+    return tree | {"aside": aside | {"facets": {body: share * size for body, size in aside["facets"].items()}}}

@@ -7,7 +7,7 @@ import csv
 import math
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -18,6 +18,7 @@ from granular_contact.config import load_scenario
 from granular_contact.errors import GranularContactError
 from granular_contact.results.observation import results
 from granular_contact.run import begin, run
+from granular_contact.sand.space.facets import chosen as chosen_facets
 from granular_contact.scene import build
 from granular_contact.scene.types import Minimal, Reduced
 from validation.fuzzing.media import law
@@ -162,11 +163,31 @@ def write(tree: Tree, folder: Path) -> Path:
 
 
 def solve(tree: Tree, folder: Path) -> Any:
-    """Results of a scene, through the loader of the command line; `aside` may give a share of the size of facets."""
+    """Results of a scene, through the loader of the command line; `aside` may give the sizes of its facets."""
     scene: Any = build(load_scenario(write(tree, folder)))
-    share = tree.get("aside", {}).get("facet_share")
-    if share is None:
+    shares = tree.get("aside", {}).get("facets")
+    if shares is None:
         return run(scene)
-    begun = begin(scene.with_facets(share))
+    usual = _facets(scene)
+    begun = begin(replace(scene, facet_shares={body: share / usual for body, share in shares.items()}))
     begun.solving.advance()
     return results(begun.observe(begun.solving.trajectory()), {}, 0)
+
+
+def solve_and_keep(tree: Tree, folder: Path) -> tuple[Any, Tree]:
+    """Results of a scene, and the scene with the strips or facets that its run has chosen."""
+    found: list[Any] = []
+    done = run(build(load_scenario(write(tree, folder))), inspect=lambda system, _: found.append(system.scene))
+    if not found:  # a reduced model
+        return done, tree
+    if not found[0].in_space:
+        strips = {f"strips_{key}": number for key, number in done.summary.get("strips", {}).items()}
+        return done, tree | {"load": tree["load"] | strips}
+    usual, chosen = _facets(found[0]), found[0].facet_shares
+    shares = {body.name: usual * chosen.get(body.name, 1.0) for body in found[0].rigid}
+    return done, tree | {"aside": tree.get("aside", {}) | {"facets": shares}}
+
+
+def _facets(scene: Any) -> float:
+    """Size of the facets that the accuracy of a scene asks for, over that where none is asked for."""
+    return chosen_facets(1.0, scene.solver.named).edge / chosen_facets(1.0, None).edge
