@@ -43,11 +43,11 @@ from granular_contact.sand.kernels.facet_blocks import (
     N,
     V,
     Z,
-    spread,
 )  # fmt: skip
 from granular_contact.sand.kernels.facet_parts import immersed_part
 from granular_contact.sand.kernels.ground import PLANE, surface_at
 from granular_contact.sand.kernels.space_friction import TINY
+from granular_contact.sand.kernels.vectors import cross
 
 COLUMNS = 18
 SIDE, FORM, CURVE = 14, 15, 16
@@ -109,8 +109,8 @@ def gather(elements, anchors, cluster, pose, ground, first, medium, B):
     """
     R, x0, y0, z0, steep = axes(pose), pose[3, 0], pose[3, 1], pose[3, 2], ground[3]
     v, w = (pose[4, 0], pose[4, 1], pose[4, 2]), (pose[5, 0], pose[5, 1], pose[5, 2])
-    # Seen from the body: how the depth grows, and the angular velocity.
-    d, q = seen(R, ground[1], ground[2], -1.0), seen(R, w[0], w[1], w[2])
+    # Seen from the body: how the depth grows, the angular velocity, the velocity.
+    d, q, own = seen(R, ground[1], ground[2], -1.0), seen(R, w[0], w[1], w[2]), seen(R, v[0], v[1], v[2])
     depth = ground[0] + ground[1] * x0 + ground[2] * y0 - z0  # of the reference point
     mapped, plane = medium.heights != 0, room1(PLANE)
     high = highest(cluster, R, pose[3], ground, medium, plane) if mapped else 0.0
@@ -119,16 +119,17 @@ def gather(elements, anchors, cluster, pose, ground, first, medium, B):
         if n == LANES:
             last = i
             break
-        bx, by, bz = elements[i, 0], elements[i, 1], elements[i, 2]
-        r = turned(R, bx, by, bz)
-        z = high - z0 - r[2] if mapped else depth + d[0] * bx + d[1] * by + d[2] * bz
-        if z + elements[i, 3] * steep <= 0.0 or elements[i, FORM] == RIM:
+        b = elements[i, 0], elements[i, 1], elements[i, 2]
+        z = depth + d[0] * b[0] + d[1] * b[1] + d[2] * b[2]
+        if not mapped and (z + elements[i, 3] * steep <= 0.0 or z + beyond_centre(elements[i], d) <= 0.0):
             continue
-        normal = turned(R, elements[i, 4], elements[i, 5], elements[i, 6])
+        r = turned(R, b[0], b[1], b[2])
+        if (mapped and high - z0 - r[2] + elements[i, 3] * steep <= 0.0) or elements[i, FORM] == RIM:
+            continue
         e = x0 + r[0] - anchors[i, 0], y0 + r[1] - anchors[i, 1], z0 + r[2] - anchors[i, 2]
-        note_motion(B, n, r, normal, v, w, e)
-        note_spread(B, n, R, elements, i, q)
-        if elements[i, SIDE] != 0.0 and trails(B, n):
+        u = moving(own, q, b)
+        by_motion = elements[i, SIDE] == 0.0 or leads(elements, i, u, q, 1.0)
+        if not by_motion and not is_pulled(elements, i, u, seen(R, e[0], e[1], e[2]), q):
             continue
         deeper = d
         if mapped:
@@ -137,6 +138,9 @@ def gather(elements, anchors, cluster, pose, ground, first, medium, B):
         below = below_surface(elements, i, z, deeper, medium)
         if below[0] <= 0.0 or below[1] <= 0.0:
             continue
+        normal = turned(R, elements[i, 4], elements[i, 5], elements[i, 6])
+        note_motion(B, n, r, normal, v, w, e)
+        note_spread(B, n, R, elements, i, q)
         B[ONE_SIDE, n], B[CENTRE, n], B[ROW, n] = elements[i, SIDE], z, i
         B[AREA, n], B[FIRST, n], B[SECOND, n], B[SHEAR, n] = elements[i, 7] * below[0], 1.0, 1.0, np.inf
         note_immersion(B, n, R, r, below)
@@ -157,29 +161,45 @@ def highest(cluster, R, x, ground, medium, plane):
 
 
 @part(inline=True)
-def trails(B, n):
-    """Whether nothing of a facet of a block leads, neither by its motion nor by its bristle.
+def moving(v, w, r):
+    """Velocity v + w x r (3,) of a point at r of a body."""
+    x, y, z = cross(w, r)
+    return v[0] + x, v[1] + y, v[2] + z
 
-    By its bristle with all factors that `space_friction.factors_of_facet` may have: the greatest and none.
+
+@part(inline=True)
+def leads(elements, i, x, q, factor):
+    """Whether n . x > 0 anywhere on a facet, row i; x (3,): velocity or bristle of its centroid, as seen from the body.
+
+    Its body turns by q (3,), as seen from there, too; factor: as of `facet_blocks.spread`.
     """
-    vx, vy, vz, ex, ey, ez = B[V, n], B[V + 1, n], B[V + 2, n], B[E, n], B[E + 1, n], B[E + 2, n]
-    along = B[N, n] * vx + B[N + 1, n] * vy + B[N + 2, n] * vz
-    if along > 0.0 or along + spread(B, n, vx, vy, vz, 1.0) > 0.0:
-        return False
-    along = B[N, n] * ex + B[N + 1, n] * ey + B[N + 2, n] * ez
-    if along > 0.0 or along + spread(B, n, ex, ey, ez, 0.0) > 0.0:
-        return False
-    most = max(0.0, ex * vx + ey * vy + ez * vz) / max(TINY, vx * vx + vy * vy + vz * vz)
-    return along + spread(B, n, ex, ey, ez, most) <= 0.0
+    along = elements[i, 4] * x[0] + elements[i, 5] * x[1] + elements[i, 6] * x[2]
+    if along > 0.0:
+        return True
+    a, b = spread_along(elements, i, q)
+    ax = elements[i, 8] * x[0] + elements[i, 9] * x[1] + elements[i, 10] * x[2]
+    bx = elements[i, 11] * x[0] + elements[i, 12] * x[1] + elements[i, 13] * x[2]
+    a, b = factor * a + elements[i, CURVE] * ax, factor * b + elements[i, CURVE + 1] * bx
+    return a * a + b * b > along * along
+
+
+@part(inline=True)
+def is_pulled(elements, i, u, e, q):
+    """Whether anything of a facet, row i, leads by its bristle e (3,); u (3,): velocity; both as seen from the body.
+
+    With all factors that `space_friction.factors_of_facet` may have: the greatest and none.
+    """
+    if leads(elements, i, e, q, 0.0):
+        return True
+    along, square = e[0] * u[0] + e[1] * u[1] + e[2] * u[2], u[0] * u[0] + u[1] * u[1] + u[2] * u[2]
+    return along > 0.0 and leads(elements, i, e, q, along / max(TINY, square))
 
 
 @part(inline=True)
 def note_motion(B, n, r, normal, v, w, e):
     """Fill normal, velocity and stretch of the bristle of a facet at r (3,) m from the reference point of its body."""
     B[N, n], B[N + 1, n], B[N + 2, n] = normal
-    B[V, n] = v[0] + w[1] * r[2] - w[2] * r[1]
-    B[V + 1, n] = v[1] + w[2] * r[0] - w[0] * r[2]
-    B[V + 2, n] = v[2] + w[0] * r[1] - w[1] * r[0]
+    B[V, n], B[V + 1, n], B[V + 2, n] = moving(v, w, r)
     B[E, n], B[E + 1, n], B[E + 2, n] = e
 
 
