@@ -292,6 +292,26 @@ def test_a_state_with_gaps_in_its_array_compiles_nothing() -> None:
     assert after == before
 
 
+@pytest.mark.parametrize("name", PAIRS)
+def test_forces_that_come_with_a_tangent_are_those_of_their_state(name: str) -> None:
+    medium, shape = PAIRS[name]
+    turn, v = Rotation.from_euler("xyz", [0.2, -0.1, 0.3]), np.array([0.05, -0.02, -0.1])
+    began, rates = state(np.array([0.0, 0.0, -0.02]), turn, v, np.array([0.4, 0.1, -0.6]))
+    q, found = began + 0.05 * rates, []  # bristles are stretched by some mm, over their yield
+    for first in (True, False):
+        load = load_on(medium, shape)
+        load.start(began)
+        if first:
+            for batch in load.batches:
+                batch.tangent(q, rates, 1.0, 1.0, np.zeros((batch.entries, 3)), 0)
+        force = load.force(q, rates, np.zeros(7)).copy()
+        load.accept(0.0, q, rates)
+        assert np.linalg.norm(force[:3]) > 1e-3  # N
+        found.append((force, load.table.row.copy(), np.concatenate([batch.anchors for batch in load.batches])))
+    for one, two in zip(*found, strict=True):
+        np.testing.assert_array_equal(one, two)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", PAIRS)
 def test_sand_never_drives_what_moves_through_it(name: str) -> None:

@@ -29,13 +29,14 @@ from granular_contact.sand.kernels.facet_blocks import (
     V,
     Z,
 )
+from granular_contact.sand.kernels.facets import add_up
 from granular_contact.sand.kernels.ground import PLANE, surface_at
 from granular_contact.sand.kernels.lines import difference
 
 
 @part
-def facet_slopes(elements, anchors, cluster, pose, ground, medium, fq, fv, S):
-    """Add the slope of the wrench on facets to S (6, 6); arguments as of `space_law.slopes`."""
+def facet_slopes(elements, anchors, cluster, pose, ground, medium, fq, fv, S, W):
+    """`space_law.slopes` of facets."""
     B, F, D, first = room2(ROWS, LANES), room2(3, LANES), room2(9, LANES), 0
     d = difference(pose[3], fq, fv)
     while first < elements.shape[0]:
@@ -43,6 +44,7 @@ def facet_slopes(elements, anchors, cluster, pose, ground, medium, fq, fv, S):
         if n == 0:
             continue
         law.facets(medium, (B, n))
+        add_up(B, n, W)
         begin(B, n, fq, pose, ground, medium, F, D)
         for axis in range(3):
             move(B, n, axis, d * fq, d * fv)

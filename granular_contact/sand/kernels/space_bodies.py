@@ -24,8 +24,9 @@ These arrays are:
     columns             (bodies, 3) where the power of the medium, its terms and the wrench of a body stand in a row of
                         the history, six numbers each: force (N) and moment about the world origin (N m), world frame
 
-A step mostly ends where forces were asked for last, and then `accept` does not compute them again. A first coordinate
-that is no number says that they are not known any more, as anchors follow or other clusters are active.
+A step mostly ends where forces were asked for last, and then `accept` does not compute them again; nor does `force`
+where a tangent was asked for, with which they come. A first coordinate that is no number says that they are not known
+any more, as anchors follow or other clusters are active.
 
 Coordinates of a body: see `space_coordinates`. A piece of a cubic cable element has the position and the slope
 r' = dr/ds at its middle, y = S q of the 12 coordinates q of the element (`BODY`), and acts on them by S^T.
@@ -36,7 +37,7 @@ from __future__ import annotations
 import numpy as np
 
 from granular_contact.jit.compiled import kernel, part
-from granular_contact.jit.memory import clear, room1, room2, rows
+from granular_contact.jit.memory import clear, copy, piece, room1, room2, rows
 from granular_contact.sand.kernels import space_law as law
 from granular_contact.sand.kernels.batches import gather
 from granular_contact.sand.kernels.facets import axes, seen
@@ -100,15 +101,22 @@ def body_forces(q, v, body, w, medium, pose, W, out):
 
     W (TERMS, 6) is filled with its wrench in the bed's frame.
     """
-    turn, clusters, elements, anchors = w.turn, w.clusters, w.elements, w.anchors
-    active, ground, G, some = w.active, w.ground, room2(3, 4), 0.0
-    place(q, v, body, turn, medium, pose, G)
+    clusters, elements, anchors = w.clusters, w.elements, w.anchors
+    active, ground, G = w.active, w.ground, room2(3, 4)
+    place(q, v, body, w.turn, medium, pose, G)
     clear(W)
     for c in range(body.first, body.last):
         if active[c] and reach_below(clusters[c], pose, ground, medium) > 0.0:
             one = clusters[c]
             s, n = one.first, one.last - one.first
             law.forces(medium, (rows(elements, s, n), rows(anchors, s, n), one, pose, ground, W))
+    return generalise(W, w.turn, G, body, out)
+
+
+@part
+def generalise(W, turn, G, body, out):
+    """Set out (7,) to the generalised forces of a wrench W (TERMS, 6); whether there are any."""
+    some = 0.0
     clear(out)
     for i in range(3):
         force, moment = 0.0, 0.0
@@ -127,15 +135,21 @@ def body_forces(q, v, body, w, medium, pose, W, out):
 def force(words, system_q, system_v, out):
     """Add the generalised forces of the active clusters to out, the coordinates of the bed."""
     w = view(words)
-    f, pose = room1(7), room2(6, 3)
+    q, v, f, pose, G = room1(7), room1(7), room1(7), room2(6, 3), room2(3, 4)
     bodies, active, medium = w.bodies, w.active, w.medium[0]
     for b in range(bodies.shape[0]):
         body = bodies[b]
         if not acts(body, active):
             continue
-        at, q, v = rows(w.places, body.start, body.places), w.asked[b, 0], w.asked[b, 1]
+        at, asked, W = rows(w.places, body.start, body.places), w.asked[b], w.wrenches[b]
         read(system_q, system_v, w.reference, at, body, q, v)
-        law.body_forces(medium, (q, v, body, w, pose, w.wrenches[b], f))
+        if known(asked, body, q, v):
+            place(q, v, body, w.turn, medium, pose, G)
+            generalise(W, w.turn, G, body, f)
+        else:
+            law.body_forces(medium, (q, v, body, w, pose, W, f))
+            copy(piece(asked, 0, 7), q)
+            copy(piece(asked, 1, 7), v)
         for i in range(body.places):
             out[at[i, 1]] += spread(f, body, i)
 
@@ -161,15 +175,15 @@ def acts(body, active):
 def tangent(words, system_q, system_v, fq, fv, triplets, count):
     """Append the entries of fq df/dq + fv df/dv as rows (row, column, value) to the first `count` triplets."""
     w = view(words)
-    q, v, K = room1(7), room1(7), room2(7, 7)
+    K = room2(7, 7)
     bodies, active, medium = w.bodies, w.active, w.medium[0]
     for b in range(bodies.shape[0]):
         body = bodies[b]
         if not acts(body, active):
             continue
-        at = rows(w.places, body.start, body.places)
+        at, q, v = rows(w.places, body.start, body.places), w.asked[b, 0], w.asked[b, 1]
         read(system_q, system_v, w.reference, at, body, q, v)
-        if law.tangent(medium, (q, v, body, w, fq, fv, K)):
+        if law.tangent(medium, (q, v, body, w, fq, fv, K, w.wrenches[b])):
             count = append(K, body, at, triplets, count)
     return count
 

@@ -97,8 +97,8 @@ SIGNATURES: dict[str, tuple[tuple[Any, ...], Any]] = {  # arguments, result
     "six": ((_ROW, from_dtype(BODY), _ROWS, _ROWS), types.none),
     "heights": ((_ROW, _NUMBER, _NUMBER, _ROW), types.none),
     "body": ((*_OF_BODY, _ROWS, _ROWS, _ROW), types.boolean),
-    "tangent": ((*_OF_BODY, _NUMBER, _NUMBER, _ROWS), types.boolean),
-    "slopes": ((*_OF_CLUSTER, _NUMBER, _NUMBER, _ROWS), types.none),
+    "tangent": ((*_OF_BODY, _NUMBER, _NUMBER, _ROWS, _ROWS), types.boolean),
+    "slopes": ((*_OF_CLUSTER, _NUMBER, _NUMBER, _ROWS, _ROWS), types.none),
 }
 # What calls a function of the medium: (medium, its other arguments).
 #
@@ -119,10 +119,10 @@ SIGNATURES: dict[str, tuple[tuple[Any, ...], Any]] = {  # arguments, result
 # ball      z, v, e, cluster, f: as `law.ball_force`, to f[term, xyz] (N)
 # anchor    p (3,) m, anchor (3,) m: where it is after an accepted step that ended with its element at p
 # body      `space_bodies.body_forces`, which several kernels call
-# tangent   q, v, body, w, fq, fv, K: fill K (7, 7) with fq df/dq + fv df/dv of the generalised forces f on a body;
-#           whether there are any; w: a view of BODIES; of `space_tangents`
-# slopes    elements, anchors, cluster, pose, ground, fq, fv, S: add to S (6, 6) how the wrench on a cluster follows a
-#           small motion m (6,) of its body at the reference point, moved by fq m, its velocities by fv m
+# tangent   q, v, body, w, fq, fv, K, W: fill K (7, 7) with fq df/dq + fv df/dv of the generalised forces f on a body,
+#           and W (TERMS, 6) with its wrench; whether there are any; w: a view of BODIES; of `space_tangents`
+# slopes    elements, anchors, cluster, pose, ground, fq, fv, S, W: add the wrench on a cluster to W, to S (6, 6) how
+#           it follows a small motion m (6,) of its body at the reference point, moved by fq m, its velocities by fv m
 # note, count, begin    those of `facet_paths`, of media whose facets have paths
 # heights   `ground.tangent_plane`, of a bed with a map of heights
 # six       `space_coordinates.by_six`, where bodies have six coordinates

@@ -12,9 +12,9 @@ from granular_contact.sand.kernels.space_clusters import reach_below
 
 
 @part
-def by_differences(q, v, body, w, medium, fq, fv, K):
+def by_differences(q, v, body, w, medium, fq, fv, K, W):
     """`space_law.tangent` by differences of the forces on a body, see `lines.differences`."""
-    there, moved, pose, W = room1(7), room1(7), room2(6, 3), room2(TERMS, 6)
+    there, moved, pose, other = room1(7), room1(7), room2(6, 3), room2(TERMS, 6)
     if not law.body_forces(medium, (q, v, body, w, pose, W, there)):
         return False
     d = difference(rows(q, 0, body.size), fq, fv)
@@ -22,7 +22,7 @@ def by_differences(q, v, body, w, medium, fq, fv, K):
         at_q, at_v = q[j], v[j]
         q[j] += d * fq
         v[j] += d * fv
-        law.body_forces(medium, (q, v, body, w, pose, W, moved))
+        law.body_forces(medium, (q, v, body, w, pose, other, moved))
         q[j], v[j] = at_q, at_v
         for i in range(body.size):
             K[i, j] = (moved[i] - there[i]) / d
@@ -30,7 +30,7 @@ def by_differences(q, v, body, w, medium, fq, fv, K):
 
 
 @part
-def by_elements(q, v, body, w, medium, fq, fv, K):
+def by_elements(q, v, body, w, medium, fq, fv, K, W):
     """`space_law.tangent` by the slopes S (6, 6) of the wrench on each cluster: T^T S T, with (x, t) = T q."""
     turn, clusters, elements, anchors, active, ground = (
         w.turn, w.clusters, w.elements, w.anchors,
@@ -39,10 +39,11 @@ def by_elements(q, v, body, w, medium, fq, fv, K):
     pose, G, S, T, some = room2(6, 3), room2(3, 4), room2(6, 6), room2(6, 7), False
     place(q, v, body, turn, medium, pose, G)
     clear(S)
+    clear(W)
     for c in range(body.first, body.last):
         if active[c] and reach_below(clusters[c], pose, ground, medium) > 0.0:
             s, n = clusters[c].first, clusters[c].last - clusters[c].first
-            law.slopes(medium, (rows(elements, s, n), rows(anchors, s, n), clusters[c], pose, ground, fq, fv, S))
+            law.slopes(medium, (rows(elements, s, n), rows(anchors, s, n), clusters[c], pose, ground, fq, fv, S, W))
             some = True
     clear(T)
     for i in range(3):

@@ -53,7 +53,7 @@ def moment(pose, i, f, g):
 
 @part
 def tangent(fq, fv, w):
-    """Fill B and c of `space_tree` where `act` was called last."""
+    """Fill B and c of `space_tree` where the nodes were placed last."""
     blocks, triplets, body, some = w.blocks, w.triplets, w.body, room2(SIZE, 6)
     inertias(fv, w)
     count = sand_tangent(fq, fv, w)
@@ -86,13 +86,14 @@ def turn(i, blocks, pose, some, body):
 
 @part
 def iteration(of_q, of_v, w):
-    """As `tree_load.iteration`."""
+    """As `tree_load.iteration`; the matrix comes first, as the medium then keeps the forces that belong to it."""
+    if needs_matrix(of_v, w):
+        place(w)
+        tangent(of_q, of_v, w)
+        fold(w)
     act(w)
     carry(w)
     lack(w)
-    if needs_matrix(of_v, w):
-        tangent(of_q, of_v, w)
-        fold(w)
     solve(w)
     return fastest(flat(w.moved), w.lever)
 
