@@ -5,18 +5,18 @@ A law that opposes the components of the motion one by one has two bristles in s
 radial return, and one along the vertical.
 
 A facet has one bristle for all its places, and is loaded by where n . q is above 0, to a thousandth of |q|. Where a
-body turns that needs two things more of it, with w = |v| + u_y / T. Each place moves by another velocity, and a bristle
-that slides on is stretched along that of its own place: q = e + tau v differs between two places by
+body turns that needs two things more of it. Each place moves by another velocity, and a bristle that slides on is
+stretched along that of its own place: q = e + tau v differs between two places by
 
-    (tau + u_y / w) (v - v')        across v.
+    (tau + u_y / (|v| + u_y / T)) (v - v')        across v.
 
 Without the second term a ball that slides slowly and turns would be loaded on facets that trail, the more so the
 larger they are. And p - anchor, the path of the step, points where the facet went in its middle. A bristle that is
 dragged much farther than u_y therefore leans towards v: the direction of e is that of
 
-    (1 - f) e / |e| + f v / |v|,    f = cos(e, v) (1 - u_y / |p - anchor|) |v| / w.
+    (1 - f) e / |e| + f v / |v|,    f = cos(e, v) (1 - u_y / |p - anchor|) |v| / (|v| + FAST u_y / T).
 
-With |v| in place of w both would jump where a body comes to rest.
+Without u_y / T both would jump where a body comes to rest.
 """
 
 from __future__ import annotations
@@ -28,6 +28,8 @@ from granular_contact.sand.kernels.friction import SMOOTH, SWITCH, drag_componen
 from granular_contact.sand.kernels.planar_friction import radial_return
 
 TINY = 1e-300  # so that nothing is divided by zero where nothing is stretched, or at rest
+# With 1 a hexapod at long steps takes a quarter more iterations, with 10 a ball that spins in place is 0.9 % off.
+FAST = 5.0
 
 
 @part
@@ -65,12 +67,13 @@ def factors_of_facet(e, v, m):
     k = m.u_y / h if h > m.u_y else 1.0
     slides = along / max(TINY, h * speed)  # cosine
     slides = slides if h > 0.5 * m.u_y else 0.0
-    of_v = slides / (speed + m.u_y / SWITCH)
-    f = of_v * (1.0 - k) * speed
+    slow = m.u_y / SWITCH
+    leans = slides * (1.0 - k) / (speed + FAST * slow)
+    f = leans * speed
     k /= math.sqrt(1.0 - 2.0 * f * (1.0 - f) * (1.0 - slides))  # the length of both together
-    leant, upright = k * h * of_v * (1.0 - m.u_y / max(h, m.u_y)), k * (1.0 - f)
-    tau = m.tau + slides * (sliding(min(h, m.u_y), m) - m.tau) + leant
-    return upright, tau, tau + upright * h * of_v * min(1.0, 2.0 * h / m.u_y - 1.0)
+    tau = m.tau + slides * (sliding(min(h, m.u_y), m) - m.tau) + k * h * leans
+    k *= 1.0 - f
+    return k, tau, tau + slides * k * h / (speed + slow) * min(1.0, 2.0 * h / m.u_y - 1.0)
 
 
 @part
