@@ -26,8 +26,8 @@ POINTS, CLOSEST, HALVINGS = 100, 4, 40
 def test_the_force_is_continuous(name: str, static: Any) -> None:
     """Along ways from one random state to another: where the force changes most they are halved until they are one."""
     load, rng, jumps = load_on(*CASES[name], static=static), np.random.default_rng(7), []
-    for _ in range(12):
-        begin, at = _way(rng)
+    for i in range(24):
+        begin, at = _way(rng, aside=(1e-5, 2e-4, 2e-4)[i % 3], fast=(1.0, 1.0, 1e-3)[i % 3])
         load.start(begin)
         jumps += _greatest_jumps(_along(load, at))
     assert len(jumps) > 3 * CLOSEST
@@ -35,12 +35,15 @@ def test_the_force_is_continuous(name: str, static: Any) -> None:
     assert max(jumps) < 1e-7
 
 
-def _way(rng: np.random.Generator) -> tuple[Array, Callable[[float], tuple[Array, Array]]]:
-    """Coordinates where bristles are at rest, some 10 um aside, and coordinates and rates (7,) at s in [0, 1]."""
+def _way(rng: np.random.Generator, aside: float, fast: float) -> tuple[Array, Callable[[float], tuple[Array, Array]]]:
+    """Coordinates where bristles are at rest, so far aside (m), and coordinates and rates (7,) at s in [0, 1].
+
+    fast: of the usual velocities.
+    """
     place, turn = np.array([0.0, 0.0, rng.uniform(-0.06, 0.03)]), Rotation.from_quat(rng.normal(size=4))
-    begin, _ = state(place + rng.normal(size=3) * 1e-5, turn, np.zeros(3), np.zeros(3))
+    begin, _ = state(place + rng.normal(size=3) * aside, turn, np.zeros(3), np.zeros(3))
     far = rng.integers(2) * rng.normal(size=6) * np.repeat([0.01, 0.1], 3)  # half of the ways are of motions alone
-    one, other = rng.normal(size=(2, 6)) * np.repeat([0.3, 3.0], 3)
+    one, other = rng.normal(size=(2, 6)) * np.repeat([0.3, 3.0], 3) * fast
 
     def at(s: float) -> tuple[Array, Array]:
         v = (1.0 - s) * one + s * other

@@ -52,6 +52,14 @@ def test_facets_have_the_area_of_the_surface_and_enclose_its_volume(name: str) -
     assert off[0] < 2e-2
 
 
+@pytest.mark.parametrize("size", [0.02, 0.005])
+def test_patches_of_a_ball_do_not_know_its_spin(size: float) -> None:
+    """Of a ball that spins n . v is 0: along an edge e it grows by e . (n x w) + k e . (w x r), with r = n / k."""
+    made = Sphere(D).facets(size)
+    # (Patches around the poles have their own centre, as all have.)
+    np.testing.assert_allclose(made.curve * np.linalg.norm(made.place, axis=1)[:, None], 1.0, rtol=1e-9)
+
+
 @pytest.mark.parametrize("name", SOLIDS)
 def test_a_larger_solid_is_cut_alike(name: str) -> None:
     """Sixteen times as large: all that is computed of it differs in the exponent of two alone."""
