@@ -197,7 +197,9 @@ def _judged(drawn: Drawn, folder: Path, share: float, world: World) -> Found:
     most = min(16.0, max(4.0, 2.0 ** math.floor(math.log2(world.most_steps / steps))))
     found["steps"] = again.off(lambda one: images.finer(one, most), kept)
     for factor in (world.shorter, most):  # a reference with steps that are too long itself tells nothing of strips
-        found["space"] = again.off(partial(world.divided, factor=factor), kept, silent=factor < most)
+        finer = partial(world.divided, factor=factor)
+        # (Of a body that has 200 000 facets there are none of a third of their size.)
+        found["space"] = again.off(finer, kept, silent=factor < most, refused=math.nan)
         if math.isfinite(found["space"]):
             break
     if (other := again.run(images.chosen, tree)) is not None and other.status.code in GOOD:
@@ -236,16 +238,23 @@ class _Again:
             return None
 
     def off(
-        self, image: images.Image, tree: Any, mirror: bool = False, silent: bool = False, ends: float = math.nan
+        self,
+        image: images.Image,
+        tree: Any,
+        mirror: bool = False,
+        silent: bool = False,
+        ends: float = math.nan,
+        refused: float = math.inf,
     ) -> float:
-        """How far the scene is from this form of it; infinite where the form alone is refused.
+        """How far the scene is from this form of it.
 
-        silent: only where the form carries no warning; ends: what it is where the form does not end well.
+        silent: only where the form carries no warning; ends, refused: what it is where the form does not end well, or
+        is refused.
         """
         try:
             results = self.run(image, tree)
         except GranularContactError:
-            return math.inf
+            return refused
         if results is None or (silent and _doubts(results)):
             return math.nan
         if results.status.code not in GOOD:

@@ -78,7 +78,7 @@ def turned(tree: Tree) -> Tree:
     """All of it turned about the vertical through the origin, counter-clockwise seen from above."""
     tree = copy.deepcopy(tree)
     angle = 90.0 if "height_map" in tree["bed"] else TURN
-    tree["aside"] = {"turned_deg": angle}
+    tree["aside"] = tree.get("aside", {}) | {"turned_deg": angle}
     R = rotations.of_rpy([0.0, 0.0, math.radians(angle)])
     starts = tree["initial"]["joints"]
     for name, joint in tree["model"]["joints"].items():
