@@ -6,8 +6,8 @@ A scene is a seed (validation/random_scenes): a mechanism of every kind, with dr
 bed, solved in every way. It goes through the loader of the command line, and is run as it is; mirrored in x; a
 kilometre away; with its parts in another order; with half the step; with a quarter to a sixteenth of it; with a quarter
 of the step (a smaller part where that is too long), eight times the strips and four times the elements (in space: half
-the step, and facets of a third); and with chosen steps where they were fixed, or the other way round. All but the last
-have the strips or facets that the run itself chose, or shares of them. A run is **silent** when it ends well without a
+the step, and facets of a third); and with chosen steps where they were fixed, or the other way round. Finer runs,
+and images in space, have the strips or facets that the run itself chose, or shares of them. A run is **silent** when it ends well without a
 warning about its own accuracy. Differences are greatest distances of any body (with its turn times its reach) over the
 way of whatever moves most; infinite where an image does not end. --store keeps what came of every scene in a file, and
 runs those alone that have none yet: for a study that is stopped and goes on, or several at once. --keep writes every
@@ -189,8 +189,9 @@ def _judged(drawn: Drawn, folder: Path, share: float, world: World) -> Found:
         return Found(**found)
     own = track(results, tree, scene.least_path)
     again = _Again(own, folder, scene.least_path)
+    same = kept if scene.in_space else tree  # strips in the plane are chosen alike, from those of the config on
     found["images"] = {
-        name: again.off(image, kept, name == "mirror image", ends=math.inf) for name, image in world.images.items()
+        name: again.off(image, same, name == "mirror image", ends=math.inf) for name, image in world.images.items()
     }
     found["half"] = again.off(lambda one: images.finer(one, 2.0), kept, silent=True)
     steps = tree["solver"]["end_time_s"] / tree["solver"].get("step_s", images.STEP)
