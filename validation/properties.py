@@ -6,12 +6,12 @@ A scene is a seed (validation/random_scenes): a mechanism of every kind, with dr
 bed, solved in every way. It goes through the loader of the command line, and is run as it is; mirrored in x; a
 kilometre away; with its parts in another order; with half the step; with a quarter to a sixteenth of it; with a quarter
 of the step (a smaller part where that is too long), eight times the strips and four times the elements (in space: half
-the step, and facets of a third); and with chosen steps where they were fixed, or the other way round. Finer runs,
-and images in space, have the strips or facets that the run itself chose, or shares of them. A run is **silent** when it ends well without a
-warning about its own accuracy. Differences are greatest distances of any body (with its turn times its reach) over the
-way of whatever moves most; infinite where an image does not end. --store keeps what came of every scene in a file, and
-runs those alone that have none yet: for a study that is stopped and goes on, or several at once. --keep writes every
-scene that offends as a config. `properties_in_space.py` does the same in space.
+the step, and facets of a third); and with chosen steps where they were fixed, or the other way round. Finer runs, and
+images in space, have the strips or facets that the run itself chose, or shares of them. A run is **silent** when it
+ends well without a warning about its own accuracy. Differences are greatest distances of any body (with its turn times
+its reach) over the way of whatever moves most; infinite where an image does not end. --store keeps what came of every
+scene in a file, and runs those alone that have none yet: for a study that is stopped and goes on, or several at once.
+--keep writes every scene that offends as a config. `properties_in_space.py` does the same in space.
 """
 
 from __future__ import annotations
