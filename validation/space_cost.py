@@ -13,6 +13,7 @@ The bounds: 120 ns a leading facet with 3D-RFT and its bristle, 10 ns one above 
 
 from __future__ import annotations
 
+import itertools
 import sys
 import tempfile
 import time
@@ -85,24 +86,30 @@ def strip_ns(medium: Law) -> float:
     return 1e9 * least(load.force, q, v, out) / strips
 
 
+def anew(load: SpatialLoad, q: np.ndarray) -> Callable[..., object]:
+    """The force in two places in turn, a picometre apart: where it was asked for last, it is kept."""
+    places = itertools.cycle([q, q + np.array([0.0, 0.0, 1e-12, 0.0, 0.0, 0.0, 0.0])])
+    return lambda *arguments: load.force(next(places), *arguments)
+
+
 def facet_rows() -> list[tuple[str, str, float]]:
     """Law, what is measured, and ns a facet."""
     found, out = [("rft3d", STRIP, strip_ns(MEDIA["rft3d"]))], np.zeros(7)
     for name, medium in MEDIA.items():
         load, q, number = sphere(medium, True)
-        found.append((name, "leads", 1e9 * least(load.force, q, SPEED, out) / number))
+        found.append((name, "leads", 1e9 * least(anew(load, q), SPEED, out) / number))
     medium = MEDIA["rft3d"]
     load, q, number = sphere(medium, True)
     found.append(("rft3d", "leads, tangent", 1e9 * least(load.tangent, q, SPEED, 1.0, 1.0, calls=2) / number))
     row = load.table.new_row(1.0)
     found.append(("rft3d", "leads, end of a step", 1e9 * least(load.batches[0].accept, q, SPEED, row) / number))
     load, q, number = sphere(medium, False)
-    found.append(("rft3d", "trails", 1e9 * least(load.force, q, SPEED, out) / number))
+    found.append(("rft3d", "trails", 1e9 * least(anew(load, q), SPEED, out) / number))
     load, q, number = sphere(medium, None, 0.15)
-    found.append(("rft3d", ABOVE_IT, 1e9 * least(load.force, q, SPEED, out) / number))
+    found.append(("rft3d", ABOVE_IT, 1e9 * least(anew(load, q), SPEED, out) / number))
     load, q, number = sphere(medium, None, 1.0)
     load.update_active(1e-3)
-    far = 1e9 * least(load.force, q, SPEED, out, calls=1000)
+    far = 1e9 * least(anew(load, q), SPEED, out, calls=1000)
     return [*found, ("rft3d", f"out of reach, all {number} together", far)]
 
 
