@@ -168,7 +168,7 @@ def solve(tree: Tree, folder: Path) -> Any:
     shares = tree.get("aside", {}).get("facets")
     if shares is None:
         return run(scene)
-    usual = _facets(scene)
+    usual = _size_asked(scene)
     begun = begin(replace(scene, facet_shares={body: share / usual for body, share in shares.items()}))
     begun.solving.advance()
     return results(begun.observe(begun.solving.trajectory()), {}, 0)
@@ -183,11 +183,11 @@ def solve_and_keep(tree: Tree, folder: Path) -> tuple[Any, Tree]:
     if not found[0].in_space:
         strips = {f"strips_{key}": number for key, number in done.summary.get("strips", {}).items()}
         return done, tree | {"load": tree["load"] | strips}
-    usual, chosen = _facets(found[0]), found[0].facet_shares
+    usual, chosen = _size_asked(found[0]), found[0].facet_shares
     shares = {body.name: usual * chosen.get(body.name, 1.0) for body in found[0].rigid}
     return done, tree | {"aside": tree.get("aside", {}) | {"facets": shares}}
 
 
-def _facets(scene: Any) -> float:
+def _size_asked(scene: Any) -> float:
     """Size of the facets that the accuracy of a scene asks for, over that where none is asked for."""
     return chosen_facets(1.0, scene.solver.named).edge / chosen_facets(1.0, None).edge

@@ -64,16 +64,22 @@ def begin(anchors, first, last, anew):
 
 
 @part
-def slid(anchors, i, e, n):
-    """Shear displacement j (m) of a facet with the normal n at e (3,) m from its anchor, and its direction (3,)."""
-    across, first = n[0] * e[0] + n[1] * e[1] + n[2] * e[2], anchors.shape[1] - SHEARED
+def sheared(anchors, i):
+    """Shear displacement S (3,) m of the anchor of a facet."""
+    first = anchors.shape[1] - SHEARED
+    return anchors[i, first], anchors[i, first + 1], anchors[i, first + 2]
+
+
+@part
+def slid(s, e, n):
+    """Shear displacement j (m) of a facet at e (3,) m from its anchor, and its direction (3,); s: S; n: normal."""
+    across = dot(n, e)
     x, y, z = e[0] - across * n[0], e[1] - across * n[1], e[2] - across * n[2]
     d = math.sqrt(x * x + y * y + z * z)
     if d == 0.0:
         return 0.0, (0.0, 0.0, 0.0)
-    x, y, z = x / d, y / d, z / d
-    before = anchors[i, first] * x + anchors[i, first + 1] * y + anchors[i, first + 2] * z
-    return max(0.0, before) + d, (x, y, z)
+    u = x / d, y / d, z / d
+    return max(0.0, dot(s, u)) + d, u
 
 
 @part
@@ -85,10 +91,8 @@ def count(anchors, i, p, a, n, immersed):
         anchors[i, LAST], anchors[i, LAST + 1], anchors[i, LAST + 2] = p
     if shears(anchors):
         first = anchors.shape[1] - SHEARED
-        s = along_surface((anchors[i, first], anchors[i, first + 1], anchors[i, first + 2]), n)
-        for k in range(3):
-            anchors[i, first + k] = s[k]
-        j, e = slid(anchors, i, (a[0] - anchors[i, 0], a[1] - anchors[i, 1], a[2] - anchors[i, 2]), n)
+        s = along_surface(sheared(anchors, i), n)
+        j, e = slid(s, (a[0] - anchors[i, 0], a[1] - anchors[i, 1], a[2] - anchors[i, 2]), n)
         more = j - dot(s, e)
         for k in range(3):
             anchors[i, first + k] = s[k] + more * e[k] if immersed else 0.0
@@ -120,7 +124,7 @@ def note(B, n, elements, anchors, cluster):
     """Set in a block of n facets what depends on their paths: shear displacements, and by how much terms scatter."""
     if shears(anchors):
         for k in range(n):
-            B[SHEAR, k] = slid(anchors, int(B[ROW, k]), vector(B, E, k), vector(B, N, k))[0]
+            B[SHEAR, k] = slid(sheared(anchors, int(B[ROW, k])), vector(B, E, k), vector(B, N, k))[0]
     if scatters(anchors):
         for k in range(n):
             i = int(B[ROW, k])

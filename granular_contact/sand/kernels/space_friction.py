@@ -35,15 +35,15 @@ FAST = 5.0
 @part
 def drive(e, v, m):
     """Vector q (3,) as in `planar_friction.drive`: p - anchor e (m), velocity v (m/s)."""
-    if m.friction == SMOOTH:
-        return v
     k, tau = factors(e, v, m)
     return k * e[0] + tau * v[0], k * e[1] + tau * v[1], k * e[2] + tau * v[2]
 
 
 @part
 def factors(e, v, m):
-    """As `planar_friction.factors`, of bristles alone."""
+    """As `planar_friction.factors`."""
+    if m.friction == SMOOTH:
+        return 0.0, 1.0
     h, speed, along = lengths(e, v)
     slides = along / max(TINY, h * speed)
     return m.u_y / h if h > m.u_y else 1.0, m.tau + slides * (sliding(min(h, m.u_y), m) - m.tau)
@@ -59,21 +59,20 @@ def lengths(e, v):
 
 @part(inline=True)
 def factors_of_facet(e, v, m):
-    """`factors` of a facet, and the factor of what v differs by within it.
+    """`factors` of a facet with a bristle, and the factor of what v differs by within it.
 
     Without a branch, so that compilers make one of several of them at once.
     """
     h, speed, along = lengths(e, v)
     k = m.u_y / h if h > m.u_y else 1.0
     slides = along / max(TINY, h * speed)  # cosine
-    slides = slides if h > 0.5 * m.u_y else 0.0
     slow = m.u_y / SWITCH
     leans = slides * (1.0 - k) / (speed + FAST * slow)
     f = leans * speed
     k /= math.sqrt(1.0 - 2.0 * f * (1.0 - f) * (1.0 - slides))  # the length of both together
     tau = m.tau + slides * (sliding(min(h, m.u_y), m) - m.tau) + k * h * leans
     k *= 1.0 - f
-    return k, tau, tau + slides * k * h / (speed + slow) * min(1.0, 2.0 * h / m.u_y - 1.0)
+    return k, tau, tau + slides * k * h / (speed + slow) * min(1.0, max(0.0, 2.0 * h / m.u_y - 1.0))
 
 
 @part

@@ -254,8 +254,8 @@ def of_points(place: Vector, normal: Vector, weight: Vector, along: Vector) -> F
     area = weight.sum(axis=1)
     centre = (weight[:, :, None] * place).sum(axis=1) / area[:, None]
     mean = (weight[:, :, None] * normal).sum(axis=1)
-    evenness = np.linalg.norm(mean, axis=1) / area
-    mean /= (evenness * area)[:, None]
+    length = np.linalg.norm(mean, axis=1)
+    mean /= length[:, None]
     first = along - np.sum(along * mean, axis=1)[:, None] * mean
     first /= np.linalg.norm(first, axis=1)[:, None]
     arms, edges, curve = place - centre[:, None], [], []
@@ -263,7 +263,7 @@ def of_points(place: Vector, normal: Vector, weight: Vector, along: Vector) -> F
         far, turned = (np.einsum("nkj,nj->nk", v, e) for v in (arms, normal))
         square = np.sum(weight * far**2, axis=1) / area
         edges.append(np.sqrt(3.0 * square)[:, None] * e)
-        curve.append(np.sum(weight * far * turned, axis=1) / area / square / evenness)
+        curve.append(np.sum(weight * far * turned, axis=1) / length / square)
     curves = np.stack(curve, axis=1)
     extent = np.sqrt(area)[:, None]
     curves[np.abs(curves) * extent < 1e-9] = 0.0  # round-off of flat ones

@@ -166,9 +166,7 @@ def weigh(f, E, A, pose, ahead, step, bristle, inertia):
         add_point(mass, bx, by, bz, inertia)
         add_inertia(upward - mass, pose[2, 0], pose[2, 1], pose[2, 2], bx, by, bz, inertia)
         return
-    share, tau = 0.0, 1.0
-    if bristle.friction != SMOOTH:
-        share, tau = factors((ex, ey, ez), (vx, vy, vz), bristle)
+    share, tau = factors((ex, ey, ez), (vx, vy, vz), bristle)
     q = norm((share * ex + tau * vx, share * ey + tau * vy, share * ez + tau * vz))
     if q == 0.0:
         return
