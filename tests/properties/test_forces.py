@@ -8,6 +8,7 @@ from random import Random
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support_jumps import jump
 from support_properties import COMMON, LEVEL, Array, State, floors, states
 
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
@@ -53,21 +54,20 @@ def test_force_is_continuous(body: State, rng: Random) -> None:
     rises = np.array([np.diff(P[:, 1]) for P, _ in ends])
     if body.run["layered"][0] and not (np.abs(rises.sum(axis=0)) > 1e-3 + np.abs(rises[0] - rises[1])).all():
         return  # a thin bar that lies level at any moment of the way passes from layer to layer at once
-    f = [body.with_(P=P, V=V).forces()[0] for P, V in ends]
-    most = max(1e-6, *(float(np.abs(one).max()) for one in f))
-    for _ in range(48):
-        middle = tuple(0.5 * (a + b) for a, b in zip(*ends, strict=True))
-        F = body.with_(P=middle[0], V=middle[1]).forces()[0]
-        most = max(most, float(np.abs(F).max()))
-        # To the side on which more of the difference is: a jump is kept to the last.
-        side = 0 if np.abs(F - f[0]).max() > np.abs(F - f[1]).max() else 1
-        ends[1 - side], f[1 - side] = middle, F
+    sizes = [1e-6]
+
+    def force(state: Array) -> Array:
+        F = body.with_(P=state[0], V=state[1]).forces()[0]
+        sizes.append(float(np.abs(F).max()))
+        return F
+
+    change = jump(force, *map(np.array, ends), halvings=48)
     # 2^-48 of 5 cm and 1 m/s: 2e-16 m, 4e-15 m/s, hardly more than the round-off of positions. The steepest slopes are
     # 1 / u_y of 1e5 /m and, where an element of an outline begins to lead, a thousand times that: 2e-8 of the force.
     # A force that grows as the depth to a power below one has no slope at the touch; to the power of zero it jumps.
     names = {"p", "n", "lam_plunge", "lam_withdraw"} & set(body.record.dtype.names or ())
     power = min([1.0, *(float(body.record[name][0]) for name in names)])
-    assert np.abs(f[0] - f[1]).max() <= 1e-6**power * most
+    assert change <= 1e-6**power * max(sizes)
 
 
 def _noise(rng: Random, n: int, size: float) -> Array:

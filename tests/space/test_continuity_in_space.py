@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
+from support_jumps import jump
 from support_space import PAIRS, Array, load_on, state
 
 from granular_contact import Box
@@ -65,15 +66,5 @@ def _greatest_jumps(force: Callable[[float], Array]) -> list[float]:
     if not scale.any():
         return []
     scale[scale == 0.0] = 1.0  # a ball has no moment
-    jumps = []
-    for i in np.argsort([np.abs((b - a) / scale).max() for a, b in pairwise(forces)])[-CLOSEST:]:
-        (a, b), (one, other) = places[i : i + 2], forces[i : i + 2]
-        for _ in range(HALVINGS):
-            middle = 0.5 * (a + b)
-            between = force(middle)
-            if np.abs((between - one) / scale).max() > np.abs((other - between) / scale).max():
-                b, other = middle, between
-            else:
-                a, one = middle, between
-        jumps.append(float(np.abs((other - one) / scale).max()))
-    return jumps
+    changes = [np.abs((b - a) / scale).max() for a, b in pairwise(forces)]
+    return [jump(lambda s: force(s) / scale, *places[i : i + 2], HALVINGS) for i in np.argsort(changes)[-CLOSEST:]]
