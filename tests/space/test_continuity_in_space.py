@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 from support_jumps import jump
-from support_space import PAIRS, Array, load_on, state
+from support_space import PAIRS, SAND, Array, load_on, state
 
 from granular_contact import Box
 from granular_contact.laws.reece import Reece
@@ -34,6 +34,22 @@ def test_the_force_is_continuous(name: str, static: Any) -> None:
     assert len(jumps) > 3 * CLOSEST
     # 2^-40 of 1 m/s and of 1 cm, where the steepest slopes are 1e5 /m: far below what a jump is.
     assert max(jumps) < 1e-7
+
+
+def test_the_force_is_continuous_where_a_face_leads_by_its_turn_alone() -> None:
+    """A box slides slowly along a face and away from it, and turns: a part of the face follows its bristle inward.
+
+    As the bristle at the centroid comes to lie along the face, only the turn decides whether any of it leads.
+    """
+    load = load_on(SAND, Box((0.1, 0.07, 0.05)), size=1.0, static=Elastoplastic(1e-4, 0.0))  # a facet a face
+    velocity, spin = np.array([-1e-4, 1e-4, 0.0]), np.array([0.0, 0.0, 2.8e-3])  # 0.98e-4 m/s at 35 mm: all moves away
+
+    def force(x: float) -> Array:
+        return load.force(*state(np.array([x, 1e-4, -0.02]), Rotation.identity(), velocity, spin), np.zeros(7))
+
+    load.start(state(np.array([0.0, 0.0, -0.02]), Rotation.identity(), velocity, spin)[0])
+    # Some 20 N over u_y are 2e5 N/m: 4e-7 N over 2e-12 m. What leads by its turn bears 0.02 N.
+    np.testing.assert_allclose(force(-1e-12), force(1e-12), atol=1e-5)
 
 
 def _way(rng: np.random.Generator, aside: float, fast: float) -> tuple[Array, Callable[[float], tuple[Array, Array]]]:
