@@ -55,13 +55,18 @@ def _of(array: Any, axes: int) -> Any:
     return types.Array(array.dtype, axes, "C") if isinstance(array, types.Array) else None
 
 
-def _from(context: Any, builder: Any, signature: Any, values: Any) -> tuple[list[Any], Any]:
-    """Shape of the array that is the first argument, and where its row begins that the second one names."""
+def _from(context: Any, builder: Any, signature: Any, values: Any, *given: int) -> tuple[list[Any], Any]:
+    """Shape of the array that is the first argument, and where the part of it begins whose indices are those given.
+
+    given: places of the indices among the arguments, of the first axis first.
+    """
     array = context.make_array(signature.args[0])(context, builder, values[0])
     shape = [builder.extract_value(array.shape, axis) for axis in range(signature.args[0].ndim)]
-    row = context.cast(builder, values[1], signature.args[1], types.intp)
-    begin = builder.mul(row, builder.extract_value(array.strides, 0))
-    return shape, builder.gep(builder.bitcast(array.data, _BYTE), [begin])
+    begin = builder.bitcast(array.data, _BYTE)
+    for axis, place in enumerate(given):
+        index = context.cast(builder, values[place], signature.args[place], types.intp)
+        begin = builder.gep(begin, [builder.mul(index, builder.extract_value(array.strides, axis))])
+    return shape, begin
 
 
 def numbers_at(address, count):
@@ -92,24 +97,25 @@ def _type_of_rows(context):
 
 @lower_builtin(rows, types.Array, types.Integer, types.Integer)
 def _rows(context, builder, signature, values):
-    shape, begin = _from(context, builder, signature, values)
+    shape, begin = _from(context, builder, signature, values, 1)
     count = context.cast(builder, values[2], signature.args[2], types.intp)
     return view_of(context, builder, signature.return_type, begin, [count, *shape[1:]])
 
 
-def piece(array, i, count):
-    """View of the first `count` entries of array[i]."""
-    return array[i, :count]
+def piece(array, i, count, first=0):
+    """View of so many entries of array[i], from one on."""
+    return array[i, first : first + count]
 
 
 @type_callable(piece)
 def _type_of_piece(context):
-    return lambda array, i, count: _of(array, array.ndim - 1)
+    return lambda array, i, count, first=0: _of(array, array.ndim - 1)
 
 
 @lower_builtin(piece, types.Array, types.Integer, types.Integer)
+@lower_builtin(piece, types.Array, types.Integer, types.Integer, types.Integer)
 def _piece(context, builder, signature, values):
-    shape, begin = _from(context, builder, signature, values)
+    shape, begin = _from(context, builder, signature, values, 1, *range(3, len(values)))
     count = context.cast(builder, values[2], signature.args[2], types.intp)
     return view_of(context, builder, signature.return_type, begin, [count, *shape[2:]])
 

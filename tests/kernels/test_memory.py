@@ -19,6 +19,7 @@ VIEWS: dict[str, tuple[Callable[..., Any], tuple[Any, ...]]] = {
     "rows of three": (lambda a: memory.rows(a, 2, 2), (A,)),
     "rows of records": (lambda a: memory.rows(a, 1, 2), (STATIONS,)),
     "piece of three": (lambda a: memory.piece(a, 4, 3), (A,)),
+    "piece from within": (lambda a: memory.piece(a, 4, 2, 1), (A,)),
     "flat": (lambda a: memory.flat(a), (A,)),
 }
 

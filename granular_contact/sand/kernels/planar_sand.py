@@ -64,18 +64,16 @@ def ask(w, r, q, v, f, totals):
 @part
 def contact_of(w, r):
     """Line r of a batch, with room of its own, which keeps what was found last."""
-    ends, room = w.ends, w.room
-    s, e = ends[r, 0], ends[r + 1, 0]
-    P, V, F = rows(piece(room, 0, e), s, e - s), rows(piece(room, 1, e), s, e - s), rows(piece(room, 2, e), s, e - s)
-    return on_line(w, r, P, V, F)
+    return on_line(w, r, 0, w.ends[r, 0])
 
 
 @part
-def on_line(w, r, P, V, F):
-    """Line r of a batch with this room."""
-    ends, profile, medium = w.ends, w.profile, w.medium
+def on_line(w, r, row, first):
+    """Line r of a batch; its P, V and F in three rows of the room, from a row and a station there on."""
+    ends, profile, medium, room = w.ends, w.profile, w.medium, w.room
     s, n = ends[r, 0], ends[r + 1, 0] - ends[r, 0]
     stations, anchors = rows(w.geometry, s, n), rows(w.anchors, s, n)
+    P, V, F = piece(room, row, n, first), piece(room, row + 1, n, first), piece(room, row + 2, n, first)
     return Contact(stations, rows(w.lines, r, 1), profile, medium, anchors, P, V, F)
 
 
@@ -114,16 +112,16 @@ def tangent(sand, system_q, system_v, fq, fv, triplets):
             s, n = ends[r, 0], ends[r + 1, 0] - ends[r, 0]
             c, m = ends[r, 1], ends[r + 1, 1] - ends[r, 1]
             q, v, block = piece(body, 0, m), piece(body, 1, m), rows(body, BLOCK, m)
-            P = rows(piece(w.room, 0, s + n), s, n)
+            P = piece(w.room, 0, n, s)
             at, row = rows(w.places, c, m), body.shape[0] - KEPT * (active.shape[0] - r)
             gather(system_q, system_v, w.reference, at, q, v)
-            f, room = piece(body, row + 3, m), w.room
+            f = piece(body, row + 3, m)
             if not known_at(body, row, q, v):
                 ask(w, r, q, v, f, totals)
             if not one.immersed(P, lines[r], w.profile):
                 continue
             clear(block)
-            contact = on_line(w, r, piece(room, 3, n), piece(room, 4, n), piece(room, 5, n))
+            contact = on_line(w, r, 3, 0)
             one.differences(q, v, piece(body, row + BEFORE, m), contact, rows(body, 3, 3), f, fq, fv, block)
             for i in range(m):
                 for j in range(m):
