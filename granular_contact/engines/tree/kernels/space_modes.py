@@ -13,9 +13,8 @@ in the subspace is in it again. Cost of a matrix: m (m + 60) n; of an iteration 
 
 from __future__ import annotations
 
-from granular_contact.engines.tree.kernels.space_load import accept, act, tangent  # noqa: F401  # see `tree_calls`
-from granular_contact.engines.tree.kernels.space_tree import BALL, LAST, carry, inward, lack, outward, place
-from granular_contact.engines.tree.kernels.tree_newton import needs_matrix
+from granular_contact.engines.tree.kernels.space_load import accept, prepare  # noqa: F401  # see `tree_calls`
+from granular_contact.engines.tree.kernels.space_tree import BALL, LAST, inward, outward
 from granular_contact.jit.compiled import part
 from granular_contact.jit.memory import clear, flat, piece
 from granular_contact.mechanics.kernels.step_error import fastest
@@ -24,15 +23,10 @@ from granular_contact.sand.kernels import space_sand as sand  # noqa: F401
 
 @part
 def iteration(of_q, of_v, w):
-    """As of `space_load`."""
-    if needs_matrix(of_v, w):
-        place(w)
-        tangent(of_q, of_v, w)
+    """As `tree_load.iteration`."""
+    if prepare(of_q, of_v, w):
         project(w)
         invert(w.inverse)
-    act(w)
-    carry(w)
-    lack(w)
     solve(w)
     return fastest(flat(w.moved), w.lever)
 
