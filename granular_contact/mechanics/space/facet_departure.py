@@ -185,7 +185,8 @@ def _motion(observer: Any, count: int) -> Iterator[Instant]:
         seen = SpatialKinematics(observer.system, some)
         W, K, D = _freedoms(seen)
         places = [one for name in seen.system.rigid for one in (seen.center(name)[0], seen.quaternion(name))]
-        q, v = np.concatenate(places, axis=1), seen.trajectory.v
+        # (of rows with gaps, as numpy may join them, all kernels would be compiled anew)
+        q, v = np.ascontiguousarray(np.concatenate(places, axis=1)), seen.trajectory.v
         for i, time in enumerate(some.time.tolist()):
             yield Instant(time, q[i], v[i], W[i], seen.trajectory.mass, K[i], D[i])
 
