@@ -16,7 +16,7 @@ import numpy as np
 from numba import from_dtype
 from numba.extending import overload
 
-from granular_contact.jit.compiled import COMPILES, from_outside, options
+from granular_contact.jit.compiled import BY_KERNELS, COMPILES, from_outside, options
 
 _KNOWN: dict[np.dtype, str] = {}  # record types, with the function that came first
 _GIVEN: dict[tuple[Any, np.dtype], Any] = {}  # where nothing is compiled: functions, by what they stand for
@@ -61,7 +61,8 @@ def provide(stub: Any, dtype: np.dtype, function: Any, *, inline: bool = False) 
         return plain if getattr(given, "dtype", given) == expected else None
 
     choose.__signature__ = inspect.signature(stub)  # type: ignore[attr-defined]
-    overload(stub, jit_options={"forceinline": inline, **options(from_outside(plain))})(choose)
+    told = {"forceinline": inline, **BY_KERNELS, **options(from_outside(plain))}
+    overload(stub, jit_options=told)(choose)
 
 
 def _fields(dtype: np.dtype) -> list[tuple[str, Any]]:

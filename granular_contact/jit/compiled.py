@@ -4,7 +4,8 @@ A kernel is numba's `njit`. A part stays the function of Python that it is, of w
 (`numba.extending.register_jitable`): what turns arguments of Python into those of compiled code would be compiled with
 each part, a tenth of all compiling. Python would run a part as it is written; one that calls by address (`calls`) it
 can't. Both are kept on disk. A division by zero gives an infinite number or none, as in numpy, and no exception, whose
-text and branches would be compiled with every quotient.
+text and branches would be compiled with every quotient. Neither is a C function as well, which would be compiled with
+each of them, a tenth of all compiling: what is called by address is one (`calls`).
 
 Nobody counts references to arrays (numba's option `_nrt`), as arrays outlive the call that they are passed to. Counted,
 a run of a tree takes 8 to 12 % longer. So a function that makes arrays has to say so, and none gives an array back.
@@ -26,6 +27,7 @@ from granular_contact.jit import compiling
 
 COMPILES = not config.DISABLE_JIT
 PLAIN = {"error_model": "numpy"}
+BY_KERNELS = {"no_cfunc_wrapper": True}  # of what kernels call
 _parts: set[Any] = set()
 compiling.listen()
 
@@ -37,7 +39,7 @@ def kernel(function: Callable[..., Any] | None = None, *, nogil: bool = False, a
     """
     if function is None:
         return lambda function: kernel(function, nogil=nogil, allocates=allocates)
-    return njit(function, cache=True, nogil=nogil, **options(allocates))
+    return njit(function, cache=True, nogil=nogil, **BY_KERNELS, **options(allocates))
 
 
 def part(
@@ -51,7 +53,7 @@ def part(
     if function is None:
         return lambda function: part(function, cache=cache, inline=inline, allocates=allocates)
     _parts.add(function)
-    return register_jitable(cache=cache, forceinline=inline, **options(allocates))(function)
+    return register_jitable(cache=cache, forceinline=inline, **BY_KERNELS, **options(allocates))(function)
 
 
 def from_outside(function: Callable[..., Any]) -> bool:
