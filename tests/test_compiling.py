@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import json
 import os
 import shutil
@@ -109,6 +110,36 @@ def test_compiling_is_told_once_when_it_begins_and_not_when_it_is_done() -> None
     with announced(None, "a sum"):
         njit(lambda x: x - 2.0)(1.0)
     assert told == []
+
+
+def test_nobody_collects_what_is_unused_while_something_is_compiled_and_as_before_after_it() -> None:
+    from numba import njit
+    from numba.core import event
+    from numba.core.errors import TypingError
+
+    from granular_contact.jit import compiled  # noqa: F401  # listens
+
+    class Looks(event.Listener):
+        def on_start(self, event: object) -> None:
+            seen.append(gc.isenabled())
+
+        def on_end(self, event: object) -> None:
+            pass
+
+    seen: list[bool] = []
+    with event.install_listener("numba:compile", Looks()):
+        njit(lambda x: x + 4.0)(1.0)
+        with pytest.raises(TypingError):
+            njit(lambda x: x + "")(1.0)
+        assert gc.isenabled()
+        gc.disable()
+        try:
+            njit(lambda x: x + 5.0)(1.0)
+            assert not gc.isenabled()
+        finally:
+            gc.enable()
+    assert seen
+    assert not any(seen)
 
 
 def test_what_is_compiled_after_the_solve_is_told_and_is_no_wall_time(monkeypatch: pytest.MonkeyPatch) -> None:
