@@ -120,7 +120,7 @@ def test_nobody_collects_what_is_unused_while_something_is_compiled_and_as_befor
     from granular_contact.jit import compiled  # noqa: F401  # listens
 
     class Looks(event.Listener):
-        def on_start(self, event: object) -> None:
+        def on_start(self, event: object) -> None:  # noqa: ARG002
             seen.append(gc.isenabled())
 
         def on_end(self, event: object) -> None:
