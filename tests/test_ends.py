@@ -95,6 +95,19 @@ def test_a_run_says_how_it_ended(reason: str, method: str, way: str) -> None:
     assert reached < end if reason != "end_time" else reached == pytest.approx(end, rel=1e-12)
 
 
+def test_wall_time_adds_up_over_the_steps_of_a_simulation() -> None:
+    more = ("method=engine", "solver.end_time_s=1e4", "solver.max_wall_s=0.05")
+    simulation, pauses = Simulation(scenario_of("pendulum_rigid", *SWINGS, *more)), 0
+    try:
+        while simulation.ended is None and pauses < 1000:  # each takes a twentieth of that time or less
+            simulation.step(None, 1.0 / RATE)
+            pauses += 1
+        assert pauses > 3
+        assert simulation.results().status.code == "time_limit"
+    finally:
+        simulation.close()
+
+
 def test_a_run_at_its_end_was_not_cut_however_long_its_last_step_took() -> None:
     one = ("method=engine", *SWINGS, "solver={end_time_s: 1e-3, step_s: 1e-3, max_wall_s: 1e-9}")
     results = simulate(scenario_of("pendulum_rigid", *one))

@@ -89,6 +89,7 @@ AREAS: dict[str, dict[str, tuple[str, ...]]] = {
             "tests/space/test_scene_in_space.py",
             "tests/scene/test_workspace.py",
             "tests/test_bed_of_a_run.py",
+            "tests/space/test_many_facets.py",
         ),
         "engines/exudyn/recorder.py": (
             "tests/multibody/test_free.py",
@@ -96,6 +97,7 @@ AREAS: dict[str, dict[str, tuple[str, ...]]] = {
             "tests/test_simulation.py",
             "tests/multibody/test_iterations.py",
             "tests/multibody/test_stepping.py",
+            "tests/test_ends.py",
         ),
         "results/limits.py": ("tests/test_bed_of_a_run.py", "tests/test_edges.py", "tests/test_start_in_sand.py"),
     },

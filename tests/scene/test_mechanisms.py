@@ -130,6 +130,31 @@ initial: {joints: {a: {angle_deg: -50, rate_rad_s: 2}}}
     assert closed.rate == pytest.approx(-r * math.sin(q) * rate * (1.0 + r * math.cos(q) / level), abs=1e-9)
 
 
+def test_the_slider_that_closes_a_loop_on_a_turning_body_starts_as_fast_as_its_block_slides() -> None:
+    """A crank r drives a rocker by a block in its slot, which passes its pivot, c below that of the crank, at h.
+
+    s = sqrt(r^2 + c^2 + 2 r c sin q - h^2) along the slot, whose own motion at the block is not across it.
+    """
+    text = """
+model:
+  name: slotted rocker
+  bodies: {crank: {type: link, length_m: 0.1, BAR}, block: {type: link, LINK}, rocker: {type: link, length_m: 0.3, BAR}}
+  joints:
+    a: {type: hinge, parent: ground, child: crank}
+    p: {type: hinge, parent: crank, child: block, parent_point_m: [0.1, 0], home_deg: -58.303}
+    d: {type: hinge, parent: ground, child: rocker, parent_point_m: [0, -0.2], home_deg: -58.303}
+  closures: {c: {type: slider, parent: rocker, child: block, parent_point_m: [0, 0.02]}}
+initial: {joints: {a: {angle_deg: -50, rate_rad_s: 2}}}
+""".replace("LINK", BAR).replace("BAR", "diameter_m: 0.01, density_kg_m3: 7700")
+    (closed,) = (joint for joint in scene_of(text).joints if joint.closes)
+    r, c, h, q, rate = 0.1, 0.2, 0.02, math.radians(50.0), -2.0
+    s = math.sqrt(r**2 + c**2 + 2.0 * r * c * math.sin(q) - h**2)
+    assert closed.start == pytest.approx(s, abs=1e-9)
+    assert closed.rate == pytest.approx(r * c * math.cos(q) * rate / s, abs=1e-9)
+    assert closed.axis is not None
+    np.testing.assert_allclose(closed.axis, [1.0, 0.0], atol=1e-12)  # along the rocker, in its frame
+
+
 def test_joints_that_follow_a_weld_are_kept() -> None:
     scene = scene_of(
         f"""

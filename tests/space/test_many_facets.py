@@ -137,3 +137,10 @@ def test_a_body_larger_than_any_is_refused(name: str) -> None:
         build(load({"model": model, "medium": "rft_generic"}))
     with pytest.raises(SceneError, match=r"model.bodies.foot: reaches .* is it in another unit than m\?"):
         build(load(foot(type="sphere", diameter_m=9e18)))
+
+
+def test_a_body_that_starts_farther_away_than_any_is_refused() -> None:
+    far = foot(type="sphere", diameter_m=0.1)
+    far["model"]["joints"]["fall"]["parent_point_m"] = [2e6, 0.0, 0.0]
+    with pytest.raises(SceneError, match=r"foot: starts at a distance of 2e\+06 m; allowed is less than 1e\+06 m"):
+        build(load(far))
