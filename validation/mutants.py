@@ -126,7 +126,7 @@ AREAS: dict[str, dict[str, tuple[str, ...]]] = {
         "mechanics/space/kinematics.py": (*_LINKS, "tests/space/test_scene_in_space.py", "tests/space/test_travel.py"),
     },
     "medium in space": {
-        "sand/kernels/facets.py": _FACETS,
+        "sand/kernels/facets.py": (*_FACETS, "tests/space/test_terrain.py", "tests/space/test_turning_in_space.py"),
         "sand/kernels/facet_parts.py": _FACETS,
         "sand/kernels/facet_slopes.py": (_FACETS[2],),
         "sand/kernels/space_bodies.py": (

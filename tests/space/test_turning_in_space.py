@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from scipy.spatial.transform import Rotation
-from support_space import Array, load_on, state
+from support_parts import called
+from support_space import SAND, Array, load_on, state
 
-from granular_contact import Box, Sphere
+from granular_contact import Box, Mesh, Sphere
 from granular_contact.laws.pressure_sinkage import PressureSinkage
 from granular_contact.laws.static_friction import Elastoplastic
+from granular_contact.sand.kernels.facets import spread_along
+from granular_contact.sand.space.facets import Size, of_rectangle, of_triangles, rows
 
 DIAMETER, DEPTH, SPIN = 0.04, 0.06, np.array([0.3, 0.4, 0.0])  # m, m, rad/s
 SHEARED = PressureSinkage(4e5, 1.0, 30.0, shear_deformation_modulus=0.02, plate_width=0.05)
@@ -38,6 +42,50 @@ def test_a_ball_that_turns_nearly_in_place_is_loaded_on_the_side_that_leads() ->
     for one, error in zip(others, (0.02, 0.06), strict=True):  # with the square of the size
         assert abs(one[2] / finest[2] - 1.0) < error
         assert np.linalg.norm(one[3:] - finest[3:]) < error * np.linalg.norm(finest[3:])
+
+
+def test_how_much_of_a_triangle_leads_does_not_depend_on_which_corner_comes_first() -> None:
+    """A wedge of large triangles that turn as fast as they slide, with each corner of its triangles as the first."""
+    corners = [[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.0, 0.06, 0.0], [0.02, 0.01, 0.05]]
+    faces = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
+    loads = [load_on(SAND, Mesh(corners, np.roll(faces, k, axis=1)), size=1.0) for k in range(3)]
+    rng = np.random.default_rng(3)
+    for _ in range(20):
+        turn, velocity, spin = (
+            Rotation.from_quat(rng.normal(size=4)),
+            0.1 * rng.normal(size=3),
+            3.0 * rng.normal(size=3),
+        )
+        q, v = state(np.array([0.0, 0.0, -0.04]), turn, velocity, spin)
+        forces = []
+        for load in loads:
+            load.start(q)
+            forces.append(load.force(q, v, np.zeros(7)))
+        scale = np.abs(forces[0]).max()
+        assert scale > 1.0
+        # Round-off: centroids are means of the same corners in another order.
+        np.testing.assert_allclose(forces[1:], [forces[0]] * 2, atol=1e-9 * scale)
+
+
+@pytest.mark.parametrize("form", ["triangle", "rectangle"])
+def test_the_spread_of_a_facet_is_that_of_an_even_one_with_its_variance(form: str) -> None:
+    """Spread s^2 = 3 mean((n . v - n . v_c)^2), by Gauss's rule of an exact order."""
+    rng = np.random.default_rng(5)
+    corner, a, b, q = rng.normal(size=(4, 3))
+    if form == "triangle":
+        flat = of_triangles(np.array([[corner, corner + a, corner + b]]))
+        weights, places = (
+            np.full(3, 1.0 / 3.0),
+            [(1.0 / 6.0, 1.0 / 6.0), (2.0 / 3.0, 1.0 / 6.0), (1.0 / 6.0, 2.0 / 3.0)],
+        )
+    else:
+        b, g = np.cross(a, b), 1.0 / np.sqrt(3.0)
+        flat = of_rectangle(corner, a, b, Size(np.inf))
+        weights, places = np.full(4, 0.25), [(g, g), (g, -g), (-g, g), (-g, -g)]
+    elements = rows(flat, np.zeros((0, 8)), thin=False)
+    along = np.array([np.cross(q, corner + x * a + y * b - flat.place[0]) @ flat.normal[0] for x, y in places])
+    s = np.linalg.norm(called(spread_along)(elements, 0, q))
+    assert s**2 == pytest.approx(3.0 * weights @ along**2, rel=1e-12)
 
 
 def test_a_ball_that_turns_far_in_a_step_is_loaded_as_in_short_steps() -> None:
