@@ -51,12 +51,8 @@ def test_how_much_of_a_triangle_leads_does_not_depend_on_which_corner_comes_firs
     loads = [load_on(SAND, Mesh(corners, np.roll(faces, k, axis=1)), size=1.0) for k in range(3)]
     rng = np.random.default_rng(3)
     for _ in range(20):
-        turn, velocity, spin = (
-            Rotation.from_quat(rng.normal(size=4)),
-            0.1 * rng.normal(size=3),
-            3.0 * rng.normal(size=3),
-        )
-        q, v = state(np.array([0.0, 0.0, -0.04]), turn, velocity, spin)
+        turn = Rotation.from_quat(rng.normal(size=4))
+        q, v = state(np.array([0.0, 0.0, -0.04]), turn, 0.1 * rng.normal(size=3), 3.0 * rng.normal(size=3))
         forces = []
         for load in loads:
             load.start(q)
@@ -74,10 +70,8 @@ def test_the_spread_of_a_facet_is_that_of_an_even_one_with_its_variance(form: st
     corner, a, b, q = rng.normal(size=(4, 3))
     if form == "triangle":
         flat = of_triangles(np.array([[corner, corner + a, corner + b]]))
-        weights, places = (
-            np.full(3, 1.0 / 3.0),
-            [(1.0 / 6.0, 1.0 / 6.0), (2.0 / 3.0, 1.0 / 6.0), (1.0 / 6.0, 2.0 / 3.0)],
-        )
+        near, far = 1.0 / 6.0, 2.0 / 3.0
+        weights, places = np.full(3, 1.0 / 3.0), [(near, near), (far, near), (near, far)]
     else:
         b, g = np.cross(a, b), 1.0 / np.sqrt(3.0)
         flat = of_rectangle(corner, a, b, Size(np.inf))
