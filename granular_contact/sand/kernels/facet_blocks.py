@@ -108,7 +108,7 @@ def lead(B, n, m):
         Q[4, k] = one
     if m.friction == SMOOTH:
         for k in range(n):
-            D[3, k] = math.tanh(math.sqrt(Q[0, k] ** 2 + Q[1, k] ** 2 + Q[2, k] ** 2) / rest)
+            D[3, k] = math.tanh(math.sqrt(Q[0, k] * Q[0, k] + Q[1, k] * Q[1, k] + Q[2, k] * Q[2, k]) / rest)
     for k in range(n):
         one = Q[4, k]
         s = spread(B, k, D[0, k], D[1, k], D[2, k], Q[3, k] * one)

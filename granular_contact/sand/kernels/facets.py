@@ -47,7 +47,7 @@ from granular_contact.sand.kernels.facet_blocks import (
 from granular_contact.sand.kernels.facet_parts import immersed_part
 from granular_contact.sand.kernels.ground import PLANE, surface_at
 from granular_contact.sand.kernels.space_friction import TINY
-from granular_contact.sand.kernels.vectors import cross
+from granular_contact.sand.kernels.vectors import cross, seen, turned
 
 COLUMNS = 18
 SIDE, FORM, CURVE = 14, 15, 16
@@ -59,18 +59,6 @@ def axes(pose):
     """Axes of a body as seen from the bed, row by row (9,), as numbers that stay in registers."""
     x, y, z = pose[0], pose[1], pose[2]
     return x[0], x[1], x[2], y[0], y[1], y[2], z[0], z[1], z[2]
-
-
-@part(inline=True)
-def turned(R, x, y, z):
-    """A vector (3,) of the frame of a body in that of the bed; R: its `axes`."""
-    return R[0] * x + R[1] * y + R[2] * z, R[3] * x + R[4] * y + R[5] * z, R[6] * x + R[7] * y + R[8] * z
-
-
-@part(inline=True)
-def seen(R, x, y, z):
-    """A vector (3,) of the frame of the bed in that of a body; R: its `axes`."""
-    return R[0] * x + R[3] * y + R[6] * z, R[1] * x + R[4] * y + R[7] * z, R[2] * x + R[5] * y + R[8] * z
 
 
 @part(inline=True)
@@ -110,7 +98,7 @@ def gather(elements, anchors, cluster, pose, ground, first, medium, B):
     R, x0, y0, z0, steep = axes(pose), pose[3, 0], pose[3, 1], pose[3, 2], ground[3]
     v, w = (pose[4, 0], pose[4, 1], pose[4, 2]), (pose[5, 0], pose[5, 1], pose[5, 2])
     # Seen from the body: how the depth grows, the angular velocity, the velocity.
-    d, q, own = seen(R, ground[1], ground[2], -1.0), seen(R, w[0], w[1], w[2]), seen(R, v[0], v[1], v[2])
+    d, q, own = seen(R, (ground[1], ground[2], -1.0)), seen(R, w), seen(R, v)
     depth = ground[0] + ground[1] * x0 + ground[2] * y0 - z0  # of the reference point
     mapped, plane = medium.heights != 0, room1(PLANE)
     high = highest(cluster, R, pose[3], ground, medium, plane) if mapped else 0.0
@@ -123,22 +111,22 @@ def gather(elements, anchors, cluster, pose, ground, first, medium, B):
         z = depth + d[0] * b[0] + d[1] * b[1] + d[2] * b[2]
         if not mapped and (z + elements[i, 3] * steep <= 0.0 or z + beyond_centre(elements[i], d) <= 0.0):
             continue
-        r = turned(R, b[0], b[1], b[2])
+        r = turned(R, b)
         if (mapped and high - z0 - r[2] + elements[i, 3] * steep <= 0.0) or elements[i, FORM] == RIM:
             continue
         e = x0 + r[0] - anchors[i, 0], y0 + r[1] - anchors[i, 1], z0 + r[2] - anchors[i, 2]
         u = moving(own, q, b)
         by_motion = elements[i, SIDE] == 0.0 or leads(elements, i, u, q, 1.0)
-        if not by_motion and not is_pulled(elements, i, u, seen(R, e[0], e[1], e[2]), q):
+        if not by_motion and not is_pulled(elements, i, u, seen(R, e), q):
             continue
         deeper = d
         if mapped:
             z = surface_at(x0 + r[0], y0 + r[1], ground, medium, plane) - z0 - r[2]
-            deeper = seen(R, plane[1], plane[2], -1.0)
+            deeper = seen(R, (plane[1], plane[2], -1.0))
         below = below_surface(elements, i, z, deeper, medium)
         if below[0] <= 0.0 or below[1] <= 0.0:
             continue
-        normal = turned(R, elements[i, 4], elements[i, 5], elements[i, 6])
+        normal = turned(R, (elements[i, 4], elements[i, 5], elements[i, 6]))
         note_motion(B, n, r, normal, v, w, e)
         note_spread(B, n, R, elements, i, q)
         B[ONE_SIDE, n], B[CENTRE, n], B[ROW, n] = elements[i, SIDE], z, i
@@ -155,7 +143,7 @@ def gather(elements, anchors, cluster, pose, ground, first, medium, B):
 @part
 def highest(cluster, R, x, ground, medium, plane):
     """Bound for the height (m) of a surface with a map over a cluster of a body at x (3,) m with the axes R."""
-    cx, cy, _ = turned(R, cluster.x, cluster.y, cluster.z)
+    cx, cy, _ = turned(R, (cluster.x, cluster.y, cluster.z))
     rise = math.sqrt(ground[3] * ground[3] - 1.0)
     return surface_at(x[0] + cx, x[1] + cy, ground, medium, plane) + rise * cluster.radius
 
@@ -212,7 +200,7 @@ def note_spread(B, n, R, elements, i, q):
         B[at, n], B[at + 1, n], B[at + 2, n] = 0.0, 0.0, 0.0
         if curve != 0.0:
             x, y, z = elements[i, first], elements[i, first + 1], elements[i, first + 2]
-            B[at, n], B[at + 1, n], B[at + 2, n] = turned(R, curve * x, curve * y, curve * z)
+            B[at, n], B[at + 1, n], B[at + 2, n] = turned(R, (curve * x, curve * y, curve * z))
 
 
 @part(inline=True)
@@ -220,9 +208,9 @@ def note_immersion(B, n, R, r, below):
     """Fill the mean depth and where the terms act, of a facet at r (3,) m; below: its moments, see `facet_parts`."""
     s, m, ox, oy, oz, px, py, pz = below
     one, two = 1.0 / m, 1.0 / s
-    x, y, z = turned(R, one * px, one * py, one * pz)
+    x, y, z = turned(R, (one * px, one * py, one * pz))
     B[Z, n], B[AT_FIRST, n], B[AT_FIRST + 1, n], B[AT_FIRST + 2, n] = m * two, r[0] + x, r[1] + y, r[2] + z
-    x, y, z = turned(R, two * ox, two * oy, two * oz)
+    x, y, z = turned(R, (two * ox, two * oy, two * oz))
     B[AT_SECOND, n], B[AT_SECOND + 1, n], B[AT_SECOND + 2, n] = r[0] + x, r[1] + y, r[2] + z
 
 
@@ -261,18 +249,18 @@ def add_up(B, n, W):
 def follow_facets(elements, anchors, cluster, pose, ground, medium, row):
     """`space_law.follow` of facets, of which most are above the surface and no deeper than one before them."""
     R, x, v, w, steep = axes(pose), pose[3], pose[4], pose[5], ground[3]
-    d, down = seen(R, ground[1], ground[2], -1.0), seen(R, 0.0, 0.0, -1.0)
+    d, down = seen(R, (ground[1], ground[2], -1.0)), seen(R, (0.0, 0.0, -1.0))
     mapped, plane = medium.heights != 0, room1(PLANE)
     high = highest(cluster, R, x, ground, medium, plane) if mapped else 0.0
     for i in range(elements.shape[0]):
         E = elements[i]
-        rx, ry, rz = turned(R, E[0], E[1], E[2])
+        rx, ry, rz = turned(R, (E[0], E[1], E[2]))
         px, py, pz = x[0] + rx, x[1] + ry, x[2] + rz
         ax, ay, az = px, py, pz
         z = high - pz if mapped else ground[0] + ground[1] * px + ground[2] * py - pz
         if mapped and (z + E[3] * steep > min(0.0, row[law.DEPTH]) or medium.count != 0):
             z = surface_at(px, py, ground, medium, plane) - pz
-            d = seen(R, plane[1], plane[2], -1.0)
+            d = seen(R, (plane[1], plane[2], -1.0))
         if z + E[3] * steep <= min(0.0, row[law.DEPTH]) and medium.count == 0:
             anchors[i, 0], anchors[i, 1], anchors[i, 2] = ax, ay, az
             continue
@@ -286,7 +274,7 @@ def follow_facets(elements, anchors, cluster, pose, ground, medium, row):
             row[law.SPEED] = max(row[law.SPEED], math.sqrt(vx * vx + vy * vy + vz * vz))
             ax, ay, az = law.drag_anchor(medium, ((px, py, pz), (anchors[i, 0], anchors[i, 1], anchors[i, 2])))
         if medium.count != 0:
-            n = turned(R, E[4], E[5], E[6])
+            n = turned(R, (E[4], E[5], E[6]))
             law.count(medium, (anchors, i, (px, py, pz), (ax, ay, az), n, deepest > 0.0))
         anchors[i, 0], anchors[i, 1], anchors[i, 2] = ax, ay, az
 

@@ -40,7 +40,7 @@ from granular_contact.jit.compiled import kernel, part
 from granular_contact.jit.memory import clear, copy, piece, room1, room2, rows
 from granular_contact.sand.kernels import space_law as law
 from granular_contact.sand.kernels.batches import gather
-from granular_contact.sand.kernels.facets import axes, seen
+from granular_contact.sand.kernels.facets import axes
 from granular_contact.sand.kernels.law import TERMS
 from granular_contact.sand.kernels.space_clusters import (
     DEEPEST,
@@ -52,6 +52,7 @@ from granular_contact.sand.kernels.space_clusters import (
     release,
 )
 from granular_contact.sand.kernels.space_coordinates import by_parameters
+from granular_contact.sand.kernels.vectors import seen
 
 view = law.BODIES.view
 
@@ -297,8 +298,8 @@ def write(W, term, turn, q, row, first):
     The latter stands in the row from `first` on.
     """
     R, x, y, z = axes(turn), q[0], q[1], q[2]
-    fx, fy, fz = seen(R, W[term, 0], W[term, 1], W[term, 2])
-    mx, my, mz = seen(R, W[term, 3], W[term, 4], W[term, 5])
+    fx, fy, fz = seen(R, (W[term, 0], W[term, 1], W[term, 2]))
+    mx, my, mz = seen(R, (W[term, 3], W[term, 4], W[term, 5]))
     row[first] += fx
     row[first + 1] += fy
     row[first + 2] += fz

@@ -10,8 +10,9 @@ import math
 from granular_contact.jit.compiled import part
 from granular_contact.jit.memory import room1
 from granular_contact.sand.kernels import space_law as law
-from granular_contact.sand.kernels.facets import axes, seen, turned
+from granular_contact.sand.kernels.facets import axes
 from granular_contact.sand.kernels.ground import PLANE, surface_at
+from granular_contact.sand.kernels.vectors import dot, seen, turned
 
 # Of proximity (bodies, 3): bounds of the depth of the deepest point (m) and of the speed at which one approaches the
 # surface (m/s), greatest depth so far (m).
@@ -21,7 +22,7 @@ DEEPEST, APPROACH, EVER = 0, 1, 2
 @part
 def depth_of(x, y, z, pose, ground, medium):
     """Depth (m) of a point (3,) m of a body, and where it is from the body's reference point, frame of the bed."""
-    rx, ry, rz = turned(axes(pose), x, y, z)
+    rx, ry, rz = turned(axes(pose), (x, y, z))
     height = surface_at(pose[3, 0] + rx, pose[3, 1] + ry, ground, medium, room1(PLANE))
     return height - pose[3, 2] - rz, rx, ry, rz
 
@@ -33,7 +34,8 @@ def bound(x, y, z, radius, pose, ground, medium, near):
     vx = pose[4, 0] + pose[5, 1] * z - pose[5, 2] * y
     vy = pose[4, 1] + pose[5, 2] * x - pose[5, 0] * z
     vz = pose[4, 2] + pose[5, 0] * y - pose[5, 1] * x
-    spin = math.sqrt(pose[5, 0] ** 2 + pose[5, 1] ** 2 + pose[5, 2] ** 2)
+    w = pose[5, 0], pose[5, 1], pose[5, 2]
+    spin = math.sqrt(dot(w, w))
     near[DEEPEST] = depth + radius * ground[3]
     near[APPROACH] = (math.sqrt(vx * vx + vy * vy + vz * vz) + spin * radius) * ground[3]
 
@@ -55,7 +57,7 @@ def reach_below(one, pose, ground, medium):
     depth = depth_of(one.x, one.y, one.z, pose, ground, medium)[0]
     if medium.heights != 0:
         return depth + one.radius * ground[3]
-    dx, dy, dz = seen(axes(pose), ground[1], ground[2], -1.0)
+    dx, dy, dz = seen(axes(pose), (ground[1], ground[2], -1.0))
     return depth + abs(dx) * one.along_x + abs(dy) * one.along_y + abs(dz) * one.along_z
 
 

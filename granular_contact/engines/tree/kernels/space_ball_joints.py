@@ -20,16 +20,13 @@ import math
 from granular_contact.engines.tree.kernels.space_rotations import (
     by_vector,
     chart,
-    dot,
     four,
     matrix_of,
     plus,
     product,
     quaternion,
-    seen,
     spin_of,
     times,
-    turned,
     vector,
 )
 from granular_contact.engines.tree.kernels.space_tree import LAST
@@ -38,7 +35,7 @@ from granular_contact.jit.memory import room1
 from granular_contact.jit.memory import rows as rows_of
 from granular_contact.mechanics.kernels.joint_laws import total
 from granular_contact.sand.kernels.lines import difference
-from granular_contact.sand.kernels.vectors import cross
+from granular_contact.sand.kernels.vectors import cross, dot, seen, turned
 
 SPRUNG, ELASTIC = 1, 2  # of a node's `acts`: what its ball joint has
 SMALL = 1e-2  # rad, below which c is taken from its series

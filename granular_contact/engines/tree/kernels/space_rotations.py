@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 
 from granular_contact.jit.compiled import part
-from granular_contact.sand.kernels.vectors import cross
+from granular_contact.sand.kernels.vectors import cross, dot
 
 SERIES = 0.1  # rad^2: squares of the angle below which coefficients are taken from series
 
@@ -65,32 +65,6 @@ def plus(a, b):
 def times(x, a):
     """X a."""
     return x * a[0], x * a[1], x * a[2]
-
-
-@part
-def dot(a, b):
-    """A . b."""
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
-@part
-def turned(R, a):
-    """R a; R: row by row (9,)."""
-    return (
-        R[0] * a[0] + R[1] * a[1] + R[2] * a[2],
-        R[3] * a[0] + R[4] * a[1] + R[5] * a[2],
-        R[6] * a[0] + R[7] * a[1] + R[8] * a[2],
-    )
-
-
-@part
-def seen(R, a):
-    """R^T a."""
-    return (
-        R[0] * a[0] + R[3] * a[1] + R[6] * a[2],
-        R[1] * a[0] + R[4] * a[1] + R[7] * a[2],
-        R[2] * a[0] + R[5] * a[1] + R[8] * a[2],
-    )
 
 
 @part

@@ -36,15 +36,13 @@ from granular_contact.engines.tree.kernels.space_rotations import (
     put,
     quaternion,
     rates_of,
-    seen,
     spin_of,
     times,
-    turned,
     unit,
     vector,
 )
 from granular_contact.jit.compiled import part
-from granular_contact.sand.kernels.vectors import cross
+from granular_contact.sand.kernels.vectors import cross, seen, turned
 
 HINGE, SLIDER, BALL = 0, 1, 2
 LAST = 2  # of the three nodes of a ball joint, the one with the body
