@@ -138,6 +138,7 @@ AREAS: dict[str, dict[str, tuple[str, ...]]] = {
             _FACETS[2],
             "tests/space/test_bodies_in_space.py",
             "tests/mujoco_door/test_mujoco_motion.py",
+            "tests/space/test_turning_in_space.py",
         ),
         "sand/kernels/bars.py": (_FACETS[2], _FACETS[0]),
         "sand/space/facets.py": ("tests/space/test_shapes_in_space.py", *_FACETS),

@@ -472,6 +472,20 @@ def test_depth_speed_and_lowest_point_are_those_of_the_points_of_a_body(
         assert abs(seen.speed[-1] - fastest) < off + 1e-9
 
 
+@pytest.mark.parametrize("name", ["rft3d", "lee_marghitu"])
+def test_forces_asked_for_again_at_a_place_are_those_of_the_velocity_there(name: str) -> None:
+    """What is kept of the last forces serves the same motion alone."""
+    motion, forces = Motion(3), []
+    q, v = motion.state(0.3)
+    for asked_before in (v, -v):
+        load = load_on(*PAIRS[name])
+        load.start(motion.state(0.29)[0])
+        load.force(q, asked_before, np.zeros(7))
+        forces.append(load.force(q, v, np.zeros(7)))
+    np.testing.assert_array_equal(*forces)
+    assert np.abs(load.force(q, -v, np.zeros(7)) - forces[0]).max() > 1e-3 * np.abs(forces[0]).max()
+
+
 def test_a_flat_body_close_above_the_surface_is_out_of_reach() -> None:
     # Its clusters are flat: spheres around them would reach 30 mm and more below it.
     load = load_on(SAND, Box((0.3, 0.2, 0.02)), 0.02)
@@ -480,8 +494,10 @@ def test_a_flat_body_close_above_the_surface_is_out_of_reach() -> None:
     load.accept(0.0, q, v)
     assert load.batches[0].proximity[0, 0] > 0.1  # (the sphere around the body, in the sand)
     assert not load.update_active(2e-3)
-    q[2] = 0.0105
     load.accept(1e-3, q, v)
+    assert load.history.depth[-1] == pytest.approx(-0.005, abs=1e-9)  # of its lower face, though none is looked at
+    q[2] = 0.0105
+    load.accept(2e-3, q, v)
     assert load.update_active(2e-3)
 
 

@@ -82,6 +82,21 @@ def test_the_spread_of_a_facet_is_that_of_an_even_one_with_its_variance(form: st
     assert s**2 == pytest.approx(3.0 * weights @ along**2, rel=1e-12)
 
 
+def test_what_a_bristle_below_half_its_yield_leads_knows_no_motion() -> None:
+    """Without damping: no place of a facet has slid, so that all of it is stretched alike, however its body turns."""
+    u_y = 1e-4  # m
+    load = load_on(SAND, Box((0.1, 0.07, 0.05)), size=1.0, static=Elastoplastic(u_y, 0.0))
+    rng = np.random.default_rng(11)
+    for _ in range(20):
+        turn, along = Rotation.from_quat(rng.normal(size=4)), rng.normal(size=3)
+        start, rest = state(np.array([0.0, 0.0, -0.04]), turn, np.zeros(3), np.zeros(3))
+        load.start(start)
+        q = start + 0.49 * u_y * np.array([*(along / np.linalg.norm(along)), 0.0, 0.0, 0.0, 0.0])
+        still = load.force(q, rest, np.zeros(7))
+        _, v = state(q[:3], turn, 0.01 * rng.normal(size=3), 0.3 * rng.normal(size=3))
+        np.testing.assert_allclose(load.force(q, v, np.zeros(7)), still, atol=1e-9 * np.abs(still).max())
+
+
 def test_a_ball_that_turns_far_in_a_step_is_loaded_as_in_short_steps() -> None:
     """The path of a step points where a facet went half a step before: away from what it slides along."""
     long, short = (spun(3e-3, step, fast=2.0) for step in (0.05, 0.001))
