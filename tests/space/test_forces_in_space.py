@@ -282,6 +282,22 @@ def test_tangent_is_that_of_differences(name: str, size: int) -> None:
     np.testing.assert_array_equal(load.force(q, v, np.zeros(size)), before)
 
 
+@pytest.mark.parametrize("slope", [(0.0, 0.0, 0.0), (0.4, -0.3, 0.0)], ids=["level", "slope"])
+def test_of_translations_the_tangent_knows_how_the_depth_changes(slope: tuple[float, float, float]) -> None:
+    """With bristles so soft that what depth does is seen: 2 % of the tangent is that of the slope."""
+    load, turn = load_on(*PAIRS["rft3d"], slope=slope, static=Elastoplastic(0.03, 0.0)), Rotation.random(random_state=7)
+    velocity = np.array([0.1, -0.05, -0.1])
+    start, v = state(np.array([0.0, 0.0, -0.03]), turn, velocity, np.zeros(3))
+    load.start(start)
+    q = start + 0.05 * v  # to a fourth of the yield displacement
+    entries, found, d = load.tangent(q, v, 1.0, 0.0).copy(), np.zeros((7, 7)), 1e-8
+    np.add.at(found, (entries[:, 0].astype(int), entries[:, 1].astype(int)), entries[:, 2])
+    ahead, behind = (np.array([load.force(q + s * e, v, np.zeros(7)) for e in np.eye(7)[:3]]).T for s in (d, -d))
+    expected = (ahead - behind) / (2.0 * d)
+    # Differences of forces over 2e-8 m of depths of 3 cm: 1e-5 of them.
+    np.testing.assert_allclose(found[:, :3], expected, atol=1e-4 * np.abs(expected).max())
+
+
 def test_a_state_with_gaps_in_its_array_compiles_nothing() -> None:
     medium, shape = PAIRS["rft3d"]
     load, q = load_on(medium, shape), np.array([0.0, 0.0, -0.03, 1.0, 0.0, 0.0, 0.0])
