@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -12,6 +14,8 @@ from granular_contact import Box, Mesh, Sphere
 from granular_contact.laws.pressure_sinkage import PressureSinkage
 from granular_contact.laws.static_friction import Elastoplastic
 from granular_contact.sand.kernels.facets import spread_along
+from granular_contact.sand.kernels.friction import ELASTOPLASTIC, SWITCH, sliding
+from granular_contact.sand.kernels.space_friction import FAST, factors_of_facet
 from granular_contact.sand.space.facets import Size, of_rectangle, of_triangles, rows
 
 DIAMETER, DEPTH, SPIN = 0.04, 0.06, np.array([0.3, 0.4, 0.0])  # m, m, rad/s
@@ -80,6 +84,21 @@ def test_the_spread_of_a_facet_is_that_of_an_even_one_with_its_variance(form: st
     along = np.array([np.cross(q, corner + x * a + y * b - flat.place[0]) @ flat.normal[0] for x, y in places])
     s = np.linalg.norm(called(spread_along)(elements, 0, q))
     assert s**2 == pytest.approx(3.0 * weights @ along**2, rel=1e-12)
+
+
+def test_a_bristle_that_is_dragged_far_leans_towards_the_motion() -> None:
+    """Its stretch, q less what tau v adds, is along (1 - f) e / |e| + f v / |v| and at most u_y (`space_friction`)."""
+    m, rng = SimpleNamespace(friction=ELASTOPLASTIC, u_y=1e-3, tau=2e-3), np.random.default_rng(2)
+    for size in (3e-4, 2e-3, 0.03) * 10:
+        e, v = size * rng.normal(size=3), 0.3 * rng.normal(size=3)
+        h, speed = np.linalg.norm(e), np.linalg.norm(v)
+        cosine = max(0.0, float(e @ v) / (h * speed))
+        f = cosine * (1.0 - min(1.0, m.u_y / h)) * speed / (speed + FAST * m.u_y / SWITCH)
+        leaning = (1.0 - f) * e / h + f * v / speed
+        by_e, by_v, _ = factors_of_facet(tuple(e), tuple(v), m)
+        tau = m.tau + cosine * (sliding(min(h, m.u_y), m) - m.tau)
+        expected = min(h, m.u_y) * leaning / np.linalg.norm(leaning)
+        np.testing.assert_allclose(by_e * e + (by_v - tau) * v, expected, atol=1e-12 * m.u_y)
 
 
 def test_what_a_bristle_below_half_its_yield_leads_knows_no_motion() -> None:
