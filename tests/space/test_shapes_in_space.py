@@ -12,6 +12,7 @@ from support_space import BODY, PLAY, SAND, load_on, message
 
 from granular_contact import Bar, Box, Capsule, Cone, Cylinder, Mesh, Plate, Poncelet, Rft, Sphere
 from granular_contact.geometry.mesh import areas
+from granular_contact.sand.space.facets import Size
 from granular_contact.sand.space.load import SpatialLoad
 
 D, H = 0.1, 0.15
@@ -194,3 +195,14 @@ def test_what_can_not_be_is_told() -> None:
     assert "rotation: got" in message(load.add_shape, BODY, Plate((0.1, 0.1)), rotation=np.diag([1, 1, -1]))
     assert "position: got [0, 0]" in message(load.add_shape, BODY, Plate((0.1, 0.1)), [0, 0])
     assert "facet_size: got 0" in message(load.add_shape, BODY, Plate((0.1, 0.1)), facet_size=0)
+
+
+@pytest.mark.parametrize("shape", [Cone(0.08, 0.06), Cylinder(0.08, 0.06)], ids=["cone", "cylinder"])
+def test_patches_around_a_side_turn_no_farther_than_asked(shape: Cone | Cylinder) -> None:
+    """Around the tip of a cone as well, where as many as their edges ask for would be four."""
+    facets = shape.facets_of(Size(edge=0.02, turn=0.12))
+    facets = facets.taken(np.abs(facets.normal[:, 2]) < 0.99)
+    side, heights = facets.normal, np.round(facets.place[:, 2], 9)
+    for z in np.unique(heights):
+        around = np.sort(np.arctan2(side[heights == z, 1], side[heights == z, 0]))
+        assert np.diff(around).max() <= 0.12
