@@ -5,7 +5,8 @@ A kernel is numba's `njit`. A part stays the function of Python that it is, of w
 each part, a tenth of all compiling. Python would run a part as it is written; one that calls by address (`calls`) it
 can't. Both are kept on disk. A division by zero gives an infinite number or none, as in numpy, and no exception, whose
 text and branches would be compiled with every quotient. Neither is a C function as well, which would be compiled with
-each of them, a tenth of all compiling: what is called by address is one (`calls`).
+each of them, a tenth of all compiling: what is called by address is one (`calls`). A product and a sum may be rounded
+as one, where the processor can (LLVM's "contract"): runs in space take 4 to 9 % less.
 
 Nobody counts references to arrays (numba's option `_nrt`), as arrays outlive the call that they are passed to. Counted,
 a run of a tree takes 8 to 12 % longer. So a function that makes arrays has to say so, and none gives an array back.
@@ -26,7 +27,7 @@ from numba.extending import register_jitable
 from granular_contact.jit import compiling
 
 COMPILES = not config.DISABLE_JIT
-PLAIN = {"error_model": "numpy"}
+PLAIN = {"error_model": "numpy", "fastmath": {"contract"}}
 BY_KERNELS = {"no_cfunc_wrapper": True}  # of what kernels call
 _parts: set[Any] = set()
 compiling.listen()
