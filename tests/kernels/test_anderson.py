@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from granular_contact.mechanics.kernels import anderson
 from granular_contact.mechanics.kernels.iterations import ITERATIONS, room
-from granular_contact.mechanics.kernels.numerics import CONTRACTION
+from granular_contact.mechanics.kernels.numerics import CONTRACTION, REGULARISATION
 
 UNKNOWNS = 4
 OF_Q, OF_V = 1e-6, 1e-3
@@ -86,6 +86,15 @@ def test_an_iteration_that_contracts_too_little_asks_for_a_jacobian() -> None:
         assert not system.lead(system.a + direction, 0.0)
         assert system.lead(system.a + ratio * direction, 0.0) == slow
         assert not system.lead(system.a + direction, 0.0, jacobians=2)
+
+
+def test_one_that_goes_back_keeps_its_jacobian() -> None:
+    """It passed the solution by four times what it was away: where it goes on lies between the two, by the secant."""
+    direction = np.ones(UNKNOWNS)
+    system = Iterations()
+    system.lead(system.a + direction, 0.0)
+    assert not system.lead(system.a - 4.0 * direction, 0.0)
+    assert np.allclose(system.a, direction / 5.0, atol=5.0 * REGULARISATION)  # of a way of 5
 
 
 def test_a_step_begins_with_the_last_accelerations_and_multipliers() -> None:

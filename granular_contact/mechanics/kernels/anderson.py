@@ -127,14 +127,18 @@ def extrapolate(w, c):
 
 
 @part
-def distance(w):
-    """Distance (m/s2) of the present accelerations from where the iteration began; its parts: row CHANGE of `kept`."""
+def last_change(w):
+    """Size (m/s2) of the change of the iteration, and whether it goes back on the one before.
+
+    Its parts come into row CHANGE of `kept`, in place of those of the one before.
+    """
     a, lever, kept = w.a, w.lever, w.kept
-    square = 0.0
+    square, along = 0.0, 0.0
     for i in range(a.shape[0]):
-        kept[CHANGE, i] = lever[i] * (a[i] - kept[FROM, i])
-        square += kept[CHANGE, i] ** 2
-    return math.sqrt(square)
+        change = lever[i] * (a[i] - kept[FROM, i])
+        square, along = square + change * change, along + change * kept[CHANGE, i]
+        kept[CHANGE, i] = change
+    return math.sqrt(square), along < 0.0
 
 
 @part
@@ -152,7 +156,8 @@ def keep_as(w, to):
 def accelerate(words, jacobians):
     """Move to where the next iteration starts; whether the last one contracted too little, for a new Jacobian.
 
-    jacobians: how many were computed so far.
+    Not of one that goes back: the one before has passed the solution, as resistance grew on the way to it. Its Jacobian
+    had the direction, and of how far to go the two know more than a new one. jacobians: how many were computed so far.
     """
     w = view(words)
     number, of = w.number, w.of
@@ -163,8 +168,8 @@ def accelerate(words, jacobians):
         keep_pair(w, number[NEXT])
         number[NEXT] = (number[NEXT] + 1) % DEPTH
         number[PAIRS] = min(number[PAIRS] + 1, DEPTH)
-    change = distance(w)
-    slow = change > CONTRACTION * of[SIZE]
+    change, goes_back = last_change(w)
+    slow = change > CONTRACTION * of[SIZE] and not goes_back
     keep_as(w, LED)
     number[FOLLOWS] = 1
     of[SIZE] = change
