@@ -52,6 +52,20 @@ def test_the_force_is_continuous_where_a_face_leads_by_its_turn_alone() -> None:
     np.testing.assert_allclose(force(-1e-12), force(1e-12), atol=1e-5)
 
 
+def test_the_force_is_continuous_where_the_middle_of_a_facet_comes_to_rest_as_its_body_turns() -> None:
+    """There the velocity of the middle has any direction, and only other places of the facet slide."""
+    load = load_on(SAND, Box((0.1, 0.07, 0.05)), size=1.0, static=Elastoplastic(1e-5, 1e-3))  # a facet a face
+    load.start(state(np.array([0.0, 0.0, -0.04]), Rotation.identity(), np.zeros(3), np.zeros(3))[0])
+    middle, spin = np.array([0.05, 0.0, 0.0]), np.array([0.0, 0.2, 0.1])  # of the face ahead
+
+    def force(x: float) -> Array:
+        velocity = np.array([x, 0.0, 0.0]) - np.cross(spin, middle)
+        return load.force(*state(np.array([2e-5, 0.0, -0.04]), Rotation.identity(), velocity, spin), np.zeros(7))
+
+    # Some 100 N over STILL u_y / T, 1e-4 m/s, are 1e6 N per m/s.
+    np.testing.assert_allclose(force(-1e-12), force(1e-12), atol=1e-5)
+
+
 def _way(rng: np.random.Generator, aside: float, fast: float) -> tuple[Array, Callable[[float], tuple[Array, Array]]]:
     """Coordinates where bristles are at rest, so far aside (m), and coordinates and rates (7,) at s in [0, 1].
 
