@@ -43,9 +43,10 @@ def model_of(scene: Any, step: float) -> Any:
     if spec.strippath:  # as old versions of MuJoCo read a URDF: without the folders of its meshes
         spec.meshdir = "meshes"
     spec.worldbody.first_body().add_freejoint()
-    mirrored = spec.find_body("leg_front_right").first_geom().meshname
+    bodies = {body.name: body for body in spec.bodies}
+    mirrored = bodies["leg_front_right"].first_geom().meshname
     for row in ("middle", "rear"):
-        spec.find_body(f"leg_{row}_right").first_geom().meshname = mirrored
+        bodies[f"leg_{row}_right"].first_geom().meshname = mirrored
     spec.option.timestep, spec.option.integrator = step, mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     spec.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
     for drive in scene.drives:
