@@ -132,7 +132,11 @@ class _Step:
     def __init__(self, at: _Known, h: float, off: Vector, rates: Vector, other: GranularLoad) -> None:
         self.at, self.now, self.chart, self.h, self.other = at, at.now, at.chart, h, other
         self.M, self.masses = at.M, np.diag(at.M)
-        self.x, self.rate = np.linalg.solve(at.M, at.momenta.T @ np.column_stack([off, rates])).T
+        momenta = at.momenta.T @ np.column_stack([off, rates])
+        try:
+            self.x, self.rate = np.linalg.solve(at.M, momenta).T
+        except np.linalg.LinAlgError:  # round-off leaves nothing of a mass beside that of what hangs on it
+            self.x, self.rate = np.linalg.lstsq(at.M, momenta)[0].T
 
     def missing(self, rate: Vector) -> tuple[Vector, float, Vector]:
         """Impulses (d,) that are missing at a rate, their square over the masses, and where that is."""

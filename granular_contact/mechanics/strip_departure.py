@@ -17,7 +17,7 @@ from granular_contact.mechanics.kinematics import Kinematics
 from granular_contact.sand.contact_lines import ELEMENTS_PER_LINE, Body, ContactLine, beam, coarser
 from granular_contact.sand.load import GranularLoad
 from granular_contact.sand.of_scene import lines_of, load_of, section
-from granular_contact.scene.workspace import immersible
+from granular_contact.scene.workspace import immersible, immersible_elements
 
 OF_JOINED, OF_HALVED = 1.0 / 3.0, 4.0 / 3.0
 GLANCE, LOOK = 24, 160  # of the motion at which its departure is followed: a glance, and a look
@@ -56,10 +56,11 @@ def _load(observer: Kinematics, split: int = 1) -> GranularLoad:
         lines += lines_of(on, shape, strips.strips_per_rigid_part, split)
     for name, handle in system.links.items():
         link, nodes = handle.link, np.array(observer.nodes(name), np.int64)
+        reaching = immersible_elements(scene.bed, link)
         lines += beam(
             name,
-            nodes,
-            [link.length / link.elements] * link.elements,
+            nodes[reaching.start : reaching.stop + 1],
+            [link.length / link.elements] * len(reaching),
             strips_per_element=split * strips.strips_per_element,
             free_end=link.free,
             elements_per_line=link.elements if whole else ELEMENTS_PER_LINE,

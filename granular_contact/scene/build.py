@@ -106,6 +106,7 @@ def _built(scenario: schema.Scenario) -> Scene:
     placed = bed(scenario, [end.world - (0.0, end.drop) for end in ends], faults)
     if rigid or links:
         faults += _nothing_to_act_on(scenario, ends)
+        faults += _massless(rigid)
     else:
         faults.append(scene_fault("model.joints", "every body is welded to the ground, so nothing can move"))
     if faults:
@@ -209,6 +210,13 @@ def _motion_faults(scenario: schema.Scenario) -> Iterator[Fault]:
             yield scene_fault(
                 f"initial.{key}", f"got {speed:g}, but no hinge joins the model to the ground: allowed is 0"
             )
+
+
+def _massless(rigid: tuple[RigidBody, ...]) -> Iterator[Fault]:
+    """Faults of bodies so small and light that the product of both is no number above 0."""
+    for body in rigid:
+        if not body.mass > 0.0:
+            yield scene_fault(f"model.bodies.{body.name}", "got a mass of 0 kg by its shapes; allowed is more")
 
 
 def _joint_faults(layout: Layout) -> Iterator[Fault]:

@@ -40,7 +40,8 @@ def merged(masses: Iterable[Mass]) -> Mass:
     """Several masses as one, about their common centre."""
     parts = list(masses)
     mass = sum(part.mass for part in parts)
-    center: Vector = sum((part.mass * part.center for part in parts), np.zeros(2)) / mass
+    with np.errstate(invalid="ignore"):  # without a mass, which is refused, there is none
+        center: Vector = sum((part.mass * part.center for part in parts), np.zeros(2)) / mass
     inertia = sum(part.inertia + part.mass * float(np.sum((part.center - center) ** 2)) for part in parts)
     return Mass(mass, center, inertia)
 

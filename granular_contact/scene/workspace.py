@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from itertools import pairwise
+
+import numpy as np
 
 from granular_contact.scene.bed import Bed
 from granular_contact.scene.parts import FlexibleLink, RigidBody, Shape
@@ -32,3 +35,10 @@ def can_be_immersed(bed: Bed, body: RigidBody, shape: Shape, depth: float = 0.0)
 def immersible(bed: Bed, bodies: Iterable[RigidBody], depth: float = 0.0) -> list[tuple[RigidBody, Shape]]:
     """All shapes that the medium deeper than `depth` (m) may act on, with their bodies."""
     return [(body, shape) for body in bodies for shape in body.shapes if can_be_immersed(bed, body, shape, depth)]
+
+
+def immersible_elements(bed: Bed, link: FlexibleLink) -> range:
+    """Elements of a link that bends, from the first to the last that can get below the surface."""
+    places = np.linspace(0.0, link.length, link.elements + 1)
+    near = [can_get_below(bed, link, np.array([[a, 0.0], [b, 0.0]])) for a, b in pairwise(places)]
+    return range(near.index(True), len(near) - near[::-1].index(True)) if any(near) else range(0)

@@ -9,7 +9,7 @@ from support_runs import FOUR_BAR, scene_of
 from granular_contact.mechanics import strip_error as module
 from granular_contact.mechanics.freedoms import freedoms
 from granular_contact.mechanics.kinematics import Kinematics
-from granular_contact.run import begin
+from granular_contact.run import begin, run
 
 FOUR_BAR_FALLS = FOUR_BAR + "medium: play_sand\nsurface_height_m: -0.3\nsolver: {end_time_s: 0.1}\n"
 
@@ -86,3 +86,38 @@ def test_both_methods_find_the_same_error() -> None:
     # The two motions differ by what Newton's method leaves.
     assert found[0] == pytest.approx(found[1], rel=0.2)
     assert found[0] > 2e-4
+
+
+def test_a_link_that_bends_and_reaches_nothing_takes_no_part_in_the_estimate() -> None:
+    """It has a shape on which this medium does not act, as it need not."""
+    text = """
+model:
+  name: ball with a tail
+  bodies:
+    hub: {type: rigid, density_kg_m3: 7700, shapes: [{type: sphere, diameter_m: 0.15, center_m: [0.075, -0.065]}]}
+    tail: {type: link, length_m: 0.04, diameter_m: 0.03, density_kg_m3: 200,
+      flexible: {bending_stiffness_N_m2: 0.1, elements: 4}}
+  joints: {pivot: {type: hinge, parent: ground, child: hub}, clamp: {type: weld, parent: hub, child: tail}}
+initial: {impact_angle_deg: 80}
+medium: {law: katsuragi_durian, stiffness_N_m: 3700, drag_length_m: 0.54}
+surface_height_m: -0.12
+solver: {end_time_s: 0.02, step_s: 1.0e-4}
+"""
+    assert run(scene_of(text)).status.code == "end_time"
+
+
+@pytest.mark.parametrize("method", ["minimal", "engine"])
+def test_a_mass_that_round_off_hides_behind_another_does_not_end_the_estimate(method: str) -> None:
+    """Its matrix of masses is singular to round-off."""
+    text = """
+model:
+  name: heavy on light
+  bodies:
+    light: {type: link, length_m: 0.05, diameter_m: 0.02, density_kg_m3: 1.0e-9}
+    heavy: {type: link, length_m: 0.1, width_m: 1.0e+9, thickness_m: 0.007, density_kg_m3: 1200}
+  joints: {a: {type: hinge, parent: ground, child: light}, b: {type: hinge, parent: light, child: heavy}}
+initial: {joints: {a: {angle_deg: -120, rate_rad_s: -0.4}, b: {angle_deg: 100, rate_rad_s: -5}}}
+medium: {law: drft, zeta: 2.0, density_kg_m3: 600, lambda: 0, surface_drop_m: 0.01}
+solver: {end_time_s: 0.012, step_s: 6.0e-4}
+"""
+    assert run(scene_of(text, f"method={method}")).status.code == "end_time"

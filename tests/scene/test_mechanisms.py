@@ -411,3 +411,11 @@ def test_a_slider_on_a_flexible_link_is_refused() -> None:
     knee = "model.joints.knee={type: slider, parent: thigh, child: shank, parent_point_m: [0.1, 0]}"
     (fault,) = faults_of(LEG, flexible, knee)
     assert fault.key == "model.joints.knee.parent"
+
+
+def test_a_body_whose_mass_is_too_small_for_a_number_is_refused() -> None:
+    text = LEG.replace(
+        f"shank: {{type: link, {BAR}}}", "shank: {type: link, length_m: 1.0e-308, diameter_m: 0.003, density_kg_m3: 1}"
+    )
+    (fault,) = faults_of(text)
+    assert (fault.key, fault.message) == ("model.bodies.shank", "got a mass of 0 kg by its shapes; allowed is more")

@@ -19,7 +19,7 @@ from granular_contact.mechanics.mass_and_gravity import gravity_loads
 from granular_contact.mechanics.system import LinkHandle, RigidHandle, System
 from granular_contact.scene.parts import FlexibleLink, RigidBody, rotation
 from granular_contact.scene.types import Scene, Vector
-from granular_contact.scene.workspace import can_get_below, immersible
+from granular_contact.scene.workspace import immersible, immersible_elements
 
 if TYPE_CHECKING:
     from granular_contact.engines.exudyn.coupling import Coupling
@@ -136,8 +136,8 @@ def _granular_load(system: System) -> Coupling | None:
     if scene.bed is None or not scene.media:
         return None
     shapes = immersible(scene.bed, scene.rigid)
-    cables = [(handle, _reaching_elements(scene, handle)) for handle in system.links.values()]
-    if not shapes and not any(elements for _, elements in cables):
+    cables = [(handle, immersible_elements(scene.bed, handle.link)) for handle in system.links.values()]
+    if not shapes and not any(reaching for _, reaching in cables):
         return None
     from granular_contact.engines.exudyn.coupling import Coupling
     from granular_contact.sand.of_scene import lines_of, load_of, section
@@ -148,19 +148,9 @@ def _granular_load(system: System) -> Coupling | None:
     load, strips = coupling.load, scene.load
     for body, shape in shapes:
         load.add(lines_of(coupling.body(system.rigid[body.name].object), shape, strips.strips_per_rigid_part))
-    for handle, elements in cables:
-        if elements:
+    for handle, reaching in cables:
+        if reaching:
             link, each = handle.link, strips.strips_per_element
+            elements = handle.elements[reaching.start : reaching.stop]
             coupling.cables(elements, link.name, each, link.free, in_space=False, **section(link))
     return coupling
-
-
-def _reaching_elements(scene: Scene, handle: LinkHandle) -> tuple[int, ...]:
-    """Elements of a link from the first to the last that can reach the surface."""
-    places = np.linspace(0.0, handle.link.length, handle.link.elements + 1)
-    assert scene.bed is not None
-    ends = [(np.array([a, 0.0]), np.array([b, 0.0])) for a, b in pairwise(places)]
-    near = [can_get_below(scene.bed, handle.link, np.array(pair)) for pair in ends]
-    if not any(near):
-        return ()
-    return handle.elements[near.index(True) : len(near) - near[::-1].index(True)]
