@@ -8,8 +8,8 @@ the run after, and the functions compiled, those that others need among them. Th
 plane; then come other laws, shapes and scenes in space. *further law* is a shape that a scene before it had, with
 another law.
 
-The bounds are 25 CPU s for the first run, 8 for each further law or shape. A processor's clock decides on them, too:
-where it has two speeds, say which it was.
+The bounds are 25 CPU s for the first run, 8 for each further law or shape, and 10 for the first robot in space, which
+brings a method of solution with it. A processor's clock decides on them, too: where it has two speeds, say which.
 """
 
 from __future__ import annotations
@@ -27,7 +27,8 @@ sys.path.insert(0, str(HERE.parent))
 from validation.study import Claim, Outcome, script
 from validation.tables import markdown
 
-FIRST, FURTHER = 25.0, 8.0  # CPU s
+FIRST, FURTHER, ROBOT = 25.0, 8.0, 10.0  # CPU s
+IN_SPACE = "robot in space, rft3d"
 # What is new in a scene, its config, what is set in it.
 SCENES: tuple[tuple[str, str, tuple[str, ...]], ...] = (
     ("first run: round bar that bends, lee_marghitu", "pendulum", ()),
@@ -36,7 +37,7 @@ SCENES: tuple[tuple[str, str, tuple[str, ...]], ...] = (
     ("plates, rft", "runner", ()),
     ("further law: plates, drft", "walker", ("medium=quikrete_play_sand_rft",)),
     ("wheel, pressure and sinkage", "wheel", ()),
-    ("robot in space, rft3d", "hexapod", ()),
+    (IN_SPACE, "hexapod", ()),
     ("further law: robot, rft", "hexapod", ("medium=rft_generic",)),
     ("layers in space", "thin_sand", ()),
     ("shapes that turn in space", "screw", ()),
@@ -93,15 +94,15 @@ def study(quick: bool) -> Outcome:
             spent, functions = measure(cache, config, overrides)
             seconds.append(spent)
             rows.append([new, " ".join([config, *overrides]), f"{spent:.1f}", functions])
-    over = [row[0] for row, spent in zip(rows[1:], seconds[1:], strict=True) if spent > FURTHER]
+    further = {row[0]: spent for row, spent in zip(rows, seconds, strict=True)}
+    first, robot = further.pop(SCENES[0][0]), further.pop(IN_SPACE)
+    over = [new for new, spent in further.items() if spent > FURTHER]
     told = f"; over it: {'; '.join(over)}" if over else ""
+    most = max(further.values(), default=0.0)
     claims = (
-        Claim("compile_cost.first_run", seconds[0] <= FIRST, f"{seconds[0]:.1f} CPU s ({FIRST:g} asked)"),
-        Claim(
-            "compile_cost.each_further",
-            not over,
-            f"at most {max(seconds[1:]):.1f} CPU s ({FURTHER:g} asked){told}",
-        ),
+        Claim("compile_cost.first_run", first <= FIRST, f"{first:.1f} CPU s ({FIRST:g} asked)"),
+        Claim("compile_cost.first_robot_in_space", robot <= ROBOT, f"{robot:.1f} CPU s ({ROBOT:g} asked)"),
+        Claim("compile_cost.each_further", not over, f"at most {most:.1f} CPU s ({FURTHER:g} asked){told}"),
     )
     return Outcome(markdown(["new", "scene", "CPU s", "functions"], rows), claims)
 
