@@ -17,7 +17,8 @@ dragged much farther than u_y therefore leans towards v: the direction of e is t
     (1 - f) e / |e| + f v / |v|,    f = cos(e, v) (1 - u_y / |p - anchor|) |v| / (|v| + FAST u_y / T).
 
 Without u_y / T both would jump where a body comes to rest. So would the first where the middle of a facet does as its
-body turns, since cos(e, v) is any number there: what it has beside the damping time counts |v| / (|v| + STILL u_y / T).
+body turns, since cos(e, v) is any number there: what it has beside the damping time is taken times
+v^2 / (v^2 + w^2) with w = STILL u_y / T.
 """
 
 from __future__ import annotations
@@ -31,8 +32,8 @@ from granular_contact.sand.kernels.planar_friction import radial_return
 TINY = 1e-300  # so that nothing is divided by zero where nothing is stretched, or at rest
 # With 1 a hexapod at long steps takes a quarter more iterations, with 10 a ball that spins in place is 0.9 % off.
 FAST = 5.0
-# With 0.1 that ball is twice as far off, and with none the force on a slow facet jumps by a third.
-STILL = 0.03
+# With none the force on a slow facet jumps by a third; that ball is as far off up to 0.1, and by a tenth more with 0.3.
+STILL = 0.1
 
 
 @part
@@ -76,7 +77,8 @@ def factors_of_facet(e, v, m):
     tau = m.tau + slides * (sliding(min(h, m.u_y), m) - m.tau) + k * h * leans
     k *= 1.0 - f
     differs = tau - m.tau + slides * k * h / (speed + slow) * min(1.0, max(0.0, 2.0 * h / m.u_y - 1.0))
-    return k, tau, m.tau + speed / (speed + STILL * slow) * differs
+    moves = speed * speed / (speed * speed + (STILL * slow) ** 2)
+    return k, tau, m.tau + moves * differs
 
 
 @part
