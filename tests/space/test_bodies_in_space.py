@@ -58,7 +58,6 @@ class Thrown:
         settings.timeIntegration.endTime = self.time
         settings.timeIntegration.numberOfSteps = round(duration / step)
         settings.timeIntegration.newton.useModifiedNewton = True
-        settings.timeIntegration.newton.absoluteTolerance = 1e-6  # the engine's 1e-10 N is below round-off
         settings.timeIntegration.generalizedAlpha.spectralRadius = 0.7
         settings.timeIntegration.verboseMode = 0
         self.mbs.SolveDynamic(settings, updateInitialValues=True)
