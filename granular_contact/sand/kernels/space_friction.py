@@ -77,8 +77,8 @@ def factors_of_facet(e, v, m):
     tau = m.tau + slides * (sliding(min(h, m.u_y), m) - m.tau) + k * h * leans
     k *= 1.0 - f
     differs = tau - m.tau + slides * k * h / (speed + slow) * min(1.0, max(0.0, 2.0 * h / m.u_y - 1.0))
-    moves = speed * speed / (speed * speed + (STILL * slow) ** 2)
-    return k, tau, m.tau + moves * differs
+    square, w = speed * speed, STILL * slow
+    return k, tau, m.tau + square / (square + w * w) * differs
 
 
 @part
