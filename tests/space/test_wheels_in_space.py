@@ -114,6 +114,17 @@ def test_a_smooth_wheel_is_a_cylinder_and_grousers_add_what_they_weigh() -> None
     assert part.wheel.radius == pytest.approx(RADIUS + 0.002)
 
 
+@pytest.mark.parametrize(("count", "height"), [(12, 8e-3), (16, 8e-3), (5, 2e-3)])
+def test_every_facet_of_a_wheel_with_grousers_has_an_area_and_a_normal(count: int, height: float) -> None:
+    """Of twelve teeth corners are in a row but for round-off: triangles between them would have neither."""
+    wheel = {"radius_m": 0.06, "width_m": 0.04, "grousers": {"count": count, "height_m": height, "thickness_m": 3e-3}}
+    (part,) = build(load(rig(wheel))).body("rim").parts
+    made = part.shape.facets(0.01)
+    assert np.all(made.area > 0.0)
+    assert np.linalg.norm(made.normal, axis=1) == pytest.approx(1.0, abs=1e-12)
+    assert np.abs(made.area @ made.normal).max() < 1e-12  # m2: the surface is closed
+
+
 def test_grousers_that_do_not_fit_are_refused() -> None:
     with pytest.raises(ConfigError, match=r"grousers\.thickness_m: got 0\.05; allowed is at most 0\.0353"):
         load(rig({"grousers": {"count": 8, "height_m": 0.006, "thickness_m": 0.05}}))

@@ -139,6 +139,7 @@ class Extrusion(Mesh):
         # Counter-clockwise in x and z is seen from -y: the first end looks there.
         faces = np.concatenate([self.ends, self.ends[:, ::-1] + n, sides])
         super().__init__(np.concatenate([right, left]), faces, scale=1.0, thin=thin, name=name)
+        self.ends = self.ends[~mesh.without_area(self.vertices, self.ends)]  # between corners in a row: no normal
 
     def facets(self, size: float | None = None, accuracy: float | None = None, share: float = 1.0) -> Facets:
         """As `Shape.facets`; the ends of triangles."""
