@@ -6,14 +6,13 @@ One path with runs in one call: both go on by the same solve, which here pauses 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from granular_contact.config import Given, Scenario, scenario_to_dict
-from granular_contact.config.differences import differing_keys
+from granular_contact.config import Given, scenario_to_dict
 from granular_contact.control_values import ControlValues
 from granular_contact.controllers import Controller, Controls, checked_rate, finite, steer
 from granular_contact.errors import ControlError, ControllerError
@@ -24,30 +23,10 @@ from granular_contact.results.observed import Observations
 from granular_contact.results.stopping import ended, paused
 from granular_contact.run import Begun, Solving, begin, kernels_of, scenario_of
 from granular_contact.scene.build import build
-from granular_contact.scene.drives import Beyond
 from granular_contact.scene.types import Scene
+from granular_contact.simulation_state import State
 
 SHORTEST = 1e-4  # of solver.step_s: a shorter pause is no step
-
-
-@dataclass(frozen=True, repr=False)
-class State:
-    """State of a simulation at one instant, to go back to; it can be pickled.
-
-    time (s); scenario: of whose scene it is; solve: of the solver; controls: what is set, in SI units; beyond: see
-    `Beyond`, by joint; random: of the generator; failed: why a controller ended the run, None where none did.
-    """
-
-    time: float
-    scenario: Scenario
-    solve: Any
-    controls: tuple[float, ...]
-    beyond: dict[str, Beyond]
-    random: dict[str, Any]
-    failed: Status | None
-
-    def __repr__(self) -> str:
-        return f"<state of {self.scenario.name} at {self.time:g} s>"
 
 
 class Simulation:
@@ -325,9 +304,7 @@ class Simulation:
         """
         if not isinstance(state, State):
             raise ControlError(f"restore: got {state!r:.40}, allowed is what state() gave")
-        if state.scenario is not self.scenario and state.scenario != self.scenario:
-            keys = differing_keys(scenario_to_dict(state.scenario), scenario_to_dict(self.scenario))
-            raise ControlError(f"restore: the state is one of another scene: they differ in {keys}")
+        state.check_is_of(self.scenario)
         self._solving.restore(state.solve)
         self._values.set_to = dict(zip(self._values.set_to, state.controls, strict=True))
         self._values.beyond = dict(state.beyond)

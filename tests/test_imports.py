@@ -39,6 +39,7 @@ FLOORS = (
     ("run",),
     ("controllers", "report"),
     ("control_values",),
+    ("simulation_state",),
     ("simulation",),
     ("steering", "gym"),
     ("studies.sweep",),

@@ -18,7 +18,8 @@ from granular_contact.report.figures.animation import still
 from granular_contact.results import FINISHED, Results, Snapshot
 from granular_contact.results.observation import surface
 from granular_contact.results.observed import Observations
-from granular_contact.simulation import Simulation, State
+from granular_contact.simulation import Simulation
+from granular_contact.simulation_state import State
 
 Array = NDArray[np.float32]
 Observe = Sequence[str] | Callable[[Observations], Any]

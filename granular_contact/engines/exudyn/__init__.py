@@ -1,6 +1,6 @@
 """The engine Exudyn: the only room that imports it.
 
-bed                               `GranularBed`, for Exudyn scripts of any kind
+bed, attached                     `GranularBed`, for Exudyn scripts of any kind; what is read of it while it acts
 created                           the same as a method of Exudyn's systems: `mbs.CreateGranularBed`
 bodies, beams, coupling, overlay  which bodies can carry a bed; how its forces get into a system, and when
 build, build_in_space, joints     Scene -> System
