@@ -12,6 +12,7 @@ from support_runs import ROOT
 
 from granular_contact import Results, Simulation, load, simulate
 from granular_contact.engines.exudyn.build_in_space import build as assembled
+from granular_contact.engines.exudyn.solve import solve
 from granular_contact.errors import ConfigError, SceneError
 from granular_contact.report.histories import groups
 from granular_contact.sand.space.beam_shape import Beam
@@ -232,6 +233,22 @@ def test_the_whip_trails_behind_its_arm() -> None:
 
 
 # ---- where it is held ----
+
+
+def test_the_engine_goes_on_after_a_try_that_ran_away() -> None:
+    """The reed of docs/howto/bending_links.md: at 56 ms an iteration ends at 1e38 N, whose matrix has no factors."""
+    reed = STRIP | {"length_m": 0.25, "width_m": 0.01, "thickness_m": 0.003}
+    reed |= {"flexible": {"youngs_modulus_Pa": 2.5e9, "elements": 12, "bending_damping_N_m2_s": 1e-4}}
+    post = {"type": "link", "length_m": 0.1, "diameter_m": 0.012, "density_kg_m3": 2700, "facet_size_m": 0.02}
+    joints = {
+        "mast": {"type": "hinge", "parent": "ground", "child": "post", "axis": [0, 0, 1]},
+        "clamp": {"type": "weld", "parent": "post", "child": "reed"}
+        | {"parent_point_m": [0.1, 0, 0], "rpy_deg": [30, 90, 0]},
+    }
+    turns = {"mast": {"type": "motion", "angle_deg": {"type": "ramp", "from": 0, "to": 60, "duration_s": 0.4}}}
+    scene = config({"post": post, "reed": reed}, joints, medium="rft3d_sand", bed={"height_m": -0.2}, drives=turns)
+    scene |= {"solver": {"end_time_s": 0.0565, "accuracy": 1e-3}, "method": "engine"}
+    assert solve(assembled(build(load(scene)))).status.code == "end_time"
 
 
 def test_held_by_its_tip_it_is_the_same_link_the_other_way_round() -> None:

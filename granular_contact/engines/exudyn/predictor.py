@@ -7,6 +7,7 @@ engine's tolerances, and its rule for a new Jacobian.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from functools import cache
 from typing import Any
@@ -62,6 +63,9 @@ class Predictor:
         """Begin a step, or another try of one, with what the last one ended with."""
         if views is not self._known:
             self._look(views)
+        if not math.isfinite(self._conv.residual):
+            # The try before ran away. Its last Jacobian could not be factorised, and the engine would go on with it.
+            self._conv.jacobianUpdateRequested = True
         step = self._it.currentStepSize
         of_q, of_v = self._of_square * step * step, self._of_step * step
         if self._begin_step is not None:
