@@ -48,3 +48,13 @@ def test_a_closed_body_has_no_holes(turn: float) -> None:
     covered = seen(triangles, np.zeros(len(triangles), int), BLUE, LOW, HIGH, PIXELS)[..., 3] > 0
     assert covered.sum() > 500
     assert np.abs(np.diff(covered.astype(int), axis=1)).sum(axis=1).max() == 2
+
+
+def test_triangles_that_small_parts_do_not_need_are_for_the_large_ones() -> None:
+    """A wheel with grousers beside many small parts keeps its teeth: an equal share for each took them away."""
+    assert _most_of_each([12] * 40 + [2000]) >= 2000
+    numbers = [12, 500, 4000, 6000]
+    each = _most_of_each(numbers)
+    assert 12 + 500 + 2 * each in (MOST - 1, MOST)
+    assert _most_of_each([100] * 1000) == 60
+    assert _most_of_each([0]) >= 1

@@ -25,13 +25,14 @@ VIEWS = (("side", 0, 2, 1, -1.0), ("front", 1, 2, 0, 1.0), ("top", 0, 1, 2, 1.0)
 MOST_NAMED = 6  # bodies whose way in the medium has a name
 POSES = (("start", "#BDBDBD", 0.6), ("deepest", "#F0A66B", 1.0), ("end", "#6FA8CC", 1.0))  # colour and opacity
 APART = 0.25  # of the extent of the mechanism: poses that are nearer hide each other, and the middle one is left out
-MOST = 2000  # triangles drawn of a pose
+MOST = 4000  # triangles drawn of a pose
 PIXELS = 5.0  # of a picture, for each mm of its panel's width
 
 
 def views(results: Results, motion: Motion) -> Figure:
     """Three views of the mechanism, to scale; in the one from above where bodies are in the medium."""
-    parts = [coarser(part, max(60, MOST // len(motion.parts))) for part in motion.parts]
+    each = _most_of_each([0 if part.faces is None else len(part.faces) for part in motion.parts])
+    parts = [coarser(part, each) for part in motion.parts]
     named = [(name, colour, alpha, _when(results, motion, name)) for name, colour, alpha in POSES]
     shown = [(name, colour, alpha, k) for name, colour, alpha, k in named if k is not None]
     drawn = [_triangles(motion, parts, k) for *_, k in shown]
@@ -71,6 +72,16 @@ def views(results: Results, motion: Motion) -> Figure:
     ]
     words.legend(handles=handles + _footprints(panels[2], results, unit), loc="upper left", borderaxespad=0.0)
     return figure
+
+
+def _most_of_each(numbers: list[int]) -> int:
+    """How many triangles each part may have, so that all with these numbers have MOST at most, but 60 each."""
+    left, last = MOST, len(numbers)
+    for k, number in enumerate(sorted(numbers)):
+        if number * (last - k) > left:
+            return max(60, left // (last - k))
+        left -= number
+    return MOST
 
 
 def _hidden(drawn: list[Array]) -> bool:
