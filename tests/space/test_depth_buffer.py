@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from granular_contact.report.figures.depth_buffer import EDGE, seen
+from granular_contact.report.figures.space_views import MOST, _most_of_each
 from granular_contact.sand.space.shapes import Box
 
 LOW, HIGH, PIXELS = np.array([-1.0, -1.0]), np.array([1.0, 1.0]), 100
