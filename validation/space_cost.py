@@ -101,8 +101,7 @@ def facet_rows() -> list[tuple[str, str, float]]:
     medium = MEDIA["rft3d"]
     load, q, number = sphere(medium, True)
     found.append(("rft3d", "leads, tangent", 1e9 * least(load.tangent, q, SPEED, 1.0, 1.0, calls=2) / number))
-    row = load.table.new_row(1.0)
-    found.append(("rft3d", "leads, end of a step", 1e9 * least(load.batches[0].accept, q, SPEED, row) / number))
+    found.append(("rft3d", "leads, end of a step", 1e9 * least(load.accept, 1.0, q, SPEED) / number))
     load, q, number = sphere(medium, False)
     found.append(("rft3d", "trails", 1e9 * least(anew(load, q), SPEED, out) / number))
     load, q, number = sphere(medium, None, 0.15)

@@ -16,6 +16,7 @@ from granular_contact.sand.kernels.forces import medium_record
 from granular_contact.sand.kernels.kinematics import SPATIAL
 from granular_contact.sand.kernels.path_length import COLUMNS
 from granular_contact.sand.kernels.planar_sand import LINES
+from granular_contact.sand.kernels.proximity import DEEPEST, EVER
 
 Vector = NDArray[np.float64]
 # Those of its arrays that kernels know by the same names.
@@ -94,7 +95,7 @@ class Batch:
 
     def immersed(self) -> set[tuple[str, Kind, float]]:
         """Body, kind and width (m) of the lines that were ever immersed."""
-        ever = [line for line, depth in zip(self.lines, self.proximity[:, kernels.EVER], strict=True) if depth > 0.0]
+        ever = [line for line, depth in zip(self.lines, self.proximity[:, EVER], strict=True) if depth > 0.0]
         return {(line.body.name, line.kind, float(line.record["width"][0])) for line in ever}
 
     def forget(self) -> None:
@@ -109,4 +110,4 @@ class Batch:
     @property
     def depths(self) -> Vector:
         """Depth (lines,) m of the deepest station of each line where it was accepted last."""
-        return self.proximity[:, kernels.DEEPEST]
+        return self.proximity[:, DEEPEST]

@@ -26,8 +26,8 @@ from granular_contact.sand.contact_lines import ContactLine
 from granular_contact.sand.given import check_slope, floor_of, layers_of, profile_of, records_of
 from granular_contact.sand.history import HistoryTable, LoadHistory
 from granular_contact.sand.kernels import planar_sand
-from granular_contact.sand.kernels.batches import EVER
 from granular_contact.sand.kernels.lines import FIRST
+from granular_contact.sand.kernels.proximity import EVER
 from granular_contact.sand.state import batch_states, restore_batches
 
 Vector = NDArray[np.float64]
@@ -37,7 +37,7 @@ APART = 100.0  # m, between the places of two shapes on the lattice of a medium'
 
 
 class _Compiled(NamedTuple):
-    """Functions of `planar_sand` as compiled."""
+    """Functions of `planar_sand`, or of those for space, as compiled."""
 
     force: Callable[..., None]
     tangent: Callable[..., int]
@@ -47,15 +47,15 @@ class _Compiled(NamedTuple):
 
 
 @cache
-def _compiled() -> _Compiled:
-    """What is the same for all loads: finding it takes as long as some steps."""
+def _compiled(kernels: Any) -> _Compiled:
+    """Of a module of kernels what is the same for all loads: finding it takes as long as some steps."""
     sand, q, triplets = np.zeros((1, 1), np.int64), np.zeros(1), np.zeros((1, 3))
     return _Compiled(
-        ready(planar_sand.force, sand, q, q, q),
-        ready(planar_sand.tangent, sand, q, q, 1.0, 1.0, triplets),
-        ready(planar_sand.accept, sand, q, q, q, True),
-        ready(planar_sand.update_active, sand, 0.0),
-        ready(planar_sand.soonest, sand),
+        ready(kernels.force, sand, q, q, q),
+        ready(kernels.tangent, sand, q, q, 1.0, 1.0, triplets),
+        ready(kernels.accept, sand, q, q, q, True),
+        ready(kernels.update_active, sand, 0.0),
+        ready(kernels.soonest, sand),
     )
 
 
@@ -95,10 +95,6 @@ class GranularLoad:
         check_slope(self.media, slope)
         self.resultant, self.end_cap = form == "resultant", end_cap
         self._added = 0  # shapes so far
-        # `force` as compiled, without what it returns: for whoever calls it in each iteration of a solve.
-        self.add_forces: Callable[[Vector, Vector, Vector], None] = _nothing
-        self._compiled: _Compiled | None = None
-        self._sand = np.zeros((0, 0), np.int64)  # where the arrays of all batches are, see `planar_sand`
 
     def _take(
         self, layers: tuple[Layer, ...], static: Elastoplastic | Smooth | None, gravity: float, floor: Floor | None
@@ -114,6 +110,15 @@ class GranularLoad:
         self.time: float | None = None  # of the last accepted state (s); None until `start` was followed by one
         self.active = False  # whether anything may touch the surface in this step
         self.table = self._new_table()  # rows of the history
+        # `force` as compiled, without what it returns: for whoever calls it in each iteration of a solve.
+        self.add_forces: Callable[[Vector, Vector, Vector], None] = _nothing
+        self._compiled: _Compiled | None = None
+        self._sand = np.zeros((0, 0), np.int64)  # where the arrays of all batches are, see `planar_sand`
+
+    @property
+    def kernels(self) -> Any:
+        """The module of what is compiled: of all batches in one call."""
+        return planar_sand
 
     # ---- what the medium acts on ----
 
@@ -211,21 +216,18 @@ class GranularLoad:
             self.close()
         self.table.length, self.time = 0, None
         q = np.ascontiguousarray(q)  # of a view with gaps all kernels would be compiled anew
-        self._start(q, where, np.zeros_like(q) if reference is None else np.ascontiguousarray(reference))
-
-    def _start(self, q: Vector, where: NDArray[np.int64] | None, reference: Vector) -> None:
-        """Begin all batches, and compile what a solve calls, which is no part of its first step."""
         if not self.batches:
             return
-        sand = self._sand = self.places(where, reference)
-        self._compiled = _compiled()
+        added = np.zeros_like(q) if reference is None else np.ascontiguousarray(reference)
+        sand = self._sand = self.places(where, added)
+        self._compiled = _compiled(self.kernels)  # which a solve calls: compiling is no part of its first step
         self.add_forces = partial(self._compiled.force, sand)
         self._compiled.accept(sand, q, np.zeros_like(q), np.zeros(FIRST), True)
         for batch in self.batches:
             batch.proximity[:, EVER] = -np.inf
 
     def places(self, where: NDArray[np.int64] | None, reference: Vector) -> NDArray[np.int64]:
-        """Begin all batches, with arguments as of `start`: where their arrays are, see `planar_sand`."""
+        """Begin all batches, with arguments as of `start`: where their arrays are, see the kernels."""
         return np.array([batch.start(where, reference) for batch in self.batches])
 
     def force(self, q: Vector, v: Vector, out: Vector) -> Vector:

@@ -19,7 +19,7 @@ from granular_contact.laws.rft3d import C
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
 from granular_contact.sand import state as kept
 from granular_contact.sand.contact_lines import Body, outline, polyline
-from granular_contact.sand.kernels import space_bodies
+from granular_contact.sand.kernels import space_sand
 from granular_contact.sand.load import GranularLoad
 from granular_contact.sand.space.facets import sides
 from granular_contact.sand.space.load import SpatialLoad
@@ -302,9 +302,9 @@ def test_a_state_with_gaps_in_its_array_compiles_nothing() -> None:
     medium, shape = PAIRS["rft3d"]
     load, q = load_on(medium, shape), np.array([0.0, 0.0, -0.03, 1.0, 0.0, 0.0, 0.0])
     load.start(q)
-    before = [len(kernel.signatures) for kernel in (space_bodies.force, space_bodies.accept, space_bodies.tangent)]
+    before = [len(kernel.signatures) for kernel in (space_sand.force, space_sand.accept, space_sand.tangent)]
     load.start(np.array([q, q]).T[:, 0])
-    after = [len(kernel.signatures) for kernel in (space_bodies.force, space_bodies.accept, space_bodies.tangent)]
+    after = [len(kernel.signatures) for kernel in (space_sand.force, space_sand.accept, space_sand.tangent)]
     assert after == before
 
 
@@ -318,8 +318,7 @@ def test_forces_that_come_with_a_tangent_are_those_of_their_state(name: str) -> 
         load = load_on(medium, shape)
         load.start(began)
         if first:
-            for batch in load.batches:
-                batch.tangent(q, rates, 1.0, 1.0, np.zeros((batch.entries, 3)), 0)
+            load.tangent(q, rates, 1.0, 1.0)
         force = load.force(q, rates, np.zeros(7)).copy()
         load.accept(0.0, q, rates)
         assert np.linalg.norm(force[:3]) > 1e-3  # N

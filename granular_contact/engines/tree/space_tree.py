@@ -138,12 +138,11 @@ def tree(scene: SpatialScene) -> SpatialTree:
             fill(arrays["laws"][i : i + 1], node.law, None)
             arrays["acts"][i] = 1
     arrays["lever"] = levers(records, 6)
-    watched = _watched() if load is not None and load.watch else None
     sprung = space_ball_joints if records["acts"].any() else None
     made = SpatialTree if scene.modes is None else ReducedTree
     if scene.modes is not None:
         arrays |= _in_modes(scene, places, arrays)
-    return made(system, load, arrays, list(places.values()), joints, watched, sprung)
+    return made(system, load, arrays, list(places.values()), joints, sprung)
 
 
 def _in_modes(scene: SpatialScene, places: dict[str, int], arrays: dict[str, Any]) -> dict[str, NDArray[Any]]:
@@ -161,13 +160,6 @@ def _in_modes(scene: SpatialScene, places: dict[str, int], arrays: dict[str, Any
     Phi = np.concatenate([np.eye(count)[:, alone], *columns], axis=1)
     m = Phi.shape[1]
     return {"shapes": np.ascontiguousarray(Phi.T), "inverse": np.zeros((m, m)), "lacked": np.zeros(m)}
-
-
-def _watched() -> Any:
-    """Kernels of a bed with walls."""
-    from granular_contact.sand.kernels import space_watched
-
-    return space_watched
 
 
 def _granular_load(scene: SpatialScene, places: dict[str, int]) -> SpatialLoad | None:

@@ -63,9 +63,12 @@ class Tree:
     joints: dict[str, int]
 
     kernels: ClassVar[Any] = tree_load  # what acts on it
-    # In space where they are other ones than usual: the medium's, and what acts in joints of several coordinates.
-    sand_kernels: Any = None
-    joint_kernels: Any = None
+    joint_kernels: Any = None  # of what acts in joints of several coordinates, where something does
+
+    @property
+    def sand_kernels(self) -> Any:
+        """What the medium does; with none it is never called."""
+        return self.kernels.sand if self.load is None else self.load.kernels
 
     @property
     def scene(self) -> Scene:

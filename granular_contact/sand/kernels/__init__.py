@@ -8,6 +8,7 @@ laws in the plane   law, joining, forces         what a law provides, how it is 
                     bar_statics, tables, probe   static terms of bars; laws with many numbers; a law outside a run
 friction state      friction, planar_friction, space_friction
                     scatter, path_length, wheels scatter of grains, shear displacement, the surface behind a wheel
+any bed             proximity                    what may touch the surface, and when
 a bed in the plane  planar_sand, batches, lines  all media; one; one contact line
                     kinematics, spatial          how bodies move stations
 a bed in space      space_law, space_joining     as `law` and `joining`
@@ -17,7 +18,7 @@ a bed in space      space_law, space_joining     as `law` and `joining`
                     facets, facet_blocks, facet_parts, slices, facet_paths, space_balls    elements; bars: in `bars`
                     space_tangents, facet_slopes how forces follow the motion
                     ground                       the surface
-                    space_reach, space_watched   the walls of a container; `space_sand` with them
+                    space_watched                `space_sand` with the walls of a container
 """
 
 from __future__ import annotations

@@ -15,7 +15,7 @@ batch, and arguments of the functions here:
     anchors             (stations, 2) m, the friction state; (stations, 6) with those of `path_length`
     room, body          to work in, see `work`
     columns             (lines, 3), see `lines`
-    proximity           (lines, 3), see DEEPEST
+    proximity           (lines, 3), see there
 
 Forces that `planar_sand.force` found for a line stay in `room` and `body` with the coordinates that they belong to. A
 step mostly ends where the last forces were asked for, and then `accept` takes them from there: they are not computed
@@ -28,12 +28,10 @@ from typing import Any
 
 import numpy as np
 
-from granular_contact.jit.compiled import kernel, part
+from granular_contact.jit.compiled import part
 from granular_contact.sand.kernels.law import TERMS
+from granular_contact.sand.kernels.proximity import APPROACH, DEEPEST, may_touch
 
-# Of proximity (lines, 3): depth of the deepest station (m), speed at which one approaches the surface (m/s), greatest
-# depth so far (m).
-DEEPEST, APPROACH, EVER = 0, 1, 2
 BLOCK = 6  # rows of `body` before a line's tangent
 # Rows at the end of `body` for each line: coordinates and rates of its last forces, their totals, and these; and the
 # rates of the forces before these, which were others.
@@ -94,14 +92,14 @@ def recall(body, row, q, v, totals):
     return known
 
 
-@kernel
+@part
 def update_active(proximity, step, active):
-    """Mark the lines that may touch the surface within a step (s), at four times their speed; whether there are any.
+    """Mark the lines that may touch the surface within a step (s); whether there are any.
 
     active (lines,) is filled.
     """
     some = False
     for r in range(active.shape[0]):
-        active[r] = proximity[r, DEEPEST] + 4.0 * step * (proximity[r, APPROACH] + 10.0 * step) > -1e-3
+        active[r] = may_touch(proximity[r, DEEPEST], proximity[r, APPROACH], step)
         some = some or active[r]
     return some

@@ -16,11 +16,8 @@ from granular_contact.jit.layout import Layout
 from granular_contact.jit.memory import clear, piece, room2, rows
 from granular_contact.sand.kernels import lines as one
 from granular_contact.sand.kernels.batches import (
-    APPROACH,
     BEFORE,
     BLOCK,
-    DEEPEST,
-    EVER,
     KEPT,
     gather,
     keep,
@@ -30,6 +27,7 @@ from granular_contact.sand.kernels.batches import (
 from granular_contact.sand.kernels.batches import update_active as mark
 from granular_contact.sand.kernels.kinematics import STATION
 from granular_contact.sand.kernels.law import LAW, LINE, TERMS, Contact, line_accept, line_force
+from granular_contact.sand.kernels.proximity import APPROACH, DEEPEST, EVER, touches_in
 
 LINES = Layout(
     "lines",
@@ -164,9 +162,5 @@ def soonest(sand):
     """Time (s) after `accept` until the first of the lines above the surface may touch it; infinite of none."""
     least = np.inf
     for b in range(sand.shape[0]):
-        proximity = batch(sand, b).proximity
-        for r in range(proximity.shape[0]):
-            depth, speed = proximity[r, DEEPEST], proximity[r, APPROACH]
-            if depth < 0.0 < speed:
-                least = min(least, -depth / speed)
+        least = min(least, touches_in(batch(sand, b).proximity))
     return least

@@ -36,21 +36,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from granular_contact.jit.compiled import kernel, part
+from granular_contact.jit.compiled import part
 from granular_contact.jit.memory import clear, copy, piece, room1, room2, rows
 from granular_contact.sand.kernels import space_law as law
 from granular_contact.sand.kernels.batches import gather
 from granular_contact.sand.kernels.facets import axes
 from granular_contact.sand.kernels.law import TERMS
-from granular_contact.sand.kernels.space_clusters import (
-    DEEPEST,
-    EVER,
-    bound,
-    bound_cluster,
-    may_touch,
-    reach_below,
-    release,
-)
+from granular_contact.sand.kernels.proximity import APPROACH, DEEPEST, EVER, may_touch
+from granular_contact.sand.kernels.space_clusters import bound, bound_cluster, reach_below, release
 from granular_contact.sand.kernels.space_coordinates import by_parameters
 from granular_contact.sand.kernels.vectors import seen
 
@@ -132,7 +125,7 @@ def generalise(W, turn, G, body, out):
     return some > 0.0
 
 
-@kernel
+@part
 def force(words, system_q, system_v, out):
     """Add the generalised forces of the active clusters to out, the coordinates of the bed."""
     w = view(words)
@@ -172,7 +165,7 @@ def acts(body, active):
     return False
 
 
-@kernel
+@part
 def tangent(words, system_q, system_v, fq, fv, triplets, count):
     """Append the entries of fq df/dq + fv df/dv as rows (row, column, value) to the first `count` triplets."""
     w = view(words)
@@ -212,7 +205,7 @@ def append(K, body, at, triplets, count):
     return count
 
 
-@kernel
+@part
 def accept(words, system_q, system_v, row, begins):
     """End of a step: power and wrenches go into a history row, then the anchors of the active clusters follow.
 
@@ -308,7 +301,7 @@ def write(W, term, turn, q, row, first):
     row[first + 5] += mz + x * fy - y * fx
 
 
-@kernel
+@part
 def update_active(words, step):
     """Mark the clusters that may touch the surface within a step (s) from the accepted poses; whether there are any.
 
@@ -318,12 +311,12 @@ def update_active(words, step):
     bodies, clusters, active, medium = w.bodies, w.clusters, w.active, w.medium[0]
     some, near = False, room1(2)
     for b in range(bodies.shape[0]):
-        body, pose, within = bodies[b], w.poses[b], may_touch(w.proximity[b], step)
+        body, pose, within = bodies[b], w.poses[b], may_touch(w.proximity[b, DEEPEST], w.proximity[b, APPROACH], step)
         for c in range(body.first, body.last):
             one, now = clusters[c], within
             if now:
                 bound_cluster(one, pose, w.ground, medium, near)
-                now = may_touch(near, step)
+                now = may_touch(near[DEEPEST], near[APPROACH], step)
             if now and not active[c]:
                 release(w.elements, w.anchors, one, pose, medium, False)
                 w.asked[b, 0, 0] = np.nan

@@ -12,11 +12,8 @@ from granular_contact.jit.memory import room1
 from granular_contact.sand.kernels import space_law as law
 from granular_contact.sand.kernels.facets import axes
 from granular_contact.sand.kernels.ground import PLANE, surface_at
+from granular_contact.sand.kernels.proximity import APPROACH, DEEPEST
 from granular_contact.sand.kernels.vectors import dot, seen, turned
-
-# Of proximity (bodies, 3): bounds of the depth of the deepest point (m) and of the speed at which one approaches the
-# surface (m/s), greatest depth so far (m).
-DEEPEST, APPROACH, EVER = 0, 1, 2
 
 
 @part
@@ -59,12 +56,6 @@ def reach_below(one, pose, ground, medium):
         return depth + one.radius * ground[3]
     dx, dy, dz = seen(axes(pose), (ground[1], ground[2], -1.0))
     return depth + abs(dx) * one.along_x + abs(dy) * one.along_y + abs(dz) * one.along_z
-
-
-@part
-def may_touch(near, step):
-    """Whether what is bounded so may touch the surface within a step (s), at four times its speed."""
-    return near[DEEPEST] + 4.0 * step * (near[APPROACH] + 10.0 * step) > -1e-3
 
 
 @part

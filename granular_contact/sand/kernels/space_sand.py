@@ -10,8 +10,8 @@ import numpy as np
 from granular_contact.jit.compiled import kernel
 from granular_contact.jit.memory import piece
 from granular_contact.sand.kernels import space_bodies as one
+from granular_contact.sand.kernels.proximity import touches_in
 from granular_contact.sand.kernels.space_bodies import view
-from granular_contact.sand.kernels.space_clusters import APPROACH, DEEPEST
 
 
 @kernel
@@ -51,9 +51,5 @@ def soonest(sand):
     """Time (s) after `accept` until the first of the bodies above the surface may touch it; infinite of none."""
     least = np.inf
     for b in range(sand.shape[0]):
-        near = view(piece(sand, b, sand.shape[1])).proximity
-        for i in range(near.shape[0]):
-            depth, speed = near[i, DEEPEST], near[i, APPROACH]
-            if depth < 0.0 < speed:
-                least = min(least, -depth / speed)
+        least = min(least, touches_in(view(piece(sand, b, sand.shape[1])).proximity))
     return least

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from granular_contact.jit.compiled import kernel
-from granular_contact.jit.memory import piece, rows
+from granular_contact.jit.compiled import kernel, part
+from granular_contact.jit.memory import piece, room1, room2, rows
 from granular_contact.sand.kernels import space_sand
+from granular_contact.sand.kernels.facets import COLUMNS, FORM, RIM, TRIANGLE
+from granular_contact.sand.kernels.ground import PLANE, surface_at
 from granular_contact.sand.kernels.lines import LEFT
 from granular_contact.sand.kernels.space_bodies import view
-from granular_contact.sand.kernels.space_reach import reach
 from granular_contact.sand.kernels.space_sand import force, soonest, tangent, update_active
 
 __all__ = ["accept", "force", "soonest", "tangent", "update_active"]
@@ -21,7 +22,56 @@ def accept(sand, system_q, system_v, row, begins):
         return
     for b in range(sand.shape[0]):
         w = view(piece(sand, b, sand.shape[1]))
-        reach(
-            w.bodies, w.clusters, w.elements, w.active,
-            w.ground, w.medium, w.poses, rows(row, LEFT, 4),
-        )  # fmt: skip
+        reach(w, rows(row, LEFT, 4))
+
+
+@part
+def reach(w, row):
+    """Bring row (4,), the least x and y and the greatest (m), up to date; w: a view of `space_bodies`.
+
+    Of facets the immersed corners count; of bars the stations, half a diameter to all sides; of balls their equator.
+    """
+    plane, points = room1(PLANE), room2(4, 3)
+    bodies, clusters, elements, active = w.bodies, w.clusters, w.elements, w.active
+    ground, medium, poses = w.ground, w.medium, w.poses
+    for b in range(bodies.shape[0]):
+        pose = poses[b]
+        for c in range(bodies[b].first, bodies[b].last):
+            if not active[c]:
+                continue
+            cluster = clusters[c]
+            beside = 0.5 * cluster.width
+            drop = beside if cluster.mass > 0.0 else 0.0
+            for i in range(cluster.first, cluster.last):
+                for p in range(corners(elements[i], points)):
+                    x, y, z = placed(pose, points[p])
+                    if surface_at(x, y, ground, medium[0], plane) - z + drop > 0.0:
+                        row[0], row[1] = min(row[0], x - beside), min(row[1], y - beside)
+                        row[2], row[3] = max(row[2], x + beside), max(row[3], y + beside)
+
+
+@part
+def corners(element, points):
+    """Fill points (4, 3) m, frame of the body, with the corners of an element; how many it has."""
+    if element.shape[0] != COLUMNS:
+        points[0, 0], points[0, 1], points[0, 2] = element[0], element[1], element[2]
+        return 1
+    if element[FORM] == RIM:
+        return 0
+    four = element[FORM] != TRIANGLE
+    for k in range(3):
+        x, a, b = element[k], element[8 + k], element[11 + k]
+        points[0, k], points[1, k], points[2, k] = x + a, x + b, x - a - b
+        if four:
+            points[0, k], points[1, k], points[3, k] = x + a + b, x + a - b, x - a + b
+    return 4 if four else 3
+
+
+@part
+def placed(pose, p):
+    """A point (3,) m of a body in the frame of the bed."""
+    return (
+        pose[3, 0] + pose[0, 0] * p[0] + pose[0, 1] * p[1] + pose[0, 2] * p[2],
+        pose[3, 1] + pose[1, 0] * p[0] + pose[1, 1] * p[1] + pose[1, 2] * p[2],
+        pose[3, 2] + pose[2, 0] * p[0] + pose[2, 1] * p[1] + pose[2, 2] * p[2],
+    )

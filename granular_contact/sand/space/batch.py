@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from functools import cached_property, partial
 from typing import Any
@@ -10,12 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from granular_contact.jit.compiled import ready
 from granular_contact.laws.kinds import Kind
-from granular_contact.sand.kernels import space_bodies as kernels
 from granular_contact.sand.kernels.ground import PLANE
 from granular_contact.sand.kernels.law import TERMS
-from granular_contact.sand.kernels.space_clusters import APPROACH, DEEPEST, EVER
+from granular_contact.sand.kernels.proximity import DEEPEST, EVER
 from granular_contact.sand.kernels.space_joining import space_record
 from granular_contact.sand.kernels.space_law import BODIES, BODY
 from granular_contact.sand.space.elements import Elements
@@ -25,7 +22,7 @@ Vector = NDArray[np.float64]
 # Those of its arrays that kernels know by the same names.
 OWN = (
     *("places", "bodies", "turn", "clusters", "elements", "anchors", "active", "ground", "poses", "proximity"),
-    *("columns", "asked", "wrenches"),
+    *("columns", "asked", "wrenches", "reference"),
 )
 
 
@@ -74,7 +71,6 @@ class SpatialBatch:
         self.asked = np.full((len(self.bodies), 2, 7), np.nan)
         self.wrenches = np.zeros((len(self.bodies), TERMS, 6))
         self.entries = int(np.sum(self.bodies["places"] ** 2))  # most that a tangent has
-        self._compiled = False
 
     @cached_property
     def medium(self) -> NDArray[np.void]:
@@ -86,7 +82,7 @@ class SpatialBatch:
         """The medium for the kernels of `space_bodies`."""
         return self._record(bodies=True, six=bool((self.bodies["size"] == 6).any()))
 
-    def begin(self, where: NDArray[np.int64] | None, reference: Vector) -> NDArray[np.int64]:
+    def start(self, where: NDArray[np.int64] | None, reference: Vector) -> NDArray[np.int64]:
         """Forget all motion; where the arrays are, see `kernels.space_bodies`; arguments as of `GranularLoad.start`."""
         if where is not None:
             self.places[:, 0] = where[self.places[:, 1]]
@@ -95,44 +91,9 @@ class SpatialBatch:
         self.proximity[:] = 0.0
         self.forget()
         self.proximity[:, EVER] = -np.inf
-        self._reference = reference
+        self.reference = reference
         own = {name: getattr(self, name) for name in OWN}
-        return BODIES.places(own | {"reference": reference, "medium": self._for_bodies})
-
-    def start(self, q: Vector, where: NDArray[np.int64] | None, reference: Vector) -> None:
-        """Reset the friction state for bodies at q; arguments as of `GranularLoad.start`."""
-        sand = self._sand = self.begin(where, reference)
-        if not self._compiled:  # the first time on a machine, which belongs to the start and not to the first step
-            self._force = ready(kernels.force, sand, q, q, q)
-            self._tangent = ready(kernels.tangent, sand, q, q, 1.0, 1.0, np.zeros((0, 3)), 0)
-            self._accept = ready(kernels.accept, sand, q, q, q, True)
-            self._update = ready(kernels.update_active, sand, 0.0)
-            self._compiled = True
-        still = np.zeros_like(q)
-        self._accept(sand, q, still, still, True)
-
-    def force(self, q: Vector, v: Vector, out: Vector) -> None:
-        """Add the generalised forces of the active elements to out, the coordinates of the bed."""
-        self._force(self._sand, q, v, out)
-
-    def tangent(self, q: Vector, v: Vector, factor_q: float, factor_v: float, triplets: Vector, number: int) -> int:
-        """Append the entries of factor_q df/dq + factor_v df/dv to the first `number`; how many there are then."""
-        return int(self._tangent(self._sand, q, v, factor_q, factor_v, triplets, number))
-
-    def accept(self, q: Vector, v: Vector, row: Vector) -> None:
-        """End of a step at this state, added to a history row."""
-        self._accept(self._sand, q, v, row, False)
-
-    def reach(self, row: Vector) -> None:
-        """Bring the least x and y of what is immersed and the greatest, (4,) m, up to date; after `accept`."""
-        from granular_contact.sand.kernels.space_reach import reach  # compiled for a bed with a container alone
-
-        on = (self.bodies, self.clusters, self.elements, self.active, self.ground, self._for_bodies)
-        reach(*on, self.poses, row)
-
-    def update_active(self, step: float) -> bool:
-        """Choose what may touch the surface in the next step (s); whether there is anything."""
-        return bool(self._update(self._sand, step))
+        return BODIES.places(own | {"medium": self._for_bodies})
 
     def immersed(self) -> set[tuple[str, Kind, float]]:
         """Body, kind and size (m) of the bodies that were ever immersed."""
@@ -143,11 +104,6 @@ class SpatialBatch:
     def depths(self) -> Vector:
         """Depth (bodies,) m of the deepest point of each body where it was accepted last."""
         return self.proximity[:, DEEPEST]
-
-    def soonest(self) -> float:
-        """Time (s) after `accept` until the first of the bodies above the surface may touch it; infinite of none."""
-        near = self.proximity[:, [DEEPEST, APPROACH]].tolist()
-        return min((-depth / speed for depth, speed in near if depth < 0.0 < speed), default=math.inf)
 
     def forget(self) -> None:
         """As of `batch.Batch`."""

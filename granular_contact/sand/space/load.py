@@ -19,8 +19,8 @@ from granular_contact.laws.layer import Layer
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
 from granular_contact.sand.contact_lines import Body
 from granular_contact.sand.given import check_slope, layers_of
-from granular_contact.sand.history import REACHED, SPACE, HistoryTable
-from granular_contact.sand.kernels import facet_paths
+from granular_contact.sand.history import SPACE, HistoryTable
+from granular_contact.sand.kernels import facet_paths, space_sand
 from granular_contact.sand.kernels.facets import SIDE
 from granular_contact.sand.kernels.space_joining import kinds_of, owner_of
 from granular_contact.sand.load import GranularLoad
@@ -94,6 +94,15 @@ class SpatialLoad(GranularLoad):
             self.ground[3] = np.sqrt(1.0 + heights.steepest**2)
         self.resultant, self.end_cap = False, end_cap
         self._cut: dict[Any, tuple[Shape, elements.Cut]] = {}  # see `_surface`
+
+    @property
+    def kernels(self) -> Any:
+        """As of `GranularLoad`; those of a bed with walls also see how far what is immersed reaches."""
+        if self.watch:
+            from granular_contact.sand.kernels import space_watched
+
+            return space_watched
+        return space_sand
 
     def add_shape(
         self,
@@ -213,46 +222,6 @@ class SpatialLoad(GranularLoad):
     def _new_table(self, **of_rows: Any) -> HistoryTable:
         reached = (math.inf, math.inf, -math.inf, -math.inf) if self.watch else ()
         return super()._new_table(size=SPACE, reached=reached, **of_rows)
-
-    def _start(self, q: Vector, where: NDArray[np.int64] | None, reference: Vector) -> None:
-        for batch in self.batches:
-            batch.start(q, where, reference)
-
-    def places(self, where: NDArray[np.int64] | None, reference: Vector) -> NDArray[np.int64]:
-        """Begin all batches: where their arrays are, see `kernels.space_sand`."""
-        return np.array([batch.begin(where, reference) for batch in self.batches])
-
-    def add_forces(self, q: Vector, v: Vector, out: Vector) -> None:
-        """As of `GranularLoad`."""
-        for batch in self.batches:
-            batch.force(q, v, out)
-
-    def tangent(self, q: Vector, v: Vector, factor_q: float, factor_v: float) -> Vector:
-        """As of `GranularLoad`."""
-        number = 0
-        for batch in self.batches:
-            number = batch.tangent(q, v, factor_q, factor_v, self.room_for_tangents, number)
-        return self.room_for_tangents[:number]
-
-    def accept(self, t: float, q: Vector, v: Vector) -> None:
-        """As of `GranularLoad`."""
-        row = self.table.new_row(t)
-        for batch in self.batches:
-            batch.accept(q, v, row)
-        self.time = t
-        if self.watch:
-            for batch, medium in zip(self.batches, self.met, strict=True):
-                if medium is not None:
-                    batch.reach(self.table.row[REACHED : REACHED + 4])
-
-    def update_active(self, step: float) -> bool:
-        """As of `GranularLoad`."""
-        self.active = any([batch.update_active(step) for batch in self.batches])
-        return self.active
-
-    def soonest(self) -> float:
-        """As of `GranularLoad`."""
-        return min((batch.soonest() for batch in self.batches), default=math.inf)
 
 
 def _two_sided(one: elements.Elements) -> elements.Elements:

@@ -24,6 +24,7 @@ from granular_contact.sand.kernels.kinematics import stations
 from granular_contact.sand.kernels.law import TERMS, forces
 from granular_contact.sand.kernels.planar_friction import factors
 from granular_contact.sand.kernels.planar_sand import LINES
+from granular_contact.sand.kernels.proximity import may_touch
 from granular_contact.sand.kernels.surface import height
 
 DEPTH, SPEED, LOWEST = 0, 1, 2  # of seen (bodies, 3), as of `space_law`
@@ -110,12 +111,6 @@ def follow(w):
         else:
             one.drag_anchors(p, rows(anchors, s, e - s), lines[r], profile, medium[0])
         active[r] = may_touch(deepest, speed, step)
-
-
-@part
-def may_touch(depth, speed, step):
-    """Whether what is so deep (m) and so fast (m/s) may touch the surface within a step (s), as in `batches`."""
-    return depth + 4.0 * step * (speed + 10.0 * step) > -1e-3
 
 
 @part(allocates=True)

@@ -20,7 +20,8 @@ from granular_contact.sand.kernels.friction import SMOOTH
 from granular_contact.sand.kernels.friction import drive as drive_along
 from granular_contact.sand.kernels.law import TERMS
 from granular_contact.sand.kernels.planar_friction import drive as drive_across
-from granular_contact.sand.kernels.space_clusters import DEEPEST, bound, bound_cluster, may_touch, reach_below, release
+from granular_contact.sand.kernels.proximity import APPROACH, DEEPEST, may_touch
+from granular_contact.sand.kernels.space_clusters import bound, bound_cluster, reach_below, release
 from granular_contact.sand.kernels.space_friction import factors
 from granular_contact.sand.kernels.vectors import norm
 
@@ -67,14 +68,14 @@ def follow(w, body, pose, step, saw):
     near, clusters, active, ground, medium = room1(2), w.clusters, w.active, w.ground, w.medium
     elements, anchors = w.elements, w.anchors
     bound(body.x, body.y, body.z, body.radius, pose, ground, medium[0], near)
-    within, deepest = may_touch(near, step), near[DEEPEST]
+    within, deepest = may_touch(near[DEEPEST], near[APPROACH], step), near[DEEPEST]
     if not within:
         saw[law.DEPTH] = max(saw[law.DEPTH], deepest)
     for c in range(body.first, body.last):
         one, now = clusters[c], within
         if within:
             bound_cluster(one, pose, ground, medium[0], near)
-            now = may_touch(near, step)
+            now = may_touch(near[DEEPEST], near[APPROACH], step)
         s, e = one.first, one.last
         if now and active[c]:
             E, A = rows_of(elements, s, e - s), rows_of(anchors, s, e - s)
@@ -95,7 +96,7 @@ def begin(w, body, pose, step, saw):
         release(w.elements, w.anchors, one, pose, medium, True)
         bound_cluster(one, pose, w.ground, medium, near)
         saw[law.DEPTH] = max(saw[law.DEPTH], near[DEEPEST])
-        w.active[c] = may_touch(near, step)
+        w.active[c] = may_touch(near[DEEPEST], near[APPROACH], step)
 
 
 @part

@@ -44,13 +44,13 @@ _OF_SAND = "force", "tangent", "accept", "update_active", "soonest"
 
 
 @cache
-def record(load: Any, attempt: Any, sand: Any = None, joints: Any = None) -> NDArray[np.void]:
+def record(load: Any, attempt: Any, sand: Any, joints: Any = None) -> NDArray[np.void]:
     """Record (1,) of CALL with the addresses of functions, which are compiled where they are not yet.
 
-    load: the module of what acts on a tree, `tree_load` in the plane, which has that of the medium as its `sand`;
-    sand: another one of the medium; joints: `space_ball_joints`, where something acts in such.
+    load: the module of what acts on a tree, `tree_load` in the plane; sand: that of the medium; joints:
+    `space_ball_joints`, where something acts in such.
     """
-    functions = {name: getattr(sand or load.sand, name) for name in _OF_SAND}
+    functions = {name: getattr(sand, name) for name in _OF_SAND}
     functions |= {"begin": anderson.begin, "accelerate": anderson.accelerate, "attempt": attempt}
     functions |= {"iterate": load.iteration, "end": load.accept}
     if joints is not None:
