@@ -38,14 +38,27 @@ class Floor:
     height : float
         Height y of the floor (m), in space along `up`.
     stiffness : float, optional
-        k per length and penetration (N/m2), in space per area and penetration (N/m3); None for no contact.
+        k per length and penetration (N/m2), in space per area and penetration (N/m3), above 0; None for no contact.
     damping : float
         d (s/m), 0 or more.
+
+    Raises
+    ------
+    ValueError
+        A number is not allowed.
     """
 
     height: float
     stiffness: float | None = None
     damping: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not math.isfinite(self.height):
+            raise ValueError(f"Floor: got a height of {self.height}, allowed is a finite number (m)")
+        if self.stiffness is not None and not 0.0 < self.stiffness < math.inf:
+            raise ValueError(f"Floor: got a stiffness of {self.stiffness}, allowed is a number above 0, or None")
+        if not 0.0 <= self.damping < math.inf:
+            raise ValueError(f"Floor: got a damping of {self.damping}, allowed is 0 or more (s/m)")
 
     @property
     def profile(self) -> NDArray[np.float64]:

@@ -41,6 +41,13 @@ def floor_of(floor: Floor | None) -> Floor | None:
     return floor if floor is not None and floor.stiffness is not None else None
 
 
+def check_floor(floor: Floor | None, surface: float) -> None:
+    """Refuse a floor that is nowhere below a surface, of which this is the highest place (m)."""
+    if floor is not None and not floor.height < surface:
+        got = f"got a height of {floor.height:g} m, with the surface at {surface:g} m"
+        raise ValueError(f"floor: {got}; allowed is below it")
+
+
 def records_of(
     layers: Sequence[Layer], static: Elastoplastic | Smooth | None, gravity: float
 ) -> list[NDArray[np.void]]:
@@ -67,6 +74,18 @@ def profile_of(surface: ArrayLike, slope: float) -> Vector:
     if slope != 0.0 and len(profile) > 1:
         raise ValueError(f"slope: got {slope} and corners of the surface; allowed is one of the two")
     return np.ascontiguousarray(corners(profile, slope))
+
+
+def direction(name: str, given: ArrayLike) -> Vector:
+    """A direction (3,) of length 1; ValueError, with the name of the argument, for what is none."""
+    try:
+        found = np.asarray(given, float)
+    except (TypeError, ValueError):  # as of "z"
+        found = np.zeros(0)
+    if found.shape != (3,) or not np.isfinite(found).all() or np.linalg.norm(found) < 1e-12:
+        got = given if isinstance(given, str) else np.asarray(given).tolist()
+        raise ValueError(f"{name}: got {got!r}, allowed is a direction of three finite numbers")
+    return np.asarray(found / np.linalg.norm(found))
 
 
 def check_slope(media: Sequence[Law], rise: float) -> None:

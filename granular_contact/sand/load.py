@@ -23,7 +23,7 @@ from granular_contact.laws.layer import Layer
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
 from granular_contact.sand.batch import Batch
 from granular_contact.sand.contact_lines import ContactLine
-from granular_contact.sand.given import check_slope, floor_of, layers_of, profile_of, records_of
+from granular_contact.sand.given import check_floor, check_slope, floor_of, layers_of, profile_of, records_of
 from granular_contact.sand.history import HistoryTable, LoadHistory
 from granular_contact.sand.kernels import planar_sand
 from granular_contact.sand.kernels.lines import FIRST
@@ -93,6 +93,8 @@ class GranularLoad:
         self._take(layers_of(medium, form), static, gravity, floor)
         self.profile = profile_of(surface, slope)
         check_slope(self.media, slope)
+        if slope == 0.0:
+            check_floor(floor, float(self.profile[:, 1].max()))
         self.resultant, self.end_cap = form == "resultant", end_cap
         self._added = 0  # shapes so far
 

@@ -15,7 +15,7 @@ from exudyn.rigidBodyUtilities import RigidBodyInertia, RotationMatrixX, Rotatio
 from support_parts import called
 from support_runs import order
 
-from granular_contact import preset
+from granular_contact import Floor, preset
 from granular_contact.engines.exudyn import created
 from granular_contact.engines.exudyn.bed import GranularBed
 from granular_contact.errors import SceneError
@@ -658,11 +658,27 @@ def test_an_outline_whose_sides_cross_is_refused() -> None:
         ({"static": "elastoplastic"}, r"Elastoplastic\(\)"),
         ({"floor": -0.1}, "a Floor"),
         ({"gravity": [0, -9.81, 0]}, "magnitude"),
+        ({"up": "z"}, "up: got 'z', allowed is a direction of three finite numbers"),
+        ({"floor": Floor(0.1, 1e6)}, r"floor: got a height of 0\.1 m, with the surface at 0 m; allowed is below it"),
+        ({"floor": Floor(0.0), "up": (0, 0, 1)}, "floor: got a height of 0 m, with the surface at 0 m"),
     ],
 )
 def test_things_of_the_wrong_kind_are_told(options: dict[str, Any], what: str) -> None:
     with pytest.raises(ValueError, match=what):
         GranularBed(script().mbs, **({"medium": SAND, "surface": 0.0} | options))
+
+
+def test_a_floor_of_numbers_that_can_not_be_is_told() -> None:
+    """Of damping below 0 it would give energy, of stiffness below 0 pull."""
+    for numbers, words in (
+        ((float("nan"),), "height of nan, allowed is a finite number"),
+        ((-0.1, -1e6), "stiffness of -1000000.0, allowed is a number above 0, or None"),
+        ((-0.1, 1e6, -0.5), "damping of -0.5, allowed is 0 or more"),
+    ):
+        with pytest.raises(ValueError, match=words):
+            Floor(*numbers)
+    steep = GranularBed(script().mbs, SAND, 0.0, slope=0.1, floor=Floor(0.1, 1e6))  # below it from x = 1 m on
+    assert steep.load.floor is not None
 
 
 def test_a_beam_in_several_pieces_is_one_body() -> None:

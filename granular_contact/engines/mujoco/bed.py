@@ -15,7 +15,7 @@ from granular_contact.engines.mujoco import checks, geoms
 from granular_contact.engines.mujoco.callback import Callback
 from granular_contact.engines.mujoco.engine import mujoco, name_of
 from granular_contact.engines.mujoco.facet_error import Facets
-from granular_contact.engines.mujoco.load import BedLoad, unit
+from granular_contact.engines.mujoco.load import BedLoad
 from granular_contact.engines.mujoco.of_data import BedData
 from granular_contact.engines.mujoco.sand import PlanarSand, Sand, SpatialSand
 from granular_contact.engines.mujoco.shared import Shared
@@ -26,7 +26,7 @@ from granular_contact.laws.law import Law
 from granular_contact.laws.layer import Layer
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
 from granular_contact.sand.contact_lines import Body, ContactLine
-from granular_contact.sand.given import told
+from granular_contact.sand.given import direction, told
 
 Vector = NDArray[np.float64]
 
@@ -87,7 +87,7 @@ class MujocoBed:
         pull = np.array(model.opt.gravity, float)
         if (up is None or gravity is None) and not pull.any():
             raise ValueError("up, gravity: the model has no gravity, give both")
-        self.up = unit("up", -pull if up is None else up)
+        self.up = direction("up", -pull if up is None else up)
         options: dict[str, Any] = {"slope": slope, "static": self._static, "end_cap": end_cap, "floor": floor}
         options["gravity"] = float(np.linalg.norm(pull)) if gravity is None else gravity
         self._bed = BedLoad(medium, surface, self.up, plane, form, options)

@@ -12,6 +12,7 @@ from granular_contact.engines.mujoco.engine import mujoco
 from granular_contact.laws.static_friction import Smooth
 from granular_contact.sand import contact_lines
 from granular_contact.sand.contact_lines import Body
+from granular_contact.sand.given import direction
 from granular_contact.sand.load import GranularLoad
 
 Vector = NDArray[np.float64]
@@ -19,15 +20,6 @@ Vector = NDArray[np.float64]
 # steps take its stiffness once, at their start, and with the narrower one a robot of two round legs creeps at 1 ms.
 WIDER = 3.0
 SLIDES = 1e-6  # m/s, from which on all resists where the error of facets is estimated
-
-
-def unit(name: str, given: ArrayLike) -> Vector:
-    """A direction (3,) of length 1; ValueError, with the name of the argument, for what is none."""
-    direction = np.asarray(given, float)
-    if direction.shape != (3,) or not np.isfinite(direction).all() or np.linalg.norm(direction) < 1e-12:
-        raise ValueError(f"{name}: got {np.asarray(given).tolist()}, allowed is a direction of three finite numbers")
-    found: Vector = direction / np.linalg.norm(direction)
-    return found
 
 
 class BedLoad:
@@ -46,7 +38,8 @@ class BedLoad:
         if plane is None and form != "distributed":
             raise ValueError(f"form: got {form!r}, allowed in space (without plane) is 'distributed'")
         if plane is not None:
-            along = unit("plane", np.asarray(plane, float) - (np.asarray(plane, float) @ up) * up)
+            given = direction("plane", plane)
+            along = direction("plane", given - (given @ up) * up)
             self.turn: Vector = np.array([along, np.cross(up, along), up])
         self.load = self._made(options)
         if not self.planar:
@@ -107,5 +100,5 @@ class BedLoad:
         mujoco.mj_kinematics(model, data)
         across = data.xmat[body].reshape(3, 3).T @ -self.turn[1]
         axis = np.eye(3)[0 if abs(across[0]) < 0.9 else 1]
-        s = unit("plane", axis - (axis @ across) * across)
+        s = direction("plane", axis - (axis @ across) * across)
         return s, np.cross(across, s)

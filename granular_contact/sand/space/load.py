@@ -18,7 +18,7 @@ from granular_contact.laws.law import Law
 from granular_contact.laws.layer import Layer
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
 from granular_contact.sand.contact_lines import Body
-from granular_contact.sand.given import check_slope, layers_of
+from granular_contact.sand.given import check_floor, check_slope, direction, layers_of
 from granular_contact.sand.history import SPACE, HistoryTable
 from granular_contact.sand.kernels import facet_paths, space_sand
 from granular_contact.sand.kernels.facets import SIDE
@@ -89,6 +89,8 @@ class SpatialLoad(GranularLoad):
         self.turn = turn_to(up)
         self.ground = _ground(surface, slope, self.turn)
         check_slope(self.media, math.hypot(*self.ground[1:3]))
+        if heights is None and not self.ground[1:3].any():
+            check_floor(floor, float(self.ground[0]))
         if heights is not None:
             self.ground = np.concatenate([self.ground, heights.numbers])
             self.ground[3] = np.sqrt(1.0 + heights.steepest**2)
@@ -251,10 +253,7 @@ def turn_to(up: ArrayLike) -> Vector:
     ValueError
         It is no direction.
     """
-    given = np.asarray(up, float)
-    if given.shape != (3,) or not np.isfinite(given).all() or np.linalg.norm(given) == 0.0:
-        raise ValueError(f"up: got {np.asarray(up).tolist()}, allowed is a direction of three finite numbers")
-    x, y, z = given / np.linalg.norm(given)
+    x, y, z = direction("up", up)
     if z < -1.0 + 1e-12:
         return np.diag([1.0, -1.0, -1.0])
     k = 1.0 / (1.0 + z)
