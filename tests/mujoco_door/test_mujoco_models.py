@@ -83,6 +83,13 @@ def test_what_can_not_be_in_the_sand_is_told_in_one_line() -> None:
     assert bed.add_geoms("shell", hull=True) == ["shell"]
     bed.add_geoms("foot")
     assert "geom foot is in the sand already" in refused(bed.add_geoms, "foot")
+    assert refused(bed.add_geoms, "(foot").startswith(
+        "bed.add_geoms: got '(foot', allowed is a regular expression (missing )"
+    )
+    other = mujoco.MjData(mujoco.MjModel.from_xml_string("<mujoco/>"))
+    assert refused(bed.apply, other).startswith(
+        "bed: got data of another model, with 0 coordinates, 0 velocities and 1"
+    )
     bed.apply(mujoco.MjData(model))
     assert "it is in use already" in refused(bed.add_geoms, "foot")
     assert "nothing was named" in refused(MujocoBed(model, SAND).apply, mujoco.MjData(model))
@@ -90,6 +97,8 @@ def test_what_can_not_be_in_the_sand_is_told_in_one_line() -> None:
         MujocoBed(model_of(), Poncelet(1, 1)).add_geoms, "box"
     )
     assert "form: got 'resultant', allowed in space" in refused(MujocoBed, model, SAND, form="resultant")
+    along = refused(MujocoBed, model, SAND, plane=(0, 0, 2))
+    assert along == "plane: got [0, 0, 2], which is along up; allowed is across it"
     model.opt.gravity[:] = 0.0
     assert "the model has no gravity" in refused(MujocoBed, model, SAND)
 

@@ -211,10 +211,19 @@ class MujocoBed:
         -------
         BedData
             Forces, work and friction state.
+
+        Raises
+        ------
+        SceneError
+            It is data of another model; nothing was named that the medium acts on.
         """
         found = self._of.get(data)
         if found is not None:
             return found
+        sizes = [(len(data.qpos), len(data.qvel), len(data.xpos)), (self.model.nq, self.model.nv, self.model.nbody)]
+        if sizes[0] != sizes[1]:
+            got, own = ("{} coordinates, {} velocities and {} bodies".format(*size) for size in sizes)
+            raise scene_error("bed", f"got data of another model, with {got}; that of the bed has {own}")
         if self._shared is None:
             self._shared = self._close()
         kept = BedData(self._shared, self.model, data)

@@ -43,9 +43,12 @@ def chosen(model: Any, pattern: str, taken: Sequence[int]) -> list[Geom]:
     Raises
     ------
     SceneError
-        None fits, one has no volume, belongs to the world or is in the sand already.
+        It is no regular expression; none fits, one has no volume, belongs to the world or is in the sand already.
     """
-    fits = re.compile(pattern)
+    try:
+        fits = re.compile(pattern)
+    except (re.error, TypeError) as error:
+        raise SceneError([_fault(f"got {pattern!r}, allowed is a regular expression ({error})")]) from None
     found = [g for g in range(model.ngeom) if fits.fullmatch(_called(model, g))]
     if not found:
         known = ", ".join(dict.fromkeys(_called(model, g) for g in range(model.ngeom))) or "none"

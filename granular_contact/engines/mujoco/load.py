@@ -39,7 +39,10 @@ class BedLoad:
             raise ValueError(f"form: got {form!r}, allowed in space (without plane) is 'distributed'")
         if plane is not None:
             given = direction("plane", plane)
-            along = direction("plane", given - (given @ up) * up)
+            along = given - (given @ up) * up
+            if np.linalg.norm(along) < 1e-12:
+                raise ValueError(f"plane: got {np.asarray(plane).tolist()}, which is along up; allowed is across it")
+            along = along / np.linalg.norm(along)
             self.turn: Vector = np.array([along, np.cross(up, along), up])
         self.load = self._made(options)
         if not self.planar:
