@@ -11,12 +11,13 @@ from support_parts import of_tree
 from support_runs import scene_of
 from support_slopes import slopes_of_what_joints_lack
 
-from granular_contact.engines.tree.kernels import space_fold, space_load, space_rotations, space_tree
+from granular_contact.engines.tree.kernels import space_fold, space_load, space_tree
 from granular_contact.engines.tree.kernels.tree_arrays import SPACE_NODE as NODE
 from granular_contact.engines.tree.kernels.tree_arrays import places, room
 from granular_contact.engines.tree.march import March
 from granular_contact.engines.tree.space_tree import tree as make_tree
 from granular_contact.geometry import rotations
+from granular_contact.mechanics.kernels import space_rotations
 
 Array = np.ndarray
 HINGE, SLIDER, BALL = space_tree.HINGE, space_tree.SLIDER, space_tree.BALL

@@ -12,10 +12,7 @@ has the moment -k s a, k times the rotation vector, which is smooth at s = 0; at
 way round, it jumps. Its damper acts on all of w_C - w_P: what is not along a adds -c (w_C - w_P - a ds/dt). Forces
 along s are those of `joint_laws`; arguments and `state` as of `joint_loads`, with records of JOINT.
 
-    elastic   between elements of a link that bends: a moment in the frame of the joint on the parent,
-              m = -T^-T (K theta + D theta'), theta' = T^-1 (w_C - w_P), theta = s a the rotation vector there,
-              T^-1 = 1 - theta^ / 2 + (1 - (s/2) cot(s/2)) (theta^ / s)^2 of the exponential map,
-              so that m . (w_C - w_P) = -d/dt (theta . K theta) / 2 - theta' . D theta'
+    elastic   between elements of a link that bends: the moment of `bending` by the rotation vector s a
     stretching   the same, of a link that stretches: with s along the parent's x, a force -(k s + d s') as well
 """
 
@@ -29,13 +26,15 @@ from numba import from_dtype, types
 from granular_contact.jit.calls import address_of, caller
 from granular_contact.jit.chosen import provide
 from granular_contact.jit.compiled import part
-from granular_contact.jit.memory import clear, room1, room2, room3, rows
+from granular_contact.jit.memory import clear, rows
 from granular_contact.jit.records import record_dtype
 from granular_contact.mechanics.kernels import joint_loads
+from granular_contact.mechanics.kernels.bending import moment
 from granular_contact.mechanics.kernels.joint_coordinates import HINGE, SLIDER
 from granular_contact.mechanics.kernels.joint_laws import total
 from granular_contact.mechanics.kernels.joint_loads import ANCHOR, DRIVE, LAW, MOST, RATE, TURNS, VALUE
-from granular_contact.sand.kernels.space_coordinates import by_parameters
+from granular_contact.mechanics.kernels.space_rotations import ALONG_WORLD, UNTURNED, matrix_of, rates_of, spin_by
+from granular_contact.sand.kernels.vectors import column, cross, dot, framed, norm, plus, seen, times, turned, vector
 
 BALL, ELASTIC, STRETCHING = 2, 3, 4  # kinds of joints, beside HINGE and SLIDER
 # find: address of what finds the coordinate of its kind; parent, child: how many coordinates their nodes have, none of
@@ -58,239 +57,184 @@ JOINT = record_dtype(
         *((name, "f8") for name in (*LAW, *DRIVE)),
     ]
 )
-_ROW, _ROWS, _ROOM = (types.Array(types.float64, n, "C") for n in (1, 2, 3))
-_FIND = (from_dtype(JOINT), *[_ROW] * 4, _ROOM, _ROWS, _ROOM)  # arguments of `_hinge` and its like
-_FOUND = types.UniTuple(types.float64, 2)
+_ROW = types.Array(types.float64, 1, "C")
+_FIND, _FOUND = (from_dtype(JOINT), *[_ROW] * 4), types.UniTuple(types.float64, 2)  # of `_hinge` and its like
 _find = caller("find", _FIND, _FOUND, JOINT)
+ORIGIN = (0.0, 0.0, 0.0)
 
 
 @part
-def _frames(joint, q, frames, places, turns):
-    """Fill rotations (2, 3, 3) and positions (2, 3) of parent and child, and the G (2, 3, 4) of `space_coordinates`."""
-    q0 = room1(7)
-    for side in range(2):
-        count = joint.parent if side == 0 else joint.child
-        first = 0 if side == 0 else joint.parent
-        for i in range(7):
-            q0[i] = q[first + i] + joint.reference[first + i] if count > 0 else (1.0 if i == 3 else 0.0)
-        by_parameters(q0, frames[side], turns[side])
-        for i in range(3):
-            places[side, i] = q0[i]
+def _bodies(joint, q):
+    """Position (3,) m, axes (9,) and Euler parameters (4,) of the parent, which may be the ground, and of the child."""
+    n = joint.parent
+    parent = _body(joint, q, 0) if n > 0 else (ORIGIN, ALONG_WORLD, UNTURNED)
+    return parent, _body(joint, q, n)
 
 
 @part
-def _from_home(joint, R, a):
-    """Angle (rad) of the rotation from the parent's frame to the child's; a (3,) is filled with its axis, or zeros."""
-    P, C, A, B = joint.parent_turn, joint.child_turn, room2(3, 3), room2(3, 3)
-    for i in range(3):
-        for j in range(3):
-            A[i, j] = R[0, i, 0] * P[0, j] + R[0, i, 1] * P[1, j] + R[0, i, 2] * P[2, j]
-            B[i, j] = R[1, i, 0] * C[0, j] + R[1, i, 1] * C[1, j] + R[1, i, 2] * C[2, j]
+def _body(joint, q, i):
+    """Position, axes and Euler parameters of the body whose coordinates begin at i."""
+    r = joint.reference
+    e = q[i + 3] + r[i + 3], q[i + 4] + r[i + 4], q[i + 5] + r[i + 5], q[i + 6] + r[i + 6]
+    return plus(vector(q, i), vector(r, i)), matrix_of(e), e
+
+
+@part
+def _frames(joint, parent, child):
+    """Axes (9,) of the joint's frame on the parent and on the child."""
+    return framed(parent[1], joint.parent_turn), framed(child[1], joint.child_turn)
+
+
+@part
+def _from_home(A, B):
+    """Angle (rad) and axis (3,) of the rotation from a frame A to B (9,); without an angle the axis is zero."""
     # The sum of the cross products of each axis of the parent's frame with that of the child's is 2 sin s a.
-    cosine = -1.0
-    for i in range(3):
-        j, k, a[i] = (i + 1) % 3, (i + 2) % 3, 0.0
-        for column in range(3):
-            a[i] += 0.5 * (A[j, column] * B[k, column] - A[k, column] * B[j, column])
-            cosine += A[i, column] * B[i, column]
-    sine = math.sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2])
-    for i in range(3):
-        a[i] = a[i] / sine if sine > 0.0 else 0.0
-    return math.atan2(sine, 0.5 * cosine)
+    double, cosine = ORIGIN, -1.0
+    for k in range(3):
+        a, b = column(A, k), column(B, k)
+        double, cosine = plus(double, cross(a, b)), cosine + dot(a, b)
+    sine = 0.5 * norm(double)
+    return math.atan2(sine, 0.5 * cosine), times(0.5 / sine if sine > 0.0 else 0.0, double)
 
 
 @part
 def _coordinate(joint, turns, q, v, slope):
     """`joint_loads.coordinate` (rad or m); turns[0] becomes that found here."""
-    R, x, G = room3(2, 3, 3), room2(2, 3), room3(2, 3, 4)
-    return _find(joint, (turns, q, v, slope, R, x, G))
+    return _find(joint, (turns, q, v, slope))
 
 
 @part
-def _hinge(joint, last, q, v, slope, R, x, G):
-    """`_coordinate` of a hinge; R, x, G: room for the frames of both bodies, see `_frames`."""
-    _frames(joint, q, R, x, G)
-    a, by_turn, s = room1(3), room2(2, 3), _turn_of(joint, R)
-    _axis(joint, R, a, 2)
+def _hinge(joint, last, q, v, slope):
+    """`_coordinate` of a hinge."""
+    parent, child = _bodies(joint, q)
+    A, B = _frames(joint, parent, child)
+    a, u = column(A, 2), column(B, 0)
+    s = math.atan2(dot(u, column(A, 1)), dot(u, column(A, 0)))
     s += 2.0 * math.pi * round((last[0] - s) / (2.0 * math.pi))
-    for i in range(3):
-        by_turn[0, i], by_turn[1, i] = -a[i], a[i]
     clear(slope)
-    return _ended(joint, last, s, by_turn, G, v, slope)
+    return _found(joint, last, s, times(-1.0, a), a, parent, child, v, slope)
 
 
 @part
-def _ball(joint, last, q, v, slope, R, x, G):
+def _ball(joint, last, q, v, slope):
     """As `_hinge`, of a ball joint."""
-    _frames(joint, q, R, x, G)
-    a, by_turn = room1(3), room2(2, 3)
-    s = _from_home(joint, R, a)
-    for i in range(3):
-        by_turn[0, i], by_turn[1, i] = -a[i], a[i]
+    parent, child = _bodies(joint, q)
+    A, B = _frames(joint, parent, child)
+    s, a = _from_home(A, B)
     clear(slope)
-    return _ended(joint, last, s, by_turn, G, v, slope)
+    return _found(joint, last, s, times(-1.0, a), a, parent, child, v, slope)
 
 
 @part
-def _slider(joint, last, q, v, slope, R, x, G):
+def _slider(joint, last, q, v, slope):
     """As `_hinge`, of a slider."""
-    _frames(joint, q, R, x, G)
-    a, by_turn = room1(3), room2(2, 3)
-    _axis(joint, R, a, 2)
-    clear(slope)
-    s = _slide(joint, R, x, a, by_turn, slope)
-    return _ended(joint, last, s, by_turn, G, v, slope)
+    parent, child = _bodies(joint, q)
+    return _slid(joint, 2, last, parent, child, v, slope)
 
 
 @part
-def _elastic(joint, last, q, v, slope, R, x, G):
-    """Fill slope with the generalised forces of an elastic joint; arguments as of `_hinge`, returns zeros."""
-    _frames(joint, q, R, x, G)
-    P, A, a, w, t, f, n = joint.parent_turn, room2(3, 3), room1(3), room1(3), room1(3), room1(3), joint.parent
-    s = _from_home(joint, R, a)
-    for i in range(3):
-        w[i] = 0.0
-        for k in range(4):
-            w[i] += G[1, i, k] * v[n + 3 + k] - (G[0, i, k] * v[3 + k] if n > 0 else 0.0)
-        for j in range(3):
-            A[i, j] = R[0, i, 0] * P[0, j] + R[0, i, 1] * P[1, j] + R[0, i, 2] * P[2, j]
-    for i in range(3):
-        t[i] = s * (A[0, i] * a[0] + A[1, i] * a[1] + A[2, i] * a[2])
-    c = 1.0 / 12.0 + s * s / 720.0 if s < 1e-2 else (1.0 - 0.5 * s / math.tan(0.5 * s)) / (s * s)
-    for i in range(3):
-        f[i] = joint.bends[i] * t[i]
-        if joint.damps[i] > 0.0:
-            f[i] += joint.damps[i] * _by_map(A, w, t, c, i)
+def _slid(joint, k, last, parent, child, v, slope):
+    """How far (m) a joint has slid along axis k of the parent's frame, and its rate; slope is filled."""
+    a, n = column(framed(parent[1], joint.parent_turn), k), joint.parent
+    arm = turned(child[1], vector(joint.child_point, 0))
+    d = plus(plus(child[0], arm), times(-1.0, parent[0]))  # from the parent's node to the joint's point on the child
+    s = dot(a, d) - dot(a, turned(parent[1], vector(joint.parent_point, 0)))
     clear(slope)
-    square, along = s * s, t[0] * f[0] + t[1] * f[1] + t[2] * f[2]
     for i in range(3):
-        # m = -(1 + t^ / 2 + c t^ t^) f in the joint's frame, a row of it at a time; w gets it in the world's.
-        j, k = (i + 1) % 3, (i + 2) % 3
-        a[i] = -(f[i] + 0.5 * (t[j] * f[k] - t[k] * f[j]) + c * (t[i] * along - square * f[i]))
-    for i in range(3):
-        w[i] = A[i, 0] * a[0] + A[i, 1] * a[1] + A[i, 2] * a[2]
-    for i in range(3):
-        for k in range(4):
-            slope[n + 3 + k] += w[i] * G[1, i, k]
-            if n > 0:
-                slope[3 + k] -= w[i] * G[0, i, k]
+        if n > 0:
+            slope[i] = -a[i]
+        slope[n + i] = a[i]
+    # The arm of the parent turns with it as the axis does: w . (a x (d - arm_P)) - a . (w x arm_P) = w . (a x d).
+    return _found(joint, last, s, cross(a, d), cross(arm, a), parent, child, v, slope)
+
+
+@part
+def _elastic(joint, last, q, v, slope):
+    """Fill slope with the generalised forces of an elastic joint; arguments as of `_hinge`, returns zeros."""
+    parent, child = _bodies(joint, q)
+    clear(slope)
+    _bend(joint, parent, child, v, slope)
     return 0.0, 0.0
 
 
 @part
-def _stretching(joint, last, q, v, slope, R, x, G):
+def _bend(joint, parent, child, v, out):
+    """Add what an elastic joint does to its bodies."""
+    A, B = _frames(joint, parent, child)
+    s, a = _from_home(A, B)
+    w = _relative(joint, parent, child, v)
+    _push(joint, turned(A, moment(times(s, seen(A, a)), seen(A, w), joint)), parent, child, out)
+
+
+@part
+def _stretching(joint, last, q, v, slope):
     """As `_elastic`, of a link that stretches."""
-    _elastic(joint, last, q, v, slope, R, x, G)
-    a, by_turn, along = room1(3), room2(2, 3), room1(MOST)
-    _axis(joint, R, a, 0)
-    clear(along)
-    s, rate = _ended(joint, last, _slide(joint, R, x, a, by_turn, along), by_turn, G, v, along)
+    parent, child = _bodies(joint, q)
+    s, rate = _slid(joint, 0, last, parent, child, v, slope)
     force = joint.axial[0] * s + joint.axial[1] * rate
     for i in range(MOST):
-        slope[i] -= force * along[i]
+        slope[i] *= -force
+    _bend(joint, parent, child, v, slope)
     return 0.0, 0.0
 
 
 @part
-def _by_map(A, w, t, c, i):
-    """Component i of T^-1 w; w (3,) rad/s in the world, A: axes of the joint's frame, t (3,) the rotation vector."""
-    j, k, square = (i + 1) % 3, (i + 2) % 3, t[0] * t[0] + t[1] * t[1] + t[2] * t[2]
-    u = room1(3)
-    for row in range(3):
-        u[row] = A[0, row] * w[0] + A[1, row] * w[1] + A[2, row] * w[2]
-    along = t[0] * u[0] + t[1] * u[1] + t[2] * u[2]
-    return u[i] - 0.5 * (t[j] * u[k] - t[k] * u[j]) + c * (t[i] * along - square * u[i])
+def _relative(joint, parent, child, v):
+    """Angular velocity (3,) rad/s of the child less that of the parent."""
+    n = joint.parent
+    w = spin_by(child[2], v[n + 3], vector(v, n + 4))
+    return plus(w, times(-1.0, spin_by(parent[2], v[3], vector(v, 4)))) if n > 0 else w
 
 
 @part
-def _axis(joint, R, a, k):
-    """Fill a (3,) with an axis of the parent's frame, of a hinge or a slider its z."""
-    P = joint.parent_turn
-    for i in range(3):
-        a[i] = R[0, i, 0] * P[0, k] + R[0, i, 1] * P[1, k] + R[0, i, 2] * P[2, k]
+def _turn(m, e, i, out):
+    """Add G^T m of a moment (3,) on a body with Euler parameters e, whose coordinates begin at i."""
+    f = rates_of(e, m)
+    for k in range(4):
+        out[i + 3 + k] += 4.0 * f[k]
 
 
 @part
-def _ended(joint, last, s, by_turn, G, v, slope):
-    """Coordinate and rate, once it is known by what w_P and w_C count, by_turn (2, 3), which is added to slope."""
+def _push(joint, m, parent, child, out):
+    """Add the generalised forces of a moment (3,) on the child, and of its opposite on the parent."""
+    if joint.parent > 0:
+        _turn(times(-1.0, m), parent[2], 0, out)
+    _turn(m, child[2], joint.parent, out)
+
+
+@part
+def _found(joint, last, s, by_parent, by_child, parent, child, v, slope):
+    """Coordinate and rate, once it is known by what (3,) w_P and w_C count, of which the gradient is added to slope."""
     n, rate = joint.parent, 0.0
     last[0] = s
-    for i in range(3):
-        for k in range(4):
-            if n > 0:
-                slope[3 + k] += by_turn[0, i] * G[0, i, k]
-            slope[n + 3 + k] += by_turn[1, i] * G[1, i, k]
+    if n > 0:
+        _turn(by_parent, parent[2], 0, slope)
+    _turn(by_child, child[2], n, slope)
     for i in range(n + joint.child):
         rate += slope[i] * v[i]
     return s, rate
 
 
 @part
-def _turn_of(joint, R):
-    """Angle (rad, -pi to pi) about the axis of a hinge from the parent's x to the child's."""
-    P, C, sine, cosine = joint.parent_turn, joint.child_turn, 0.0, 0.0
-    for i in range(3):
-        u = R[1, i, 0] * C[0, 0] + R[1, i, 1] * C[1, 0] + R[1, i, 2] * C[2, 0]
-        cosine += u * (R[0, i, 0] * P[0, 0] + R[0, i, 1] * P[1, 0] + R[0, i, 2] * P[2, 0])
-        sine += u * (R[0, i, 0] * P[0, 1] + R[0, i, 1] * P[1, 1] + R[0, i, 2] * P[2, 1])
-    return math.atan2(sine, cosine)
-
-
-@part
-def _slide(joint, R, x, a, by_turn, slope):
-    """How far (m) a slider has slid; by_turn, and slope by the places of the nodes, are filled."""
-    d, arm, s, n = room1(3), room1(3), 0.0, joint.parent  # d: from the parent's node to the joint's point on the child
-    for i in range(3):
-        arm[i], on_parent = 0.0, 0.0
-        for j in range(3):
-            arm[i] += R[1, i, j] * joint.child_point[j]
-            on_parent += R[0, i, j] * joint.parent_point[j]
-        d[i] = x[1, i] + arm[i] - x[0, i]
-        s += a[i] * (d[i] - on_parent)
-    # The arm of the parent turns with it as the axis does: w . (a x (d - arm_P)) - a . (w x arm_P) = w . (a x d).
-    for i in range(3):
-        j, k = (i + 1) % 3, (i + 2) % 3
-        by_turn[0, i] = a[j] * d[k] - a[k] * d[j]
-        by_turn[1, i] = arm[j] * a[k] - arm[k] * a[j]
-        if n > 0:
-            slope[i] = -a[i]
-        slope[n + i] = a[i]
-    return s
-
-
-@part
 def _act(joint, now, q, v, out):
     """`joint_loads.act`."""
-    R, x, G = room3(2, 3, 3), room2(2, 3), room3(2, 3, 4)
-    s, rate = _find(joint, (rows(now, TURNS, 2), q, v, out, R, x, G))
+    s, rate = _find(joint, (rows(now, TURNS, 2), q, v, out))
     if joint.kind >= ELASTIC:
         return
     force = total(joint, s, rate, now[ANCHOR], now[VALUE], now[RATE])
     for i in range(MOST):
         out[i] *= force
     if joint.kind == BALL and joint.damping > 0.0:
-        _damp_across(joint, R, G, v, out)
+        _damp_across(joint, q, v, out)
 
 
 @part
-def _damp_across(joint, R, G, v, out):
+def _damp_across(joint, q, v, out):
     """Add the moment of a ball joint's damper that is not along the axis of its rotation."""
-    a, w = room1(3), room1(3)
-    _from_home(joint, R, a)
-    n, rate = joint.parent, 0.0
-    for i in range(3):
-        w[i] = 0.0
-        for k in range(4):
-            w[i] += G[1, i, k] * v[n + 3 + k]
-            if n > 0:
-                w[i] -= G[0, i, k] * v[3 + k]
-        rate += a[i] * w[i]
-    for i in range(3):
-        moment = -joint.damping * (w[i] - rate * a[i])
-        for k in range(4):
-            out[n + 3 + k] += moment * G[1, i, k]
-            if n > 0:
-                out[3 + k] -= moment * G[0, i, k]
+    parent, child = _bodies(joint, q)
+    A, B = _frames(joint, parent, child)
+    a, w = _from_home(A, B)[1], _relative(joint, parent, child, v)
+    _push(joint, times(-joint.damping, plus(w, times(-dot(a, w), a))), parent, child, out)
 
 
 provide(joint_loads.coordinate, JOINT, _coordinate)

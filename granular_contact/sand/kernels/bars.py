@@ -27,16 +27,14 @@ from granular_contact.sand.kernels.immersion import GAUSS_HIGH, GAUSS_LOW, THREE
 from granular_contact.sand.kernels.law import TERMS
 from granular_contact.sand.kernels.planar_friction import drive, mobilised
 from granular_contact.sand.kernels.strip import Strip
-from granular_contact.sand.kernels.vectors import cross, norm
+from granular_contact.sand.kernels.vectors import axes, cross, norm, turned
 
 
 @part
 def station(E, pose, ground, medium):
     """Position (3,) m and velocity (3,) m/s of a station of a body, E (3,) m in its frame, and its depth (m)."""
     x, v, w = pose[3], pose[4], pose[5]
-    rx = pose[0, 0] * E[0] + pose[0, 1] * E[1] + pose[0, 2] * E[2]
-    ry = pose[1, 0] * E[0] + pose[1, 1] * E[1] + pose[1, 2] * E[2]
-    rz = pose[2, 0] * E[0] + pose[2, 1] * E[1] + pose[2, 2] * E[2]
+    rx, ry, rz = turned(axes(pose), E)
     px, py, pz = x[0] + rx, x[1] + ry, x[2] + rz
     velocity = v[0] + w[1] * rz - w[2] * ry, v[1] + w[2] * rx - w[0] * rz, v[2] + w[0] * ry - w[1] * rx
     return (px, py, pz), velocity, surface_at(px, py, ground, medium, room1(PLANE)) - pz

@@ -47,18 +47,11 @@ from granular_contact.sand.kernels.facet_blocks import (
 from granular_contact.sand.kernels.facet_parts import immersed_part
 from granular_contact.sand.kernels.ground import PLANE, surface_at
 from granular_contact.sand.kernels.space_friction import TINY
-from granular_contact.sand.kernels.vectors import cross, seen, turned
+from granular_contact.sand.kernels.vectors import axes, cross, seen, turned
 
 COLUMNS = 18
 SIDE, FORM, CURVE = 14, 15, 16
 TRIANGLE, PARALLELOGRAM, PATCH, RIM = range(4)  # forms
-
-
-@part(inline=True)
-def axes(pose):
-    """Axes of a body as seen from the bed, row by row (9,), as numbers that stay in registers."""
-    x, y, z = pose[0], pose[1], pose[2]
-    return x[0], x[1], x[2], y[0], y[1], y[2], z[0], z[1], z[2]
 
 
 @part(inline=True)

@@ -40,12 +40,11 @@ from granular_contact.jit.compiled import part
 from granular_contact.jit.memory import clear, copy, piece, room1, room2, rows
 from granular_contact.sand.kernels import space_law as law
 from granular_contact.sand.kernels.batches import gather
-from granular_contact.sand.kernels.facets import axes
 from granular_contact.sand.kernels.law import TERMS
 from granular_contact.sand.kernels.proximity import APPROACH, DEEPEST, EVER, may_touch
 from granular_contact.sand.kernels.space_clusters import bound, bound_cluster, reach_below, release
 from granular_contact.sand.kernels.space_coordinates import by_parameters
-from granular_contact.sand.kernels.vectors import seen
+from granular_contact.sand.kernels.vectors import axes, seen
 
 view = law.BODIES.view
 

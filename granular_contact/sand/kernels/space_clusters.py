@@ -10,10 +10,9 @@ import math
 from granular_contact.jit.compiled import part
 from granular_contact.jit.memory import room1
 from granular_contact.sand.kernels import space_law as law
-from granular_contact.sand.kernels.facets import axes
 from granular_contact.sand.kernels.ground import PLANE, surface_at
 from granular_contact.sand.kernels.proximity import APPROACH, DEEPEST
-from granular_contact.sand.kernels.vectors import dot, seen, turned
+from granular_contact.sand.kernels.vectors import axes, dot, seen, turned
 
 
 @part

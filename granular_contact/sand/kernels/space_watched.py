@@ -10,6 +10,7 @@ from granular_contact.sand.kernels.ground import PLANE, surface_at
 from granular_contact.sand.kernels.lines import LEFT
 from granular_contact.sand.kernels.space_bodies import view
 from granular_contact.sand.kernels.space_sand import force, soonest, tangent, update_active
+from granular_contact.sand.kernels.vectors import at, axes, plus, turned
 
 __all__ = ["accept", "force", "soonest", "tangent", "update_active"]
 
@@ -44,7 +45,7 @@ def reach(w, row):
             drop = beside if cluster.mass > 0.0 else 0.0
             for i in range(cluster.first, cluster.last):
                 for p in range(corners(elements[i], points)):
-                    x, y, z = placed(pose, points[p])
+                    x, y, z = plus(at(pose, 3, 0), turned(axes(pose), points[p]))
                     if surface_at(x, y, ground, medium[0], plane) - z + drop > 0.0:
                         row[0], row[1] = min(row[0], x - beside), min(row[1], y - beside)
                         row[2], row[3] = max(row[2], x + beside), max(row[3], y + beside)
@@ -65,13 +66,3 @@ def corners(element, points):
         if four:
             points[0, k], points[1, k], points[3, k] = x + a + b, x + a - b, x - a + b
     return 4 if four else 3
-
-
-@part
-def placed(pose, p):
-    """A point (3,) m of a body in the frame of the bed."""
-    return (
-        pose[3, 0] + pose[0, 0] * p[0] + pose[0, 1] * p[1] + pose[0, 2] * p[2],
-        pose[3, 1] + pose[1, 0] * p[0] + pose[1, 1] * p[1] + pose[1, 2] * p[2],
-        pose[3, 2] + pose[2, 0] * p[0] + pose[2, 1] * p[1] + pose[2, 2] * p[2],
-    )

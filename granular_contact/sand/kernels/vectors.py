@@ -8,6 +8,42 @@ from granular_contact.jit.compiled import part
 
 
 @part
+def vector(array, first):
+    """Three numbers of an array, from one on."""
+    return array[first], array[first + 1], array[first + 2]
+
+
+@part
+def at(array, i, first):
+    """Three numbers of row i, from one on."""
+    return array[i, first], array[i, first + 1], array[i, first + 2]
+
+
+@part
+def put(a, array, i, first):
+    """Write a vector into three numbers of row i."""
+    array[i, first], array[i, first + 1], array[i, first + 2] = a
+
+
+@part
+def unit(k):
+    """Unit vector along axis k."""
+    return 1.0 * (k == 0), 1.0 * (k == 1), 1.0 * (k == 2)
+
+
+@part
+def plus(a, b):
+    """A + b."""
+    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
+
+
+@part
+def times(x, a):
+    """X a."""
+    return x * a[0], x * a[1], x * a[2]
+
+
+@part
 def norm(a):
     """Length of a vector in the plane or in space: a plain root of the sum of squares, see `planar_friction`."""
     square = 0.0
@@ -29,6 +65,13 @@ def cross(a, b):
 
 
 @part(inline=True)
+def axes(R):
+    """Rows of a matrix (3, 3), or the first of a pose, one after another (9,): numbers that stay in registers."""
+    x, y, z = R[0], R[1], R[2]
+    return x[0], x[1], x[2], y[0], y[1], y[2], z[0], z[1], z[2]
+
+
+@part(inline=True)
 def turned(R, a):
     """R a (3,) of a matrix R, row by row (9,): a vector of the frame of a body, whose axes they are, in that around."""
     return (
@@ -46,3 +89,18 @@ def seen(R, a):
         R[1] * a[0] + R[4] * a[1] + R[7] * a[2],
         R[2] * a[0] + R[5] * a[1] + R[8] * a[2],
     )
+
+
+@part
+def column(R, k):
+    """Axis k (3,) of a frame, of its rows (9,)."""
+    return R[k], R[3 + k], R[6 + k]
+
+
+@part
+def framed(R, P):
+    """R P (9,), row by row: axes of a frame P (3, 3) in a body with the axes R (9,)."""
+    a = turned(R, (P[0, 0], P[1, 0], P[2, 0]))
+    b = turned(R, (P[0, 1], P[1, 1], P[2, 1]))
+    c = turned(R, (P[0, 2], P[1, 2], P[2, 2]))
+    return a[0], b[0], c[0], a[1], b[1], c[1], a[2], b[2], c[2]

@@ -31,6 +31,7 @@ from granular_contact.engines.mujoco.kernels.held_bodies import BED, HELD
 from granular_contact.jit.compiled import kernel, part
 from granular_contact.jit.memory import room1
 from granular_contact.jit.records import record_dtype
+from granular_contact.sand.kernels.vectors import axes, seen, vector
 
 # The constants of `friction`, and whether a law opposes components of the motion one by one.
 _NUMBERS = [("u_y", "f8"), ("tau", "f8"), ("v_eps", "f8"), ("pressed", "f8")]
@@ -42,16 +43,6 @@ OF_STEP: dict[str, tuple[Any, int]] = {
     "held": (HELD, 1),
     "bed": (BED, 1),
 }
-
-
-@part
-def to_world(turn, x, y, z):
-    """A vector (3,) of the bed's frame in the world's."""
-    return (
-        turn[0, 0] * x + turn[1, 0] * y + turn[2, 0] * z,
-        turn[0, 1] * x + turn[1, 1] * y + turn[2, 1] * z,
-        turn[0, 2] * x + turn[1, 2] * y + turn[2, 2] * z,
-    )
 
 
 @part
@@ -179,8 +170,8 @@ def find_target(body, turn, step):
     It has what the added inertia takes up of the gain that was foreseen.
     """
     p, w, arm = room1(6), body.wrench, body.arm
-    fx, fy, fz = to_world(turn, w[0], w[1], w[2])
-    mx, my, mz = to_world(turn, w[3], w[4], w[5])
+    fx, fy, fz = seen(axes(turn), vector(w, 0))
+    mx, my, mz = seen(axes(turn), vector(w, 3))
     momentum(body.added, body.foreseen, p)
     t = body.target
     t[0], t[1], t[2] = fx + p[0] / step, fy + p[1] / step, fz + p[2] / step

@@ -23,7 +23,7 @@ from granular_contact.sand.kernels.planar_friction import drive as drive_across
 from granular_contact.sand.kernels.proximity import APPROACH, DEEPEST, may_touch
 from granular_contact.sand.kernels.space_clusters import bound, bound_cluster, reach_below, release
 from granular_contact.sand.kernels.space_friction import factors
-from granular_contact.sand.kernels.vectors import norm
+from granular_contact.sand.kernels.vectors import axes, norm, turned
 
 # Those arrays of `space_law.BODIES` that are needed here, and the ones above; active (clusters,): which may touch the
 # surface in this step.
@@ -156,7 +156,7 @@ def weigh(f, E, A, pose, ahead, step, bristle, inertia):
     """
     (fx, fy, fz), (bx, by, bz), (ax, ay, az) = f, middle(E), middle(A)
     w, v = ahead[5], ahead[4]
-    rx, ry, rz = turned(ahead, bx, by, bz)
+    rx, ry, rz = turned(axes(ahead), (bx, by, bz))
     vx, vy, vz = v[0] + w[1] * rz - w[2] * ry, v[1] + w[2] * rx - w[0] * rz, v[2] + w[0] * ry - w[1] * rx
     ex, ey, ez = ahead[3, 0] + rx - ax, ahead[3, 1] + ry - ay, ahead[3, 2] + rz - az
     if bristle.parted and bristle.friction != SMOOTH:
@@ -182,16 +182,6 @@ def middle(rows):
     for i in range(rows.shape[0]):
         x, y, z = x + n * rows[i, 0], y + n * rows[i, 1], z + n * rows[i, 2]
     return x, y, z
-
-
-@part
-def turned(R, x, y, z):
-    """A vector (3,) of the frame of a body in that of the bed."""
-    return (
-        R[0, 0] * x + R[0, 1] * y + R[0, 2] * z,
-        R[1, 0] * x + R[1, 1] * y + R[1, 2] * z,
-        R[2, 0] * x + R[2, 1] * y + R[2, 2] * z,
-    )
 
 
 @part

@@ -6,9 +6,7 @@ and the angular velocity w = J(u) u' there, the child gets a moment M, and tau =
     M = F(s, a . w) a - c (w - (a . w) a),
 
 F: the law of the joint, with c in it. At s = 0 there is no axis, and nothing but the damper acts. Between elements of
-a link that bends, in the frame P of the joint with the rotation vector t = s P^T a and its map T (`space_joints`),
-
-    M = -P T^-T (K t + D T^-1 P^T w),    T^-1 = 1 - t^ / 2 + c t^ t^.
+a link that bends M is P times the `moment` of `bending`, in the frame P of the joint, by the rotation vector s P^T a.
 
 Compiled for trees with such joints alone, and called by address.
 """
@@ -17,28 +15,25 @@ from __future__ import annotations
 
 import math
 
-from granular_contact.engines.tree.kernels.space_rotations import (
-    by_vector,
-    chart,
-    four,
-    matrix_of,
-    plus,
-    product,
-    quaternion,
-    spin_of,
-    times,
-    vector,
-)
 from granular_contact.engines.tree.kernels.space_tree import LAST
 from granular_contact.jit.compiled import part
 from granular_contact.jit.memory import room1
 from granular_contact.jit.memory import rows as rows_of
+from granular_contact.mechanics.kernels.bending import moment
 from granular_contact.mechanics.kernels.joint_laws import total
+from granular_contact.mechanics.kernels.space_rotations import (
+    by_vector,
+    chart,
+    four,
+    matrix_of,
+    product,
+    quaternion,
+    spin_of,
+)
 from granular_contact.sand.kernels.lines import difference
-from granular_contact.sand.kernels.vectors import cross, dot, seen, turned
+from granular_contact.sand.kernels.vectors import dot, plus, seen, times, turned, vector
 
 SPRUNG, ELASTIC = 1, 2  # of a node's `acts`: what its ball joint has
-SMALL = 1e-2  # rad, below which c is taken from its series
 
 
 @part
@@ -61,19 +56,7 @@ def torques(u, rate, home, node, law):
 def elastic(turn, w, node):
     """Moment between two elements of a link; turn: rotation vector from home, w: rad/s, all in the parent's frame."""
     P = matrix_of(four(node.before))
-    t, w, square = seen(P, turn), seen(P, w), dot(turn, turn)
-    s = math.sqrt(square)
-    c = 1.0 / 12.0 + square / 720.0 if s < SMALL else (1.0 - 0.5 * s / math.tan(0.5 * s)) / square
-    v, K, D = mapped(t, w, -0.5, c), node.bends, node.damps
-    f = K[0] * t[0] + D[0] * v[0], K[1] * t[1] + D[1] * v[1], K[2] * t[2] + D[2] * v[2]
-    return times(-1.0, turned(P, mapped(t, f, 0.5, c)))
-
-
-@part
-def mapped(t, a, half, c):
-    """A + half t x a + c t x (t x a)."""
-    x = cross(t, a)
-    return plus(a, plus(times(half, x), times(c, cross(t, x))))
+    return turned(P, moment(seen(P, turn), seen(P, w), node))
 
 
 @part

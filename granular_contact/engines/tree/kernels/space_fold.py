@@ -7,11 +7,10 @@ with a change the moment w x I w counts, as a body that spins fast has much of i
 
 from __future__ import annotations
 
-from granular_contact.engines.tree.kernels.space_rotations import at, plus, unit, vector
 from granular_contact.engines.tree.kernels.space_tree import BALL, LAST, axes_of, momentum, pass_on
 from granular_contact.jit.compiled import part
 from granular_contact.jit.memory import clear, piece, room2
-from granular_contact.sand.kernels.vectors import cross, dot
+from granular_contact.sand.kernels.vectors import at, cross, dot, plus, unit, vector
 
 # Columns of `joint`: U, W, 1 / D (of a ball joint the inverse (9,), with its first node), S, and the arm e + d from the
 # parent's centre of mass.

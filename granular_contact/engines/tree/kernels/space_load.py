@@ -8,7 +8,6 @@ taken so, too, without what of it comes from G alone, fq M / 2 or less.
 from __future__ import annotations
 
 from granular_contact.engines.tree.kernels.space_fold import fold, inertias, solve
-from granular_contact.engines.tree.kernels.space_rotations import at, plus, put, times
 from granular_contact.engines.tree.kernels.space_tree import carry, lack, place, recentre
 from granular_contact.engines.tree.kernels.tree_calls import (
     push_balls,
@@ -21,9 +20,10 @@ from granular_contact.engines.tree.kernels.tree_joints import follow, push, stif
 from granular_contact.engines.tree.kernels.tree_newton import needs_matrix
 from granular_contact.jit.compiled import part
 from granular_contact.jit.memory import clear, flat, room2
+from granular_contact.mechanics.kernels.space_rotations import quaternion, spin_by
 from granular_contact.mechanics.kernels.step_error import fastest
 from granular_contact.sand.kernels import space_sand as sand  # noqa: F401  # whose functions `tree_calls` takes
-from granular_contact.sand.kernels.vectors import cross
+from granular_contact.sand.kernels.vectors import at, put, times
 
 SIZE = 7  # coordinates of a pose
 
@@ -47,8 +47,7 @@ def act(w):
 @part
 def moment(pose, i, f, g):
     """G (f, g) / 4 of node i: the moment of generalised forces f and g (3,) on its Euler parameters."""
-    e = at(pose, i, 4)
-    return times(0.5, plus(plus(times(-f, e), times(pose[i, 3], g)), cross(e, g)))
+    return times(0.25, spin_by(quaternion(pose, i, 3), f, g))
 
 
 @part

@@ -24,30 +24,25 @@ from __future__ import annotations
 
 import math
 
-from granular_contact.engines.tree.kernels.space_rotations import (
-    at,
+from granular_contact.jit.compiled import part
+from granular_contact.mechanics.kernels.space_rotations import (
+    ALONG_WORLD,
+    UNTURNED,
     by_vector,
     chart,
     drift_of,
     four,
     matrix_of,
-    plus,
     product,
-    put,
     quaternion,
     rates_of,
     spin_of,
-    times,
-    unit,
-    vector,
 )
-from granular_contact.jit.compiled import part
-from granular_contact.sand.kernels.vectors import cross, seen, turned
+from granular_contact.sand.kernels.vectors import at, cross, plus, put, seen, times, turned, unit, vector
 
 HINGE, SLIDER, BALL = 0, 1, 2
 LAST = 2  # of the three nodes of a ball joint, the one with the body
-NONE, UNTURNED = (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0)
-ALONG_WORLD = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
+NONE = (0.0, 0.0, 0.0)
 
 
 @part

@@ -14,21 +14,11 @@ from __future__ import annotations
 import math
 
 from granular_contact.jit.compiled import part
-from granular_contact.sand.kernels.vectors import cross, dot
+from granular_contact.sand.kernels.vectors import cross, dot, plus, times
 
+UNTURNED = (1.0, 0.0, 0.0, 0.0)
+ALONG_WORLD = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 SERIES = 0.1  # rad^2: squares of the angle below which coefficients are taken from series
-
-
-@part
-def vector(array, first):
-    """Three numbers of an array, from one on."""
-    return array[first], array[first + 1], array[first + 2]
-
-
-@part
-def at(array, i, first):
-    """Three numbers of row i, from one on."""
-    return array[i, first], array[i, first + 1], array[i, first + 2]
 
 
 @part
@@ -41,30 +31,6 @@ def quaternion(array, i, first):
 def four(q):
     """A quaternion of a record."""
     return q[0], q[1], q[2], q[3]
-
-
-@part
-def put(a, array, i, first):
-    """Write a vector into three numbers of row i."""
-    array[i, first], array[i, first + 1], array[i, first + 2] = a
-
-
-@part
-def unit(k):
-    """Unit vector along axis k."""
-    return 1.0 * (k == 0), 1.0 * (k == 1), 1.0 * (k == 2)
-
-
-@part
-def plus(a, b):
-    """A + b."""
-    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
-
-
-@part
-def times(x, a):
-    """X a."""
-    return x * a[0], x * a[1], x * a[2]
 
 
 @part
@@ -94,6 +60,13 @@ def rates_of(q, w):
     """Rates (4,) of a quaternion whose frame turns at the angular velocity w, as seen from outside."""
     x, y, z = plus(times(q[0], w), cross(w, (q[1], q[2], q[3])))
     return -0.5 * (w[0] * q[1] + w[1] * q[2] + w[2] * q[3]), 0.5 * x, 0.5 * y, 0.5 * z
+
+
+@part
+def spin_by(q, f, g):
+    """Angular velocity (3,) of a frame whose quaternion q has the rates f and g (3,)."""
+    e = q[1], q[2], q[3]
+    return times(2.0, plus(plus(times(-f, e), times(q[0], g)), cross(e, g)))
 
 
 @part
