@@ -26,6 +26,7 @@ from support_results import make
 from support_runs import CONFIGS, scenario_of
 
 from granular_contact import cli, report
+from granular_contact.report.figures.space_views import views
 from granular_contact.report.pages import FolderError, html
 from granular_contact.report.pages import write as write_page
 from granular_contact.report.pages.folder import Bed, Folder
@@ -778,6 +779,20 @@ def test_a_motion_in_space_is_saved_and_fine_meshes_are_made_coarser(tmp_path: P
     assert fewer.faces is not None
     assert 50 < len(fewer.faces) <= 500
     assert np.abs(np.hypot(*fewer.points[:, :2].T) - 1.0).max() < 0.2
+
+
+def test_the_ground_in_space_goes_on_to_the_margins_of_the_pictures() -> None:
+    """Of a block that falls from far above: the margin is a part of the height, too."""
+    moved = spun()
+    poses = moved.poses.copy()
+    poses[:, 0, 2] += np.linspace(1.0, 0.0, 11)
+    moved = over_ground(dataclasses.replace(moved, poses=poses), lambda x, _y: 0.0 * x, level=True)
+    assert moved.ground is not None
+    figure = views(make(), moved)
+    for axes, along in zip(figure.axes, moved.ground[:2], strict=False):
+        low, high = axes.get_xlim()
+        assert axes.get_xlabel().endswith("(m)")
+        assert along[0] <= low < high <= along[-1]
 
 
 RENDERER = """const gl = document.createElement('canvas').getContext('webgl');

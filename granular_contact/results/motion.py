@@ -19,6 +19,7 @@ from granular_contact.values.arrays import Vector
 
 RIGID = 1e-6  # of the size of the mechanism: what changes its shape by less is drawn as rigid
 DIGITS = 7  # of positions in files, of the largest
+BESIDE = 0.1  # of the extent of a motion: how far the ground that is drawn goes on beside it, as pictures have margins
 MOST_FACES = 12_000  # triangles that are drawn of all parts; finer meshes are made coarser
 GROUND = 41  # points of the ground along each side, where it is not level
 
@@ -97,8 +98,9 @@ def scaled(motion: Motion, factor: float) -> Motion:
 def over_ground(motion: Motion, height: Callable[[Vector, Vector], Vector], *, level: bool) -> Motion:
     """A motion in space with the ground below it, from heights (n,) m at x, y (n,) m."""
     reach = max((float(np.linalg.norm(part.points, axis=1).max()) for part in motion.parts), default=0.0)
-    places = motion.poses[..., :2].reshape(-1, 2)
-    low, high = places.min(axis=0) - reach, places.max(axis=0) + reach
+    places = motion.poses[..., :3].reshape(-1, 3)
+    reach += BESIDE * (2.0 * reach + float(np.ptp(places, axis=0).max()))
+    low, high = places[:, :2].min(axis=0) - reach, places[:, :2].max(axis=0) + reach
     count = 2 if level else GROUND
     x, y = (np.linspace(a, b, count) for a, b in zip(low, high, strict=True))
     grid = np.meshgrid(x, y)
