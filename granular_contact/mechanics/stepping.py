@@ -111,11 +111,10 @@ def arm(scene: Scene, joint: Any) -> float:
 
 def longest_step(scene: Scene, accuracy: float) -> float:
     """Longest step (s) that is chosen for an accuracy."""
-    solver = scene.solver
     longer = min(LONGER, math.sqrt(max(1.0, accuracy / FINE)))
-    longest = LONGEST * longer * min(solver.end_time_s, _swing(scene))
-    if solver.rest_time_s is not None:
-        longest = min(longest, 0.5 * solver.rest_time_s)
+    longest = LONGEST * longer * min(scene.solver.end_time_s, _swing(scene))
+    if scene.rest_time is not None:
+        longest = min(longest, 0.5 * scene.rest_time)
     return min(longest, _within_periods(scene, accuracy))
 
 
