@@ -24,7 +24,7 @@ from granular_contact.studies.optimise.calls import optimise
 from validation.study import Claim, Outcome, script
 from validation.tables import markdown
 
-SETTINGS = ["solver.accuracy=0.1", "solver.tolerance=1e-3"]  # as of the environment of the hexapod
+SETTINGS = ["solver.accuracy=0.1"]  # as of the environment of the hexapod
 STANCE = {
     "signals.stride.stance_sweep_deg": [30, 120],
     "signals.stride.stance_offset_deg": [-30, 30],

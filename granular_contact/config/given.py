@@ -28,7 +28,7 @@ if TYPE_CHECKING:
         accuracy: float | None
         max_wall_s: float | None
         spectral_radius: float | None
-        tolerance: float
+        tolerance: float | None
 
     class OutputChanges(TypedDict, total=False):
         """Keys of `output`."""

@@ -18,7 +18,7 @@ HIPS = ("hip_front_a", "hip_rear_a", "hip_front_b", "hip_rear_b")
 RATES, GAIN, LIMIT = (0.0, 20.0), 5e-3, 0.1
 START = {"a": 90.0, "b": 270.0}  # deg, of the hips of either side: half a turn apart, as in that gait
 OVER = 90.0  # deg, by which the trunk has fallen over
-SETTINGS = {"solver.accuracy": 0.05, "solver.tolerance": 1e-3, "load.strips_per_rigid_part": 8}
+SETTINGS = {"solver.accuracy": 0.05, "load.strips_per_rigid_part": 8}
 
 
 def scenario(end_time_s: float = 2.0) -> Scenario:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
+from granular_contact.mechanics.scheme import tolerance
 from granular_contact.results import Status
 from granular_contact.results.stopping import ended
 from granular_contact.scene.types import Scene
@@ -40,7 +41,7 @@ def unsolved(scene: Scene, t: float, step: float, problem: str = "") -> Status:
     reason = problem or "Newton's method did not converge"
     # In space the engine asks for so little that forces far above the weight may leave more by their round-off.
     by_engine = scene.in_space and scene.method is None
-    coarser = f" or a larger solver.tolerance (now {scene.solver.tolerance:g})" if by_engine else ""
+    coarser = f" or a larger solver.tolerance (now {tolerance(scene):g})" if by_engine else ""
     return Status("failed", f"{reason} at {t:.6g} s, with the step reduced to {step:.2g} s; {_remedy(scene)}{coarser}")
 
 

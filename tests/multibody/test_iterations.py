@@ -12,6 +12,7 @@ from granular_contact.engines.exudyn.build import build
 from granular_contact.engines.exudyn.overlay import Overlay
 from granular_contact.engines.exudyn.settings import settings
 from granular_contact.engines.exudyn.solve import solve
+from granular_contact.mechanics.kernels.numerics import TOLERANCE
 from granular_contact.scene import Scene
 
 PD = "drives={hinge_1: {type: pd, angle_deg: 0, gain_Nm_per_rad: 1, rate_gain_Nm_s_per_rad: 0.01}}"
@@ -51,7 +52,7 @@ def test_what_newtons_method_leaves_is_far_below_the_error_of_steps() -> None:
 def test_the_tolerance_is_one_number_for_all_scenes_in_the_plane(change: str) -> None:
     scene = chain(change)
     allowed = settings(scene).timeIntegration.newton.absoluteTolerance
-    assert allowed == pytest.approx(scene.solver.tolerance * scene.force_scale)
+    assert allowed == pytest.approx(TOLERANCE * scene.force_scale)
 
 
 @pytest.mark.parametrize(("step", "some"), [(2.3e-3, False), (2e-2, True)])

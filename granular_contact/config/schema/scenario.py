@@ -60,10 +60,11 @@ class Solver(Strict):
     spectral_radius: Annotated[float, Field(ge=0, le=1)] | None = None
     """Of the generalised-alpha method at high frequency: 1 no damping, 0 the most. null: 0.9, less with chosen steps or
     prescribed motions, and 0 where a link is so stiff that its elastic forces are below round-off."""
-    tolerance: Annotated[float, Field(gt=0, lt=1)] = 1e-5
-    """Largest residual of a step, relative to the forces of the scene; where steps are chosen at most a fiftieth of the
-    accuracy. In minimal coordinates also of changes of speed, relative to the fastest one so far. By the engine in the
-    plane, what moves by forces far below its weight needs a smaller tolerance."""
+    tolerance: Annotated[float, Field(gt=0, lt=1)] | None = None
+    """Largest residual of a step, relative to the forces of the scene. null: 1e-5, with chosen steps in the plane at
+    most a fiftieth of the accuracy, and in minimal coordinates as much; there it holds also of changes of speed,
+    relative to the fastest one so far. By the engine in the plane, what moves by forces far below its weight needs a
+    smaller tolerance."""
 
     def _faults(self) -> Faults:
         if self.step_s is not None and self.step_s > self.end_time_s:

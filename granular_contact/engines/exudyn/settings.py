@@ -20,7 +20,7 @@ from granular_contact.mechanics.kernels.numerics import (
     NOISE_SPECTRAL_RADIUS,
     SHORTEST,
 )
-from granular_contact.mechanics.scheme import newton_tolerance, spectral_radius
+from granular_contact.mechanics.scheme import spectral_radius, tolerance, tolerance_by_accuracy
 from granular_contact.mechanics.stepping import usual_step
 from granular_contact.scene.parts import FlexibleLink
 from granular_contact.scene.types import Scene
@@ -55,7 +55,7 @@ def sand_noise(scene: Scene) -> float:
 
 def unresolved(scene: Scene) -> bool:
     """Whether round-off of a link's elastic forces exceeds the tolerance of a step: it is practically rigid."""
-    return _noise(scene) > scene.solver.tolerance * scene.force_scale
+    return _noise(scene) > tolerance(scene) * scene.force_scale
 
 
 def _noise(scene: Scene) -> float:
@@ -97,7 +97,7 @@ def _set_newton(newton: Any, scene: Scene) -> None:
     newton.useModifiedNewton = True
     newton.modifiedNewtonContractivity, newton.maxIterations = CONTRACTION, MOST_ITERATIONS
     newton.absoluteTolerance = _allowed(scene)
-    newton.relativeTolerance = min(1e-8, 1e-3 * solver.tolerance)  # of the first residual of the step
+    newton.relativeTolerance = min(1e-8, 1e-3 * tolerance(scene))  # of the first residual of the step
     if unresolved(scene):
         newton.residualMode = 1
         newton.absoluteTolerance *= solver.step_s**2 / scene.mass
@@ -110,10 +110,10 @@ def _set_newton(newton: Any, scene: Scene) -> None:
 def _allowed(scene: Scene) -> float:
     """Residual (N) that a step may leave."""
     if scene.in_space:
-        return max(CLOSER * scene.solver.tolerance, LEFT * sand_noise(scene)) * scene.force_scale
+        return max(CLOSER * tolerance(scene), LEFT * sand_noise(scene)) * scene.force_scale
     if unresolved(scene):
-        return scene.solver.tolerance * scene.force_scale
-    return max(newton_tolerance(scene) * scene.force_scale, _noise(scene))
+        return tolerance(scene) * scene.force_scale
+    return max(tolerance_by_accuracy(scene, in_minimal=False) * scene.force_scale, _noise(scene))
 
 
 def control_steps(simulation: Any, control: StepControl) -> None:

@@ -33,7 +33,7 @@ from granular_contact.jit.compiled import ready
 from granular_contact.mechanics.kernels import step_error
 from granular_contact.mechanics.kernels.iterations import ITERATIONS, room
 from granular_contact.mechanics.kernels.numerics import SHORTEST
-from granular_contact.mechanics.scheme import newton_tolerance, spectral_radius
+from granular_contact.mechanics.scheme import spectral_radius, tolerance_by_accuracy
 from granular_contact.mechanics.stepping import choice, learn, most_steps, usual_step
 from granular_contact.sand.history import HistoryTable
 from granular_contact.sand.kernels.lines import DEPTH
@@ -191,7 +191,7 @@ def _limits(scene: Scene) -> NDArray[np.void]:
     control["end"], control["rest_speed"] = solver.end_time_s, solver.rest_speed_m_s
     control["rest_time"] = math.inf if scene.rest_time is None else scene.rest_time
     control["away"], control["most"] = FASTEST, most_steps(scene)
-    tolerance = newton_tolerance(scene)
+    tolerance = tolerance_by_accuracy(scene, in_minimal=True)
     control["tolerance"] = tolerance * scene.force_scale / scene.mass
     control["share"], control["slow"] = tolerance, SLOW * solver.rest_speed_m_s
     return control
