@@ -34,7 +34,19 @@ from granular_contact.mechanics.kernels.joint_coordinates import HINGE, SLIDER
 from granular_contact.mechanics.kernels.joint_laws import total
 from granular_contact.mechanics.kernels.joint_loads import ANCHOR, DRIVE, LAW, MOST, RATE, TURNS, VALUE
 from granular_contact.mechanics.kernels.space_rotations import ALONG_WORLD, UNTURNED, matrix_of, rates_of, spin_by
-from granular_contact.sand.kernels.vectors import column, cross, dot, framed, norm, plus, seen, times, turned, vector
+from granular_contact.sand.kernels.vectors import (
+    column,
+    cross,
+    dot,
+    framed,
+    minus,
+    norm,
+    plus,
+    seen,
+    times,
+    turned,
+    vector,
+)
 
 BALL, ELASTIC, STRETCHING = 2, 3, 4  # kinds of joints, beside HINGE and SLIDER
 # find: address of what finds the coordinate of its kind; parent, child: how many coordinates their nodes have, none of
@@ -137,7 +149,7 @@ def _slid(joint, k, last, parent, child, v, slope):
     """How far (m) a joint has slid along axis k of the parent's frame, and its rate; slope is filled."""
     a, n = column(framed(parent[1], joint.parent_turn), k), joint.parent
     arm = turned(child[1], vector(joint.child_point, 0))
-    d = plus(plus(child[0], arm), times(-1.0, parent[0]))  # from the parent's node to the joint's point on the child
+    d = minus(plus(child[0], arm), parent[0])  # from the parent's node to the joint's point on the child
     s = dot(a, d) - dot(a, turned(parent[1], vector(joint.parent_point, 0)))
     clear(slope)
     for i in range(3):
@@ -183,7 +195,7 @@ def _relative(joint, parent, child, v):
     """Angular velocity (3,) rad/s of the child less that of the parent."""
     n = joint.parent
     w = spin_by(child[2], v[n + 3], vector(v, n + 4))
-    return plus(w, times(-1.0, spin_by(parent[2], v[3], vector(v, 4)))) if n > 0 else w
+    return minus(w, spin_by(parent[2], v[3], vector(v, 4))) if n > 0 else w
 
 
 @part
@@ -234,7 +246,7 @@ def _damp_across(joint, q, v, out):
     parent, child = _bodies(joint, q)
     A, B = _frames(joint, parent, child)
     a, w = _from_home(A, B)[1], _relative(joint, parent, child, v)
-    _push(joint, times(-joint.damping, plus(w, times(-dot(a, w), a))), parent, child, out)
+    _push(joint, times(-joint.damping, minus(w, times(dot(a, w), a))), parent, child, out)
 
 
 provide(joint_loads.coordinate, JOINT, _coordinate)

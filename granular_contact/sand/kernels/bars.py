@@ -27,17 +27,16 @@ from granular_contact.sand.kernels.immersion import GAUSS_HIGH, GAUSS_LOW, THREE
 from granular_contact.sand.kernels.law import TERMS
 from granular_contact.sand.kernels.planar_friction import drive, mobilised
 from granular_contact.sand.kernels.strip import Strip
-from granular_contact.sand.kernels.vectors import axes, cross, norm, turned
+from granular_contact.sand.kernels.vectors import axes, cross, minus, moving, norm, plus, turned
 
 
 @part
 def station(E, pose, ground, medium):
     """Position (3,) m and velocity (3,) m/s of a station of a body, E (3,) m in its frame, and its depth (m)."""
     x, v, w = pose[3], pose[4], pose[5]
-    rx, ry, rz = turned(axes(pose), E)
-    px, py, pz = x[0] + rx, x[1] + ry, x[2] + rz
-    velocity = v[0] + w[1] * rz - w[2] * ry, v[1] + w[2] * rx - w[0] * rz, v[2] + w[0] * ry - w[1] * rx
-    return (px, py, pz), velocity, surface_at(px, py, ground, medium, room1(PLANE)) - pz
+    r = turned(axes(pose), E)
+    p = plus(x, r)
+    return p, moving(v, w, r), surface_at(p[0], p[1], ground, medium, room1(PLANE)) - p[2]
 
 
 @part
@@ -49,12 +48,6 @@ def add(f, x, y, z, W, term):
     W[term, 3] += y * f[2] - z * f[1]
     W[term, 4] += z * f[0] - x * f[2]
     W[term, 5] += x * f[1] - y * f[0]
-
-
-@part
-def between(p, q):
-    """Vector (3,) from one point to another."""
-    return q[0] - p[0], q[1] - p[1], q[2] - p[2]
 
 
 @part
@@ -70,15 +63,15 @@ def bar_forces(elements, anchors, cluster, pose, ground, medium, W):
         if a == b:
             continue
         clear(f)
-        e0, e1 = between(anchors[i], p), between(anchors[i + 1], q)
-        law.bar_force(medium, (Strip(a, b, z0, z1, between(p, q), v0, v1, e0, e1), cluster, f))
+        e0, e1 = minus(p, anchors[i]), minus(q, anchors[i + 1])
+        law.bar_force(medium, (Strip(a, b, z0, z1, minus(q, p), v0, v1, e0, e1), cluster, f))
         for term in range(TERMS):
             add(f[term, 0], p[0] - x[0], p[1] - x[1], p[2] - x[2], W, term)
             add(f[term, 1], q[0] - x[0], q[1] - x[1], q[2] - x[2], W, term)
     within = z1 > 0.0 and (not medium.layered or medium.top < z1 <= medium.bottom)
     if within and cluster.cap and medium.cap != 0:
         clear(f)
-        law.cap_force(medium, (between(p, q), v1, cluster, f))
+        law.cap_force(medium, (minus(q, p), v1, cluster, f))
         for term in range(TERMS):
             add(f[term, 1], q[0] - x[0], q[1] - x[1], q[2] - x[2], W, term)
 
@@ -107,7 +100,7 @@ def follow_stations(elements, anchors, cluster, pose, ground, medium, row):
 @part
 def nearest(a, b, p, q):
     """Where in [a, b] a vector (3,) that varies linearly from p to q along a strip is shortest."""
-    dx, dy, dz = between(p, q)
+    dx, dy, dz = minus(q, p)
     square = dx * dx + dy * dy + dz * dz
     if square == 0.0:
         return b

@@ -47,7 +47,7 @@ from granular_contact.sand.kernels.facet_blocks import (
 from granular_contact.sand.kernels.facet_parts import immersed_part
 from granular_contact.sand.kernels.ground import PLANE, surface_at
 from granular_contact.sand.kernels.space_friction import TINY
-from granular_contact.sand.kernels.vectors import axes, cross, seen, turned
+from granular_contact.sand.kernels.vectors import axes, moving, norm, seen, turned
 
 COLUMNS = 18
 SIDE, FORM, CURVE = 14, 15, 16
@@ -139,13 +139,6 @@ def highest(cluster, R, x, ground, medium, plane):
     cx, cy, _ = turned(R, (cluster.x, cluster.y, cluster.z))
     rise = math.sqrt(ground[3] * ground[3] - 1.0)
     return surface_at(x[0] + cx, x[1] + cy, ground, medium, plane) + rise * cluster.radius
-
-
-@part(inline=True)
-def moving(v, w, r):
-    """Velocity v + w x r (3,) of a point at r of a body."""
-    x, y, z = cross(w, r)
-    return v[0] + x, v[1] + y, v[2] + z
 
 
 @part(inline=True)
@@ -263,8 +256,7 @@ def follow_facets(elements, anchors, cluster, pose, ground, medium, row):
             if deepest > 0.0:
                 row[law.LOWEST] = min(row[law.LOWEST], pz - beyond_centre(E, down))
         if deepest > 0.0:
-            vx, vy, vz = v[0] + w[1] * rz - w[2] * ry, v[1] + w[2] * rx - w[0] * rz, v[2] + w[0] * ry - w[1] * rx
-            row[law.SPEED] = max(row[law.SPEED], math.sqrt(vx * vx + vy * vy + vz * vz))
+            row[law.SPEED] = max(row[law.SPEED], norm(moving(v, w, (rx, ry, rz))))
             ax, ay, az = law.drag_anchor(medium, ((px, py, pz), (anchors[i, 0], anchors[i, 1], anchors[i, 2])))
         if medium.count != 0:
             n = turned(R, (E[4], E[5], E[6]))

@@ -5,9 +5,9 @@ from __future__ import annotations
 from granular_contact.jit.compiled import part
 from granular_contact.jit.memory import clear, room2
 from granular_contact.sand.kernels import space_law as law
-from granular_contact.sand.kernels.bars import add, between, station
+from granular_contact.sand.kernels.bars import add, station
 from granular_contact.sand.kernels.law import TERMS
-from granular_contact.sand.kernels.vectors import norm
+from granular_contact.sand.kernels.vectors import minus, norm
 
 
 @part
@@ -20,7 +20,7 @@ def space_ball_forces(elements, anchors, cluster, pose, ground, medium, W):
         return
     f = room2(TERMS, 3)
     clear(f)
-    law.ball_force(medium, (z, v, between(anchors[0], p), cluster, f))
+    law.ball_force(medium, (z, v, minus(p, anchors[0]), cluster, f))
     for term in range(TERMS):
         add(f[term], p[0] - x[0], p[1] - x[1], p[2] - x[2], W, term)
 

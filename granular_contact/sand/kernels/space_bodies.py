@@ -44,7 +44,7 @@ from granular_contact.sand.kernels.law import TERMS
 from granular_contact.sand.kernels.proximity import APPROACH, DEEPEST, EVER, may_touch
 from granular_contact.sand.kernels.space_clusters import bound, bound_cluster, reach_below, release
 from granular_contact.sand.kernels.space_coordinates import by_parameters
-from granular_contact.sand.kernels.vectors import axes, seen
+from granular_contact.sand.kernels.vectors import at, axes, moving, seen
 
 view = law.BODIES.view
 
@@ -227,7 +227,7 @@ def accept(words, system_q, system_v, row, begins):
             for c in range(body.first, body.last):
                 release(w.elements, w.anchors, w.clusters[c], pose, medium, True)
             continue
-        bound(body.x, body.y, body.z, body.radius, pose, w.ground, medium, near)
+        bound(body, pose, w.ground, medium, near)
         follow(body, w, medium, pose, near, row)
         if not loaded:
             continue
@@ -289,15 +289,11 @@ def write(W, term, turn, q, row, first):
 
     The latter stands in the row from `first` on.
     """
-    R, x, y, z = axes(turn), q[0], q[1], q[2]
-    fx, fy, fz = seen(R, (W[term, 0], W[term, 1], W[term, 2]))
-    mx, my, mz = seen(R, (W[term, 3], W[term, 4], W[term, 5]))
-    row[first] += fx
-    row[first + 1] += fy
-    row[first + 2] += fz
-    row[first + 3] += mx + y * fz - z * fy
-    row[first + 4] += my + z * fx - x * fz
-    row[first + 5] += mz + x * fy - y * fx
+    f = seen(axes(turn), at(W, term, 0))
+    m = moving(seen(axes(turn), at(W, term, 3)), q, f)
+    for k in range(3):
+        row[first + k] += f[k]
+        row[first + 3 + k] += m[k]
 
 
 @part

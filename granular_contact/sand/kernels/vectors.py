@@ -38,6 +38,12 @@ def plus(a, b):
 
 
 @part
+def minus(a, b):
+    """A - b."""
+    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
+
+
+@part
 def times(x, a):
     """X a."""
     return x * a[0], x * a[1], x * a[2]
@@ -62,6 +68,13 @@ def dot(a, b):
 def cross(a, b):
     """A x b (3,)."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+@part(inline=True)
+def moving(v, w, r):
+    """Velocity v + w x r (3,) of a point at r of a body."""
+    x, y, z = cross(w, r)
+    return v[0] + x, v[1] + y, v[2] + z
 
 
 @part(inline=True)

@@ -31,7 +31,7 @@ from granular_contact.engines.mujoco.kernels.held_bodies import BED, HELD
 from granular_contact.jit.compiled import kernel, part
 from granular_contact.jit.memory import room1
 from granular_contact.jit.records import record_dtype
-from granular_contact.sand.kernels.vectors import axes, seen, vector
+from granular_contact.sand.kernels.vectors import axes, cross, moving, seen, vector
 
 # The constants of `friction`, and whether a law opposes components of the motion one by one.
 _NUMBERS = [("u_y", "f8"), ("tau", "f8"), ("v_eps", "f8"), ("pressed", "f8")]
@@ -48,30 +48,11 @@ OF_STEP: dict[str, tuple[Any, int]] = {
 @part
 def add_inertia(mass, nx, ny, nz, x, y, z, added):
     """Add a mass (kg) at a place (m) that is felt along n alone to the upper triangle of an added inertia (6, 6)."""
-    a, b, c = y * nz - z * ny, z * nx - x * nz, x * ny - y * nx
-    d, e, f, g = mass * nx, mass * ny, mass * nz, mass * a
-    h, i = mass * b, mass * c
-    added[0, 0] += g * a
-    added[0, 1] += g * b
-    added[0, 2] += g * c
-    added[0, 3] += g * nx
-    added[0, 4] += g * ny
-    added[0, 5] += g * nz
-    added[1, 1] += h * b
-    added[1, 2] += h * c
-    added[1, 3] += h * nx
-    added[1, 4] += h * ny
-    added[1, 5] += h * nz
-    added[2, 2] += i * c
-    added[2, 3] += i * nx
-    added[2, 4] += i * ny
-    added[2, 5] += i * nz
-    added[3, 3] += d * nx
-    added[3, 4] += d * ny
-    added[3, 5] += d * nz
-    added[4, 4] += e * ny
-    added[4, 5] += e * nz
-    added[5, 5] += f * nz
+    n = nx, ny, nz
+    twist = *cross((x, y, z), n), nx, ny, nz
+    for i in range(6):
+        for j in range(i, 6):
+            added[i, j] += mass * twist[i] * twist[j]
 
 
 @part
@@ -169,17 +150,13 @@ def find_target(body, turn, step):
 
     It has what the added inertia takes up of the gain that was foreseen.
     """
-    p, w, arm = room1(6), body.wrench, body.arm
-    fx, fy, fz = seen(axes(turn), vector(w, 0))
-    mx, my, mz = seen(axes(turn), vector(w, 3))
+    p, w = room1(6), body.wrench
+    f = seen(axes(turn), vector(w, 0))
+    load = *f, *moving(seen(axes(turn), vector(w, 3)), body.arm, f)
     momentum(body.added, body.foreseen, p)
-    t = body.target
-    t[0], t[1], t[2] = fx + p[0] / step, fy + p[1] / step, fz + p[2] / step
-    t[3] = mx + arm[1] * fz - arm[2] * fy + p[3] / step
-    t[4] = my + arm[2] * fx - arm[0] * fz + p[4] / step
-    t[5] = mz + arm[0] * fy - arm[1] * fx + p[5] / step
     some = False
     for k in range(6):
+        body.target[k] = load[k] + p[k] / step
         some = some or w[k] != 0.0
     return some
 

@@ -34,6 +34,7 @@ from granular_contact.sand.kernels.facet_blocks import (
 from granular_contact.sand.kernels.friction import SMOOTH
 from granular_contact.sand.kernels.plates import EDGE
 from granular_contact.sand.kernels.space_friction import factors_of_facet
+from granular_contact.sand.kernels.vectors import at, cross
 
 
 @part
@@ -130,12 +131,7 @@ def add_turned(inertia, pose, turn, arm, added):
         for j in range(3):
             r = turn[0, j] * pose[0, i] + turn[1, j] * pose[1, i] + turn[2, j] * pose[2, i]
             B[i, j] = B[3 + i, 3 + j] = r
-        x, y, z = B[3 + i, 3], B[3 + i, 4], B[3 + i, 5]
-        B[3 + i, 0], B[3 + i, 1], B[3 + i, 2] = (
-            arm[1] * z - arm[2] * y,
-            arm[2] * x - arm[0] * z,
-            arm[0] * y - arm[1] * x,
-        )
+        B[3 + i, 0], B[3 + i, 1], B[3 + i, 2] = cross(arm, at(B, 3 + i, 3))
     for i in range(6):
         for j in range(6):
             k = 0.0

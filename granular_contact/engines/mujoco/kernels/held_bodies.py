@@ -14,6 +14,7 @@ import numpy as np
 from granular_contact.jit.compiled import kernel, part
 from granular_contact.jit.memory import clear
 from granular_contact.jit.records import fields, record_dtype
+from granular_contact.sand.kernels.vectors import column, cross, dot, minus, moving, norm, plus, times, vector
 
 # A body. number: its number, top: that of the first of its mechanism, last: the last degree of freedom that moves it,
 # -1 if none does; radius (m): how far it reaches from the reference point, the origin of its frame; facing: see
@@ -68,32 +69,27 @@ def place(body, x, R, c, twist, turn, pose):
 
     x (3,) m: origin of its frame, R (9,): rotation; c (3,) m: point of twists; turn (3, 3): to the frame of the bed.
     """
-    rx, ry, rz = x[0] - c[0], x[1] - c[1], x[2] - c[2]
-    w, v = (twist[0], twist[1], twist[2]), (twist[3], twist[4], twist[5])
-    vx, vy, vz = v[0] + w[1] * rz - w[2] * ry, v[1] + w[2] * rx - w[0] * rz, v[2] + w[0] * ry - w[1] * rx
-    body.arm[0], body.arm[1], body.arm[2] = rx, ry, rz
+    r, w = minus(x, c), vector(twist, 0)
+    v = moving(vector(twist, 3), w, r)
+    body.arm[0], body.arm[1], body.arm[2] = r
     for i in range(3):
-        t0, t1, t2 = turn[i, 0], turn[i, 1], turn[i, 2]
+        to = vector(turn[i], 0)
         for j in range(3):
-            pose[i, j] = t0 * R[j] + t1 * R[3 + j] + t2 * R[6 + j]
-        pose[3, i] = t0 * x[0] + t1 * x[1] + t2 * x[2]
-        pose[4, i] = t0 * vx + t1 * vy + t2 * vz
-        pose[5, i] = t0 * w[0] + t1 * w[1] + t2 * w[2]
+            pose[i, j] = dot(to, column(R, j))
+        pose[3, i], pose[4, i], pose[5, i] = dot(to, x), dot(to, v), dot(to, w)
 
 
 @part
 def advance(pose, then, step, out):
     """Fill a pose (6, 3) with where a body at a pose is after a step with the velocities of the pose `then`."""
-    wx, wy, wz = step * then[5, 0], step * then[5, 1], step * then[5, 2]
-    angle = math.sqrt(wx * wx + wy * wy + wz * wz)
+    w = times(step, then[5])
+    angle = norm(w)
     a = math.sin(angle) / angle if angle > 1e-9 else 1.0
     b = (1.0 - math.cos(angle)) / (angle * angle) if angle > 1e-4 else 0.5
     for j in range(3):
-        x, y, z = pose[0, j], pose[1, j], pose[2, j]
-        cx, cy, cz = wy * z - wz * y, wz * x - wx * z, wx * y - wy * x
-        out[0, j] = x + a * cx + b * (wy * cz - wz * cy)
-        out[1, j] = y + a * cy + b * (wz * cx - wx * cz)
-        out[2, j] = z + a * cz + b * (wx * cy - wy * cx)
+        axis = pose[0, j], pose[1, j], pose[2, j]
+        c = cross(w, axis)
+        out[0, j], out[1, j], out[2, j] = plus(axis, plus(times(a, c), times(b, cross(w, c))))
         out[3, j] = pose[3, j] + step * then[4, j]
         out[4, j], out[5, j] = then[4, j], then[5, j]
 
@@ -111,9 +107,9 @@ def end_step(body, x, y, z, load, now, passed):
     x, y, z (m): from the point of twists to the centre of mass.
     """
     power = 0.0
-    for V in (body.twist, now):
-        vx, vy, vz = V[3] + V[1] * z - V[2] * y, V[4] + V[2] * x - V[0] * z, V[5] + V[0] * y - V[1] * x
-        power += load[0] * vx + load[1] * vy + load[2] * vz + load[3] * V[0] + load[4] * V[1] + load[5] * V[2]
+    for twist in (body.twist, now):
+        v = moving(vector(twist, 3), vector(twist, 0), (x, y, z))
+        power += dot(vector(load, 0), v) + dot(vector(load, 3), vector(twist, 0))
     return 0.5 * passed * power
 
 
@@ -145,12 +141,10 @@ def farthest(held):
     """Greatest difference (m/s) of the velocity of any point between the gains of twists reached and foreseen."""
     most = 0.0
     for b in range(held.shape[0]):
-        one, other, arm = held[b].reached, held[b].foreseen, held[b].arm
-        wx, wy, wz = one[0] - other[0], one[1] - other[1], one[2] - other[2]
-        turn = math.sqrt(wx * wx + wy * wy + wz * wz)
-        vx, vy = one[3] - other[3] + wy * arm[2] - wz * arm[1], one[4] - other[4] + wz * arm[0] - wx * arm[2]
-        vz = one[5] - other[5] + wx * arm[1] - wy * arm[0]
-        most = max(most, math.sqrt(vx * vx + vy * vy + vz * vz) + held[b].radius * turn)
+        one, other = held[b].reached, held[b].foreseen
+        w = minus(vector(one, 0), vector(other, 0))
+        v = moving(minus(vector(one, 3), vector(other, 3)), w, held[b].arm)
+        most = max(most, norm(v) + held[b].radius * norm(w))
     return most
 
 

@@ -173,16 +173,10 @@ def spread_out(flat, turn, arm, added):
 @part
 def add_along(mass, nx, ny, x, y, flat):
     """Add a mass (kg) at x, y (m) from the reference point that is felt along n alone."""
-    turn = x * ny - y * nx
-    flat[0, 0] += mass * nx * nx
-    flat[0, 1] += mass * nx * ny
-    flat[0, 2] += mass * nx * turn
-    flat[1, 0] += mass * nx * ny
-    flat[1, 1] += mass * ny * ny
-    flat[1, 2] += mass * ny * turn
-    flat[2, 0] += mass * nx * turn
-    flat[2, 1] += mass * ny * turn
-    flat[2, 2] += mass * turn * turn
+    motion = nx, ny, x * ny - y * nx
+    for i in range(3):
+        for j in range(3):
+            flat[i, j] += mass * motion[i] * motion[j]
 
 
 @part
@@ -229,13 +223,8 @@ def weigh(fx, fy, Q, first, last, m, x, y, flat):
         square = qx * qx + qy * qy
         if square > 0.0:
             mass = max(gx, gy) * math.sqrt((fx * fx + fy * fy) / square)
-            flat[0, 0] += mass
-            flat[1, 1] += mass
-            flat[0, 2] -= mass * y
-            flat[2, 0] -= mass * y
-            flat[1, 2] += mass * x
-            flat[2, 1] += mass * x
-            flat[2, 2] += mass * (x * x + y * y)
+            add_along(mass, 1.0, 0.0, x, y, flat)
+            add_along(mass, 0.0, 1.0, x, y, flat)
         return
     if qx > 0.0:
         add_along(gx * fx / qx, 1.0, 0.0, x, y, flat)

@@ -23,7 +23,7 @@ from granular_contact.sand.kernels.planar_friction import drive as drive_across
 from granular_contact.sand.kernels.proximity import APPROACH, DEEPEST, may_touch
 from granular_contact.sand.kernels.space_clusters import bound, bound_cluster, reach_below, release
 from granular_contact.sand.kernels.space_friction import factors
-from granular_contact.sand.kernels.vectors import axes, norm, turned
+from granular_contact.sand.kernels.vectors import axes, minus, moving, norm, plus, turned
 
 # Those arrays of `space_law.BODIES` that are needed here, and the ones above; active (clusters,): which may touch the
 # surface in this step.
@@ -67,7 +67,7 @@ def follow(w, body, pose, step, saw):
     """
     near, clusters, active, ground, medium = room1(2), w.clusters, w.active, w.ground, w.medium
     elements, anchors = w.elements, w.anchors
-    bound(body.x, body.y, body.z, body.radius, pose, ground, medium[0], near)
+    bound(body, pose, ground, medium[0], near)
     within, deepest = may_touch(near[DEEPEST], near[APPROACH], step), near[DEEPEST]
     if not within:
         saw[law.DEPTH] = max(saw[law.DEPTH], deepest)
@@ -154,11 +154,10 @@ def weigh(f, E, A, pose, ahead, step, bristle, inertia):
 
     Frame of the body, upper triangle, as of `facets_added_mass`; pose: where the step begins.
     """
-    (fx, fy, fz), (bx, by, bz), (ax, ay, az) = f, middle(E), middle(A)
-    w, v = ahead[5], ahead[4]
-    rx, ry, rz = turned(axes(ahead), (bx, by, bz))
-    vx, vy, vz = v[0] + w[1] * rz - w[2] * ry, v[1] + w[2] * rx - w[0] * rz, v[2] + w[0] * ry - w[1] * rx
-    ex, ey, ez = ahead[3, 0] + rx - ax, ahead[3, 1] + ry - ay, ahead[3, 2] + rz - az
+    (fx, fy, fz), (bx, by, bz) = f, middle(E)
+    r = turned(axes(ahead), (bx, by, bz))
+    vx, vy, vz = moving(ahead[4], ahead[5], r)
+    ex, ey, ez = minus(plus(ahead[3], r), middle(A))
     if bristle.parted and bristle.friction != SMOOTH:
         qx, qy = drive_across((ex, ey), (vx, vy), bristle)
         mass = secant(norm((fx, fy)), norm((qx, qy)), norm((ex, ey)), norm((vx, vy)), bristle, step)
