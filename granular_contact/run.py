@@ -273,8 +273,7 @@ def _nominal_facets(scene: Any, progress: Progress | None) -> Any:
     """
     key = "" if scene.scenario is None else json.dumps(_unscattered(scenario_to_dict(scene.scenario)), default=str)
     if not key or key not in _NOMINAL:
-        layers = tuple(replace(one, medium=one.medium.model_copy(update={"scatter": None})) for one in scene.bed.layers)
-        begun, trajectory = _chosen(replace(scene, bed=replace(scene.bed, layers=layers)), progress)
+        begun, trajectory = _chosen(scene.without_scatter(), progress)
         _NOMINAL.clear()
         _NOMINAL[key] = begun.system.scene.facet_shares, trajectory.strip_error  # type: ignore[union-attr]
         begun.solving.close()

@@ -14,15 +14,7 @@ from granular_contact.mechanics.drive_error import drive_warnings
 from granular_contact.mechanics.kinematics import Kinematics
 from granular_contact.mechanics.strains import stress_numbers, yielding
 from granular_contact.mechanics.system import System, Trajectory
-from granular_contact.mechanics.wheels import (
-    pitches,
-    uncompared,
-    wheel_columns,
-    wheel_histories,
-    wheel_numbers,
-    wheel_warnings,
-    wheels_of,
-)
+from granular_contact.mechanics.wheels import add_wheels, wheel_histories, wheels_of
 from granular_contact.results import energy
 from granular_contact.results.accuracy import AccuracyWarning
 from granular_contact.results.interpolation import Track
@@ -41,12 +33,9 @@ def observe(system: System, trajectory: Trajectory) -> Observation:
     motion = Kinematics(system, trajectory)
     with np.errstate(over="ignore", invalid="ignore"):  # of a run that failed by running away
         depths, forces = depths_by_body(motion), forces_of(trajectory)
-        wheels = wheel_histories(motion, forces)
         found = observed(motion, forces, depths, all_depths(motion, depths))
-        found["motion"] |= mechanism.body_columns(motion, forces, depths) | wheel_columns(wheels)
-        found["more"] |= (numbers := wheel_numbers(trajectory.time, wheels, pitches(wheels_of(motion))))
-        found["accuracy"] += wheel_warnings(motion.scene, numbers)
-        found["notices"] += tuple(uncompared(numbers))
+        found["motion"] |= mechanism.body_columns(motion, forces, depths)
+        add_wheels(found, wheel_histories(motion, forces), wheels_of(motion))
         return Observation(**found)
 
 

@@ -10,6 +10,7 @@ from granular_contact.laws.law import Law
 from granular_contact.laws.lee_marghitu import VerticalResistance
 from granular_contact.mechanics.system import System, Trajectory
 from granular_contact.scene.stiff import LEAST_BOW
+from granular_contact.scene.types import link_of
 from granular_contact.scene.workspace import can_be_immersed
 
 # What is imported only where it is used, and for what.
@@ -91,11 +92,6 @@ def _nil(medium: Law) -> Iterator[str]:
             yield "lambda" if name == "lam" else name
 
 
-def link_name(body: str) -> str:
-    """Name of a body; of an element of a link that bends in space that of the link."""
-    return body.split(".")[0]
-
-
 def _rest(trajectory: Trajectory) -> Iterator[str]:
     load = trajectory.load
     if load is None:
@@ -103,7 +99,7 @@ def _rest(trajectory: Trajectory) -> Iterator[str]:
     dry, steps = int((load.depth <= 0.0).sum()), len(load.time)
     if dry:
         yield f"forces of the medium: nothing was immersed at {dry} of {steps} instants: the load was not evaluated"
-    met = {link_name(body) for body, _, _ in load.immersed}
-    never = {link_name(body) for body in load.body_names} - met
+    met = {link_of(body) for body, _, _ in load.immersed}
+    never = {link_of(body) for body in load.body_names} - met
     if never:
         yield f"forces on {', '.join(sorted(never))}: laid out, but never immersed in this run"

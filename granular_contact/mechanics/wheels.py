@@ -87,9 +87,16 @@ def components(force: Vector, tangent: Vector) -> tuple[Vector, Vector]:
     return x * tx + y * ty, y * tx - x * ty
 
 
-def pitches(wheels: Iterable[tuple[str, Any]]) -> dict[str, float]:
-    """Angles (rad) between the grousers of each wheel, by the label of its body; 0 of smooth wheels."""
-    return {label(name): wheel.pitch for name, wheel in wheels}
+def add_wheels(
+    found: dict[str, Any], histories: Mapping[str, Mapping[str, Vector]], wheels: Iterable[tuple[str, Any]]
+) -> None:
+    """Add what wheels have in results to the fields of an observation; histories: by label, also in space."""
+    pitches = {label(name): wheel.pitch for name, wheel in wheels}
+    numbers = wheel_numbers(found["time"], histories, pitches)
+    found["motion"] |= wheel_columns(histories)
+    found["more"] |= numbers
+    found["accuracy"] += wheel_warnings(found["scene"], numbers)
+    found["notices"] += tuple(uncompared(numbers))
 
 
 def wheel_columns(histories: Mapping[str, Mapping[str, Vector]]) -> series.Series:

@@ -46,7 +46,7 @@ def sunk(scene: Scene) -> Scene:
     test = scene.wheel_test
     if test is None or not test.begins:
         return scene
-    mean = _without_scatter(scene)
+    mean = scene.without_scatter()
     rim = _wheel(scene, test).rim
 
     def lacks(depth: float) -> float:
@@ -100,13 +100,6 @@ def _lowered(scene: Scene, test: WheelTest, by: float) -> Scene:
         for joint in scene.joints
     )
     return replace(scene, rigid=tuple(rigid), joints=joints)
-
-
-def _without_scatter(scene: Scene) -> Scene:
-    assert scene.bed is not None
-    plain = {"scatter": None}
-    layers = [replace(one, medium=one.medium.model_copy(update=plain)) for one in scene.bed.layers]
-    return replace(scene, bed=replace(scene.bed, layers=tuple(layers)))
 
 
 def _root(of: Callable[[float], float], ends: tuple[float, float], values: tuple[float, float], close: float) -> float:

@@ -22,7 +22,7 @@ from granular_contact.laws.law import Law, what_it_takes
 from granular_contact.laws.repose import steep_places, steeper
 from granular_contact.scene.bed import Bed, places
 from granular_contact.scene.layout import GROUND
-from granular_contact.scene.types import FASTEST, Scene
+from granular_contact.scene.types import FASTEST, Scene, link_of
 from granular_contact.scene.workspace import can_get_below, immersible
 
 FARTHEST = 1e6  # m: no mechanism in sand, and from some 1e8 on round-off of positions is as large as depths
@@ -40,7 +40,7 @@ def beyond_numbers(scene: Any) -> Iterator[Fault]:
         if not max(size, far) < FARTHEST:
             what = f"reaches {size:.3g} m" if not size < FARTHEST else f"starts at a distance of {far:.3g} m"
             words = f"{what}; allowed is less than {FARTHEST:g} m: is it in another unit than m?"
-            yield scene_fault(f"model.bodies.{body.name.split('+')[0].split('.')[0]}", words)
+            yield scene_fault(f"model.bodies.{link_of(body.name.split('+')[0])}", words)
         speed, rate = math.hypot(*body.motion.velocity), math.hypot(*np.atleast_1d(body.motion.rate))
         for got, unit in ((speed, "m/s"), (rate, "rad/s")):
             if not got < FASTEST:
@@ -53,7 +53,7 @@ def closure_faults(model: Any, groups: list[list[str]]) -> Iterator[Fault]:
     fixed = next((group for group in groups if GROUND in group), [])
     for name, closure in model.closures.items():
         if closure.child in fixed:
-            words = f"{closure.child.split('.')[0]} is fixed to the ground: make it the parent"
+            words = f"{link_of(closure.child)} is fixed to the ground: make it the parent"
             yield scene_fault(f"model.closures.{name}.child", words)
 
 

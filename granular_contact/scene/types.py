@@ -7,7 +7,7 @@ here; those of hinges turn clockwise, as configs and results have them: on the g
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import ClassVar, Literal
 
@@ -258,6 +258,19 @@ class Scene:
         on_ground = [c for c in self.joints if c.parent is None]
         return on_ground[0] if len(on_ground) == 1 and on_ground[0].kind == "free" else None
 
+    def without_scatter(self) -> Scene:
+        """The same with media that do not scatter."""
+        if self.bed is None:
+            return self
+        none = {"scatter": None}
+        layers = tuple(replace(one, medium=one.medium.model_copy(update=none)) for one in self.bed.layers)
+        return replace(self, bed=replace(self.bed, layers=layers))
+
     def drive(self, joint: str) -> Drive | None:
         """Drive of a joint."""
         return next((drive for drive in self.drives if drive.joint == joint), None)
+
+
+def link_of(body: str) -> str:
+    """Name under which a body is reported: of an element of a link that bends in space that of the link."""
+    return body.split(".")[0]

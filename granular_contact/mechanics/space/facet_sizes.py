@@ -11,7 +11,8 @@ from granular_contact.mechanics import mechanism
 from granular_contact.mechanics.space.kinematics import SpatialKinematics
 from granular_contact.mechanics.strip_error import asked, strip_error
 from granular_contact.sand.kernels.facets import FORM, RIM, TRIANGLE
-from granular_contact.scene.space.types import Vector, link_of
+from granular_contact.scene.space.types import Vector
+from granular_contact.scene.types import link_of
 
 
 def edges(rows: Vector) -> Vector:

@@ -19,7 +19,8 @@ from granular_contact.results import Outline
 from granular_contact.results.energy import work
 from granular_contact.results.in_space import silhouette
 from granular_contact.results.interpolation import Track
-from granular_contact.scene.space.types import Part, SpatialJoint, SpatialScene, Vector, link_of
+from granular_contact.scene.space.types import Part, SpatialJoint, SpatialScene, Vector
+from granular_contact.scene.types import link_of
 
 
 class SpatialKinematics(Kinematics):

@@ -17,13 +17,14 @@ from granular_contact.mechanics.space.system import SpatialSystem
 from granular_contact.mechanics.space.wheels import wheel_histories, wheels_of
 from granular_contact.mechanics.strip_error import strip_error
 from granular_contact.mechanics.system import Trajectory
-from granular_contact.mechanics.wheels import pitches, uncompared, wheel_columns, wheel_numbers
+from granular_contact.mechanics.wheels import add_wheels
 from granular_contact.results import in_space, series
 from granular_contact.results.frames import resample
 from granular_contact.results.in_space import SpatialObservation
 from granular_contact.results.interpolation import Track, at_times
 from granular_contact.results.motion import Motion, Part
-from granular_contact.scene.space.types import Vector, link_of
+from granular_contact.scene.space.types import Vector
+from granular_contact.scene.types import link_of
 
 
 def observe(system: SpatialSystem, trajectory: Trajectory) -> SpatialObservation:
@@ -36,10 +37,8 @@ def observe(system: SpatialSystem, trajectory: Trajectory) -> SpatialObservation
         depths, on_bodies = motion.depths(), forces_of(trajectory)
         forces = as_reported(on_bodies)
         found = observed(motion, forces, depths, [track for tracks in depths.values() for track in tracks])
-        wheels = wheel_histories(motion, forces)
-        found["motion"] |= body_columns(motion, forces, depths) | wheel_columns(wheels)
-        found["more"] |= (numbers := wheel_numbers(trajectory.time, wheels, pitches(wheels_of(motion))))
-        found["notices"] += tuple(uncompared(numbers))
+        found["motion"] |= body_columns(motion, forces, depths)
+        add_wheels(found, wheel_histories(motion, forces), wheels_of(motion))
         if trajectory.load is not None and (facets := facet_sizes.numbers(motion, error)):
             found["more"]["facets"] = facets
         for beam in motion.beams.values():

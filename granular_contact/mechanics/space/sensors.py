@@ -15,8 +15,8 @@ from granular_contact.mechanics.space.system import SpatialSystem
 from granular_contact.results.in_space import SpatialSeen
 from granular_contact.results.observed import Instant, Observations
 from granular_contact.sand.work import about
-from granular_contact.scene.space.types import SpatialBeam, link_of, reach
-from granular_contact.scene.types import Vector
+from granular_contact.scene.space.types import SpatialBeam, reach
+from granular_contact.scene.types import Vector, link_of
 
 
 class SpatialSensors(Sensors):

@@ -22,6 +22,7 @@ from granular_contact.config.schema.space.turned import ORIGIN, Point3
 from granular_contact.scene.space.layout import Pose
 from granular_contact.scene.space.section import Element, section, stiffness
 from granular_contact.scene.space.types import Elastic, SpatialBeam, SpatialRigidBody, Vector
+from granular_contact.scene.types import link_of
 
 
 @dataclass(frozen=True)
@@ -66,7 +67,7 @@ def cut(model: schema.SpatialModel) -> schema.SpatialModel:
         if name not in links:
             bodies[name] = body
             continue
-        held = next(joint.child for joint in joints.values() if joint.child.split(".")[0] == name)
+        held = next(joint.child for joint in joints.values() if link_of(joint.child) == name)
         bodies |= {f"{name}.{k}": one for k, one in enumerate(_elements(links[name]))}
         joints |= _elastic_joints(name, links[name], int(held.split(".")[1]))
     return schema.SpatialModel.model_construct(

@@ -23,7 +23,8 @@ from granular_contact.scene.space.loops import joint_frame
 from granular_contact.scene.space.mass_properties import Mass, merged
 from granular_contact.scene.space.section import Element
 from granular_contact.scene.space.shapes import moved, part_of
-from granular_contact.scene.space.types import Elastic, Part, SpatialJoint, SpatialRigidBody, Vector, link_of
+from granular_contact.scene.space.types import Elastic, Part, SpatialJoint, SpatialRigidBody, Vector
+from granular_contact.scene.types import link_of
 
 
 @dataclass(frozen=True)

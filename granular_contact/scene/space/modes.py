@@ -22,7 +22,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from granular_contact.errors import SceneError, scene_fault
-from granular_contact.scene.space.types import SpatialBeam, SpatialJoint, SpatialScene, Vector, link_of
+from granular_contact.scene.space.types import SpatialBeam, SpatialJoint, SpatialScene, Vector
+from granular_contact.scene.types import link_of
 
 IN_MODES = "in space the reduced model is for links that bend, held by one end, with nothing but welds along them"
 KEY = "method.reduced.modes"

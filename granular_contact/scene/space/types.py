@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.scene.joint_law import JointLaw
-from granular_contact.scene.types import Scene
+from granular_contact.scene.types import Scene, link_of
 
 if TYPE_CHECKING:
     from granular_contact.scene.space.bed import SpatialBed
@@ -327,8 +327,3 @@ class SpatialScene(Scene):
     def pivot(self) -> None:
         """There is none in space: nothing is reported of one hinge on the ground alone."""
         return
-
-
-def link_of(body: str) -> str:
-    """Name under which a body is reported: of an element of a link that bends that of the link."""
-    return body.split(".")[0]
