@@ -247,3 +247,16 @@ def test_a_loop_in_space_is_closed_from_rough_homes_with_the_least_change() -> N
     np.testing.assert_allclose([found[name] for name in ("one", "two", "three")], expected, atol=1e-4)
     a, _, c = scene.rigid
     np.testing.assert_allclose(a.motion.rate, c.motion.rate, atol=1e-9)
+
+
+def test_a_medium_of_surfaces_that_leaves_out_round_links_is_told() -> None:
+    """Round links are bars for one medium and would be surfaces for the other: they were left out without a word."""
+    run = changed("model.bodies.arm", BEAM)
+    run["model"]["joints"]["shoulder"] = {"type": "ball", "parent": "box", "child": "arm"}
+    (note,) = scene_of(run | {"medium": ["rft3d_sand", "play_sand"]}).notes
+    assert note.key == "medium.0"
+    assert note.message.startswith("it does not act on round links, which are bars for play_sand")
+    assert scene_of(run).notes == ()
+    run["model"]["bodies"]["box"] = {"type": "rigid", "mass_kg": 1, "inertia_kg_m2": {"xx": 1, "yy": 1, "zz": 1}}
+    with pytest.raises(SceneError, match="nothing of the kind; round links are bars beside a medium that takes these"):
+        scene_of(run | {"medium": ["rft3d_sand", "play_sand"]})

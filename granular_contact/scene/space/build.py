@@ -57,7 +57,7 @@ def built(scenario: schema.SpatialScenario) -> SpatialScene:
     faults += closure_faults(model, groups)
     surface = bed(scenario, rigid, faults)
     faults += [*too_steep(scenario), *_inapplicable(scenario, rigid)]
-    notes += media_notes(scenario, surface, "bed.height_map")
+    notes += [*media_notes(scenario, surface, "bed.height_map"), *_links_as_bars(scenario)]
     if faults:
         raise SceneError(faults)
     reduced = scenario.method.reduced
@@ -132,7 +132,22 @@ def _inapplicable_at(top: float, here: dict[str, Law], parts: list[Part]) -> Ite
     met = {kind for part in parts for kind in part.meets}
     for key, (one, found) in media.items():
         if not met & set(found):
-            yield scene_fault(key, f"in space {one.name} takes {_listed(found)}, and there is nothing of the kind")
+            words = f"in space {one.name} takes {_listed(found)}, and there is nothing of the kind"
+            why = "; round links are bars beside a medium that takes these" if {"bar"} <= taken & met else ""
+            yield scene_fault(key, words + why)
+
+
+def _links_as_bars(scenario: schema.SpatialScenario) -> Iterator[Fault]:
+    """Media of surfaces that do not act on round links, as these are bars for another medium."""
+    media = [(key, medium, kinds(medium)) for medium, key, *_ in places(scenario)]
+    of_bars = [medium.name for _, medium, found in media if "bar" in found]
+    links = [body for body in scenario.model.all_bodies.values() if isinstance(body, schema.SpatialLink)]
+    if not of_bars or not any(link.diameter_m is not None for link in links):
+        return
+    for key, _, found in media:
+        if "surface" in found and "bar" not in found:
+            words = f"it does not act on round links, which are bars for {' and '.join(of_bars)}"
+            yield scene_fault(key, f"{words}; a rigid one may be a cylinder in shapes instead")
 
 
 def _listed(found: list[str]) -> str:
