@@ -192,7 +192,7 @@ def test_what_can_not_be_set_is_told() -> None:
     for rate in (0, -5.0, np.nan, "50"):
         with pytest.raises(ControlError, match=f"control_rate_Hz: got {rate!r}, allowed is a finite number above 0"):
             arm(control_rate_Hz=rate)
-    for how in (3, (1.0,), (0.4, np.nan)):
+    for how in (3, (1.0,), (0.4, np.nan), (0.6, 0.4)):
         with pytest.raises(ControlError, match=r"vary: medium.zeta: got .* allowed is"):
             arm(vary={"medium.zeta": how})
     env = arm()

@@ -87,7 +87,7 @@ class GranularEnv(gymnasium.Env[Array, Array]):
             raise ControlError(f"render_mode: got {render_mode!r}, allowed are rgb_array and None")
         pause = 1.0 / checked_rate(control_rate_Hz)
         for key, how in (vary or {}).items():
-            if not callable(how) and (np.shape(how) != (2,) or None in map(finite, how)):
+            if not callable(how) and (np.shape(how) != (2,) or None in map(finite, how) or how[0] > how[1]):
                 raise ControlError(f"vary: {key}: got {how!r}, allowed is (least, greatest) or a function")
         scenario = loaded(config)
         self.simulation = Simulation(scenario)
