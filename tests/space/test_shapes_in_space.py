@@ -184,7 +184,10 @@ def test_shapes_that_no_law_takes_are_told() -> None:
 
 
 def test_what_can_not_be_is_told() -> None:
-    assert "size: got (0.1, -1, 0.1), allowed are numbers above 0" in message(Box, (0.1, -1, 0.1))
+    assert "size: got (0.1, -1, 0.1), allowed are 3 numbers above 0" in message(Box, (0.1, -1, 0.1))
+    assert "Box: size: got (0.1, 0.1), allowed are 3 numbers above 0" in message(Box, (0.1, 0.1))
+    assert "Plate: size: got 0.1, allowed are 2 numbers above 0" in message(Plate, 0.1)
+    assert "Sphere: diameter: got '40 mm', allowed is a number above 0" in message(Sphere, "40 mm")
     assert "diameter: got nan" in message(Sphere, float("nan"))
     assert "points: got an array of shape (2, 2), allowed are (k, 3)" in message(Bar, [[0, 0], [1, 1]], 0.01)
     assert "the same point twice" in message(Bar, [[0, 0, 0], [0, 0, 0]], 0.01)
@@ -192,6 +195,7 @@ def test_what_can_not_be_is_told() -> None:
     assert "surface: got [0. 1.], allowed in space is a finite number" in message(SpatialLoad, SAND, [0.0, 1.0])
     assert "slope: got 0.3, allowed in space are three" in message(SpatialLoad, SAND, 0.0, slope=0.3)
     load = SpatialLoad(SAND, 0.0)
+    assert "shape: got 'box', allowed is a shape, such as Box(" in message(load.add_shape, BODY, "box")
     assert "rotation: got" in message(load.add_shape, BODY, Plate((0.1, 0.1)), rotation=np.diag([1, 1, -1]))
     assert "position: got [0, 0]" in message(load.add_shape, BODY, Plate((0.1, 0.1)), [0, 0])
     assert "facet_size: got 0" in message(load.add_shape, BODY, Plate((0.1, 0.1)), facet_size=0)

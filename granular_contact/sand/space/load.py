@@ -129,6 +129,8 @@ class SpatialLoad(GranularLoad):
             No medium takes such a shape, it is not where a shape can be, or the list is closed.
         """
         self.check_open()
+        if not isinstance(shape, Shape):
+            raise scene_error("bed", f"shape: got {shape!r}, allowed is a shape, such as Box((0.1, 0.1, 0.05))")
         began = time.perf_counter()
         place, turn = elements.place_of(position), elements.turn_of(rotation)
         if facet_size is not None and not (np.isfinite(facet_size) and facet_size > 0.0):

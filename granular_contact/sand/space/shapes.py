@@ -105,7 +105,7 @@ class Box(Shape):
     size: tuple[float, float, float]
 
     def __post_init__(self) -> None:
-        positive("Box", size=self.size)
+        positive("Box", 3, size=self.size)
 
     def corners(self, size: float | None = None) -> Vector:
         """As `Shape.corners`."""
@@ -134,7 +134,7 @@ class Plate(Shape):
     thin = True
 
     def __post_init__(self) -> None:
-        positive("Plate", size=self.size)
+        positive("Plate", 2, size=self.size)
 
     def corners(self, size: float | None = None) -> Vector:
         """As `Shape.corners`."""
@@ -217,8 +217,14 @@ def _cut(corners: Vector, size: float | None) -> Vector:
 # ---- whether a shape can be ----
 
 
-def positive(shape: str, **sizes: float | tuple[float, ...]) -> None:
-    """Refuse a shape with a size that is not above 0."""
+def positive(shape: str, count: int = 1, /, **sizes: float | tuple[float, ...]) -> None:
+    """Refuse a shape with a size that is not a number above 0, or not so many of them."""
+    allowed = "is a number" if count == 1 else f"are {count} numbers"
     for name, value in sizes.items():
-        if not (np.isfinite(value).all() and np.all(np.asarray(value) > 0.0)):
-            raise scene_error(shape, f"{name}: got {value}, allowed are numbers above 0")
+        try:
+            numbers = np.asarray(value, float)
+        except (TypeError, ValueError):  # as of a word
+            numbers = np.zeros(0)
+        if numbers.shape != (() if count == 1 else (count,)) or not (np.isfinite(numbers) & (numbers > 0.0)).all():
+            got = repr(value) if isinstance(value, str) else value
+            raise scene_error(shape, f"{name}: got {got}, allowed {allowed} above 0")
