@@ -207,6 +207,15 @@ def test_what_does_not_fit_is_refused() -> None:
     assert "got section" in refused("cable2d", diameter=0.01, section=(0.01, 0.02))
 
 
+def test_a_medium_of_surfaces_beside_one_of_bars_is_told_that_it_does_not_act() -> None:
+    """A round beam is a bar for the one, and left out by the other, which alone would act on its skin."""
+    mbs = exu.SystemContainer().AddSystem()
+    row = [element(mbs, "cable", nodes_of(mbs, "cable", 1, 0.0), LENGTH)]
+    bed = GranularBed(mbs, [preset("play_sand"), preset("rft3d_sand")], SURFACE, up=(0, 0, 1))
+    with pytest.warns(UserWarning, match="rod is met as a bar, by play_sand: rft3d_sand does not act on it"):
+        bed.add_cables(row, DIAMETER, name="rod")
+
+
 def test_a_row_is_of_one_kind_and_two_nodes_each() -> None:
     mbs = exu.SystemContainer().AddSystem()
     row = [element(mbs, kind, nodes_of(mbs, kind, 1, 0.0), LENGTH) for kind in ("cable", "exact")]

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from granular_contact.laws.law import Law
 from granular_contact.sand.contact_lines import Body
 from granular_contact.sand.kernels.kinematics import hermite
 from granular_contact.sand.space.beam_shape import Beam
@@ -85,6 +87,8 @@ def add(
     """
     row = list(pieces)
     bar = isinstance(sides, float) and any("bar" in kinds(medium) for medium in load.media)
+    if bar:
+        _tell_left_out(load.media, row[0].body.name)
     section = (sides, sides) if isinstance(sides, float) else sides
     for k, piece in enumerate(row):
         last = free_end and k == len(row) - 1
@@ -97,6 +101,14 @@ def add(
         size = max(length / strips, min(section))
         middle = 0.5 * (piece.start + piece.end)
         load.add_shape(piece.body, skin, middle, _frame(along / length, piece.across), facet_size=size)
+
+
+def _tell_left_out(media: Sequence[Law], name: str) -> None:
+    """Warn of media of surfaces beside one of bars, by the name of the beam."""
+    if left := [medium.name for medium in media if "bar" not in kinds(medium)]:
+        of_bars = " and ".join(medium.name for medium in media if "bar" in kinds(medium))
+        words = f"{name} is met as a bar, by {of_bars}: {' and '.join(left)} does not act on it"
+        warnings.warn(words, stacklevel=6)  # of the script
 
 
 def _frame(x: Vector, across: Vector) -> Vector:
