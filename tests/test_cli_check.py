@@ -66,6 +66,16 @@ def test_a_model_is_no_config_and_says_so(command):
         assert (done.returncode, done.stderr) == (2, said)
 
 
+def test_a_robot_file_and_a_file_without_its_ending_are_told_from_configs(command, tmp_path):
+    done = command("run", "models/hexapod/hexapod.urdf")
+    said = "is a robot file, and not the config of a run, which names it: `model: {urdf: FILE}`\n"
+    assert (done.returncode, done.stderr) == (2, f"models/hexapod/hexapod.urdf: {said}")
+    (tmp_path / "rover.yaml").write_text("model: compound_pendulum\n")
+    done = command("run", "rover", folder=tmp_path)
+    said = "rover: no such file, and no config of this name is shipped; did you mean rover.yaml?\n"
+    assert (done.returncode, done.stderr) == (2, said)
+
+
 def test_a_fault_of_the_geometry_gets_its_line(command, tmp_path):
     """A pendulum that is welded to the ground and yet turns passes the schema; only the scene sees it."""
     text = """\

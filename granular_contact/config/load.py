@@ -82,6 +82,9 @@ def load(
         path, root = Path(NAMELESS), tree.made(plain_data(source), tree.Position(NAMELESS, None))
     else:
         path = _file(source, faults)
+        if path.suffix.lower() == ".urdf" and not faults:
+            words = "is a robot file, and not the config of a run, which names it: `model: {urdf: FILE}`"
+            raise ConfigError([tree.Position(str(path), None).fault((), words)])
         root = tree.Broken(tree.Position(str(path), None)) if faults else read_file(path, faults)
     if isinstance(root, tree.Mapping) and "model" not in root.nodes and _OF_A_MODEL & set(root.nodes):
         words = "is a model, and not the config of a run, which names it: `model: FILE`"
@@ -110,7 +113,8 @@ def _file(source: str | PathLike[str], faults: list[Fault]) -> Path:
         return shown(path)
     if path.name == str(source) and not path.exists():
         names = examples.config_names()
-        near = did_you_mean(path.stem, names)
+        file = path.with_name(f"{path.name}.yaml")
+        near = f"did you mean {file}?" if file.exists() else did_you_mean(path.stem, names)
         hint = near or ("" if path.suffix else f"there are {', '.join(names)}")
         words = f"no such file, and no config of this name is shipped; {hint}" if hint else "no such file"
         faults.append(Fault(str(path), None, "", words))
