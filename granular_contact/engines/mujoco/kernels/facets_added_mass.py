@@ -14,24 +14,21 @@ from granular_contact.jit.memory import clear, room2
 from granular_contact.sand.kernels import space_law as law
 from granular_contact.sand.kernels.facet_blocks import (
     AREA,
-    AT_FIRST,
-    AT_SECOND,
     CENTRE,
-    CONSTANT,
-    FIRST,
-    GROWING,
     LANES,
     ONE_SIDE,
     ROW,
     ROWS,
-    SECOND,
     E,
     N,
     V,
     Z,
     spread,
 )
+from granular_contact.sand.kernels.facet_slopes import force
+from granular_contact.sand.kernels.facets import add_up
 from granular_contact.sand.kernels.friction import SMOOTH
+from granular_contact.sand.kernels.law import TERMS
 from granular_contact.sand.kernels.plates import EDGE
 from granular_contact.sand.kernels.space_friction import factors_of_facet
 from granular_contact.sand.kernels.vectors import at, cross
@@ -44,13 +41,14 @@ def held_facets(elements, anchors, cluster, pose, ground, medium, step, bristle,
     W as of one term of `space_law.forces`. inertia is about the reference point, for angular velocity and then
     velocity, frame of the body; its upper triangle alone is filled.
     """
-    B, M, first = room2(ROWS, LANES), room2(3, LANES), 0
+    B, M, each, first = room2(ROWS, LANES), room2(2, LANES), room2(TERMS, 6), 0
+    clear(each)
     while first < elements.shape[0]:
         first, n = law.gather(medium, (elements, anchors, cluster, pose, ground, first, B))
         if n == 0:
             continue
         law.facets(medium, (B, n))
-        push(B, n, W, M)
+        add_up(B, n, each)
         weigh(B, n, step, bristle, M)
         for k in range(n):
             if M[0, k] == 0.0 and M[1, k] == 0.0:
@@ -65,32 +63,9 @@ def held_facets(elements, anchors, cluster, pose, ground, medium, step, bristle,
             add_point(mass, x, y, z, inertia)
             if along != 0.0:
                 add_inertia(along, elements[i, 4], elements[i, 5], elements[i, 6], x, y, z, inertia)
-
-
-@part(inline=True)
-def push(B, n, W, M):
-    """Add the forces on the facets of a block, and their moments, to W (6,); their squares (N^2) to M[2]."""
-    s0, s1, s2, s3, s4, s5 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    for k in range(n):
-        one, two = B[AREA, k] * B[Z, k] * B[FIRST, k], B[AREA, k] * B[SECOND, k]
-        gx, gy, gz = one * B[GROWING, k], one * B[GROWING + 1, k], one * B[GROWING + 2, k]
-        qx, qy, qz = two * B[CONSTANT, k], two * B[CONSTANT + 1, k], two * B[CONSTANT + 2, k]
-        ax, ay, az = B[AT_FIRST, k], B[AT_FIRST + 1, k], B[AT_FIRST + 2, k]
-        hx, hy, hz = B[AT_SECOND, k], B[AT_SECOND + 1, k], B[AT_SECOND + 2, k]
-        fx, fy, fz = gx + qx, gy + qy, gz + qz
-        s0, s1, s2 = s0 + fx, s1 + fy, s2 + fz
-        s3, s4, s5 = (
-            s3 + ay * gz - az * gy + hy * qz - hz * qy,
-            s4 + az * gx - ax * gz + hz * qx - hx * qz,
-            s5 + ax * gy - ay * gx + hx * qy - hy * qx,
-        )
-        M[2, k] = fx * fx + fy * fy + fz * fz
-    W[0] += s0
-    W[1] += s1
-    W[2] += s2
-    W[3] += s3
-    W[4] += s4
-    W[5] += s5
+    for term in range(TERMS):
+        for k in range(6):
+            W[k] += each[term, k]
 
 
 @part(inline=True)
@@ -115,11 +90,12 @@ def weigh(B, n, step, bristle, M):
         fades = B[ONE_SIDE, k] != 0.0 and bristle.pressed > EDGE * q and along < bristle.pressed + 2.0 * s
         if B[ONE_SIDE, k] == 0.0:
             along = q
-        force = step * (share * step + tau) * math.sqrt(M[2, k])
+        fx, fy, fz = force(B, 0, k), force(B, 1, k), force(B, 2, k)
+        grown = step * (share * step + tau) * math.sqrt(fx * fx + fy * fy + fz * fz)
         M[0, k] = M[1, k] = 0.0
         if q > 0.0 and along > 0.0:
-            M[0, k] = (2.0 if fades else 1.0) * force / q
-            M[1, k] = max(0.0, force * (1.0 / along - 1.0 / q))
+            M[0, k] = (2.0 if fades else 1.0) * grown / q
+            M[1, k] = max(0.0, grown * (1.0 / along - 1.0 / q))
 
 
 @part
