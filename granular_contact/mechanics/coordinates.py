@@ -5,7 +5,7 @@ Used with engine coordinates: without reference values.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from granular_contact.mechanics.system import System
 
 Numbers = list[float]
+Reference = Callable[[int], Numbers]  # of a node, by its number
 
 
 @dataclass(frozen=True)
@@ -35,25 +36,20 @@ class End:
     angle: float = 0.0
 
 
-def coordinate(system: System, joint: Joint, origin: Vector, *, whole: bool) -> Coordinate:
+def coordinate(system: System, joint: Joint, origin: Vector, reference: Reference | None = None) -> Coordinate:
     """Coordinate of a joint of a system, whose ground has its origin at a place (2,) m of the world frame.
 
-    whole: for those who have the reference values in the coordinates already.
+    reference: values of a node that its coordinates are counted from; None where they are whole.
     """
 
     def end(body: str | None, point: Vector) -> End:
         if body is None:
             return End([], (point - origin).tolist())
         at, size = (point.tolist(), 3) if body in system.rigid else ([0.0, 0.0], 4)
-        of_node = [0.0] * size if whole else reference(system, [system.node_at(body, point)])
+        of_node = [0.0] * size if reference is None else reference(system.node_at(body, point))
         return End(of_node, at, system.scene.body(body).motion.angle)
 
     return Coordinate(joint, end(joint.parent, joint.parent_point), end(joint.child, joint.child_point))
-
-
-def reference(system: System, nodes: Sequence[int]) -> Numbers:
-    """Reference values of the coordinates of nodes, one after another."""
-    return [x for node in nodes for x in system.coordinates.reference(node)]
 
 
 class Coordinate:

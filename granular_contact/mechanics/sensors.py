@@ -77,7 +77,7 @@ class Sensors:
         """Coordinate of a joint, and the places of what it depends on; both with reference values."""
         from granular_contact.mechanics.coordinates import coordinate
 
-        made, found = coordinate(self.system, joint, np.zeros(2), whole=True), []
+        made, found = coordinate(self.system, joint, np.zeros(2)), []
         for i, (body, point) in enumerate(((joint.parent, joint.parent_point), (joint.child, joint.child_point))):
             if body is not None:
                 places = self.system.places(body, point)

@@ -33,9 +33,6 @@ class Coordinates(Protocol):
     def places(self, node: int) -> list[int]:
         """Places in q of the coordinates of a node: 3 of a rigid body in the plane, 7 in space, 4 of a link's node."""
 
-    def reference(self, node: int) -> list[float]:
-        """Values of a node in the reference configuration, which the engine leaves out of q; zeros if it does not."""
-
 
 @dataclass(frozen=True)
 class RigidHandle(Generic[AnyBody]):

@@ -13,6 +13,7 @@ from exudyn import itemInterface as items
 from numpy.typing import ArrayLike
 
 from granular_contact.engines.exudyn.joint_actions import Turning
+from granular_contact.engines.exudyn.views import EngineCoordinates
 from granular_contact.mechanics.system import System
 from granular_contact.scene.parts import rotation
 from granular_contact.scene.types import Drive, Joint, Vector
@@ -45,16 +46,17 @@ def add_joint(system: System, ground: Any, joint: Joint) -> None:
 def let_act(system: System, joint: Any, drive: Drive | None, coordinate: Callable[..., Coordinate]) -> None:
     """Let a drive, spring, damper, stops and friction act along a coordinate, in the plane or in space.
 
-    coordinate: makes one; with `whole` for those who have the reference values in the coordinates already.
+    coordinate: makes one, as of `mechanics.coordinates`.
     """
     from granular_contact.mechanics.joint_loads import JointLoad
 
     if drive is not None and drive.kind == "motion":
         # Markers of nodes have the reference values already.
-        system.motions[joint.name] = _add_motion(system, coordinate(whole=True), system.nodes_of(joint), drive)
+        system.motions[joint.name] = _add_motion(system, coordinate(), system.nodes_of(joint), drive)
         drive = None
     if drive is not None or not joint.is_idle:
-        system.loads[joint.name] = JointLoad(coordinate(whole=False), system.nodes_of(joint), joint.law, drive)
+        made = coordinate(reference=EngineCoordinates(system.mbs).reference)
+        system.loads[joint.name] = JointLoad(made, system.nodes_of(joint), joint.law, drive)
 
 
 def _constrain(system: System, ground: Any, joint: Joint) -> None:

@@ -42,10 +42,6 @@ class BodyCoordinates:
         """Places of the coordinates of a body."""
         return list(range(self.each * node, self.each * node + self.each))
 
-    def reference(self, node: int) -> list[float]:  # noqa: ARG002
-        """Nothing is left out of them."""
-        return [0.0] * self.each
-
 
 @dataclass(frozen=True)
 class Tree:

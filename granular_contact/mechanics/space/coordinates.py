@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from granular_contact.mechanics.coordinates import Coordinate, reference
+from granular_contact.mechanics.coordinates import Coordinate, Reference
 from granular_contact.mechanics.kernels import space_joints
 from granular_contact.mechanics.kernels.joint_coordinates import HINGE, SLIDER
 from granular_contact.mechanics.kernels.joint_loads import MOST
@@ -20,10 +20,10 @@ KINDS = {"hinge": HINGE, "slider": SLIDER, "ball": space_joints.BALL}
 KINDS |= {"elastic": space_joints.ELASTIC, "stretching": space_joints.STRETCHING}
 
 
-def coordinate(system: SpatialSystem, joint: SpatialJoint, *, whole: bool) -> SpatialCoordinate:
+def coordinate(system: SpatialSystem, joint: SpatialJoint, reference: Reference | None = None) -> SpatialCoordinate:
     """As of `mechanics.coordinates`."""
     nodes = system.nodes_of(joint)
-    return SpatialCoordinate(joint, [0.0] * 7 * len(nodes) if whole else reference(system, nodes))
+    return SpatialCoordinate(joint, [x for node in nodes for x in (reference(node) if reference else [0.0] * 7)])
 
 
 class SpatialCoordinate(Coordinate):

@@ -48,7 +48,7 @@ class SpatialSensors(Sensors):
         def at_nodes(joint: Any) -> list[int]:
             return [place for node in system.nodes_of(joint) for place in coordinates.places(node)]
 
-        self._coordinates = [(coordinate(system, joint, whole=True), at_nodes(joint)) for joint in joints]
+        self._coordinates = [(coordinate(system, joint), at_nodes(joint)) for joint in joints]
         system.turns.extend(made.last_angles for made, _ in self._coordinates)
 
     @property
