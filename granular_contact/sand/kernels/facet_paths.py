@@ -31,7 +31,7 @@ import numpy as np
 from granular_contact.jit.compiled import part
 from granular_contact.sand.kernels.facet_blocks import FIRST, NOTED, ROW, SHEAR, E, N, vector
 from granular_contact.sand.kernels.scatter import value
-from granular_contact.sand.kernels.vectors import dot
+from granular_contact.sand.kernels.vectors import at, dot, minus, norm, put, times
 
 PATH, LAST, KEPT = 3, 4, 7
 COLUMNS, SHEARED = 10, 3  # of anchors, without those of the shear displacement; of it
@@ -59,26 +59,23 @@ def begin(anchors, first, last, anew):
                 anchors[i, anchors.shape[1] - k] = 0.0
         if anew and scatters(anchors):
             anchors[i, PATH], anchors[i, KEPT] = 0.0, np.nan
-            for k in range(3):
-                anchors[i, LAST + k] = anchors[i, k]
+            put(at(anchors, i, 0), anchors, i, LAST)
 
 
 @part
 def sheared(anchors, i):
     """Shear displacement S (3,) m of the anchor of a facet."""
-    first = anchors.shape[1] - SHEARED
-    return anchors[i, first], anchors[i, first + 1], anchors[i, first + 2]
+    return at(anchors, i, anchors.shape[1] - SHEARED)
 
 
 @part
 def slid(s, e, n):
     """Shear displacement j (m) of a facet at e (3,) m from its anchor, and its direction (3,); s: S; n: normal."""
-    across = dot(n, e)
-    x, y, z = e[0] - across * n[0], e[1] - across * n[1], e[2] - across * n[2]
-    d = math.sqrt(x * x + y * y + z * z)
+    along = minus(e, times(dot(n, e), n))
+    d = norm(along)
     if d == 0.0:
-        return 0.0, (0.0, 0.0, 0.0)
-    u = x / d, y / d, z / d
+        return 0.0, along
+    u = along[0] / d, along[1] / d, along[2] / d
     return max(0.0, dot(s, u)) + d, u
 
 
@@ -86,13 +83,12 @@ def slid(s, e, n):
 def count(anchors, i, p, a, n, immersed):
     """Add a step that ends with the middle of a facet at p (3,) m, before its anchor goes to a (3,) m; n: normal."""
     if scatters(anchors):
-        dx, dy, dz = p[0] - anchors[i, LAST], p[1] - anchors[i, LAST + 1], p[2] - anchors[i, LAST + 2]
-        anchors[i, PATH] += math.sqrt(dx * dx + dy * dy + dz * dz)
-        anchors[i, LAST], anchors[i, LAST + 1], anchors[i, LAST + 2] = p
+        anchors[i, PATH] += norm(minus(p, at(anchors, i, LAST)))
+        put(p, anchors, i, LAST)
     if shears(anchors):
         first = anchors.shape[1] - SHEARED
         s = along_surface(sheared(anchors, i), n)
-        j, e = slid(s, (a[0] - anchors[i, 0], a[1] - anchors[i, 1], a[2] - anchors[i, 2]), n)
+        j, e = slid(s, minus(a, at(anchors, i, 0)), n)
         more = j - dot(s, e)
         for k in range(3):
             anchors[i, first + k] = s[k] + more * e[k] if immersed else 0.0
@@ -104,7 +100,7 @@ def along_surface(s, n):
     across, square = dot(s, n), dot(s, s)
     left = square - across * across
     k = math.sqrt(square / left) if left > 0.0 else 0.0
-    return k * (s[0] - across * n[0]), k * (s[1] - across * n[1]), k * (s[2] - across * n[2])
+    return times(k, minus(s, times(across, n)))
 
 
 @part

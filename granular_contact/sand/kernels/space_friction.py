@@ -28,6 +28,7 @@ import math
 from granular_contact.jit.compiled import part
 from granular_contact.sand.kernels.friction import SMOOTH, SWITCH, drag_component, sliding
 from granular_contact.sand.kernels.planar_friction import radial_return
+from granular_contact.sand.kernels.vectors import dot, minus, norm, plus, times
 
 TINY = 1e-300  # so that nothing is divided by zero where nothing is stretched, or at rest
 # With 1 a hexapod at long steps takes a quarter more iterations, with 10 a ball that spins in place is 0.9 % off.
@@ -40,7 +41,7 @@ STILL = 0.1
 def drive(e, v, m):
     """Vector q (3,) as in `planar_friction.drive`: p - anchor e (m), velocity v (m/s)."""
     k, tau = factors(e, v, m)
-    return k * e[0] + tau * v[0], k * e[1] + tau * v[1], k * e[2] + tau * v[2]
+    return plus(times(k, e), times(tau, v))
 
 
 @part
@@ -56,9 +57,7 @@ def factors(e, v, m):
 @part(inline=True)
 def lengths(e, v):
     """Lengths of two vectors (3,), and their product where it is above 0."""
-    (ex, ey, ez), (vx, vy, vz) = e, v
-    h, speed = math.sqrt(ex * ex + ey * ey + ez * ez), math.sqrt(vx * vx + vy * vy + vz * vz)
-    return h, speed, max(0.0, ex * vx + ey * vy + ez * vz)
+    return norm(e), norm(v), max(0.0, dot(e, v))
 
 
 @part(inline=True)
@@ -84,23 +83,21 @@ def factors_of_facet(e, v, m):
 @part
 def mobilised(q, m):
     """Direction u (3,) and mobilised share s in [0, 1] of a vector q as in `drive`, medium record m."""
-    h = math.sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2])
+    h = norm(q)
     if h == 0.0:
         return (0.0, 0.0, 0.0), 0.0
-    one = 1.0 / h
     share = math.tanh(h / m.v_eps) if m.friction == SMOOTH else min(1.0, h / m.u_y)
-    return (one * q[0], one * q[1], one * q[2]), share
+    return times(1.0 / h, q), share
 
 
 @part
 def whole_return(p, anchor, m):
     """Anchor after an accepted step that ended at p (3,) m: on the line to p, within u_y of it."""
-    ex, ey, ez = p[0] - anchor[0], p[1] - anchor[1], p[2] - anchor[2]
-    h = math.sqrt(ex * ex + ey * ey + ez * ez)
+    e = minus(p, anchor)
+    h = norm(e)
     if h <= m.u_y:
         return anchor
-    k = m.u_y / h
-    return p[0] - k * ex, p[1] - k * ey, p[2] - k * ez
+    return minus(p, times(m.u_y / h, e))
 
 
 @part

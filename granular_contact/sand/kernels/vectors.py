@@ -33,19 +33,19 @@ def unit(k):
 
 @part
 def plus(a, b):
-    """A + b."""
+    """Sum of two vectors (3,)."""
     return a[0] + b[0], a[1] + b[1], a[2] + b[2]
 
 
 @part
 def minus(a, b):
-    """A - b."""
+    """Difference of two vectors (3,)."""
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
 @part
 def times(x, a):
-    """X a."""
+    """A vector (3,), x times as long."""
     return x * a[0], x * a[1], x * a[2]
 
 
@@ -60,13 +60,13 @@ def norm(a):
 
 @part
 def dot(a, b):
-    """A . b of vectors (3,)."""
+    """Product of two vectors (3,)."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 @part
 def cross(a, b):
-    """A x b (3,)."""
+    """Vector product (3,)."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
