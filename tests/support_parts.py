@@ -6,9 +6,12 @@ from collections.abc import Callable
 from functools import cache
 from typing import Any
 
+import numpy as np
 from numba import njit
+from numpy.typing import NDArray
 
 from granular_contact.engines.tree.kernels.tree_arrays import view
+from granular_contact.sand.kernels.kinematics import curved_stations
 
 
 @cache
@@ -23,3 +26,9 @@ def of_tree(part: Callable[..., Any]) -> Callable[..., Any]:
     """A part that takes a view of a tree's arrays as its last argument, which here is where they are."""
     found: Callable[..., Any] = njit(lambda *arguments: part(*arguments[:-1], view(arguments[-1])))
     return found
+
+
+def rigid_stations(points: NDArray[np.float64], strips: int) -> NDArray[np.void]:
+    """Stations of strips along straight sides, from their ends (k, 2) m."""
+    ((stations, _),) = curved_stations(points, np.zeros(len(points) - 1), strips)
+    return stations

@@ -36,7 +36,7 @@ def calls(medium: Law) -> tuple[Callable[[], None], Callable[[], None]]:
     """A force call, and a tangent call, on a rigid body in a medium."""
     run = np.zeros(1, LINE)
     run["width"], run["mass"] = 0.00635, 0.07
-    geometry = kinematics.rigid_stations(np.array([[-0.1, 0.0], [0.1, 0.0]]), STRIPS)
+    ((geometry, _),) = kinematics.curved_stations(np.array([[-0.1, 0.0], [0.1, 0.0]]), np.zeros(1), STRIPS)
     if "ball" in medium.takes:
         run["drop"] = 0.5 * run["width"]
         geometry = kinematics.ball_stations(np.zeros(2))

@@ -7,12 +7,12 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from support_laws import stations
-from support_parts import called
+from support_parts import called, rigid_stations
 from support_slow import TRUE_SIGN, TWO_WAYS, Link, fitted_order, kernel, medium
 
 from granular_contact.sand.kernels import kinematics, law, lines, spatial
 from granular_contact.sand.kernels.forces import medium_record
-from granular_contact.sand.kernels.kinematics import cable_stations, curved_stations, hermite, rigid_stations
+from granular_contact.sand.kernels.kinematics import cable_stations, curved_stations, hermite
 
 LENGTHS = np.array([0.1, 0.07, 0.12])
 

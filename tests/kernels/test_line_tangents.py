@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 from support_laws import BAR_LAWS, MASS, SCALAR_LAWS, SURFACE_LAWS, Array, G, label, stations
-from support_parts import called
+from support_parts import called, rigid_stations
 
 from granular_contact.laws.floor import Floor
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
@@ -25,7 +25,7 @@ Case = tuple[np.ndarray, Array, Array]  # geometry, coordinates, rates
 
 
 def rigid(rng: np.random.Generator) -> Case:
-    geometry = kinematics.rigid_stations(np.array([[-0.12, 0.01], [0.13, -0.02]]), 5)
+    geometry = rigid_stations(np.array([[-0.12, 0.01], [0.13, -0.02]]), 5)
     q = np.array([*rng.uniform(-0.05, 0.05, 2), rng.uniform(-2.5, -0.4)])
     return geometry, q, rng.uniform(-1.0, 1.0, 3) * [1.0, 1.0, 4.0]
 
@@ -186,7 +186,7 @@ def test_a_sole_that_slides_along_itself_has_the_same_tangent_a_kilometre_away()
     record = SURFACE_LAWS[0].record(Elastoplastic(yields, 1e-4), G)
     run = run_of(False)
     run["width"], run["side"], run["cap"] = 0.05, -1.0, False
-    sole = kinematics.rigid_stations(np.array([[-0.05, 0.0], [0.05, 0.0]]), 4)
+    sole = rigid_stations(np.array([[-0.05, 0.0], [0.05, 0.0]]), 4)
     tangents = []
     for x, y in ((0.0, 0.0), (800.0, 600.0)):
         case = sole, np.array([x, y - 0.01, 0.0]), np.array([0.01, -3e-6, 0.0])

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from exudyn import itemInterface as items
 from exudyn.rigidBodyUtilities import RigidBodyInertia, RotationMatrixX, RotationMatrixY, RotationMatrixZ
-from support_parts import called
+from support_parts import called, rigid_stations
 from support_runs import order
 
 from granular_contact import Floor, preset
@@ -289,7 +289,7 @@ def test_bristles_rest_where_a_solve_starts() -> None:
 
 def replay(table: np.ndarray, bed: GranularBed, surface: float) -> np.ndarray:
     """Power (n,) W at the accepted states, anchors dragged along from one to the next."""
-    geometry = kinematics.rigid_stations(np.array([[-HALF, 0.0], [HALF, 0.0]]), 16)
+    geometry = rigid_stations(np.array([[-HALF, 0.0], [HALF, 0.0]]), 16)
     run, power, anchors = np.zeros(1, lines.LINE), np.zeros(len(table)), None
     run["width"], profile = DIAMETER, np.array([[0.0, surface]])
     medium = medium_record(bed.load.records[0])[0]

@@ -24,15 +24,6 @@ STATION = record_dtype(
 )
 
 
-def rigid_stations(points: NDArray[np.float64], strips: int) -> NDArray[np.void]:
-    """Stations of about `strips` strips of like length along the polyline points (k, 2) m of the body frame.
-
-    Every piece of the line has at least one strip.
-    """
-    ((stations, _),) = curved_stations(points, np.zeros(len(points) - 1), strips)
-    return stations
-
-
 def ball_stations(center: NDArray[np.float64]) -> NDArray[np.void]:
     """Stations of a ball with its centre (2,) m in the body frame; see `balls`."""
     return _at_places(np.stack([center, center]))
@@ -41,8 +32,9 @@ def ball_stations(center: NDArray[np.float64]) -> NDArray[np.void]:
 def curved_stations(
     points: NDArray[np.float64], turns: NDArray[np.float64], strips: int, split: int = 1
 ) -> list[tuple[NDArray[np.void], float]]:
-    """Stations as of `rigid_stations`, for sides of which each is the chord of an arc that turns by an angle (rad).
+    """Stations of about `strips` strips of like length along the polyline points (k, 2) m of the body frame.
 
+    Every side is the chord of an arc that turns by an angle (rad), 0 of a straight one, and has at least one strip.
     Runs of neighbouring sides whose strips turn by the same angle, and that angle. split: into how many each of the
     strips is divided.
     """
