@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from granular_contact.engines.mujoco import checks, geoms
 from granular_contact.engines.mujoco.callback import Callback
-from granular_contact.engines.mujoco.engine import mujoco, name_of
+from granular_contact.engines.mujoco.engine import name_of
 from granular_contact.engines.mujoco.facet_error import Facets
 from granular_contact.engines.mujoco.load import BedLoad
 from granular_contact.engines.mujoco.of_data import BedData
@@ -116,15 +116,8 @@ class MujocoBed:
         SceneError
             There is no such body, or it is fixed to the world.
         """
-        number = name if isinstance(name, int) else mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_BODY, name)
-        if not 0 < number < self.model.nbody:
-            known = ", ".join(name_of(self.model, "body", n) for n in range(1, self.model.nbody))
-            raise scene_error("bed", f"got the body {name!r}, the model has {known or 'none'}")
+        number = checks.movable(self.model, name)
         self._check_open()
-        if int(self.model.body_weldid[number]) == 0:
-            raise scene_error(
-                "bed", f"body {name} is fixed to the world: sand does not move it (a missing <freejoint/>?)"
-            )
         size, place = (3 if self.planar else 7), len(self._names)
         if number not in self._names:
             coordinates = np.arange(size * place, size * (place + 1))
@@ -220,10 +213,7 @@ class MujocoBed:
         found = self._of.get(data)
         if found is not None:
             return found
-        sizes = [(len(data.qpos), len(data.qvel), len(data.xpos)), (self.model.nq, self.model.nv, self.model.nbody)]
-        if sizes[0] != sizes[1]:
-            got, own = ("{} coordinates, {} velocities and {} bodies".format(*size) for size in sizes)
-            raise scene_error("bed", f"got data of another model, with {got}; that of the bed has {own}")
+        checks.refuse_other(self.model, data)
         if self._shared is None:
             self._shared = self._close()
         kept = BedData(self._shared, self.model, data)

@@ -1,4 +1,7 @@
-"""What of a model doubles the sand, or keeps it from acting: one line each, as a warning."""
+"""What of a model doubles the sand, or keeps it from acting: one line each, as a warning.
+
+And what is refused: data of another model, bodies that are not in it or cannot move.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.engines.mujoco.engine import mujoco, name_of
+from granular_contact.errors import scene_error
 
 Vector = NDArray[np.float64]
 AT = 1e-3  # m below the surface, to which a rigid floor still carries what should stand on sand
@@ -21,6 +25,25 @@ def warnings_of(model: Any, bodies: Iterable[int], height: Any, up: Vector) -> I
     mujoco.mj_kinematics(model, data)
     yield from _floors(model, data, set(numbers), height, up)
     yield from _fixed(model, numbers)
+
+
+def movable(model: Any, name: str | int) -> int:
+    """Number of a body by its name or number; one that the model has, and that is not fixed to the world."""
+    number = name if isinstance(name, int) else mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, name)
+    if not 0 < number < model.nbody:
+        known = ", ".join(name_of(model, "body", n) for n in range(1, model.nbody))
+        raise scene_error("bed", f"got the body {name!r}, the model has {known or 'none'}")
+    if int(model.body_weldid[number]) == 0:
+        raise scene_error("bed", f"body {name} is fixed to the world: sand does not move it (a missing <freejoint/>?)")
+    return number
+
+
+def refuse_other(model: Any, data: Any) -> None:
+    """Refuse an MjData of another model, as its sizes tell."""
+    sizes = [(len(data.qpos), len(data.qvel), len(data.xpos)), (model.nq, model.nv, model.nbody)]
+    if sizes[0] != sizes[1]:
+        got, own = ("{} coordinates, {} velocities and {} bodies".format(*size) for size in sizes)
+        raise scene_error("bed", f"got data of another model, with {got}; that of the bed has {own}")
 
 
 def _floors(model: Any, data: Any, bodies: set[int], height: Any, up: Vector) -> Iterator[str]:
