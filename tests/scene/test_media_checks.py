@@ -85,7 +85,7 @@ def test_steep_places_of_a_map_are_told(tmp_path: Path) -> None:
         heights = np.zeros((5, 11))
         heights[:, 6:] = 0.1 * rise  # one of ten columns of cells
         np.savetxt(tmp_path / "ground.csv", heights, delimiter=",")
-        ground = {"file": str(tmp_path / "ground.csv"), "cell_m": 0.1}
+        ground = {"file": str(tmp_path / "ground.csv"), "cell_m": 0.1, "corner_m": [-0.5, -0.2]}
         return scene(spatial(bed={"height_m": 0, "height_map": ground})).notes
 
     (note,) = mapped(0.7)

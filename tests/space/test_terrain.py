@@ -121,6 +121,17 @@ def test_faults_of_a_map_tell_file_and_line(tmp_path: Path, text: str | None, to
     assert told in str(caught.value)
 
 
+def test_what_begins_beside_a_map_is_told(tmp_path: Path) -> None:
+    """A map begins at the origin unless it has a corner: a robot there has two of its feet beside it."""
+    ground = written(tmp_path, np.zeros((11, 21)), cell_m=0.1)
+    (note,) = build(load(run(ground))).notes
+    assert note.key == "bed.height_map"
+    assert "from x = 0 to 2 m and from y = 0 to 1 m" in note.message
+    assert note.message.endswith("there at the start: box; corner_m moves the map")
+    around = written(tmp_path, np.zeros((11, 21)), cell_m=0.1, corner_m=[-1, -0.5])
+    assert build(load(run(around))).notes == ()
+
+
 def test_a_picture_is_a_map_of_its_grey_levels(tmp_path: Path) -> None:
     """Upper rows lie farther to the left; a picture of 16 bits is read to the last of them."""
     levels = np.random.default_rng(5).integers(0, 65536, (4, 6)).astype(np.uint16)

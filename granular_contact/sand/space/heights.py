@@ -29,6 +29,12 @@ class Heights:
         return np.array([self.cell, *self.corner, rows, columns, *self.values.ravel()], float)
 
     @property
+    def extent(self) -> tuple[Vector, Vector]:
+        """Lowest and highest x, y (2,) m of its points."""
+        low = np.array(self.corner)
+        return low, low + self.cell * (np.array(self.values.shape)[::-1] - 1.0)
+
+    @property
     def steepest(self) -> float:
         """A bound of the rise per length: a spline is at most half as steep again as the steps between its points."""
         step = max(float(np.abs(np.diff(self.values, axis=axis)).max()) for axis in (0, 1))

@@ -19,7 +19,7 @@ from granular_contact.scene.layout import GROUND, weld_groups
 from granular_contact.scene.loops import closed
 from granular_contact.scene.methods import check, serves
 from granular_contact.scene.space.beams import beams, cut
-from granular_contact.scene.space.bed import bed
+from granular_contact.scene.space.bed import SpatialBed, bed
 from granular_contact.scene.space.bodies import bodies_of, joints_of, on_ground, rigid_body
 from granular_contact.scene.space.layout import pose, slides, start
 from granular_contact.scene.space.loops import SpatialLoops, needed
@@ -29,6 +29,7 @@ from granular_contact.scene.steps import steps
 from granular_contact.scene.stiff import LEAST_BOW, bow, with_rigid
 from granular_contact.scene.types import Minimal
 
+MOST_NAMED = 6  # bodies in a sentence
 MOST_BODIES = 32  # whose motion is reported unless the run asks for it
 
 
@@ -58,6 +59,7 @@ def built(scenario: schema.SpatialScenario) -> SpatialScene:
     surface = bed(scenario, rigid, faults)
     faults += [*too_steep(scenario), *_inapplicable(scenario, rigid)]
     notes += [*media_notes(scenario, surface, "bed.height_map"), *_links_as_bars(scenario)]
+    notes += _beside_map(surface, rigid)
     if faults:
         raise SceneError(faults)
     reduced = scenario.method.reduced
@@ -135,6 +137,24 @@ def _inapplicable_at(top: float, here: dict[str, Law], parts: list[Part]) -> Ite
             words = f"in space {one.name} takes {_listed(found)}, and there is nothing of the kind"
             why = "; round links are bars beside a medium that takes these" if {"bar"} <= taken & met else ""
             yield scene_fault(key, words + why)
+
+
+def _beside_map(surface: SpatialBed | None, rigid: tuple[SpatialRigidBody, ...]) -> Iterator[Fault]:
+    """Bodies that begin beside a map of heights, above or below a surface that is level there."""
+    if surface is None or surface.heights is None:
+        return
+    low, high = surface.heights.extent
+    beside = []
+    for body in rigid:
+        for part in body.parts:
+            at = (part.points @ body.motion.rotation.T + body.motion.position)[:, :2]
+            if part.in_sand and not ((at >= low) & (at <= high)).all():
+                beside.append(part.name)
+    if beside:
+        (a, b), (c, d) = low, high
+        some = ", ".join(list(dict.fromkeys(beside))[:MOST_NAMED])
+        words = f"the map is from x = {a:g} to {c:g} m and from y = {b:g} to {d:g} m, and the ground level beyond;"
+        yield scene_fault("bed.height_map", f"{words} there at the start: {some}; corner_m moves the map")
 
 
 def _links_as_bars(scenario: schema.SpatialScenario) -> Iterator[Fault]:
