@@ -121,6 +121,16 @@ def test_faults_of_a_map_tell_file_and_line(tmp_path: Path, text: str | None, to
     assert told in str(caught.value)
 
 
+def test_a_map_between_spaces_is_one_between_commas(tmp_path: Path) -> None:
+    values = np.random.default_rng(3).uniform(0.0, 0.01, (4, 5))
+    commas, spaces = tmp_path / "commas.csv", tmp_path / "spaces.txt"
+    np.savetxt(commas, values, delimiter=",")
+    np.savetxt(spaces, values)
+    for file in (commas, spaces):
+        placed = build(load(run({"height_m": 0.0, "height_map": {"file": str(file), "cell_m": 0.1}}))).bed
+        np.testing.assert_array_equal(placed.heights.values, values)
+
+
 def test_what_begins_beside_a_map_is_told(tmp_path: Path) -> None:
     """A map begins at the origin unless it has a corner: a robot there has two of its feet beside it."""
     ground = written(tmp_path, np.zeros((11, 21)), cell_m=0.1)

@@ -70,12 +70,13 @@ def _picture(path: Path, faults: list[str]) -> Vector:
 
 
 def _table(path: Path, faults: list[str]) -> Vector:
-    """Numbers (rows, columns) of a CSV file."""
+    """Numbers (rows, columns) of a CSV file, between commas or semicolons, else between spaces as NumPy writes them."""
     rows: list[list[float]] = []
     for i, line in enumerate(path.read_text(encoding="utf-8-sig").splitlines(), 1):
         if not line.strip():
             continue
-        cells = [number(cell.strip()) for cell in line.replace(";", ",").split(",")]
+        line = line.replace(";", ",")
+        cells = [number(cell.strip()) for cell in (line.split(",") if "," in line else line.split())]
         holes = [j for j, value in enumerate(cells, 1) if value is None]
         if holes:
             got = f"{path}:{i}: {len(holes)} of {len(cells)} columns hold no number, the first is {holes[0]}"
