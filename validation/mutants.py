@@ -63,7 +63,11 @@ AREAS: dict[str, dict[str, tuple[str, ...]]] = {
         "engines/tree/kernels/tree_load.py": _TREES,
         "engines/tree/kernels/tree_newton.py": _TREES,
         "engines/tree/kernels/tree_march.py": (*_TREES, "tests/multibody/test_stepping.py", "tests/test_simulation.py"),
-        "mechanics/kernels/step_choice.py": ("tests/multibody/test_stepping.py", "tests/multibody/test_drives.py"),
+        "mechanics/kernels/step_choice.py": (
+            "tests/kernels/test_step_choice.py",
+            "tests/multibody/test_stepping.py",
+            "tests/multibody/test_drives.py",
+        ),
         "engines/tree/march.py": (
             *_TREES,
             "tests/test_start_in_sand.py",

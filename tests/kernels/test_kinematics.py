@@ -64,6 +64,15 @@ def test_strips_are_shared_out_by_length_and_every_piece_has_one() -> None:
     np.testing.assert_array_equal(whole, straight)
 
 
+def test_strips_joined_in_pairs_keep_the_corners_between_sides() -> None:
+    """Sides of 31, 10 and 1 strips: 16, 5 and 1 are left."""
+    points = np.array([[0.0, 0.0], [0.3, 0.0], [0.3, 0.1], [0.3, 0.101]])
+    ((stations, _),) = curved_stations(points, np.zeros(3), 41)
+    left = stations[stations["kept"]]
+    corners = [int(np.flatnonzero((left["x"] == x) & (left["y"] == y))[0]) for x, y in points]
+    assert np.diff(corners).tolist() == [16, 5, 1]
+
+
 def test_stations_of_chords_lie_on_their_arcs() -> None:
     """Three chords of one circle and a straight side: stations on the circle, at equal angles; one run of each kind."""
     angles, radius = np.array([0.0, 0.5, 1.0, 1.5]), 0.2

@@ -117,6 +117,16 @@ def test_long_runs_outgrow_the_first_table() -> None:
     assert results["time_s"][-1] == 0.02
 
 
+def test_the_last_of_fixed_steps_ends_with_the_run_where_some_were_halved() -> None:
+    long = "solver.accuracy=null", "solver.step_s=8e-3", "solver.end_time_s=0.2", "solver.rest_time_s=null"
+    run = simulate("chain", "method=minimal", *long)
+    assert run.summary["cost"]["shortened_steps"] > 0
+    steps = np.diff(run["time_s"])
+    assert run["time_s"][-1] == 0.2
+    assert steps.max() == pytest.approx(8e-3, rel=1e-9)
+    assert steps[-1] < 0.9 * steps.max()
+
+
 def test_a_matrix_of_newton_serves_many_steps() -> None:
     """Of even steps, which bring hardly a change of the matrix until bristles yield."""
     cost = fixed(1e-4).summary["cost"]

@@ -14,7 +14,7 @@ from granular_contact.errors import SceneError
 from granular_contact.geometry.surface import greatest_depth, height_at, surface
 from granular_contact.scene import build
 from granular_contact.scene.bed import Bed
-from granular_contact.scene.workspace import MARGIN, can_be_immersed, can_get_below
+from granular_contact.scene.workspace import MARGIN, can_be_immersed, can_get_below, immersible_elements
 
 # A hub of radius 20 mm, 100 mm above the sand, of a kind that its medium (for bars) does not take, and a link on it.
 HUB = """
@@ -120,6 +120,14 @@ def test_a_beam_reaches_by_its_length_from_the_pivot() -> None:
         (link,) = scene.links
         assert scene.bed is not None
         assert can_get_below(scene.bed, link, np.array([[0.0, 0.0], [link.length, 0.0]])) == touches
+
+
+def test_the_elements_of_a_beam_that_can_get_into_the_sand_are_counted_from_its_tip() -> None:
+    """Of 16 elements those whose ends are farther from the pivot than the sand: of 2.5 elements from the tip three."""
+    far = L_RB + LENGTH * (1.0 - 2.5 / 16)
+    scene = scene_of("pendulum", "model.bodies.link.flexible.elements=16", f"surface_height_m={-MARGIN * far}")
+    assert scene.bed is not None
+    assert immersible_elements(scene.bed, scene.links[0]) == range(13, 16)
 
 
 def test_what_is_welded_at_an_angle_reaches_no_farther_than_it_does() -> None:
