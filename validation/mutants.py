@@ -81,6 +81,8 @@ AREAS: dict[str, dict[str, tuple[str, ...]]] = {
             "tests/multibody/test_chains.py",
             "tests/multibody/test_free.py",
             "tests/test_run.py",
+            "tests/space/test_bed_in_space.py",
+            "tests/space/test_runs_in_space.py",
         ),
         "mechanics/sensors.py": ("tests/test_simulation.py",),
         "results/stopping.py": ("tests/test_stops.py", "tests/multibody/test_stopping.py", "tests/test_edges.py"),
