@@ -13,7 +13,7 @@ from support_space import SAND, Array, load_on, state
 from granular_contact import Box, Mesh, Sphere
 from granular_contact.laws.pressure_sinkage import PressureSinkage
 from granular_contact.laws.static_friction import Elastoplastic
-from granular_contact.sand.kernels.facets import spread_along
+from granular_contact.sand.kernels.facets import is_pulled, spread_along
 from granular_contact.sand.kernels.friction import ELASTOPLASTIC, SWITCH, sliding
 from granular_contact.sand.kernels.space_friction import FAST, factors_of_facet
 from granular_contact.sand.space.facets import Size, of_rectangle, of_triangles, rows
@@ -84,6 +84,22 @@ def test_the_spread_of_a_facet_is_that_of_an_even_one_with_its_variance(form: st
     along = np.array([np.cross(q, corner + x * a + y * b - flat.place[0]) @ flat.normal[0] for x, y in places])
     s = np.linalg.norm(called(spread_along)(elements, 0, q))
     assert s**2 == pytest.approx(3.0 * weights @ along**2, rel=1e-12)
+
+
+def test_a_facet_is_looked_at_where_its_bristle_may_let_it_lead() -> None:
+    """With the stretch alike within it, or differing as v does: |n . e| below spread times e . v / v^2."""
+    looked_at, spread_of = called(is_pulled), called(spread_along)
+    rng, seen = np.random.default_rng(8), {False: 0, True: 0}
+    for _ in range(60):
+        corner, a, b, u, e = rng.normal(size=(5, 3))
+        q = 4.0 * rng.normal(size=3)
+        elements = rows(of_triangles(np.array([[corner, corner + a, corner + b]])), np.zeros((0, 8)), thin=False)
+        along, spread = float(elements[0, 4:7] @ e), np.linalg.norm(spread_of(elements, 0, q))
+        share = max(0.0, float(e @ u) / float(u @ u))
+        expected = bool(along > 0.0 or share * spread > abs(along))
+        seen[expected] += along <= 0.0
+        assert looked_at(elements, 0, u, e, q) == expected
+    assert min(seen.values()) > 5
 
 
 def test_a_bristle_that_is_dragged_far_leans_towards_the_motion() -> None:
