@@ -14,7 +14,7 @@ from granular_contact.mechanics.drive_error import drive_warnings
 from granular_contact.mechanics.kinematics import Kinematics
 from granular_contact.mechanics.strains import stress_numbers, yielding
 from granular_contact.mechanics.system import System, Trajectory
-from granular_contact.mechanics.wheels import add_wheels, wheel_histories, wheels_of
+from granular_contact.mechanics.wheels import add_wheels, wheel_histories
 from granular_contact.results import energy
 from granular_contact.results.accuracy import AccuracyWarning
 from granular_contact.results.interpolation import Track
@@ -35,7 +35,7 @@ def observe(system: System, trajectory: Trajectory) -> Observation:
         depths, forces = depths_by_body(motion), forces_of(trajectory)
         found = observed(motion, forces, depths, all_depths(motion, depths))
         found["motion"] |= mechanism.body_columns(motion, forces, depths)
-        add_wheels(found, wheel_histories(motion, forces), wheels_of(motion))
+        add_wheels(found, wheel_histories(motion, forces))
         return Observation(**found)
 
 

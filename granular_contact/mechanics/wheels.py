@@ -7,7 +7,7 @@ straight from there.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from functools import partial
 from typing import Any
 
@@ -19,7 +19,6 @@ from granular_contact.mechanics.mechanism import label
 from granular_contact.results import series
 from granular_contact.results.accuracy import AccuracyWarning, share
 from granular_contact.results.energy import accumulate
-from granular_contact.scene.parts import Wheel
 from granular_contact.scene.types import Scene, Vector
 
 STANDS = 1e-5  # m/s: below it, in rim and axle, there is no slip
@@ -30,14 +29,6 @@ STEERED, BRAKED = 5.0, -0.6
 UNSTEADY = 5e-3  # changes within it that are told: what decays more slowly has 1 % to go at the most
 
 
-def wheels_of(motion: Kinematics) -> Iterator[tuple[str, Wheel]]:
-    """Bodies with a wheel, each with its first one."""
-    for body in motion.scene.rigid:
-        wheel = next((shape.wheel for shape in body.shapes if shape.wheel is not None), None)
-        if wheel is not None:
-            yield body.name, wheel
-
-
 def wheel_histories(motion: Kinematics, forces: Mapping[str, Vector]) -> dict[str, dict[str, Vector]]:
     """Histories (n,) of each wheel that the medium acts on, by its label.
 
@@ -45,8 +36,9 @@ def wheel_histories(motion: Kinematics, forces: Mapping[str, Vector]) -> dict[st
     of the axle along the surface, to the right; omega: rate (rad/s) of the wheel, as it rolls to the right.
     """
     found, bed = {}, motion.scene.bed
-    for name, wheel in wheels_of(motion):
-        if name not in forces or bed is None:
+    for body in motion.scene.rigid:
+        name, wheel = body.name, body.wheel
+        if wheel is None or name not in forces or bed is None:
             continue
         (p, v), spin = motion.position(name, wheel.axle), motion.angle(name, wheel.axle)[1]
         tangent = tangents(bed.slope_at(p[:, 0]))
@@ -87,11 +79,9 @@ def components(force: Vector, tangent: Vector) -> tuple[Vector, Vector]:
     return x * tx + y * ty, y * tx - x * ty
 
 
-def add_wheels(
-    found: dict[str, Any], histories: Mapping[str, Mapping[str, Vector]], wheels: Iterable[tuple[str, Any]]
-) -> None:
+def add_wheels(found: dict[str, Any], histories: Mapping[str, Mapping[str, Vector]]) -> None:
     """Add what wheels have in results to the fields of an observation; histories: by label, also in space."""
-    pitches = {label(name): wheel.pitch for name, wheel in wheels}
+    pitches = {label(body.name): body.wheel.pitch for body in found["scene"].rigid if body.wheel is not None}
     numbers = wheel_numbers(found["time"], histories, pitches)
     found["motion"] |= wheel_columns(histories)
     found["more"] |= numbers

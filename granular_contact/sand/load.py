@@ -146,13 +146,18 @@ class GranularLoad:
         if not any(line.kind in medium.takes for medium in self.media):
             known = "; ".join(map(what_it_takes, self.media))
             raise scene_error("bed", f"nothing acts on {WORDS[line.kind]}: {known}")
-        if line.kind == "ball" and not all(layer.whole for layer in self.layers):
-            raise scene_error("bed", "a ball is met as a whole, but the bed has layers: allowed is one medium")
+        if line.kind == "ball":
+            self._check_whole()
         record = line.record.copy()
         record["cap"] &= self.end_cap
         record["place"] += APART * self._added
         record["resultant"] = self.resultant and line.kind in ("round", "flat")
         return replace(line, record=record)
+
+    def _check_whole(self) -> None:
+        """Refuse a ball where there are layers."""
+        if not all(layer.whole for layer in self.layers):
+            raise scene_error("bed", "a ball is met as a whole, but the bed has layers: allowed is one medium")
 
     def check_open(self) -> None:
         """Refuse more lines once there are batches of them."""
@@ -165,10 +170,8 @@ class GranularLoad:
             acting = [line for line in self.lines if line.kind in kinds]
             if acting:
                 columns = [self.table.columns(index, line.body.name) for line in acting]
-                records, paths = (
-                    [_in(layer, line, self.gravity) for line in acting],
-                    layer is not None and layer.medium.needs_path_length,
-                )
+                records = [_in(layer, line, self.gravity) for line in acting]
+                paths = layer is not None and layer.medium.needs_path_length
                 self.batches.append(Batch(acting, records, profile, medium, columns, paths))
                 self.met.append(None if layer is None else layer.medium)
         self.room_for_tangents = np.zeros((sum(batch.entries for batch in self.batches), 3))  # of `planar_sand.tangent`

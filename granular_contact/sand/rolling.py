@@ -76,8 +76,7 @@ def roll_in(scene: Scene, load: GranularLoad) -> None:
 
 
 def _wheel(scene: Scene, test: WheelTest) -> Wheel:
-    body = next(body for body in scene.rigid if body.name == test.body)
-    return next(shape.wheel for shape in body.shapes if shape.wheel is not None)
+    return next(body.wheel for body in scene.rigid if body.name == test.body and body.wheel is not None)
 
 
 def _depth(scene: Scene, test: WheelTest) -> float:

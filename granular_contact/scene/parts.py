@@ -107,6 +107,11 @@ class RigidBody:
     workspace: WorkspaceBound
 
     @property
+    def wheel(self) -> Wheel | None:
+        """The first of its wheels."""
+        return next((shape.wheel for shape in self.shapes if shape.wheel is not None), None)
+
+    @property
     def turning_places(self) -> tuple[int, ...]:
         """Which of its coordinates (x, y, phi) turn it."""
         return (2,)

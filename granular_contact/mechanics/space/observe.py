@@ -14,7 +14,7 @@ from granular_contact.mechanics.observe import forces_of, observed
 from granular_contact.mechanics.space import facet_sizes
 from granular_contact.mechanics.space.kinematics import SpatialKinematics
 from granular_contact.mechanics.space.system import SpatialSystem
-from granular_contact.mechanics.space.wheels import wheel_histories, wheels_of
+from granular_contact.mechanics.space.wheels import wheel_histories
 from granular_contact.mechanics.strip_error import strip_error
 from granular_contact.mechanics.system import Trajectory
 from granular_contact.mechanics.wheels import add_wheels
@@ -38,7 +38,7 @@ def observe(system: SpatialSystem, trajectory: Trajectory) -> SpatialObservation
         forces = as_reported(on_bodies)
         found = observed(motion, forces, depths, [track for tracks in depths.values() for track in tracks])
         found["motion"] |= body_columns(motion, forces, depths)
-        add_wheels(found, wheel_histories(motion, forces), wheels_of(motion))
+        add_wheels(found, wheel_histories(motion, forces))
         if trajectory.load is not None and (facets := facet_sizes.numbers(motion, error)):
             found["more"]["facets"] = facets
         for beam in motion.beams.values():

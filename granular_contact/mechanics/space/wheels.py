@@ -6,7 +6,7 @@ its axis; to the left is along the surface at right angles to that; load and sin
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -14,17 +14,9 @@ from granular_contact.mechanics.mechanism import label
 from granular_contact.mechanics.space.kinematics import SpatialKinematics
 from granular_contact.mechanics.wheels import STANDS, sense
 from granular_contact.scene.space.bed import SpatialBed
-from granular_contact.scene.space.types import SpatialWheel, Vector
+from granular_contact.scene.space.types import Vector
 
 BESIDE = 1e-3  # of the rim, between the heights of which the slope of the surface is taken
-
-
-def wheels_of(motion: SpatialKinematics) -> Iterator[tuple[str, SpatialWheel]]:
-    """Bodies with a wheel, each with its first one."""
-    for name, handle in motion.system.rigid.items():
-        wheel = next((part.wheel for part in handle.body.parts if part.wheel is not None), None)
-        if wheel is not None:
-            yield name, wheel
 
 
 def wheel_histories(motion: SpatialKinematics, forces: Mapping[str, Vector]) -> dict[str, dict[str, Vector]]:
@@ -32,9 +24,10 @@ def wheel_histories(motion: SpatialKinematics, forces: Mapping[str, Vector]) -> 
 
     forces: of the medium by body, (n, 6): N, and N m about the origin.
     """
-    found, bed = {}, motion.system.scene.bed
-    for name, wheel in wheels_of(motion):
-        if name not in forces or bed is None:
+    found, bed = {}, motion.scene.bed
+    for body in motion.scene.rigid:
+        name, wheel = body.name, body.wheel
+        if wheel is None or name not in forces or bed is None:
             continue
         (p, v), axis = motion.position(name, wheel.axle), motion.rotation(name) @ wheel.axis
         normal = _normals(bed, p, BESIDE * wheel.rim)

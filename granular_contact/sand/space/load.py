@@ -136,10 +136,9 @@ class SpatialLoad(GranularLoad):
         if facet_size is not None and not (np.isfinite(facet_size) and facet_size > 0.0):
             raise scene_error("bed", f"facet_size: got {facet_size}, allowed is a number above 0 (m)")
         made = []
-        layered = not all(layer.whole for layer in self.layers)
         for meets in self._met_as(shape):
-            if meets == "ball" and layered:
-                raise scene_error("bed", "a ball is met as a whole, but the bed has layers: allowed is one medium")
+            if meets == "ball":
+                self._check_whole()
             if meets == "surface":
                 made.append(elements.surface(body, self._surface(shape, facet_size, accuracy, share), place, turn))
             elif isinstance(shape, Bar):

@@ -121,6 +121,11 @@ class SpatialRigidBody:
         return all("." in name for name in self.members)
 
     @property
+    def wheel(self) -> SpatialWheel | None:
+        """The first of its wheels."""
+        return next((part.wheel for part in self.parts if part.wheel is not None), None)
+
+    @property
     def turning_places(self) -> tuple[int, ...]:
         """Which of its coordinates, its position and four Euler parameters, turn it."""
         return 3, 4, 5, 6
