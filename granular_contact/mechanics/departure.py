@@ -70,10 +70,8 @@ def instants(observer: Any, count: int) -> NDArray[np.int64]:
     t = observer.trajectory
     first = max(0, int(np.argmax(t.load.depth > 0.0)) - 1)
     steps = np.diff(t.time[first:])
-    way, change = (
-        steps * observer.speeds[first + 1 :],
-        np.abs(np.diff(t.v[first:], axis=0) * observer.lever).max(axis=1),
-    )
+    way = steps * observer.speeds[first + 1 :]
+    change = np.abs(np.diff(t.v[first:], axis=0) * observer.lever).max(axis=1)
     passed = sum(part / max(float(part.sum()), 1e-300) for part in (steps, way, change))
     sums = np.concatenate([[0.0], np.cumsum(passed)])
     at = np.searchsorted(sums, np.linspace(0.0, sums[-1], count + 1)).clip(0, len(steps))

@@ -132,11 +132,9 @@ class SpatialKinematics(Kinematics):
             angle = np.unwrap(np.arctan2(np.sum(frame[:, :, 1] * x, axis=1), np.sum(frame[:, :, 0] * x, axis=1)))
             angle += 2.0 * np.pi * np.round((joint.start - angle[0]) / (2.0 * np.pi))
             return angle, np.sum(axis * (self.spin(joint.child) - self.spin(joint.parent)), axis=1)
-        on_parent, on_child = (
-            self.position(joint.parent, joint.parent_point),
-            self.position(joint.child, joint.child_point),
-        )
-        apart, speed = on_child[0] - on_parent[0], on_child[1] - on_parent[1]
+        on_parent, parent_speed = self.position(joint.parent, joint.parent_point)
+        on_child, child_speed = self.position(joint.child, joint.child_point)
+        apart, speed = on_child - on_parent, child_speed - parent_speed
         # What is apart is parallel to the axis, so that turning with the parent does not change the speed along it.
         return np.sum(axis * apart, axis=1), np.sum(axis * speed, axis=1)
 

@@ -104,9 +104,9 @@ class SpatialSensors(Sensors):
                 at, speed = x[i] + arm, v[i] + np.cross(spin[i], arm)
             place, velocity = place + mass / total * at, velocity + mass / total * speed
         body, _, axes = beam.root
-        turn, turning = (
-            (axes, np.zeros(3)) if body is None else (R[self._number[body]] @ axes, spin[self._number[body]])
-        )
+        turn, turning = axes, np.zeros(3)
+        if body is not None:
+            turn, turning = R[self._number[body]] @ axes, spin[self._number[body]]
         return np.concatenate([place, rotations.rpy_of(turn)]), np.concatenate([velocity, turning])
 
     def forces(self, poses: Vector, row: Vector | None) -> Vector:

@@ -32,10 +32,8 @@ def by_differences(q, v, body, w, medium, fq, fv, K, W):
 @part
 def by_elements(q, v, body, w, medium, fq, fv, K, W):
     """`space_law.tangent` by the slopes S (6, 6) of the wrench on each cluster: T^T S T, with (x, t) = T q."""
-    turn, clusters, elements, anchors, active, ground = (
-        w.turn, w.clusters, w.elements, w.anchors,
-        w.active, w.ground,
-    )  # fmt: skip
+    turn, clusters, active, ground = w.turn, w.clusters, w.active, w.ground
+    elements, anchors = w.elements, w.anchors
     pose, G, S, T, some = room2(6, 3), room2(3, 4), room2(6, 6), room2(6, 7), False
     place(q, v, body, turn, medium, pose, G)
     clear(S)
