@@ -24,6 +24,7 @@ from granular_contact.jit.memory import room2
 from granular_contact.sand.kernels.friction import SMOOTH
 from granular_contact.sand.kernels.plates import EDGE
 from granular_contact.sand.kernels.space_friction import factors_of_facet
+from granular_contact.sand.kernels.vectors import times
 
 # A block (ROWS, LANES): facets that are loaded, in columns, so that a law treats several of them in one instruction.
 LANES = 32
@@ -82,6 +83,12 @@ def vector(B, row, k):
     return B[row, k], B[row + 1, k], B[row + 2, k]
 
 
+@part(inline=True)
+def write(a, B, row, k):
+    """Write a vector (3,) of a facet into a block."""
+    B[row, k], B[row + 1, k], B[row + 2, k] = a
+
+
 @part
 def lead(B, n, m):
     """Fill rows U and SHARE of a block: the directions u in which a law sees facets move, and the shares g s."""
@@ -129,10 +136,8 @@ def traction_facets(B, n, m):
     for k in range(n):
         share, z = B[SHARE, k], B[Z, k]
         first, second = traction(z, vector(B, N, k), vector(B, U, k), B[ONE_SIDE, k], B[SHEAR, k], m)
-        (px, py, pz), (sx, sy, sz) = first, second
-        one = share / z
-        B[GROWING, k], B[GROWING + 1, k], B[GROWING + 2, k] = one * px, one * py, one * pz
-        B[CONSTANT, k], B[CONSTANT + 1, k], B[CONSTANT + 2, k] = share * sx, share * sy, share * sz
+        write(times(share / z, first), B, GROWING, k)
+        write(times(share, second), B, CONSTANT, k)
 
 
 @part
@@ -155,8 +160,8 @@ def own_facets(B, n, m):
         v = vector(B, V, k)
         s = spread(B, k, v[0], v[1], v[2], 1.0)
         first, second = force(B[Z, k], vector(B, N, k), v, vector(B, E, k), s, B[ONE_SIDE, k], B[SHEAR, k], m)
-        B[GROWING, k], B[GROWING + 1, k], B[GROWING + 2, k] = first
-        B[CONSTANT, k], B[CONSTANT + 1, k], B[CONSTANT + 2, k] = second
+        write(first, B, GROWING, k)
+        write(second, B, CONSTANT, k)
 
 
 @part
@@ -164,6 +169,4 @@ def inertial_facets(B, n, m):
     """Tractions of a law with a `stress` and an `inertia`; arguments and result as of `space_law.facets`."""
     static_facets(B, n, m)
     for k in range(n):
-        B[CONSTANT, k], B[CONSTANT + 1, k], B[CONSTANT + 2, k] = inertia(
-            vector(B, N, k), vector(B, V, k), B[ONE_SIDE, k], m
-        )
+        write(inertia(vector(B, N, k), vector(B, V, k), B[ONE_SIDE, k], m), B, CONSTANT, k)

@@ -43,11 +43,26 @@ from granular_contact.sand.kernels.facet_blocks import (
     N,
     V,
     Z,
+    write,
 )  # fmt: skip
 from granular_contact.sand.kernels.facet_parts import immersed_part
 from granular_contact.sand.kernels.ground import PLANE, surface_at
 from granular_contact.sand.kernels.space_friction import TINY
-from granular_contact.sand.kernels.vectors import axes, moving, norm, seen, turned
+from granular_contact.sand.kernels.vectors import (
+    at,
+    axes,
+    cross,
+    dot,
+    minus,
+    moving,
+    norm,
+    plus,
+    put,
+    seen,
+    times,
+    turned,
+    vector,
+)
 
 COLUMNS = 18
 SIDE, FORM, CURVE = 14, 15, 16
@@ -60,10 +75,8 @@ def spread_along(elements, i, q):
 
     Of a triangle along the half edges of a parallelogram with its second moments.
     """
-    cx, cy, cz = elements[i, 4], elements[i, 5], elements[i, 6]
-    tx, ty, tz = cy * q[2] - cz * q[1], cz * q[0] - cx * q[2], cx * q[1] - cy * q[0]
-    za = tx * elements[i, 8] + ty * elements[i, 9] + tz * elements[i, 10]
-    zb = tx * elements[i, 11] + ty * elements[i, 12] + tz * elements[i, 13]
+    turning = cross(at(elements, i, 4), q)
+    za, zb = dot(turning, at(elements, i, 8)), dot(turning, at(elements, i, 11))
     if elements[i, FORM] == TRIANGLE:
         return math.sqrt(0.375) * (za + zb), math.sqrt(0.125) * (za - zb)
     return za, zb
@@ -72,9 +85,8 @@ def spread_along(elements, i, q):
 @part(inline=True)
 def below_surface(elements, i, z, d, medium):
     """`immersed_part` of a facet, row i, whose depth grows by d (3,) as seen from the body; of that in the layer."""
-    a = elements[i, 8], elements[i, 9], elements[i, 10]
-    b = elements[i, 11], elements[i, 12], elements[i, 13]
-    za, zb = d[0] * a[0] + d[1] * a[1] + d[2] * a[2], d[0] * b[0] + d[1] * b[1] + d[2] * b[2]
+    a, b = at(elements, i, 8), at(elements, i, 11)
+    za, zb = dot(d, a), dot(d, b)
     four = elements[i, FORM] != TRIANGLE
     if medium.layered:
         return law.in_layer(medium, (four, z, za, zb, a, b, medium.top, medium.bottom))
@@ -88,8 +100,8 @@ def gather(elements, anchors, cluster, pose, ground, first, medium, B):
     Looks at the rows of a cluster's elements from `first` on, until the block is full; other arguments as of
     `space_law.forces`. Of a map of heights each facet that may lead sees the plane at its centroid.
     """
-    R, x0, y0, z0, steep = axes(pose), pose[3, 0], pose[3, 1], pose[3, 2], ground[3]
-    v, w = (pose[4, 0], pose[4, 1], pose[4, 2]), (pose[5, 0], pose[5, 1], pose[5, 2])
+    R, v, w, steep = axes(pose), at(pose, 4, 0), at(pose, 5, 0), ground[3]
+    x0, y0, z0 = x = at(pose, 3, 0)
     # Seen from the body: how the depth grows, the angular velocity, the velocity.
     d, q, own = seen(R, (ground[1], ground[2], -1.0)), seen(R, w), seen(R, v)
     depth = ground[0] + ground[1] * x0 + ground[2] * y0 - z0  # of the reference point
@@ -100,14 +112,14 @@ def gather(elements, anchors, cluster, pose, ground, first, medium, B):
         if n == LANES:
             last = i
             break
-        b = elements[i, 0], elements[i, 1], elements[i, 2]
+        b = at(elements, i, 0)
         z = depth + d[0] * b[0] + d[1] * b[1] + d[2] * b[2]
         if not mapped and (z + elements[i, 3] * steep <= 0.0 or z + beyond_centre(elements[i], d) <= 0.0):
             continue
         r = turned(R, b)
         if (mapped and high - z0 - r[2] + elements[i, 3] * steep <= 0.0) or elements[i, FORM] == RIM:
             continue
-        e = x0 + r[0] - anchors[i, 0], y0 + r[1] - anchors[i, 1], z0 + r[2] - anchors[i, 2]
+        e = minus(plus(x, r), at(anchors, i, 0))
         u = moving(own, q, b)
         by_motion = elements[i, SIDE] == 0.0 or leads(elements, i, u, q, 1.0)
         if not by_motion and not is_pulled(elements, i, u, seen(R, e), q):
@@ -119,8 +131,9 @@ def gather(elements, anchors, cluster, pose, ground, first, medium, B):
         below = below_surface(elements, i, z, deeper, medium)
         if below[0] <= 0.0 or below[1] <= 0.0:
             continue
-        normal = turned(R, (elements[i, 4], elements[i, 5], elements[i, 6]))
-        note_motion(B, n, r, normal, v, w, e)
+        write(turned(R, at(elements, i, 4)), B, N, n)
+        write(moving(v, w, r), B, V, n)
+        write(e, B, E, n)
         note_spread(B, n, R, elements, i, q)
         B[ONE_SIDE, n], B[CENTRE, n], B[ROW, n] = elements[i, SIDE], z, i
         B[AREA, n], B[FIRST, n], B[SECOND, n], B[SHEAR, n] = elements[i, 7] * below[0], 1.0, 1.0, np.inf
@@ -147,12 +160,11 @@ def leads(elements, i, x, q, factor):
 
     Its body turns by q (3,), as seen from there, too; factor: as of `facet_blocks.spread`.
     """
-    along = elements[i, 4] * x[0] + elements[i, 5] * x[1] + elements[i, 6] * x[2]
+    along = dot(at(elements, i, 4), x)
     if along > 0.0:
         return True
     a, b = spread_along(elements, i, q)
-    ax = elements[i, 8] * x[0] + elements[i, 9] * x[1] + elements[i, 10] * x[2]
-    bx = elements[i, 11] * x[0] + elements[i, 12] * x[1] + elements[i, 13] * x[2]
+    ax, bx = dot(at(elements, i, 8), x), dot(at(elements, i, 11), x)
     a, b = factor * a + elements[i, CURVE] * ax, factor * b + elements[i, CURVE + 1] * bx
     return a * a + b * b > along * along
 
@@ -165,16 +177,8 @@ def is_pulled(elements, i, u, e, q):
     """
     if leads(elements, i, e, q, 0.0):
         return True
-    along, square = e[0] * u[0] + e[1] * u[1] + e[2] * u[2], u[0] * u[0] + u[1] * u[1] + u[2] * u[2]
-    return along > 0.0 and leads(elements, i, e, q, along / max(TINY, square))
-
-
-@part(inline=True)
-def note_motion(B, n, r, normal, v, w, e):
-    """Fill normal, velocity and stretch of the bristle of a facet at r (3,) m from the reference point of its body."""
-    B[N, n], B[N + 1, n], B[N + 2, n] = normal
-    B[V, n], B[V + 1, n], B[V + 2, n] = moving(v, w, r)
-    B[E, n], B[E + 1, n], B[E + 2, n] = e
+    along = dot(e, u)
+    return along > 0.0 and leads(elements, i, e, q, along / max(TINY, dot(u, u)))
 
 
 @part(inline=True)
@@ -182,11 +186,10 @@ def note_spread(B, n, R, elements, i, q):
     """Fill by how much n . v grows along a and b of a facet, row i, and by how much its normal turns."""
     B[SPREAD, n], B[SPREAD + 1, n] = spread_along(elements, i, q)
     for k in range(2):
-        curve, first, at = elements[i, CURVE + k], 8 + 3 * k, TURN + 3 * k
-        B[at, n], B[at + 1, n], B[at + 2, n] = 0.0, 0.0, 0.0
+        curve, turn = elements[i, CURVE + k], (0.0, 0.0, 0.0)
         if curve != 0.0:
-            x, y, z = elements[i, first], elements[i, first + 1], elements[i, first + 2]
-            B[at, n], B[at + 1, n], B[at + 2, n] = turned(R, (curve * x, curve * y, curve * z))
+            turn = turned(R, times(curve, at(elements, i, 8 + 3 * k)))
+        write(turn, B, TURN + 3 * k, n)
 
 
 @part(inline=True)
@@ -194,10 +197,9 @@ def note_immersion(B, n, R, r, below):
     """Fill the mean depth and where the terms act, of a facet at r (3,) m; below: its moments, see `facet_parts`."""
     s, m, ox, oy, oz, px, py, pz = below
     one, two = 1.0 / m, 1.0 / s
-    x, y, z = turned(R, (one * px, one * py, one * pz))
-    B[Z, n], B[AT_FIRST, n], B[AT_FIRST + 1, n], B[AT_FIRST + 2, n] = m * two, r[0] + x, r[1] + y, r[2] + z
-    x, y, z = turned(R, (two * ox, two * oy, two * oz))
-    B[AT_SECOND, n], B[AT_SECOND + 1, n], B[AT_SECOND + 2, n] = r[0] + x, r[1] + y, r[2] + z
+    B[Z, n] = m * two
+    write(plus(r, turned(R, (one * px, one * py, one * pz))), B, AT_FIRST, n)
+    write(plus(r, turned(R, (two * ox, two * oy, two * oz))), B, AT_SECOND, n)
 
 
 @part
@@ -234,21 +236,20 @@ def add_up(B, n, W):
 @part
 def follow_facets(elements, anchors, cluster, pose, ground, medium, row):
     """`space_law.follow` of facets, of which most are above the surface and no deeper than one before them."""
-    R, x, v, w, steep = axes(pose), pose[3], pose[4], pose[5], ground[3]
+    R, x, v, w, steep = axes(pose), at(pose, 3, 0), at(pose, 4, 0), at(pose, 5, 0), ground[3]
     d, down = seen(R, (ground[1], ground[2], -1.0)), seen(R, (0.0, 0.0, -1.0))
     mapped, plane = medium.heights != 0, room1(PLANE)
     high = highest(cluster, R, x, ground, medium, plane) if mapped else 0.0
     for i in range(elements.shape[0]):
         E = elements[i]
-        rx, ry, rz = turned(R, (E[0], E[1], E[2]))
-        px, py, pz = x[0] + rx, x[1] + ry, x[2] + rz
-        ax, ay, az = px, py, pz
+        r = turned(R, at(elements, i, 0))
+        px, py, pz = a = p = plus(x, r)
         z = high - pz if mapped else ground[0] + ground[1] * px + ground[2] * py - pz
         if mapped and (z + E[3] * steep > min(0.0, row[law.DEPTH]) or medium.count != 0):
             z = surface_at(px, py, ground, medium, plane) - pz
             d = seen(R, (plane[1], plane[2], -1.0))
         if z + E[3] * steep <= min(0.0, row[law.DEPTH]) and medium.count == 0:
-            anchors[i, 0], anchors[i, 1], anchors[i, 2] = ax, ay, az
+            put(p, anchors, i, 0)
             continue
         deepest = z + beyond_centre(E, d)
         if E[FORM] != PATCH:  # whose corners are beyond the round surface; rims have its deepest points
@@ -256,12 +257,11 @@ def follow_facets(elements, anchors, cluster, pose, ground, medium, row):
             if deepest > 0.0:
                 row[law.LOWEST] = min(row[law.LOWEST], pz - beyond_centre(E, down))
         if deepest > 0.0:
-            row[law.SPEED] = max(row[law.SPEED], norm(moving(v, w, (rx, ry, rz))))
-            ax, ay, az = law.drag_anchor(medium, ((px, py, pz), (anchors[i, 0], anchors[i, 1], anchors[i, 2])))
+            row[law.SPEED] = max(row[law.SPEED], norm(moving(v, w, r)))
+            a = law.drag_anchor(medium, (p, at(anchors, i, 0)))
         if medium.count != 0:
-            n = turned(R, (E[4], E[5], E[6]))
-            law.count(medium, (anchors, i, (px, py, pz), (ax, ay, az), n, deepest > 0.0))
-        anchors[i, 0], anchors[i, 1], anchors[i, 2] = ax, ay, az
+            law.count(medium, (anchors, i, p, a, turned(R, at(elements, i, 4)), deepest > 0.0))
+        put(a, anchors, i, 0)
 
 
 @part
@@ -270,9 +270,8 @@ def beyond_centre(E, d):
 
     With d downward, by how much its lowest point is lower.
     """
-    dx, dy, dz = d
     if E[FORM] == RIM:
-        along, square = dx * E[4] + dy * E[5] + dz * E[6], dx * dx + dy * dy + dz * dz
+        along, square = dot(d, vector(E, 4)), dot(d, d)
         return E[8] * math.sqrt(max(0.0, square - along * along)) + E[9] * math.sqrt(square)
-    za, zb = dx * E[8] + dy * E[9] + dz * E[10], dx * E[11] + dy * E[12] + dz * E[13]
+    za, zb = dot(d, vector(E, 8)), dot(d, vector(E, 11))
     return max(za, max(zb, -za - zb)) if E[FORM] == TRIANGLE else abs(za) + abs(zb)

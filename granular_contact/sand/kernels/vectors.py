@@ -20,6 +20,12 @@ def at(array, i, first):
 
 
 @part
+def fill(a, array, first):
+    """Write a vector into three numbers of an array, from one on."""
+    array[first], array[first + 1], array[first + 2] = a
+
+
+@part
 def put(a, array, i, first):
     """Write a vector into three numbers of row i."""
     array[i, first], array[i, first + 1], array[i, first + 2] = a

@@ -31,7 +31,7 @@ from granular_contact.mechanics.kernels.space_rotations import (
     spin_of,
 )
 from granular_contact.sand.kernels.lines import difference
-from granular_contact.sand.kernels.vectors import dot, plus, seen, times, turned, vector
+from granular_contact.sand.kernels.vectors import dot, fill, plus, seen, times, turned, vector
 
 SPRUNG, ELASTIC = 1, 2  # of a node's `acts`: what its ball joint has
 
@@ -66,8 +66,7 @@ def push_balls(w):
     for i in range(nodes.shape[0]):
         if nodes[i].acts:
             first, home = i - LAST, quaternion(w.home, i, 0)
-            tau = torques(vector(s, first), vector(rates, first), home, nodes[i], w.laws[i])
-            effort[first], effort[first + 1], effort[first + 2] = tau
+            fill(torques(vector(s, first), vector(rates, first), home, nodes[i], w.laws[i]), effort, first)
 
 
 @part

@@ -38,7 +38,7 @@ from granular_contact.mechanics.kernels.space_rotations import (
     rates_of,
     spin_of,
 )
-from granular_contact.sand.kernels.vectors import at, cross, plus, put, seen, times, turned, unit, vector
+from granular_contact.sand.kernels.vectors import at, cross, fill, plus, put, seen, times, turned, unit, vector
 
 HINGE, SLIDER, BALL = 0, 1, 2
 LAST = 2  # of the three nodes of a ball joint, the one with the body
@@ -106,9 +106,8 @@ def _place(i, w):
 @part
 def _write(i, x, q, v, spin, w):
     """Write the pose of a node with its rates, its axes and its twist."""
-    poses, rates, axes, twists, R, dq = (
-        w.pose, w.pose_rates, w.turned, w.twist, matrix_of(q), rates_of(q, spin)
-    )  # fmt: skip
+    poses, rates, axes, twists = w.pose, w.pose_rates, w.turned, w.twist
+    R, dq = matrix_of(q), rates_of(q, spin)
     put(x, poses, i, 0)
     put(v, rates, i, 0)
     put(v, twists, i, 0)
@@ -155,9 +154,7 @@ def _of_ball(i, q_p, R_p, w_p, w):
 @part
 def recentre(w):
     """Let the charts of ball joints begin where they are now, but for those that stay."""
-    nodes, s, rates, s2, lagged, home = (
-        w.space_nodes, w.s, w.rates, w.s2, w.lagged, w.home
-    )  # fmt: skip
+    nodes, home, s, rates, s2, lagged = w.space_nodes, w.home, w.s, w.rates, w.s2, w.lagged
     for i in range(nodes.shape[0]):
         if nodes[i].kind != BALL or nodes[i].which != LAST or nodes[i].stays:
             continue
@@ -165,10 +162,10 @@ def recentre(w):
         u, rate = vector(s, first), vector(rates, first)
         of = chart(u)
         drift = drift_of(u, rate, of)
-        s2[first], s2[first + 1], s2[first + 2] = plus(spin_of(u, vector(s2, first), of), drift)
-        lagged[first], lagged[first + 1], lagged[first + 2] = plus(spin_of(u, vector(lagged, first), of), drift)
-        rates[first], rates[first + 1], rates[first + 2] = spin_of(u, rate, of)
-        s[first], s[first + 1], s[first + 2] = 0.0, 0.0, 0.0
+        fill(plus(spin_of(u, vector(s2, first), of), drift), s2, first)
+        fill(plus(spin_of(u, vector(lagged, first), of), drift), lagged, first)
+        fill(spin_of(u, rate, of), rates, first)
+        fill(NONE, s, first)
         q = product(by_vector(u), quaternion(home, i, 0))
         size = math.sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
         for k in range(4):
