@@ -27,7 +27,7 @@ from granular_contact.sand.kernels.immersion import GAUSS_HIGH, GAUSS_LOW, THREE
 from granular_contact.sand.kernels.law import TERMS
 from granular_contact.sand.kernels.planar_friction import drive, mobilised
 from granular_contact.sand.kernels.strip import Strip
-from granular_contact.sand.kernels.vectors import axes, cross, minus, moving, norm, plus, turned
+from granular_contact.sand.kernels.vectors import at, axes, cross, dot, minus, moving, norm, plus, put, times, turned
 
 
 @part
@@ -40,14 +40,12 @@ def station(E, pose, ground, medium):
 
 
 @part
-def add(f, x, y, z, W, term):
-    """Add a force (3,) N that acts at x, y, z (m, from the reference point) to the wrench of a term."""
-    W[term, 0] += f[0]
-    W[term, 1] += f[1]
-    W[term, 2] += f[2]
-    W[term, 3] += y * f[2] - z * f[1]
-    W[term, 4] += z * f[0] - x * f[2]
-    W[term, 5] += x * f[1] - y * f[0]
+def add(f, r, W, term):
+    """Add a force (3,) N that acts at r (3,) m from the reference point to the wrench of a term."""
+    moment = cross(r, f)
+    for i in range(3):
+        W[term, i] += f[i]
+        W[term, 3 + i] += moment[i]
 
 
 @part
@@ -66,14 +64,14 @@ def bar_forces(elements, anchors, cluster, pose, ground, medium, W):
         e0, e1 = minus(p, anchors[i]), minus(q, anchors[i + 1])
         law.bar_force(medium, (Strip(a, b, z0, z1, minus(q, p), v0, v1, e0, e1), cluster, f))
         for term in range(TERMS):
-            add(f[term, 0], p[0] - x[0], p[1] - x[1], p[2] - x[2], W, term)
-            add(f[term, 1], q[0] - x[0], q[1] - x[1], q[2] - x[2], W, term)
+            add(f[term, 0], minus(p, x), W, term)
+            add(f[term, 1], minus(q, x), W, term)
     within = z1 > 0.0 and (not medium.layered or medium.top < z1 <= medium.bottom)
     if within and cluster.cap and medium.cap != 0:
         clear(f)
         law.cap_force(medium, (minus(q, p), v1, cluster, f))
         for term in range(TERMS):
-            add(f[term, 1], q[0] - x[0], q[1] - x[1], q[2] - x[2], W, term)
+            add(f[term, 1], minus(q, x), W, term)
 
 
 @part
@@ -89,8 +87,8 @@ def follow_stations(elements, anchors, cluster, pose, ground, medium, row):
             row[law.SPEED] = max(row[law.SPEED], norm(v))
             row[law.LOWEST] = min(row[law.LOWEST], p[2])
         if before > 0.0 or z > 0.0 or after > 0.0:
-            p = law.drag_anchor(medium, (p, (anchors[i, 0], anchors[i, 1], anchors[i, 2])))
-        anchors[i, 0], anchors[i, 1], anchors[i, 2] = p
+            p = law.drag_anchor(medium, (p, at(anchors, i, 0)))
+        put(p, anchors, i, 0)
         before, p, v, z = z, q, v1, after
 
 
@@ -100,18 +98,15 @@ def follow_stations(elements, anchors, cluster, pose, ground, medium, row):
 @part
 def nearest(a, b, p, q):
     """Where in [a, b] a vector (3,) that varies linearly from p to q along a strip is shortest."""
-    dx, dy, dz = minus(q, p)
-    square = dx * dx + dy * dy + dz * dz
-    if square == 0.0:
-        return b
-    return min(b, max(a, -(p[0] * dx + p[1] * dy + p[2] * dz) / square))
+    d = minus(q, p)
+    square = dot(d, d)
+    return b if square == 0.0 else min(b, max(a, -dot(p, d) / square))
 
 
 @part
 def mixed(xi, p, q):
     """Vector (3,) at xi along a strip, p and q at its ends."""
-    one = 1.0 - xi
-    return one * p[0] + xi * q[0], one * p[1] + xi * q[1], one * p[2] + xi * q[2]
+    return plus(times(1.0 - xi, p), times(xi, q))
 
 
 @part

@@ -7,7 +7,7 @@ from granular_contact.jit.memory import clear, room2
 from granular_contact.sand.kernels import space_law as law
 from granular_contact.sand.kernels.bars import add, station
 from granular_contact.sand.kernels.law import TERMS
-from granular_contact.sand.kernels.vectors import minus, norm
+from granular_contact.sand.kernels.vectors import at, minus, norm, put
 
 
 @part
@@ -22,7 +22,7 @@ def space_ball_forces(elements, anchors, cluster, pose, ground, medium, W):
     clear(f)
     law.ball_force(medium, (z, v, minus(p, anchors[0]), cluster, f))
     for term in range(TERMS):
-        add(f[term], p[0] - x[0], p[1] - x[1], p[2] - x[2], W, term)
+        add(f[term], minus(p, x), W, term)
 
 
 @part
@@ -34,5 +34,5 @@ def follow_ball(elements, anchors, cluster, pose, ground, medium, row):
     if z > 0.0:
         row[law.SPEED] = max(row[law.SPEED], norm(v))
         row[law.LOWEST] = min(row[law.LOWEST], p[2] - 0.5 * cluster.width)
-        p = law.drag_anchor(medium, (p, (anchors[0, 0], anchors[0, 1], anchors[0, 2])))
-    anchors[0, 0], anchors[0, 1], anchors[0, 2] = p
+        p = law.drag_anchor(medium, (p, at(anchors, 0, 0)))
+    put(p, anchors, 0, 0)
