@@ -41,6 +41,14 @@ def test_strides_that_just_fit_are_counted() -> None:
         assert told["distance_m"] == pytest.approx({"mean": 0.5, "standard_deviation": 0.0})
 
 
+def test_what_goes_nowhere_or_weighs_nothing_has_no_cost_of_transport() -> None:
+    time = np.linspace(0.0, 2.0, 81)
+    for place, weight, has in ((time, 5.0, True), (0.0 * time, 5.0, False), (time, 0.0, False)):
+        told = stride_numbers(time, place, [np.ones_like(time)], [], weight, 0.5)
+        assert told is not None
+        assert ("cost_of_transport" in told) == has
+
+
 def test_numbers_of_a_drive() -> None:
     time = np.linspace(0.0, 1.0, 2001)
     torque, rate = 3.0 * np.sin(2 * np.pi * time), 2.0 * np.sin(2 * np.pi * time)

@@ -38,6 +38,7 @@ def test_a_stopping_time_of_many_parts_is_that_of_rest(case: str) -> None:
     """After it no joint and no body moves: the rest speed is 1 mm/s, of points no nearer to a joint than 1 mm."""
     run = simulate(case, "solver.end_time_s=2", "solver.step_s=2e-4")
     assert run.status.code == "rest"
+    assert (run.summary["angle_at_stop_deg"] is not None) == (case == "free_link")  # of many bodies there is none
     stops = run.summary["touch_time_s"] + run.summary["stopping_time_s"]
     assert run["time_s"][-1] - stops == pytest.approx(0.02, abs=4e-4)  # rest_time_s, and steps of 0.2 ms
     rates = [c.name for c in run.columns if c.name.endswith(("vx_m_s", "vy_m_s"))]
