@@ -44,17 +44,24 @@ def kernel(function: Callable[..., Any] | None = None, *, nogil: bool = False, a
 
 
 def part(
-    function: Callable[..., Any] | None = None, *, cache: bool = True, inline: bool = False, allocates: bool = False
+    function: Callable[..., Any] | None = None,
+    *,
+    cache: bool = True,
+    inline: bool = False,
+    allocates: bool = False,
+    exact: bool = False,
 ) -> Any:
     """Let kernels call a function, compiled for each kind of arguments; cache: keep that on disk.
 
     inline: always within its callers, so that loops over it can become vector instructions; allocates: whether it makes
-    arrays, none of which it gives back.
+    arrays, none of which it gives back. exact: whether each product and each sum is rounded. What several callers have
+    a copy of may else be rounded in one way by the process that compiles it, in another by those that read it.
     """
     if function is None:
-        return lambda function: part(function, cache=cache, inline=inline, allocates=allocates)
+        return lambda function: part(function, cache=cache, inline=inline, allocates=allocates, exact=exact)
     _parts.add(function)
-    return register_jitable(cache=cache, forceinline=inline, **BY_KERNELS, **options(allocates))(function)
+    made = options(allocates) | ({"fastmath": False} if exact else {})
+    return register_jitable(cache=cache, forceinline=inline, **BY_KERNELS, **made)(function)
 
 
 def from_outside(function: Callable[..., Any]) -> bool:
