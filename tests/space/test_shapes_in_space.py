@@ -12,7 +12,7 @@ from support_space import BODY, PLAY, SAND, load_on, message
 
 from granular_contact import Bar, Box, Capsule, Cone, Cylinder, Mesh, Plate, Poncelet, Rft, Sphere
 from granular_contact.geometry.mesh import areas
-from granular_contact.sand.space.facets import Size
+from granular_contact.sand.space.facets import Size, of_rectangle, of_triangles, rows
 from granular_contact.sand.space.load import SpatialLoad
 
 D, H = 0.1, 0.15
@@ -117,6 +117,18 @@ def test_facets_are_alike_on_all_sides(name: str) -> None:
         far = np.abs(images[:, None] - facets[None]).max(axis=2)
         assert far.min(axis=1).max() < 1e-12
         assert len(set(far.argmin(axis=1).tolist())) == len(facets)
+
+
+def test_a_facet_reaches_as_far_as_its_farthest_corner() -> None:
+    """A triangle, and a parallelogram with half edges a and b."""
+    rng = np.random.default_rng(4)
+    corner, a, b = rng.normal(size=(3, 3))
+    triangle = np.array([corner, corner + a, corner + b])
+    parallelogram = np.array([s * a + t * b for s in (-1, 1) for t in (-1, 1)])
+    flat = of_triangles(triangle[None]), of_rectangle(corner, a, b, Size(np.inf))
+    for facets, corners in zip(flat, (triangle - triangle.mean(axis=0), parallelogram), strict=True):
+        (row,) = rows(facets, np.zeros((0, 8)), thin=False)
+        assert row[3] == pytest.approx(np.linalg.norm(corners, axis=1).max(), rel=1e-12)
 
 
 def test_neighbours_stay_together() -> None:
