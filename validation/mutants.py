@@ -1,7 +1,7 @@
 """Whether the tests notice small changes of the code: mutants of what decides, of joints, observers and kernels.
 
     pip install cosmic-ray                      # makes the changes; only this script needs it
-    python validation/mutants.py                # 60 mutants, about half an hour of an idle core
+    python validation/mutants.py                # 60 mutants, some ten minutes of an idle core
     python validation/mutants.py --count 12 --area joints --seed 2
 
 Each mutant is one change of one place (an operator, a comparison, a number, a condition), drawn from all places of the
