@@ -5,8 +5,11 @@ A kernel is numba's `njit`. A part stays the function of Python that it is, of w
 each part, a tenth of all compiling. Python would run a part as it is written; one that calls by address (`calls`) it
 can't. Both are kept on disk. A division by zero gives an infinite number or none, as in numpy, and no exception, whose
 text and branches would be compiled with every quotient. Neither is a C function as well, which would be compiled with
-each of them, a tenth of all compiling: what is called by address is one (`calls`). A product and a sum may be rounded
-as one, where the processor can (LLVM's "contract"): runs in space take 4 to 9 % less.
+each of them, a tenth of all compiling: what is called by address is one (`calls`).
+
+Each product and each sum is rounded. Were both rounded as one where the processor can (LLVM's "contract"), runs in
+space would take 6 to 8 % less; but copies of one function within several compiled ones would be rounded otherwise, and
+the process that compiles would have other numbers than those that read its code, by round-off.
 
 Nobody counts references to arrays (numba's option `_nrt`), as arrays outlive the call that they are passed to. Counted,
 a run of a tree takes 8 to 12 % longer. So a function that makes arrays has to say so, and none gives an array back.
@@ -27,7 +30,7 @@ from numba.extending import register_jitable
 from granular_contact.jit import compiling
 
 COMPILES = not config.DISABLE_JIT
-PLAIN = {"error_model": "numpy", "fastmath": {"contract"}}
+PLAIN = {"error_model": "numpy"}
 BY_KERNELS = {"no_cfunc_wrapper": True}  # of what kernels call
 _parts: set[Any] = set()
 compiling.listen()
@@ -44,24 +47,17 @@ def kernel(function: Callable[..., Any] | None = None, *, nogil: bool = False, a
 
 
 def part(
-    function: Callable[..., Any] | None = None,
-    *,
-    cache: bool = True,
-    inline: bool = False,
-    allocates: bool = False,
-    exact: bool = False,
+    function: Callable[..., Any] | None = None, *, cache: bool = True, inline: bool = False, allocates: bool = False
 ) -> Any:
     """Let kernels call a function, compiled for each kind of arguments; cache: keep that on disk.
 
     inline: always within its callers, so that loops over it can become vector instructions; allocates: whether it makes
-    arrays, none of which it gives back. exact: whether each product and each sum is rounded. What several callers have
-    a copy of may else be rounded in one way by the process that compiles it, in another by those that read it.
+    arrays, none of which it gives back.
     """
     if function is None:
-        return lambda function: part(function, cache=cache, inline=inline, allocates=allocates, exact=exact)
+        return lambda function: part(function, cache=cache, inline=inline, allocates=allocates)
     _parts.add(function)
-    made = options(allocates) | ({"fastmath": False} if exact else {})
-    return register_jitable(cache=cache, forceinline=inline, **BY_KERNELS, **made)(function)
+    return register_jitable(cache=cache, forceinline=inline, **BY_KERNELS, **options(allocates))(function)
 
 
 def from_outside(function: Callable[..., Any]) -> bool:

@@ -27,7 +27,7 @@ from granular_contact.mechanics.kernels.numerics import MOST_ITERATIONS
 from granular_contact.mechanics.kernels.step_choice import LONGER, SHORTER
 
 
-@part(exact=True)
+@part
 def predict(h, w):
     """Fill the state with what a step of h (s) leads to without any acceleration at its end; of_q and of_v."""
     c, s, rates, s2, lagged = w.scheme[0], w.s, w.rates, w.s2, w.lagged
@@ -63,7 +63,7 @@ def needs_matrix(of_v, w):
     return True
 
 
-@part(exact=True)
+@part
 def solved(of_q, of_v, allowed, w):
     """Whether Newton's method comes to where the next iteration would change speeds by at most `allowed` (m/s).
 
@@ -99,7 +99,7 @@ def attempt(h, allowed, w):
     return solved(of_q, of_v, allowed, w)
 
 
-@part(exact=True)
+@part
 def finish(w):
     """Bring the lagged accelerations to the end of a step that is solved."""
     c, s2, lagged = w.scheme[0], w.s2, w.lagged
