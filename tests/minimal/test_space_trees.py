@@ -356,6 +356,14 @@ def test_a_tree_that_topples_over_keeps_its_accuracy(seed: int) -> None:
     assert apart(fine, asked) < 1e-3
 
 
+@pytest.mark.slow
+def test_the_engine_solves_steps_that_were_halved_to_near_round_off() -> None:
+    """It begins deep in sand, at 500 times its weight. Were what a step may leave the same, none could be solved."""
+    ours, theirs = (solved_tree(101, method, 3e-5) for method in ("minimal", "engine"))
+    assert theirs.status.code == "end_time"
+    assert apart(theirs.ways, ours.ways) < 1e-4
+
+
 def test_what_newton_leaves_is_small_beside_a_fine_accuracy() -> None:
     """A residual that is left acts as a force: one of 1e-5 puts this tree off by 12 times what is asked."""
     asked, exact = (solved_tree(176, "minimal", 1e-5, tolerance).ways for tolerance in (None, 1e-9))

@@ -2,7 +2,7 @@
 
 What both are, with sources and limits: `mechanics.kernels.anderson`. The engine by itself starts with no acceleration
 at all, and iterates without acceleration. The equations that a step solves are the same, and so is what ends them: the
-engine's tolerances, and its rule for a new Jacobian.
+engine's tolerances, of which that of forces may depend on the step, and its rule for a new Jacobian.
 """
 
 from __future__ import annotations
@@ -35,10 +35,18 @@ class Predictor:
     apply:
         Called with t (s) once the place of an iteration is known; it sets the forces there. None: the engine asks for
         them by itself.
+    allowed:
+        Residual (N) that a step of a length (s) may leave. None: that of the settings.
     """
 
-    def __init__(self, solver: Any, lever: Vector | None, apply: Callable[[float], None] | None = None) -> None:
-        self.solver, self.lever, self._apply = solver, lever, apply
+    def __init__(
+        self,
+        solver: Any,
+        lever: Vector | None,
+        apply: Callable[[float], None] | None = None,
+        allowed: Callable[[float], float] | None = None,
+    ) -> None:
+        self.solver, self.lever, self._apply, self._allowed = solver, lever, apply, allowed
         self._it, self._conv = solver.it, solver.conv  # the solver's own, no copies
         self.views: Views | None = None  # given before the first step
         self._known: Views | None = None  # those for which the following is set
@@ -67,6 +75,8 @@ class Predictor:
             # The try before ran away. Its last Jacobian could not be factorised, and the engine would go on with it.
             self._conv.jacobianUpdateRequested = True
         step = self._it.currentStepSize
+        if self._allowed is not None:
+            self.solver.newton.absoluteTolerance = self._allowed(step)
         of_q, of_v = self._of_square * step * step, self._of_step * step
         if self._begin_step is not None:
             self._begin_step(self._words, of_q, of_v)

@@ -6,6 +6,7 @@ Constants: `mechanics.kernels.numerics`.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import exudyn as exu
@@ -114,6 +115,16 @@ def _allowed(scene: Scene) -> float:
     if unresolved(scene):
         return tolerance(scene) * scene.force_scale
     return max(tolerance_by_accuracy(scene, in_minimal=False) * scene.force_scale, _noise(scene))
+
+
+def allowed_in_space(scene: Scene) -> Callable[[float], float]:
+    """Residual (N) that a step (s) in space may leave: as much more as it is shorter than usual, up to the tolerance.
+
+    So it changes speeds as much. What round-off of positions leaves of it grows as steps shrink: where a step fails it
+    would be halved, down to where none can be solved.
+    """
+    least, most, usual = _allowed(scene), tolerance(scene) * scene.force_scale, usual_step(scene)
+    return lambda step: max(least, min(most, least * usual / step))
 
 
 def control_steps(simulation: Any, control: StepControl) -> None:

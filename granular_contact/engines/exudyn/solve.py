@@ -17,7 +17,7 @@ import numpy as np
 from granular_contact.engines.exudyn.engine_checks import abilities, notices, refusal
 from granular_contact.engines.exudyn.predictor import Predictor
 from granular_contact.engines.exudyn.recorder import Recorder, status
-from granular_contact.engines.exudyn.settings import control_steps, settings, unresolved
+from granular_contact.engines.exudyn.settings import allowed_in_space, control_steps, settings, unresolved
 from granular_contact.engines.exudyn.settle import settle
 from granular_contact.engines.exudyn.step_control import StepControl
 from granular_contact.engines.exudyn.views import Views, reference
@@ -128,7 +128,8 @@ class Solve:
             return None
         bed = self.system.bed
         lever = self.recorder.lever if bed is not None or self.system.loads else None
-        return Predictor(self.solver, lever, None if bed is None else bed.apply)
+        allowed = allowed_in_space(self.system.scene) if self.system.scene.in_space else None
+        return Predictor(self.solver, lever, None if bed is None else bed.apply, allowed)
 
     def _run(self, part: Callable[[], bool]) -> None:
         """Do a part of the solve and keep how it ended, with the time that it took."""
