@@ -95,7 +95,7 @@ def _inapplicable_at(top: float, media: dict[str, Law], parts: list[tuple[str, K
         key, what = f"model.bodies.{part}", "can get into the sand"
         if top > 0.0:
             key, what = next(iter(media)), f"{part} can get that deep"
-        yield scene_fault(key, f"{what}, but {given}; {_fitting(kind)}; or say in_sand: false of the shape")
+        yield scene_fault(key, f"{what}, but {given}; {_fitting(kind)}; in_sand: false leaves a shape out")
     if spared or not parts:
         return
     kinds = dict.fromkeys(kind for _, kind in parts)

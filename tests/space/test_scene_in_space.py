@@ -102,7 +102,7 @@ FAULTS = {
     "law of bars": (
         changed("medium", "hill_cylinders"),
         "model.bodies.box: its box can get into the sand, but in space hill_cylinders takes bars; "
-        "laws for it are rft, drft, rft3d, pressure_sinkage, reece, table; or say in_sand: false of the shape",
+        "laws for it are rft, drft, rft3d, pressure_sinkage, reece, table; in_sand: false leaves a shape out",
     ),
 }
 

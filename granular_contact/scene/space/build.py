@@ -129,7 +129,7 @@ def _inapplicable_at(top: float, here: dict[str, Law], parts: list[Part]) -> Ite
             key, what = f"model.bodies.{name}", f"its {shape} can get into the sand"
             if top > 0.0:
                 key, what = next(iter(media)), f"the {shape} of {name} may get that deep"
-            fit = f"laws for it are {', '.join(laws_for(meets))}; or say in_sand: false of the shape"
+            fit = f"laws for it are {', '.join(laws_for(meets))}; in_sand: false leaves a shape out"
             yield scene_fault(key, f"{what}, but in space {accepted}; {fit}")
     met = {kind for part in parts for kind in part.meets}
     for key, (one, found) in media.items():
