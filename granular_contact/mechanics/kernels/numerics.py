@@ -28,8 +28,8 @@ CLOSER = 1e-3
 TOLERANCE = 1e-5
 # The same over `solver.accuracy` where steps are chosen, in minimal coordinates; by the engine at most. What is left is
 # much the same from step to step and acts like a force: at once the accuracy a double pendulum by the engine was 1.5
-# times off what was asked, a free tree in space 12 times. Of 196 random trees at 1e-2 two are off by more than is
-# asked, with 0.05 three, with 0.1 five, for 6 and 9 % of the iterations less.
+# times off what was asked, a free tree in space 12 times. Of 196 random trees at 1e-2 two to four are off by more than
+# is asked, as rounding decides, with 0.1 five, for 9 % of the iterations less.
 OF_ACCURACY = 2e-2
 # How much of the change before (in the engine: of the residual) an iteration may leave, or the Jacobian is renewed. By
 # 0.25 for links that bend and 0.6 for rigid ones iterations of shipped runs change by -2 to 8 %.
