@@ -29,14 +29,9 @@ def tolerance(scene: Scene) -> float:
     return TOLERANCE if named is None else named
 
 
-def tolerance_by_accuracy(scene: Scene, *, in_minimal: bool) -> float:
-    """`tolerance`, where the config names none by the accuracy for which steps are chosen.
-
-    By the engine at most that of fixed steps, as what is left adds up: with a fiftieth of 3e-3 the energy of a four-bar
-    leg was out of balance by 1.9e-3 of it, with 1e-5 by 3e-4.
-    """
+def tolerance_by_accuracy(scene: Scene) -> float:
+    """`tolerance`, where the config names none by the accuracy for which steps are chosen."""
     solver = scene.solver
     if solver.tolerance is not None or solver.accuracy is None:
         return tolerance(scene)
-    by_accuracy = OF_ACCURACY * solver.accuracy
-    return by_accuracy if in_minimal else min(TOLERANCE, by_accuracy)
+    return OF_ACCURACY * solver.accuracy

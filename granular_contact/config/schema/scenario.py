@@ -61,10 +61,10 @@ class Solver(Strict):
     """Of the generalised-alpha method at high frequency: 1 no damping, 0 the most. null: 0.9, less with chosen steps or
     prescribed motions, and 0 where a link is so stiff that its elastic forces are below round-off."""
     tolerance: Annotated[float, Field(gt=0, lt=1)] | None = None
-    """Largest residual of a step, relative to the forces of the scene. null: 1e-5, with chosen steps in the plane at
-    most a fiftieth of the accuracy, and in minimal coordinates as much; there it holds also of changes of speed,
-    relative to the fastest one so far. By the engine in the plane, what moves by forces far below its weight needs a
-    smaller tolerance."""
+    """Largest residual of a step, relative to the forces of the scene. null: 1e-5; where steps are chosen a fiftieth
+    of the accuracy in minimal coordinates, and at most that by the engine in the plane. In minimal coordinates also of
+    changes of speed, relative to the fastest one so far. By the engine in the plane, what moves by forces far below its
+    weight needs a smaller tolerance."""
 
     def _faults(self) -> Faults:
         if self.step_s is not None and self.step_s > self.end_time_s:

@@ -191,7 +191,7 @@ def _limits(scene: Scene) -> NDArray[np.void]:
     control["end"], control["rest_speed"] = solver.end_time_s, solver.rest_speed_m_s
     control["rest_time"] = math.inf if scene.rest_time is None else scene.rest_time
     control["away"], control["most"] = FASTEST, most_steps(scene)
-    tolerance = tolerance_by_accuracy(scene, in_minimal=True)
+    tolerance = tolerance_by_accuracy(scene)
     control["tolerance"] = tolerance * scene.force_scale / scene.mass
     control["share"], control["slow"] = tolerance, SLOW * solver.rest_speed_m_s
     return control
