@@ -144,47 +144,57 @@ def kernels_of(scene: Scene) -> str:
 
 
 class Solving(Protocol):
-    """A solve under way, by any method."""
+    """Solve of one scene by any engine: what the class `Solve` in the room of an engine has to provide.
+
+    A new solve stands at t = 0 with the initial state accepted; its constructor raises SolveError if there is none.
+    After each call of `advance` the solve stands at the end of an accepted step. Failure, time limit and Ctrl-C end a
+    solve without an error: `status` tells them, and all steps up to then are kept. A solve whose drives controllers may
+    set also has `set_to(joint, value)`.
+    """
 
     @property
     def time(self) -> float:
-        """Time reached (s)."""
+        """Time (s) of the present state."""
 
     @property
     def spent(self) -> float:
-        """Wall time (s) so far, of which `solver.max_wall_s` is the most."""
+        """Wall time (s) spent so far; `solver.max_wall_s` limits it."""
 
     @property
     def over(self) -> bool:
-        """Whether there is nothing to come."""
+        """Whether the solve has ended: at the end time, at rest, by a limit, by Ctrl-C or by a failure."""
 
     def advance(self, until: float = ...) -> None:
-        """Go on to a time (s), the scene's end at the latest; does nothing when it is over."""
+        """Integrate to a time (s), at most to the scene's end time; do nothing if the solve is over."""
 
     def observe(self) -> Observations:
-        """What is seen of the present state."""
+        """Observed quantities at the present state, by name, in SI units."""
 
     def outlines(self) -> tuple[Outline, ...]:
-        """The mechanism as it is drawn, at the present state."""
+        """Outlines of the mechanism at the present state, for drawings."""
 
     def state(self) -> Any:
-        """The present state."""
+        """Copy of the present state: all that later steps and the results depend on."""
 
     def restore(self, kept: Any) -> None:
-        """Go back to a state of this solve or another one of the same scene."""
+        """Return to a state that `state` gave, in this solve or in another one of the same scene."""
 
     def trajectory(self) -> Any:
-        """All steps so far."""
+        """All accepted steps so far, in the coordinates of the engine."""
 
     def status(self) -> Status:
-        """How it ended, of one that is over; that of its trajectory, at no cost."""
+        """How the solve ended, as its trajectory has it, without making the trajectory."""
 
     def close(self) -> None:
-        """Let go of what is held; nothing can be asked any more."""
+        """Release the engine's memory; no other method may be called afterwards."""
 
 
 class Begun(NamedTuple):
-    """A solve at its start, what reads its trajectory, and the system that it solves; None of reduced models."""
+    """A solve at its start.
+
+    observe: makes the observation of the solve's trajectory. system: the system that is solved, None for the reduced
+    model.
+    """
 
     solving: Solving
     observe: Callable[[Any], Observation]
@@ -192,7 +202,7 @@ class Begun(NamedTuple):
 
 
 def begin(scene: Scene, progress: Progress | None = None, *, pauses: bool = False) -> Begun:
-    """Get ready to solve a scene by its method; pauses: whether it is to be looked at and steered on the way."""
+    """Set up the solve of a scene by its method; pauses: whether the solve is observed and steered on the way."""
     if scene.method is None:
         return _by_engine(scene, progress, pauses)
     return _OTHERS[type(scene.method)](scene, progress)
