@@ -55,18 +55,18 @@ def calls(medium: Law) -> tuple[Callable[[], None], Callable[[], None]]:
         **{"anchors": anchors, "room": room, "body": body},
         **{"columns": np.zeros((1, 3), np.int64), "proximity": np.zeros((1, 3))},
     }
-    words = planar_sand.LINES.places(arrays)[None, :]
+    addresses = planar_sand.LINES.addresses(arrays)[None, :]
     force, tangent = (
-        ready(planar_sand.force, words, q, v, out),
-        ready(planar_sand.tangent, words, q, v, 1.0, 1.0, triplets),
+        ready(planar_sand.force, addresses, q, v, out),
+        ready(planar_sand.tangent, addresses, q, v, 1.0, 1.0, triplets),
     )
 
     def forces() -> None:
-        force(words, q, v, out)
+        force(addresses, q, v, out)
 
     def tangents() -> None:
-        assert arrays  # where the words are
-        tangent(words, q, v, 1.0, 1.0, triplets)
+        assert arrays  # kept alive: kernels read them by their addresses
+        tangent(addresses, q, v, 1.0, 1.0, triplets)
 
     return forces, tangents
 

@@ -4,7 +4,7 @@ compiled    `kernel` for functions that Python calls, `part` for those that kern
 calls       a law called by its address, and why
 chosen      functions chosen by the record type of an argument
 memory      views and small arrays within a kernel
-layout      arrays of Python at fixed places, which a kernel finds by their names
+layout      arrays of Python at fixed addresses, which a kernel finds by their names
 records     record types whose fields are read and written
 compiling, loaded    telling that something is compiled; what was loaded
 

@@ -85,7 +85,7 @@ def ready(function: Any, *arguments: Any) -> Any:
 def bound(function: Any, *arguments: Any, keep: object = None) -> Callable[[], Any]:
     """The kernel with all its arguments, compiled for them: arrays whose contents change from call to call.
 
-    keep: what lives as long as this function, as the arrays whose places a kernel is given.
+    keep: what has to live as long as this function, as the arrays whose addresses a kernel is given.
     """
     found = partial(ready(function, *arguments), *arguments)
     vars(found)["keep"] = keep

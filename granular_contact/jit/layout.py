@@ -1,22 +1,23 @@
-"""Arrays that stay in one place, which a kernel finds by their names: `w.pose`.
+"""Arrays that stay at the same addresses, which a kernel finds by their names: `w.pose`.
 
-To hand one array over from Python takes some 0.1 us and an instruction that all cores wait for, so that a dozen of
-them cost more than the law on a few strips. Where the same arrays come with each call, their places are written down
-once (`Layout.places`), a kernel takes these whole numbers, and `view` makes of them what has the arrays as attributes:
+Handing one array from Python to a kernel takes some 0.1 us and an instruction that all cores wait for: a dozen arrays
+cost more than the law on a few strips. Where each call takes the same arrays, Python writes their addresses and shapes
+down once (`Layout.addresses`), the kernel takes these whole numbers as one array, and `view` makes a view of them, an
+object whose attributes are the arrays:
 
     MOTION = Layout("motion", q=(float, 1), points=(float, 2))
     view = MOTION.view
 
     @kernel
-    def move(words, h):
-        w = view(words)
+    def move(addresses, h):
+        w = view(addresses)
         w.q[0] += h * w.points[0, 1]
 
-A view is a pointer to the places; kernels hand it on as one argument, also to what is called by its address (`calls`),
-of the type `MOTION.kind`. Attributes are made by numba's low-level interface for types (`numba.extending`); an array
-has the fields of numba's own, but nobody counts its references.
+A compiled view is a pointer to the addresses. Kernels pass it on as one argument, of the type `MOTION.kind`, also to
+functions that are called by their address (`calls`). The attributes are made by numba's low-level interface for types
+(`numba.extending`). The arrays have all fields of numba's arrays, but their references are not counted.
 
-Where nothing is compiled, a view is an object of Python with these attributes.
+Where nothing is compiled, a view is a Python object with these attributes.
 """
 
 from __future__ import annotations
@@ -33,17 +34,17 @@ from numpy.typing import DTypeLike, NDArray
 from granular_contact.jit.compiled import COMPILES
 from granular_contact.jit.memory import array_at, view_of
 
-WORDS = 4  # for each array: where it begins, and its size along up to three axes
+PER_ARRAY = 4  # whole numbers for each array: its address, and its size along up to three axes
 _layouts: dict[str, Layout] = {}
 
 
 class Layout:
-    """Names of arrays that come together, in the order in which their places are written down.
+    """Names and types of the arrays of a view, in the order in which their addresses are written down.
 
     Parameters
     ----------
     name
-        Of the layout, by which numba knows its views; no two have the same.
+        Unique name of the layout, by which numba tells its views from others.
     arrays
         (type of numbers or records, number of axes: 1 to 3) of each array.
     """
@@ -55,16 +56,16 @@ class Layout:
         _layouts[name] = self
 
     def of(self, *names: str) -> dict[str, tuple[np.dtype, int]]:
-        """Some of the arrays, for a layout that has them, too."""
+        """Entries of the arrays with these names, for another layout that has the same arrays."""
         return {name: self.types[name] for name in names}
 
-    def places(self, arrays: Mapping[str, NDArray[Any]]) -> NDArray[np.int64]:
-        """Where the arrays are, (WORDS * names,), those that are not given left out.
+    def addresses(self, arrays: Mapping[str, NDArray[Any]]) -> NDArray[np.int64]:
+        """Addresses and shapes of the arrays, (PER_ARRAY * names,); zeros for arrays that are not given.
 
-        They are contiguous, and somebody keeps them for as long as kernels look there.
+        The arrays are contiguous, and the caller keeps them alive for as long as kernels use the addresses.
         """
-        found = np.zeros((len(self.types), WORDS), np.int64)
-        for words, (name, (kind, axes)) in zip(found, self.types.items(), strict=True):
+        table = np.zeros((len(self.types), PER_ARRAY), np.int64)
+        for row, (name, (kind, axes)) in zip(table, self.types.items(), strict=True):
             array = arrays.get(name)
             if array is None:
                 continue
@@ -72,8 +73,8 @@ class Layout:
                 raise ValueError(f"{name}: allowed are contiguous arrays that can be written to")
             if (array.dtype, array.ndim) != (kind, axes):
                 raise TypeError(f"{name}: got {array.ndim} axes of {array.dtype}, allowed are {axes} of {kind}")
-            words[: 1 + axes] = array.ctypes.data, *array.shape
-        return found.ravel()
+            row[: 1 + axes] = array.ctypes.data, *array.shape
+        return table.ravel()
 
 
 class _View(types.Type):  # type: ignore[misc]  # numba is not typed
@@ -84,17 +85,17 @@ class _View(types.Type):  # type: ignore[misc]  # numba is not typed
         super().__init__(name=f"View({layout})")
 
     def array(self, name: str) -> Any:
-        """Type of the array of this name, None of none."""
-        found = _layouts[self.layout].types.get(name)
-        return found and types.Array(from_dtype(found[0]), found[1], "C")
+        """Type of the array of this name; None if the layout has no such array."""
+        entry = _layouts[self.layout].types.get(name)
+        return entry and types.Array(from_dtype(entry[0]), entry[1], "C")
 
 
-register_model(_View)(models.OpaqueModel)  # a pointer, to the places
+register_model(_View)(models.OpaqueModel)  # a pointer to the addresses
 
 
 @infer_getattr
 class _Attributes(AttributeTemplate):  # type: ignore[misc]
-    """Types of a view's attributes."""
+    """Types of the attributes of a view."""
 
     key = _View
 
@@ -103,31 +104,31 @@ class _Attributes(AttributeTemplate):  # type: ignore[misc]
 
 
 @lower_getattr_generic(_View)
-def _array(context: Any, builder: Any, kind: Any, words: Any, name: str) -> Any:
-    """The array of a view that has this name."""
-    found, word = kind.array(name), types.intp
-    begin = WORDS * list(_layouts[kind.layout].types).index(name)
-    words = builder.bitcast(words, context.get_value_type(types.CPointer(word)))
+def _array(context: Any, builder: Any, kind: Any, addresses: Any, name: str) -> Any:
+    """LLVM code of an attribute of a view: the array of this name."""
+    array, integer = kind.array(name), types.intp
+    first = PER_ARRAY * list(_layouts[kind.layout].types).index(name)
+    addresses = builder.bitcast(addresses, context.get_value_type(types.CPointer(integer)))
 
     def read(i: int) -> Any:
-        return builder.load(builder.gep(words, [context.get_constant(word, begin + i)]))
+        return builder.load(builder.gep(addresses, [context.get_constant(integer, first + i)]))
 
     data = builder.inttoptr(read(0), context.get_value_type(types.voidptr))
-    return view_of(context, builder, found, data, [read(1 + axis) for axis in range(found.ndim)])
+    return view_of(context, builder, array, data, [read(1 + axis) for axis in range(array.ndim)])
 
 
 def _view(layout: Layout) -> Any:
-    """Function for kernels: what `places` gave, (WORDS * names,) -> a view."""
+    """Function for kernels: addresses as of `Layout.addresses`, (PER_ARRAY * names,) -> view."""
     if not COMPILES:
-        return lambda words: _Arrays(layout, words)
+        return lambda addresses: _Arrays(layout, addresses)
 
     @intrinsic
-    def view(typing_context, words):
+    def view(typing_context, addresses):
         def generate(context, builder, signature, values):
-            place = context.make_array(words)(context, builder, values[0]).data
-            return builder.bitcast(place, context.get_value_type(layout.kind))
+            data = context.make_array(addresses)(context, builder, values[0]).data
+            return builder.bitcast(data, context.get_value_type(layout.kind))
 
-        return layout.kind(words), generate
+        return layout.kind(addresses), generate
 
     return view
 
@@ -135,13 +136,13 @@ def _view(layout: Layout) -> Any:
 class _Arrays:
     """A view, where nothing is compiled."""
 
-    def __init__(self, layout: Layout, words: NDArray[np.int64]) -> None:
-        self._layout, self._words = layout, words
+    def __init__(self, layout: Layout, addresses: NDArray[np.int64]) -> None:
+        self._layout, self._addresses = layout, addresses
 
     def __getattr__(self, name: str) -> NDArray[Any]:
         if name not in self._layout.types:
             raise AttributeError(f"{self._layout.name} has no {name!r}")
         kind, axes = self._layout.types[name]
-        begin = WORDS * list(self._layout.types).index(name)
-        place, *shape = self._words[begin : begin + 1 + axes]
-        return array_at(place, tuple(shape), kind)
+        first = PER_ARRAY * list(self._layout.types).index(name)
+        address, *shape = self._addresses[first : first + 1 + axes]
+        return array_at(address, tuple(shape), kind)

@@ -73,7 +73,7 @@ class Batch:
         self.forget()
 
     def start(self, where: NDArray[np.int64] | None, reference: Vector) -> NDArray[np.int64]:
-        """Begin anew, with arguments as of `GranularLoad.start`; where all arrays are, as kernels find them."""
+        """Begin anew, with arguments as of `GranularLoad.start`; return the addresses of all arrays, for kernels."""
         if where is not None:
             self.places[:, 0] = where[self.places[:, 1]]
         self.active[:] = True
@@ -81,7 +81,7 @@ class Batch:
         self._forces[:] = np.nan
         room, body = self.work
         own = {name: getattr(self, name) for name in OWN}
-        return LINES.places(own | {"lines": self.records, "room": room, "body": body})
+        return LINES.addresses(own | {"lines": self.records, "room": room, "body": body})
 
     @property
     def leans(self) -> bool:

@@ -224,15 +224,15 @@ class GranularLoad:
         if not self.batches:
             return
         added = np.zeros_like(q) if reference is None else np.ascontiguousarray(reference)
-        sand = self._sand = self.places(where, added)
+        sand = self._sand = self.addresses(where, added)
         self._compiled = _compiled(self.kernels)  # which a solve calls: compiling is no part of its first step
         self.add_forces = partial(self._compiled.force, sand)
         self._compiled.accept(sand, q, np.zeros_like(q), np.zeros(FIRST), True)
         for batch in self.batches:
             batch.proximity[:, EVER] = -np.inf
 
-    def places(self, where: NDArray[np.int64] | None, reference: Vector) -> NDArray[np.int64]:
-        """Begin all batches, with arguments as of `start`: where their arrays are, see the kernels."""
+    def addresses(self, where: NDArray[np.int64] | None, reference: Vector) -> NDArray[np.int64]:
+        """Begin all batches, with arguments as of `start`; return the addresses of their arrays, (media, addresses)."""
         return np.array([batch.start(where, reference) for batch in self.batches])
 
     def force(self, q: Vector, v: Vector, out: Vector) -> Vector:

@@ -28,14 +28,14 @@ class Iterations:
         now = {"q": self.q, "v": self.v, "a": self.a, "multipliers": self.multipliers}
         before = {"v_before": self.v_before, "a_before": self.a.copy(), "multipliers_before": np.zeros(1)}
         self.arrays = now | before | {"lever": np.ones(UNKNOWNS)} | room(UNKNOWNS, 1)
-        self.words = ITERATIONS.places(self.arrays)
+        self.addresses = ITERATIONS.addresses(self.arrays)
         self.begin()
 
     def begin(self) -> None:
         """Begin a step, where the engine has set all to zero."""
         for array in (self.q, self.v, self.a):
             array[:] = 0.0
-        anderson.begin(self.words, OF_Q, OF_V)
+        anderson.begin(self.addresses, OF_Q, OF_V)
 
     def lead(self, a: NDArray[np.float64], multipliers: float, jacobians: int = 1) -> bool:
         """Let an iteration lead to a and these multipliers, and the next one begin where it is then.
@@ -46,7 +46,7 @@ class Iterations:
         self.q += OF_Q * further
         self.v += OF_V * further
         self.a[:], self.multipliers[:] = a, multipliers
-        return bool(anderson.accelerate(self.words, jacobians))
+        return bool(anderson.accelerate(self.addresses, jacobians))
 
 
 def test_a_linear_iteration_ends_sooner() -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numba import njit
 
-from granular_contact.jit.layout import WORDS, Layout
+from granular_contact.jit.layout import PER_ARRAY, Layout
 from granular_contact.jit.records import record_dtype
 
 PAIR = record_dtype([("number", "i8"), ("size", "f8")])
@@ -15,9 +15,9 @@ view = LAYOUT.view
 
 
 @njit
-def sums(words):
+def sums(addresses):
     """Of all numbers of each array, by its sizes and strides."""
-    w = view(words)
+    w = view(addresses)
     flat, deep = 0.0, 0.0
     for i in range(w.A.shape[0]):
         for j in range(w.A.shape[1]):
@@ -28,9 +28,9 @@ def sums(words):
 
 
 @njit
-def change(words):
+def change(addresses):
     """Write into arrays and records."""
-    w = view(words)
+    w = view(addresses)
     w.x[-1] = 7.0
     w.A[1] = w.A[0]
     w.T[0, 1, :] = 2.0
@@ -52,11 +52,11 @@ def test_a_kernel_reads_the_arrays(arrays: dict[str, np.ndarray]) -> None:
     weights = (i + 1)[:, None] * (j + 1)
     deep = ((i + 1)[:, None, None] * (j + 2)[:, None] * (k + 3) * arrays["T"]).sum()
     expected = arrays["x"].sum(), (weights * arrays["A"]).sum(), deep, 2, 4, 0.2, 24
-    np.testing.assert_allclose(sums(LAYOUT.places(arrays)), expected, rtol=1e-13)
+    np.testing.assert_allclose(sums(LAYOUT.addresses(arrays)), expected, rtol=1e-13)
 
 
 def test_a_kernel_writes_into_them(arrays: dict[str, np.ndarray]) -> None:
-    change(LAYOUT.places(arrays))
+    change(LAYOUT.addresses(arrays))
     assert arrays["x"][-1] == 7.0
     np.testing.assert_array_equal(arrays["A"][1], arrays["A"][0])
     assert (arrays["T"][0, 1] == 2.0).all()
@@ -64,24 +64,24 @@ def test_a_kernel_writes_into_them(arrays: dict[str, np.ndarray]) -> None:
     assert arrays["pairs"]["size"].tolist() == [0.5, 0.2]
 
 
-def test_an_array_that_is_not_given_has_no_places(arrays: dict[str, np.ndarray]) -> None:
+def test_an_array_that_is_not_given_has_no_address(arrays: dict[str, np.ndarray]) -> None:
     arrays.pop("A")
-    assert not LAYOUT.places(arrays)[WORDS : 2 * WORDS].any()
+    assert not LAYOUT.addresses(arrays)[PER_ARRAY : 2 * PER_ARRAY].any()
 
 
 def test_other_arrays_are_refused(arrays: dict[str, np.ndarray]) -> None:
     with pytest.raises(TypeError, match="x: got 1 axes of float32, allowed are 1 of float64"):
-        LAYOUT.places(arrays | {"x": arrays["x"].astype(np.float32)})
+        LAYOUT.addresses(arrays | {"x": arrays["x"].astype(np.float32)})
     with pytest.raises(TypeError, match="A: got 1 axes"):
-        LAYOUT.places(arrays | {"A": arrays["x"]})
+        LAYOUT.addresses(arrays | {"A": arrays["x"]})
     with pytest.raises(ValueError, match="A: allowed are contiguous arrays"):
-        LAYOUT.places(arrays | {"A": arrays["A"].T})
+        LAYOUT.addresses(arrays | {"A": arrays["A"].T})
 
 
 def test_a_name_that_is_not_there_is_refused(arrays: dict[str, np.ndarray]) -> None:
     @njit
-    def wrong(words):
-        return view(words).y
+    def wrong(addresses):
+        return view(addresses).y
 
     with pytest.raises(Exception, match="y"):
-        wrong(LAYOUT.places(arrays))
+        wrong(LAYOUT.addresses(arrays))

@@ -21,7 +21,7 @@ def need(changes: list[float], groups: list[int], *, excess: float, both: float,
     arrays |= {"slope": change / STEP if expected else zero, "group": np.array(groups), "means": np.zeros((0, 3))}
     choice = np.zeros(1, step_choice.CHOICE)
     choice["accuracy"], choice["excess"], choice["both"] = ACCURACY, excess, both
-    found, _ = step_choice.judge(CHANGES.places(arrays), STEP, choice, SPEED, SPEED)
+    found, _ = step_choice.judge(CHANGES.addresses(arrays), STEP, choice, SPEED, SPEED)
     return float(found)
 
 

@@ -29,7 +29,7 @@ def slopes_of_what_joints_lack(
             w["rates"][j] += sign * by * of_v
             w["s2"][j] += sign * by
             for part in parts:
-                of_tree(part)(march._words)
+                of_tree(part)(march._addresses)
             ends.append(w["rest"].copy())
         slopes.append((ends[0] - ends[1]) / (2.0 * by))
     return np.array(slopes).T

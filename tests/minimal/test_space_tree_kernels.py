@@ -13,7 +13,7 @@ from support_slopes import slopes_of_what_joints_lack
 
 from granular_contact.engines.tree.kernels import space_fold, space_load, space_tree
 from granular_contact.engines.tree.kernels.tree_arrays import SPACE_NODE as NODE
-from granular_contact.engines.tree.kernels.tree_arrays import places, room
+from granular_contact.engines.tree.kernels.tree_arrays import addresses, room
 from granular_contact.engines.tree.march import March
 from granular_contact.engines.tree.space_tree import tree as make_tree
 from granular_contact.geometry import rotations
@@ -114,7 +114,7 @@ def test_what_joints_lack_is_that_of_the_dense_equations(count: int) -> None:
         w["s2"][:], w["effort"][:] = rng.uniform(-50, 50, n), rng.uniform(-0.1, 0.1, n)
         w["force"][:] = rng.uniform(-2, 2, (n, 6)) * [1, 1, 1, 0.1, 0.1, 0.1] * (w["nodes"]["mass"] > 0.0)[:, None]
         for step in (space_tree.place, space_tree.carry, space_tree.lack):
-            of_tree(step)(places(w))
+            of_tree(step)(addresses(w))
         J, masses = jacobian(w, w["s"]), dense_masses(w)
         last = (w["nodes"]["kind"] != BALL) | (w["nodes"]["which"] == space_tree.LAST)  # the others are no bodies
         rows = np.repeat(last, 6)
@@ -141,8 +141,8 @@ def test_folded_matrix_is_the_dense_one(count: int) -> None:
         w = random_tree(rng, count)
         n, bodies = len(w["s"]), w["nodes"]["mass"] > 0.0
         w["prescribed"][:] = rng.integers(2, size=n) * (w["nodes"]["kind"] != BALL)
-        of_tree(space_tree.place)(places(w))
-        of_tree(space_fold.inertias)(0.0, places(w))
+        of_tree(space_tree.place)(addresses(w))
+        of_tree(space_fold.inertias)(0.0, addresses(w))
         masses = w["body"].reshape(n, 6, 6).copy()
         own = dense_masses(w).reshape(n, 6, n, 6)
         np.testing.assert_allclose(masses, own[np.arange(n), :, np.arange(n)], atol=1e-15)
@@ -156,7 +156,7 @@ def test_folded_matrix_is_the_dense_one(count: int) -> None:
             c[first : first + 3, first : first + 3] = w["coupled"][first : first + 3]
         w["rest"][:] = rng.uniform(-1, 1, n)
         for step in (space_fold.fold, space_fold.solve):
-            of_tree(step)(places(w))
+            of_tree(step)(addresses(w))
         J, B, free = jacobian(w, w["s"]), np.zeros((6 * n, 6 * n)), w["prescribed"] == 0
         for i, one in enumerate(body):
             B[6 * i : 6 * i + 6, 6 * i : 6 * i + 6] = one
@@ -209,11 +209,11 @@ def test_a_new_chart_leaves_the_motion_as_it_is() -> None:
     w["s2"][:] = rng.uniform(-50, 50, len(w["s"]))
     seen = ("pose", "twist", "acceleration")
     for step in (space_tree.place, space_tree.carry):
-        of_tree(step)(places(w))
+        of_tree(step)(addresses(w))
     bodies = w["nodes"]["mass"] > 0.0
     before = {name: w[name][bodies].copy() for name in seen}
     for step in (space_tree.recentre, space_tree.place, space_tree.carry):
-        of_tree(step)(places(w))
+        of_tree(step)(addresses(w))
     assert not w["s"][w["nodes"]["kind"] == BALL].any()
     for name in seen:
         np.testing.assert_allclose(w[name][bodies], before[name], rtol=1e-12, atol=1e-11, err_msg=name)
@@ -227,8 +227,8 @@ def test_matrix_of_newton_is_the_slope_of_what_joints_lack() -> None:
         march.proceed()
     w, h = march.arrays, 1e-3
     fq, fv, n = 0.25 * h * h, 0.5 * h, len(w["s"])
-    of_tree(space_load.act)(march._words)
-    of_tree(space_load.tangent)(fq, fv, march._words)
+    of_tree(space_load.act)(march._addresses)
+    of_tree(space_load.tangent)(fq, fv, march._addresses)
     c, J, B = w["stiffness"].copy(), jacobian(w, w["s"]), np.zeros((6 * n, 6 * n))
     for i, one in enumerate(w["body"].reshape(-1, 6, 6)):
         B[6 * i : 6 * i + 6, 6 * i : 6 * i + 6] = one

@@ -9,7 +9,7 @@ from support_runs import order, scene_of, simulate
 from support_slopes import slopes_of_what_joints_lack
 
 from granular_contact.engines.tree.kernels import tree, tree_load, tree_march
-from granular_contact.engines.tree.kernels.tree_arrays import FASTEST, NODE, places, room
+from granular_contact.engines.tree.kernels.tree_arrays import FASTEST, NODE, addresses, room
 from granular_contact.engines.tree.march import March
 from granular_contact.engines.tree.tree import tree as make_tree
 from granular_contact.mechanics.kernels.step_choice import LONGER, SHORTER
@@ -69,7 +69,7 @@ def test_what_joints_lack_is_that_of_the_dense_equations(count: int) -> None:
         w["force"][:] = rng.uniform(-2, 2, (count, 3)) * [1.0, 1.0, 0.1]
         w["effort"][:] = rng.uniform(-0.1, 0.1, count)
         for step in (tree.place, tree.carry, tree.lack):
-            of_tree(step)(places(w))
+            of_tree(step)(addresses(w))
         J = jacobian(nodes, s)
         np.testing.assert_allclose(w["pose"].ravel(), centres(nodes, s), atol=1e-13)
         np.testing.assert_allclose(w["twist"].ravel(), J @ rates, atol=1e-9)
@@ -91,13 +91,13 @@ def test_folded_matrix_is_the_dense_one(count: int) -> None:
         w = room(count) | {"nodes": nodes, "prescribed": rng.integers(2, size=count)}
         w["s"][:], w["rates"][:] = s, rates
         for step in (tree.place, tree.inertias):
-            of_tree(step)(places(w))
+            of_tree(step)(addresses(w))
         masses = w["body"].reshape(-1, 3, 3).copy()
         body = masses + rng.uniform(-0.2, 0.2, masses.shape) * np.sqrt(masses @ np.ones((3, 3)) @ masses)
         w["body"][:], w["stiffness"][:] = body.reshape(-1, 9), rng.uniform(0.0, 1e-3, count)
         w["rest"][:] = rng.uniform(-1, 1, count)
         for step in (tree.fold, tree.solve):
-            of_tree(step)(places(w))
+            of_tree(step)(addresses(w))
         J, B, free = jacobian(nodes, s), np.zeros((3 * count, 3 * count)), w["prescribed"] == 0
         for i, one in enumerate(body):
             B[3 * i : 3 * i + 3, 3 * i : 3 * i + 3] = one
@@ -117,8 +117,8 @@ def test_matrix_of_newton_is_the_slope_of_what_joints_lack() -> None:
         march.proceed()
     w, h = march.arrays, 1e-4
     fq, fv, n = 0.25 * h * h, 0.5 * h, len(w["s"])
-    of_tree(tree_load.act)(march._words)
-    of_tree(tree_load.tangent)(fq, fv, march._words)
+    of_tree(tree_load.act)(march._addresses)
+    of_tree(tree_load.tangent)(fq, fv, march._addresses)
     c, J = w["stiffness"].copy(), jacobian(w["nodes"], w["s"])
     B = np.zeros((3 * n, 3 * n))
     for i, one in enumerate(w["body"].reshape(-1, 3, 3)):
@@ -138,7 +138,7 @@ def test_what_creeps_is_solved_as_closely_as_what_is_fast() -> None:
     clock, share = march.arrays["clock"], march.arrays["control"]["share"][0]
     for speed, least in ((3.0, 0.0), (1e-5, 0.0), (1e-8, 1e-6)):
         clock[FASTEST] = speed
-        assert of_tree(tree_march.allowed)(1e6, march._words) == pytest.approx(share * max(speed, least), rel=1e-12)
+        assert of_tree(tree_march.allowed)(1e6, march._addresses) == pytest.approx(share * max(speed, least), rel=1e-12)
 
 
 def test_iterations_are_led_by_those_before() -> None:

@@ -53,7 +53,7 @@ class Predictor:
         self._of_square, self._of_step = 0.0, 0.0  # see `_look`
         self._begin_step: Callable[..., Any] | None = None  # compiled, as is the next
         self._accelerate: Callable[..., Any] | None = None
-        self._words = np.zeros(0, np.int64)  # where their arrays are
+        self._addresses = np.zeros(0, np.int64)  # of their arrays
         self._where: tuple[int, ...] = ()  # the engine's of them
         self._room: dict[str, NDArray[Any]] = {}  # the other arrays of an iteration, but for the lever
 
@@ -63,7 +63,7 @@ class Predictor:
             if not iteration:
                 self._begin(self.views or Views(mbs))
             elif self._accelerate is not None:
-                self._accelerate(self._words, self._it.newtonJacobiCount)
+                self._accelerate(self._addresses, self._it.newtonJacobiCount)
         if self._apply is not None:
             self._apply(t)
 
@@ -79,7 +79,7 @@ class Predictor:
             self.solver.newton.absoluteTolerance = self._allowed(step)
         of_q, of_v = self._of_square * step * step, self._of_step * step
         if self._begin_step is not None:
-            self._begin_step(self._words, of_q, of_v)
+            self._begin_step(self._addresses, of_q, of_v)
             return
         before = views.a_before
         views.q += of_q * before
@@ -115,7 +115,7 @@ class Predictor:
 
         own = {name: getattr(views, name) for name in OF_ENGINE} | {"lever": self.lever}
         self._room = room(len(views.q), len(views.multipliers))
-        self._words = ITERATIONS.places(own | self._room)
+        self._addresses = ITERATIONS.addresses(own | self._room)
         self._begin_step, self._accelerate = _compiled()
 
 
@@ -125,5 +125,5 @@ def _compiled() -> tuple[Callable[..., Any], Callable[..., Any]]:
     from granular_contact.jit.compiled import ready
     from granular_contact.mechanics.kernels import anderson
 
-    words = np.zeros(1, np.int64)
-    return ready(anderson.begin, words, 0.0, 0.0), ready(anderson.accelerate, words, 0)
+    addresses = np.zeros(1, np.int64)
+    return ready(anderson.begin, addresses, 0.0, 0.0), ready(anderson.accelerate, addresses, 0)

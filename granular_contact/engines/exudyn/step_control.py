@@ -45,14 +45,14 @@ class StepControl:
         self.start, self.change, self.slope = np.zeros((3, len(lever)))
         of_step = {"start": self.start, "change": self.change, "slope": self.slope, "means": np.zeros((means, 3))}
         self._arrays = {"lever": self.lever, "group": self.group} | of_step
-        self._words, self._places = np.zeros(0, np.int64), step_error.CHANGES.places
+        self._addresses, self._addresses_of = np.zeros(0, np.int64), step_error.CHANGES.addresses
         signals = signals_of(scene) if len(followed) else []
         tables = tabulate(signals, scene.solver.end_time_s) if signals else NO_TABLE
         (knots, pieces), found = tables, np.zeros((len(signals), 3))
         self._prescribed = step_choice.Prescribed(bends, followed, arms, knots, pieces, found)
-        self._judge = ready(step_choice.judge, self._words, 1.0, self._record, 1.0, 1.0)
+        self._judge = ready(step_choice.judge, self._addresses, 1.0, self._record, 1.0, 1.0)
         self._choose = ready(step_choice.choose, 1.0, 1.0, 1.0, self._record, 1.0, 1.0, self._prescribed)
-        self._start = ready(step_error.begin, self._words, 1.0)
+        self._start = ready(step_error.begin, self._addresses, 1.0)
         self._kept = step_choice.SHORTER, step_choice.LONGER
         self.until = math.inf  # time (s) that a step has to end at
         self.last = self.next  # step taken last
@@ -69,7 +69,7 @@ class StepControl:
             return NO_ERROR
         step = self._it.currentStepSize
         self._read()
-        need, factor = self._judge(self._words, step, self._record, self.speed, self.now)
+        need, factor = self._judge(self._addresses, step, self._record, self.speed, self.now)
         in_vain = self._in_vain(step, need)
         if need > 1.0 and step > self.least and not in_vain:
             self.refused += 1
@@ -105,7 +105,7 @@ class StepControl:
         self.tried = None
         self.last = self._it.currentStepSize or self.last  # 0 before the engine has chosen the first
         self._read()
-        self.now = self._start(self._words, self.last)
+        self.now = self._start(self._addresses, self.last)
         self.begun = True
         self.speed = max(self.speed, self.now)
         bed, speeds = self.system.bed, (self.speed, self.now)
@@ -116,7 +116,7 @@ class StepControl:
     def bind(self, views: Views) -> None:
         """Learn where the engine keeps its vectors in the part of the solve that begins."""
         self._views, self._own = views, (views.a, views.v)
-        self._words = self._places({"a": self._own[0], "v": self._own[1]} | self._arrays)
+        self._addresses = self._addresses_of({"a": self._own[0], "v": self._own[1]} | self._arrays)
 
     def _read(self) -> None:
         """Read accelerations and rates anew where they do not stay in one place."""

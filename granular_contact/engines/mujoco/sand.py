@@ -83,7 +83,7 @@ class SpatialSand(Sand):
         own = "bodies", "clusters", "elements", "ground", "medium"
         for medium, part, now in zip(self.met, self.parts, state, strict=True):
             arrays = self._arrays(part, now, held, bed, *own) | {"inner": part.inner}
-            found.append(bound(self._kernel(medium), space_added_mass.BATCH.places(arrays), part.rows, keep=arrays))
+            found.append(bound(self._kernel(medium), space_added_mass.BATCH.addresses(arrays), part.rows, keep=arrays))
         return found
 
     @staticmethod
@@ -122,7 +122,7 @@ class PlanarSand(Sand):
         own = "ends", "geometry", "profile", "medium"
         for part, now in zip(self.parts, state, strict=True):
             arrays = self._arrays(part, now, held, bed, *own) | {"reaches": part.reaches, "lines": part.inner}
-            found.append(bound(planar_added_mass.act, planar_added_mass.BATCH.places(arrays), keep=arrays))
+            found.append(bound(planar_added_mass.act, planar_added_mass.BATCH.addresses(arrays), keep=arrays))
         return found
 
 

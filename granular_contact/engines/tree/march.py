@@ -23,7 +23,7 @@ from granular_contact.engines.tree.kernels.tree_arrays import (
     STEP,
     TRIED,
     WHOLE,
-    places,
+    addresses,
 )
 from granular_contact.engines.tree.kernels.tree_arrays import FASTEST as SO_FAR
 from granular_contact.engines.tree.kernels.tree_calls import record as calls
@@ -68,26 +68,26 @@ class March:
         arrays["table"] = np.zeros((1 + SHARE, len(table.blank)))
         self._newton, self._changes = _iterations(arrays), _changes(arrays)
         arrays["iterations"], arrays["changes"] = (
-            ITERATIONS.places(self._newton),
-            step_error.CHANGES.places(self._changes),
+            ITERATIONS.addresses(self._newton),
+            step_error.CHANGES.addresses(self._changes),
         )
-        self._words = places(arrays)
-        self._start, self._march = ready(kernels.start, True, self._words), ready(kernels.march, 0, self._words)
+        self._addresses = addresses(arrays)
+        self._start, self._march = ready(kernels.start, True, self._addresses), ready(kernels.march, 0, self._addresses)
         self.begin()
 
     def begin(self) -> None:
         """Find the accelerations of the start, and write the first row; of what just touches as it will be at once."""
-        self._start(True, self._words)
+        self._start(True, self._addresses)
         if abs(self.rows[0, DEPTH]) <= TOUCHES:
             placed, poses = self._placed(), self.states[0, : self.arrays["pose"].size].copy()
             self.arrays["s"] += AHEAD * self.arrays["rates"]
-            self._start(True, self._words)
+            self._start(True, self._addresses)
             for now, before in zip(self._placed(copied=False), placed, strict=True):
                 now[:] = before
             self.states[0, : len(poses)] = poses
         if self.tree.load is not None and (test := self.tree.scene.wheel_test) is not None and test.begins:
             roll_in(self.tree.scene, self.tree.load)
-            self._start(False, self._words)
+            self._start(False, self._addresses)
 
     def _placed(self, *, copied: bool = True) -> list[NDArray[Any]]:
         """Coordinates, and in space what the charts of ball joints begin at."""
@@ -106,13 +106,13 @@ class March:
         """March on; why it came back is one of the kernels' codes."""
         if len(self.rows) - 1 - self.last < SHARE:
             self._enlarge(max(SHARE, self.last // 2))
-        return int(self._march(SHARE, self._words))
+        return int(self._march(SHARE, self._addresses))
 
     def _enlarge(self, more: int) -> None:
         for name in ("states", "table"):
             old = self.arrays[name]
             self.arrays[name] = np.concatenate([old, np.zeros((more, old.shape[1]))])
-        self._words[:] = places(self.arrays)
+        self._addresses[:] = addresses(self.arrays)
 
     @property
     def states(self) -> Vector:

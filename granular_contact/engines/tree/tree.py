@@ -231,7 +231,7 @@ def sand_of(load: GranularLoad | None, coordinates: int) -> dict[str, NDArray[An
     """Where the arrays of a load are, on nodes of so many coordinates, and room for its tangent."""
     if load is None:
         return {"sand": np.zeros((0, 0), np.int64), "triplets": np.zeros((1, 3))}
-    return {"sand": load.places(None, np.zeros(coordinates)), "triplets": load.room_for_tangents}
+    return {"sand": load.addresses(None, np.zeros(coordinates)), "triplets": load.room_for_tangents}
 
 
 def levers(nodes: NDArray[np.void], width: int) -> Vector:

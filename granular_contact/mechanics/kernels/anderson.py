@@ -39,9 +39,9 @@ _SAME_STEP = 1e-6  # of a step: round-off of its length
 
 
 @kernel
-def begin(words, of_q, of_v):
+def begin(addresses, of_q, of_v):
     """Begin a step with the accelerations and multipliers of the last one; of_q, of_v: from now on in `of`."""
-    w = view(words)
+    w = view(addresses)
     q, v, a, multipliers, of = w.q, w.v, w.a, w.multipliers, w.of
     a_before, multipliers_before = w.a_before, w.multipliers_before
     kept, kept_multipliers, number = w.kept, w.kept_multipliers, w.number
@@ -153,13 +153,13 @@ def keep_as(w, to):
 
 
 @kernel
-def accelerate(words, jacobians):
+def accelerate(addresses, jacobians):
     """Move to where the next iteration starts; whether the last one contracted too little, for a new Jacobian.
 
     Not of one that goes back: the one before has passed the solution, as resistance grew on the way to it. Its Jacobian
     had the direction, and of how far to go the two know more than a new one. jacobians: how many were computed so far.
     """
-    w = view(words)
+    w = view(addresses)
     number, of = w.number, w.of
     if jacobians != number[JACOBIAN]:
         number[JACOBIAN], number[PAIRS], number[NEXT], number[FOLLOWS] = jacobians, 0, 0, 0

@@ -49,12 +49,12 @@ class Prescribed(NamedTuple):
 
 
 @part
-def needed(words, step, choice, fastest, now):
+def needed(addresses, step, choice, fastest, now):
     """How many times longer a step (s) was than it should be; infinite where that is not known.
 
-    words: of `step_error`.
+    addresses: see `step_error`.
     """
-    speed, jump, whole, most = measure(words, step)
+    speed, jump, whole, most = measure(addresses, step)
     speed = max(speed, now)
     fastest = max(speed, fastest)
     drift = step * (choice.excess * most + whole / 12.0) / fastest
@@ -121,9 +121,9 @@ def ahead(t, step, soonest, choice, fastest, now, prescribed):
 
 
 @kernel
-def judge(words, step, choice, fastest, now):
+def judge(addresses, step, choice, fastest, now):
     """`needed` and `factor`, for callers in Python; choice (1,)."""
-    need = needed(words, step, choice[0], fastest, now)
+    need = needed(addresses, step, choice[0], fastest, now)
     return need, factor(need)
 
 

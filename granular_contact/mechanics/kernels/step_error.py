@@ -44,12 +44,12 @@ def fastest(v, lever):
 
 
 @kernel
-def measure(words, step):
+def measure(addresses, step):
     """Greatest speed (m/s), and of the changes over a step (s) the unexpected, the whole and with all that links bend.
 
     Changes in m/s2; all are infinite where a number is none. `change` is filled.
     """
-    w = view(words)
+    w = view(addresses)
     a, v, lever, group = w.a, w.v, w.lever, w.group
     start, change, slope, means = w.start, w.change, w.slope, w.means
     clear(means)
@@ -75,9 +75,9 @@ def measure(words, step):
 
 
 @kernel
-def begin(words, last):
+def begin(addresses, last):
     """Begin a step after one of `last` (s): fill start and slope; the greatest speed (m/s)."""
-    w = view(words)
+    w = view(addresses)
     a, v, lever = w.a, w.v, w.lever
     start, change, slope = w.start, w.change, w.slope
     for i in range(a.shape[0]):

@@ -2,7 +2,7 @@
 
 Arguments that they share:
 
-    sand                (media, words): of each batch where its arrays are, those of LINES (`jit.layout`)
+    sand                (media, addresses): addresses of the arrays of each batch, of the layout LINES (`jit.layout`)
     system_q, system_v  coordinates (without reference values) and rates of the whole system, views of the engine's
                         memory
 """

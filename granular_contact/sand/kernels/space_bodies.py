@@ -2,7 +2,7 @@
 
 Arguments that they share:
 
-    words               where the arrays of the elements of one kind in one medium are, those of `space_law.BODIES`
+    addresses           of the arrays of elements of one kind in one medium, of the layout `space_law.BODIES`
                         (`jit.layout`), of which w is a view
     system_q, system_v  coordinates (without reference values) and rates of the whole system, views of the engine's
                         memory
@@ -125,9 +125,9 @@ def generalise(W, turn, G, body, out):
 
 
 @part
-def force(words, system_q, system_v, out):
+def force(addresses, system_q, system_v, out):
     """Add the generalised forces of the active clusters to out, the coordinates of the bed."""
-    w = view(words)
+    w = view(addresses)
     q, v, f, pose, G = room1(7), room1(7), room1(7), room2(6, 3), room2(3, 4)
     bodies, active, medium = w.bodies, w.active, w.medium[0]
     for b in range(bodies.shape[0]):
@@ -165,9 +165,9 @@ def acts(body, active):
 
 
 @part
-def tangent(words, system_q, system_v, fq, fv, triplets, count):
+def tangent(addresses, system_q, system_v, fq, fv, triplets, count):
     """Append the entries of fq df/dq + fv df/dv as rows (row, column, value) to the first `count` triplets."""
-    w = view(words)
+    w = view(addresses)
     K = room2(7, 7)
     bodies, active, medium = w.bodies, w.active, w.medium[0]
     for b in range(bodies.shape[0]):
@@ -205,13 +205,13 @@ def append(K, body, at, triplets, count):
 
 
 @part
-def accept(words, system_q, system_v, row, begins):
+def accept(addresses, system_q, system_v, row, begins):
     """End of a step: power and wrenches go into a history row, then the anchors of the active clusters follow.
 
     poses and proximity are filled. The row begins with `space_law.DEPTH` and its neighbours, after the time. begins: a
     solve begins here instead, with no bristle stretched; of poses, proximity and row only the poses are filled.
     """
-    w = view(words)
+    w = view(addresses)
     q, v, f, G = room1(7), room1(7), room1(7), room2(3, 4)
     bodies, medium, columns = w.bodies, w.medium[0], w.columns
     for b in range(bodies.shape[0]):
@@ -297,12 +297,12 @@ def write(W, term, turn, q, row, first):
 
 
 @part
-def update_active(words, step):
+def update_active(addresses, step):
     """Mark the clusters that may touch the surface within a step (s) from the accepted poses; whether there are any.
 
     What comes into reach has its anchors put where it is.
     """
-    w = view(words)
+    w = view(addresses)
     bodies, clusters, active, medium = w.bodies, w.clusters, w.active, w.medium[0]
     some, near = False, room1(2)
     for b in range(bodies.shape[0]):

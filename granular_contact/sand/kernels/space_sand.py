@@ -1,6 +1,6 @@
 """What all media in space do, in one call: `planar_sand` for bodies in space.
 
-sand (media, words): of each batch where its arrays are, see `space_bodies`; system_q, system_v: see there.
+sand (media, addresses): addresses of the arrays of each batch, see `space_bodies`; system_q, system_v: see there.
 """
 
 from __future__ import annotations

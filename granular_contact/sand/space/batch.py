@@ -83,7 +83,7 @@ class SpatialBatch:
         return self._record(bodies=True, six=bool((self.bodies["size"] == 6).any()))
 
     def start(self, where: NDArray[np.int64] | None, reference: Vector) -> NDArray[np.int64]:
-        """Forget all motion; where the arrays are, see `kernels.space_bodies`; arguments as of `GranularLoad.start`."""
+        """Forget all motion; return the addresses of the arrays, for kernels; arguments as of `GranularLoad.start`."""
         if where is not None:
             self.places[:, 0] = where[self.places[:, 1]]
         self.active[:] = True
@@ -93,7 +93,7 @@ class SpatialBatch:
         self.proximity[:, EVER] = -np.inf
         self.reference = reference
         own = {name: getattr(self, name) for name in OWN}
-        return BODIES.places(own | {"medium": self._for_bodies})
+        return BODIES.addresses(own | {"medium": self._for_bodies})
 
     def immersed(self) -> set[tuple[str, Kind, float]]:
         """Body, kind and size (m) of the bodies that were ever immersed."""

@@ -22,9 +22,9 @@ TRIAL = 1e-6  # m/s
 
 
 @kernel(nogil=True)
-def act(words, rows):
+def act(addresses, rows):
     """As `space_added_mass.act`; ground (4,): the floor."""
-    w = view(words)
+    w = view(addresses)
     begin_or_follow(w, True)
     resist(w, rows)
 

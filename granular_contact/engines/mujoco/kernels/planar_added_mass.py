@@ -59,9 +59,9 @@ view = BATCH.view
 
 
 @kernel(nogil=True)
-def act(words):
+def act(addresses):
     """As `space_added_mass.act`."""
-    w = view(words)
+    w = view(addresses)
     if w.bed[0].begins:
         clear(w.anchors)
     if w.bed[0].begins or w.bed[0].passed > 0.0:

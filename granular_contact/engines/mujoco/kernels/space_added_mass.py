@@ -37,9 +37,9 @@ view = BATCH.view
 
 
 @kernel(nogil=True)
-def act(words, rows):
+def act(addresses, rows):
     """One step of elements of a medium: `begin` or `follow`, and `resist`."""
-    w = view(words)
+    w = view(addresses)
     begin_or_follow(w, False)
     resist(w, rows)
 

@@ -28,10 +28,10 @@ Of n nodes, with the widths of the plane; those of space, and what is there alon
     joint           (n, 12) see `tree`
     rest, change    (n,) R, and the change of s''; moved (n, 3): that of accelerations of nodes
     moved
-    matrix          (1,) see `tree_newton`; iterated (2,): counts; iterations: words of `iterations`
+    matrix          (1,) see `tree_newton`; iterated (2,): counts; iterations: addresses as of `iterations`
     iterated
     iterations
-    changes         words of `step_error`
+    changes         addresses as of `step_error`
     scheme          (1,) records of SCHEME (`tree_newton`), CHOICE (`step_choice`) and CONTROL (`tree_march`)
     choice
     control
@@ -168,7 +168,7 @@ def room(nodes: int, *, in_space: bool = False) -> dict[str, NDArray[Any]]:
     return made if in_space else made | {"pose_rates": made["twist"]}
 
 
-def places(arrays: Mapping[str, NDArray[Any]]) -> NDArray[np.int64]:
-    """`TREE.places` of a tree in the plane or in space, whose `nodes` have records of their own."""
+def addresses(arrays: Mapping[str, NDArray[Any]]) -> NDArray[np.int64]:
+    """`TREE.addresses` of a tree in the plane or in space, whose `nodes` have records of their own."""
     nodes = "space_nodes" if arrays["nodes"].dtype == SPACE_NODE else "nodes"
-    return TREE.places({nodes if name == "nodes" else name: array for name, array in arrays.items()})
+    return TREE.addresses({nodes if name == "nodes" else name: array for name, array in arrays.items()})

@@ -20,7 +20,7 @@ from granular_contact.jit.memory import flat
 from granular_contact.mechanics.kernels import anderson
 
 _ROW, _ROWS = (types.Array(types.float64, axes, "C") for axes in (1, 2))
-_WORDS, _SAND, _NUMBER, _WHOLE, _TRUTH = (
+_ADDRESSES, _SAND, _NUMBER, _WHOLE, _TRUTH = (
     types.Array(types.int64, 1, "C"), types.Array(types.int64, 2, "C"), types.float64, types.int64, types.boolean,
 )  # fmt: skip
 _SIGNATURES: dict[str, tuple[tuple[Any, ...], Any]] = {  # arguments, result
@@ -29,8 +29,8 @@ _SIGNATURES: dict[str, tuple[tuple[Any, ...], Any]] = {  # arguments, result
     "accept": ((_SAND, _ROW, _ROW, _ROW, _TRUTH), types.none),
     "update_active": ((_SAND, _NUMBER), _TRUTH),
     "soonest": ((_SAND,), _NUMBER),
-    "begin": ((_WORDS, _NUMBER, _NUMBER), types.none),
-    "accelerate": ((_WORDS, _WHOLE), _TRUTH),
+    "begin": ((_ADDRESSES, _NUMBER, _NUMBER), types.none),
+    "accelerate": ((_ADDRESSES, _WHOLE), _TRUTH),
     "iterate": ((_NUMBER, _NUMBER, TREE.kind), _NUMBER),
     "end": ((TREE.kind, _ROW, _TRUTH), types.none),
     "attempt": ((_NUMBER, _NUMBER, TREE.kind), _TRUTH),

@@ -31,9 +31,9 @@ STEPS, REFUSED, SHORTENED = 0, 1, 2  # of counts (3,)
 
 
 @kernel
-def start(begins, words):
+def start(begins, addresses):
     """Find the accelerations and write the first row; begins: with a friction state that is reset, else as it is."""
-    w = view(words)
+    w = view(addresses)
     table, clock = w.table, w.clock
     follow_signals(0.0, w)
     prescribe(0.0, w)
@@ -169,9 +169,9 @@ def tick(h, left, w):
 
 
 @kernel
-def march(share, words):
+def march(share, addresses):
     """Step on until one of the reasons above; at most `share` steps, for which the tables have room."""
-    w = view(words)
+    w = view(addresses)
     clock, control, counts = w.clock, w.control[0], w.counts
     is_fixed = w.scheme[0].fixed
     for _ in range(share):
