@@ -118,7 +118,7 @@ def test_what_turns_about_nothing_has_no_mean_rate_and_no_stop() -> None:
     results = simulate(CANTILEVER)
     assert "mean_rate_rad_s" not in [column.name for column in results.columns]
     assert results.summary["stopping_time_measure"] is None
-    missed = "it never touched the medium: its deepest point came within 1 m of the surface"
+    missed = "the mechanism never touched the medium: its deepest point came within 1 m of the surface"
     assert missed in results.warnings
 
 

@@ -56,7 +56,7 @@ def test_the_motion_is_a_film_that_a_notebook_shows(tmp_path: Path) -> None:
     with pytest.raises(ResultsError, match=r"got the ending '\.png'; allowed are \.gif and \.mp4"):
         swung().animation(tmp_path / "swing.png")
     blind = simulate(load("pendulum", solver={"end_time_s": 1e-3}), most_frames=0)
-    with pytest.raises(ResultsError, match="had most_frames=0"):
+    with pytest.raises(ResultsError, match="made with most_frames=0"):
         blind.animation(tmp_path / "none.gif")
 
 
@@ -95,7 +95,7 @@ def damaged() -> dict[str, tuple[dict[str, bytes | None], str]]:
         "no table": ({"timeseries": None}, "holds no timeseries.csv: it is not a complete run"),
         "a table cut short": ({"timeseries": table[:-40]}, "timeseries.csv: can't be read as a table: "),
         "a table of words": ({"timeseries": table + b"well, x\n"}, "timeseries.csv: can't be read as a table: "),
-        "another table": ({"timeseries": b"time_s,x_m\n0,1\n"}, "has other columns than summary.json says"),
+        "another table": ({"timeseries": b"time_s,x_m\n0,1\n"}, "has other columns than those listed in summary.json"),
         "no summary": ({"summary": None}, "holds no summary.json: it is not a complete run"),
         "no JSON": ({"summary": summary[:100]}, "summary.json: is not JSON"),
         "no columns": ({"summary": b'{"status": "rest"}'}, "has no columns"),
@@ -118,7 +118,7 @@ def test_what_is_no_run_is_told(tmp_path: Path) -> None:
         with pytest.raises(ResultsError):
             Results.open(place)
     (tmp_path / "table.csv").write_text("case\n", encoding="utf-8")
-    with pytest.raises(ResultsError, match="holds results of a sweep, and not of one run"):
+    with pytest.raises(ResultsError, match="contains results of a sweep; the folder of a single run is needed"):
         Results.open(tmp_path)
 
 

@@ -59,7 +59,7 @@ def test_sand_holds_what_is_laid_into_it(method: str) -> None:
     way = np.hypot(results["tip_x_m"] - results["tip_x_m"][0], results["tip_y_m"] - results["tip_y_m"][0])
     assert way.max() < U_Y
     assert [warning for warning in results.warnings if LAID in warning] == [
-        f"it starts {results['depth_m'][0]:.4g} m below the surface, {LAID}"
+        f"the mechanism starts {results['depth_m'][0]:.4g} m below the surface, {LAID}"
     ]
 
 

@@ -1,14 +1,14 @@
-"""What a run leaves behind: how it ended, its time series, key numbers and snapshots. Plain data, no engine in it.
+"""Results of a run: its status, time series, key numbers and snapshots. Plain data, independent of the engine.
 
-observation                    what was observed of a solved scene -> Results
-series, in_space               columns, in the plane and in space
-summary, stopping              key numbers: of all, drives and strides; touch and stop, how a run ended
-energy, limits, accuracy       energy balance; what was left or exceeded; estimates of the error
-alike                          warnings of many runs, those that differ only in numbers as one
-interpolation                  numbers between steps
-frames, motion                 pictures, and the motion as it is played
-observed                       one instant, by name
-methods                        what of `Results` needs the rooms above (folders, figures), loaded when it is called
+observation                    `Observation` of a solved scene, and the `Results` made from it
+series, in_space               columns of the time series, in the plane and in space
+summary, stopping              key numbers of the run, its drives and strides; first touch, stop, status of the run
+energy, limits, accuracy       energy balance; ranges that the run exceeded; estimates of the error
+alike                          warnings of many runs, grouped where they differ only in numbers
+interpolation                  values between time steps
+frames, motion                 pictures evenly spaced in time; the motion for playback
+observed                       observations of one instant, by name
+methods                        methods of `Results` that need the rooms above (folders, figures), imported at the call
 """
 
 from __future__ import annotations
@@ -32,21 +32,21 @@ if TYPE_CHECKING:
     from granular_contact.results.motion import Motion
 
 StatusCode = Literal["rest", "end_time", "time_limit", "failed", "interrupted"]
-# What a stopping time is of: of a pendulum, and of all else that is not driven.
+# Definition of the stopping time: of a pendulum, and of any other mechanism without drives.
 STOP_MEASURE = "from touch to the first zero of the mean rate (angular momentum over inertia, about the pivot)"
-REST_MEASURE = "from touch until all of it came to rest, and stayed there"
-# Columns of a term of the medium's force: about the pivot, or about the centre of mass of what has none.
+REST_MEASURE = "from touch until the whole mechanism came to rest and stayed at rest"
+# Columns of the moment of a term of the medium's force: about the pivot, or without a pivot about the centre of mass.
 MOMENT, CENTRAL_MOMENT = "moment_Nm", "moment_about_center_of_mass_Nm"
 WELDS = ("weld", "fixed")
-FINISHED: tuple[StatusCode, ...] = ("rest", "end_time")  # what can be relied on
-# Called now and then with how far a run is: simulated time and end time (s).
+FINISHED: tuple[StatusCode, ...] = ("rest", "end_time")  # the run reached its regular end
+# Called during a run with the simulated time so far and the end time (s).
 Progress = Callable[[float, float], None]
-Compiling = Callable[[str], None]  # called with a sentence on what is compiled, as it begins
+Compiling = Callable[[str], None]  # called when a compilation begins, with a sentence that names what is compiled
 
 
 @dataclass(frozen=True)
 class Status:
-    """How a run ended, with a sentence for people; for a failure it says what to change."""
+    """How a run ended, with a sentence for the user; the sentence of a failure says what to change."""
 
     code: StatusCode
     message: str
@@ -54,10 +54,11 @@ class Status:
 
 @dataclass(frozen=True)
 class Cost:
-    """What a solve took; solve_s is wall time (s).
+    """Computational cost of a solve; solve_s is wall time (s).
 
-    full_newton: steps whose iteration was begun again with a fresh Jacobian each time; shortened_steps: those taken
-    shorter than asked for, as the iteration failed; refused_steps: repeated for their error, where steps are chosen.
+    full_newton: steps repeated with a new Jacobian in every iteration; shortened_steps: steps that were shortened
+    because the iteration failed; refused_steps: steps repeated because their estimated error was too large (adaptive
+    steps only).
     """
 
     solve_s: float
@@ -80,10 +81,10 @@ class Column:
 
 @dataclass(frozen=True)
 class Outline:
-    """One part of the mechanism as it is drawn.
+    """One part of the mechanism as it is drawn: a disc, a bar or a filled area.
 
-    A disc around its only point, a bar along an open line, or the area within a closed one (its first point repeated).
-    points: (n, 2) m, world frame (x horizontal, y up); diameter: m, of a disc or across a bar.
+    points: (n, 2) m, world frame (x horizontal, y up). One point is the centre of a disc; an open line is the axis of a
+    bar; a closed line (last point equal to the first) bounds an area. diameter: m, of the disc or across the bar.
     """
 
     part: str
@@ -93,7 +94,7 @@ class Outline:
 
 @dataclass(frozen=True)
 class Force:
-    """Force (2,) N of the medium, and where it acts, point (2,) m; `body` empty: on all together."""
+    """Force (2,) N of the medium on a body, and its point of action (2,) m; `body` is empty for the total force."""
 
     body: str
     point: NDArray[np.float64]
@@ -102,7 +103,7 @@ class Force:
 
 @dataclass(frozen=True)
 class Snapshot:
-    """The mechanism at one instant (s); `label` is `touch`, `deepest` or `end`, or `frame` in an animation."""
+    """The mechanism at one instant (s); `label` is `touch`, `deepest` or `end`, or `frame` for one of an animation."""
 
     label: str
     time: float
@@ -115,15 +116,15 @@ class Results:
     """A finished run.
 
     table: (rows, len(columns)), one row per accepted step (or per `output.interval_s`), the first at t = 0.
-    summary: what summary.json holds (JSON types only, SI units in the keys).
+    summary: content of summary.json (JSON types only, SI units in the keys).
     scenario: the scenario with every default resolved, as plain YAML types.
-    surface: height of the free surface (m), or of one that is not level its corners (k, 2) m, its first and last pieces
-    without end; None in vacuum.
+    surface: height of the free surface (m), or the corners (k, 2) m of a surface that is not level, whose first and
+    last pieces extend without end; None in vacuum.
     layers: depths (m) below the surface at which other media begin; floor: height (m) of the floor, None without one.
-    terms: names of the terms of the granular force, as they stand in the columns (`drag_force_x_N`).
-    frames: snapshots evenly spaced in time, for an animation; none unless the run was asked for them.
-    sizes: diameters and widths (m) of what was immersed.
-    motion: how it moved, as it is played; of runs in space, where there are no frames.
+    terms: names of the terms of the granular force, as in the columns (`drag_force_x_N`).
+    frames: snapshots evenly spaced in time, for an animation; empty unless the run was asked for them.
+    sizes: diameters and widths (m) of the immersed shapes.
+    motion: motion for playback, of a run in space alone.
     """
 
     name: str
@@ -143,24 +144,24 @@ class Results:
     motion: Motion | None = None
 
     def __getitem__(self, name: str) -> NDArray[np.float64]:
-        """Column `name` as an array (rows,); KeyError says which are nearest, or what there is."""
+        """Column `name` as an array (rows,); the KeyError of an unknown name suggests similar names, or lists all."""
         for i, column in enumerate(self.columns):
             if column.name == name:
                 return self.table[:, i]
         raise KeyError(unknown_name("column", name, self.names, self._welded()))
 
     def _welded(self) -> dict[str, str]:
-        """Of each body that is welded to another, the one nearest to the ground that it moves with."""
+        """Map each welded body to the first body of its chain of welds, under whose name both move."""
         model = self.scenario.get("model")
         joints = (model.get("joints") if isinstance(model, dict) else None) or {}
-        parents = {one["child"]: one["parent"] for one in joints.values() if one["type"] in WELDS}
-        found = {}
+        parents = {joint["child"]: joint["parent"] for joint in joints.values() if joint["type"] in WELDS}
+        roots = {}
         for body in parents:
             root = body
             while root in parents:
                 root = parents[root]
-            found[body] = root
-        return found
+            roots[body] = root
+        return roots
 
     @property
     def names(self) -> list[str]:
@@ -181,34 +182,34 @@ class Results:
         return notebook(self)
 
     def to_dataframe(self) -> DataFrame:
-        """The table as a pandas DataFrame, one row per accepted step.
+        """Return the table as a pandas DataFrame, one row per row of `table`.
 
         Returns
         -------
         DataFrame
-            What columns mean is in its `attrs`.
+            Its `attrs` describe the columns.
 
         Raises
         ------
         MissingPackageError
-            There is no pandas.
+            pandas is not installed.
         """
         from granular_contact.results.methods import dataframe
 
         return dataframe(self)
 
     def plot(self, *names: str) -> Figure:
-        """Columns over time, a panel for each unit.
+        """Plot columns over time, one panel for each unit.
 
         Parameters
         ----------
         *names : str
-            Columns, as "tip_y_m".
+            Names of columns, for example "tip_y_m".
 
         Returns
         -------
         Figure
-            A notebook shows it, `savefig` saves it.
+            A notebook shows it; `savefig` saves it.
 
         Raises
         ------
@@ -220,12 +221,12 @@ class Results:
         return plot(self, names)
 
     def figures(self) -> dict[str, Figure]:
-        """All figures that a run is saved with.
+        """Draw all figures that `save` writes.
 
         Returns
         -------
         dict of Figure
-            By name, as `motion`, `forces`, `energy`, `mechanism`; which there are depends on what moves.
+            By name: `motion`, `forces`, `energy`, `mechanism` and others. Which exist depends on the run.
 
         Examples
         --------
@@ -236,36 +237,36 @@ class Results:
         return figures(self)
 
     def animation(self, file: str | PathLike[str] = "animation.gif") -> Film:
-        """Write the motion as a film, to scale, with the forces of the medium; a notebook shows it.
+        """Write a film of the motion, to scale, with the forces of the medium.
 
         Parameters
         ----------
         file : str or path
-            Ends in .gif, or in .mp4 for which ffmpeg has to be on the path.
+            Ends in .gif, or in .mp4; for .mp4 the program ffmpeg has to be on the path.
 
         Returns
         -------
         Film
-            The file, as a path that is shown.
+            Path of the file; a notebook plays it.
 
         Raises
         ------
         ResultsError
-            The run was not asked for pictures (`most_frames`), or the file has another ending.
+            The run was made without pictures (`most_frames=0`), or the file has another ending.
         OSError
-            The disk refuses, or ffmpeg is missing or fails.
+            The file cannot be written, or ffmpeg is missing or fails.
         """
         from granular_contact.results.methods import animation
 
         return animation(self, Path(file))
 
     def save(self, directory: str | PathLike[str], *, figures: bool = True) -> Path:
-        """Write a results folder, as the command `run` does, in place of an earlier run's results there.
+        """Write a results folder, as the command `run` does; results of an earlier run in the folder are replaced.
 
         Parameters
         ----------
         directory : str or path
-            Folder; it is there whole or not at all.
+            Folder to write. It appears complete or not at all.
         figures : bool
             Whether to draw the figures, which takes a second or two.
 
@@ -277,7 +278,7 @@ class Results:
         Raises
         ------
         OSError
-            The disk refuses, or the folder holds what no run wrote.
+            The folder cannot be written, or it contains files that no run wrote.
         """
         from granular_contact.results.methods import save
 
@@ -285,9 +286,9 @@ class Results:
 
     @classmethod
     def open(cls, directory: str | PathLike[str]) -> Results:
-        """The results in a folder that a run or `save` wrote: the same table, summary, warnings and scenario.
+        """Read the results in a folder that a run or `save` wrote: table, summary, warnings and scenario.
 
-        NaN in a summary is None after it. `snapshots` and `sizes` are not saved, so there are none.
+        NaN in the summary is read back as None. `snapshots` and `sizes` are not saved, so they are empty.
 
         Parameters
         ----------
@@ -302,7 +303,7 @@ class Results:
         Raises
         ------
         ResultsError
-            The folder holds no run, or a damaged one; one line says which file and what is wrong.
+            The folder contains no run, or a damaged one; the message names the file and the fault.
         """
         from granular_contact.results.methods import opened
 

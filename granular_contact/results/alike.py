@@ -1,4 +1,4 @@
-"""Sentences of many runs, those that differ only in their numbers as one kind."""
+"""Group the warnings of many runs: sentences that differ only in their numbers are of one kind."""
 
 from __future__ import annotations
 
@@ -17,25 +17,26 @@ class _Kind:
 
 @dataclass
 class Kinds:
-    """The kinds of the sentences that were added: the first of each, how many are alike, whether numbers differ."""
+    """Kinds of the sentences added so far: the first sentence of each kind, its count, and whether numbers differ."""
 
-    found: dict[str, _Kind] = field(default_factory=dict)
+    by_pattern: dict[str, _Kind] = field(default_factory=dict)
 
     def add(self, sentence: str) -> None:
-        """Count a sentence."""
-        kind = self.found.setdefault(_NUMBER.sub("#", sentence), _Kind(sentence))
+        """Count a sentence under its kind."""
+        kind = self.by_pattern.setdefault(_NUMBER.sub("#", sentence), _Kind(sentence))
         kind.count += 1
         kind.differs |= sentence != kind.first
 
     def lines(self, count: int, runs: str, most: int, place: str) -> list[str]:
-        """The first of each kind and in how many of the `count` runs, the most frequent first.
+        """List the first sentence of each kind and in how many of the `count` runs it occurs, most frequent first.
 
-        runs: what the runs are called, as "cases"; most: kinds; place: of all others.
+        runs: name of the runs in the text, for example "cases"; most: greatest number of kinds to list; place: where
+        the user finds the kinds that are not listed.
         """
-        ordered = sorted(self.found.values(), key=lambda one: -one.count)
-        found = [
-            f"{one.first} ({one.count} of {count} {runs}{f', in other {runs} with other numbers' * one.differs})"
-            for one in ordered[:most]
+        ordered = sorted(self.by_pattern.values(), key=lambda kind: -kind.count)
+        lines = [
+            f"{kind.first} ({kind.count} of {count} {runs}{f', in other {runs} with other numbers' * kind.differs})"
+            for kind in ordered[:most]
         ]
         more = len(ordered) - most
-        return [*found, f"... and {more} more kind{'s' * (more > 1)}, in {place}"] if more > 0 else found
+        return [*lines, f"... and {more} more kind{'s' * (more > 1)}, in {place}"] if more > 0 else lines

@@ -1,4 +1,4 @@
-"""Energy of a run, whatever solved it: columns of what was stored and done, their balance, and the key numbers."""
+"""Energy balance of a run by any engine: columns of stored energies, works and the imbalance, and key numbers."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from granular_contact.results.series import Series
 from granular_contact.values.arrays import Vector
 
 SPRING = "spring_J"
-IN_JOINTS = {  # columns that a run has if its joints or its bed have such things
+IN_JOINTS = {  # columns that exist only if the joints or the bed have such parts
     SPRING: "energy in the springs and stops of joints",
     "joint_damping_work_J": "work of dampers and stops in joints so far",
     "friction_work_J": "work of dry friction in joints so far",
@@ -28,9 +28,9 @@ def columns(
     damping: Vector,
     joints: dict[str, Vector] | None = None,
 ) -> Series:
-    """Energies, and work done by the medium and by internal damping so far, (n,) J each.
+    """Columns of energies and of the work of the medium and of internal damping since the start, (n,) J each.
 
-    joints: what joints store (`spring_J`), and the work done in them so far, by the names of their columns.
+    joints: energy stored in joints (`spring_J`) and work done in joints since the start, by column name.
     """
     joints = joints or {}
     total = kinetic + gravity
@@ -50,24 +50,23 @@ def columns(
     for name in (name for name in IN_JOINTS if name in joints and name != SPRING):
         series[name] = (IN_JOINTS[name], joints[name])
         done = done + joints[name]
-    words = "energy less what was done by medium and damping, from the start"
-    if joints:
-        words = "energy less all work that was done on the mechanism, from the start"
-    series[IMBALANCE] = (words, total - done - total[0])
+    works = "all work done on the mechanism" if joints else "the work of medium and damping"
+    series[IMBALANCE] = (f"change of energy since the start, minus {works}", total - done - total[0])
     return series
 
 
 def key_numbers(series: dict[str, Vector], least: float) -> dict[str, float]:
-    """Energy at the start and at the end, works, and the imbalance; of series by column name, (n,) each.
+    """Energy at the start and at the end, works, and the relative imbalance, from columns (n,) J by name.
 
-    imbalance_relative: the greatest over the greatest single energy, or over the least (J) that counts.
+    imbalance_relative: largest imbalance divided by the largest of all energies and works, or by `least` (J) if that
+    is larger.
     """
-    there = {name: series[name] for name in (*STORED, *WORKS) if name in series}
-    stored = np.sum([values for name, values in there.items() if name in STORED], axis=0)
-    scale = max(least, *(float(np.max(np.abs(values))) for values in there.values()))
+    present = {name: series[name] for name in (*STORED, *WORKS) if name in series}
+    stored = np.sum([values for name, values in present.items() if name in STORED], axis=0)
+    scale = max(least, *(float(np.max(np.abs(values))) for values in present.values()))
     imbalance = float(np.max(np.abs(series[IMBALANCE]))) / scale if scale > 0.0 else 0.0
     numbers = {"initial_J": float(stored[0]), "final_J": float(stored[-1])}
-    numbers |= {name: float(values[-1]) for name, values in there.items() if name in WORKS}
+    numbers |= {name: float(values[-1]) for name, values in present.items() if name in WORKS}
     return numbers | {"imbalance_relative": imbalance}
 
 
@@ -75,16 +74,16 @@ def key_numbers(series: dict[str, Vector], least: float) -> dict[str, float]:
 
 
 def accumulate(time: Vector, rate: Vector) -> Vector:
-    """Trapezoidal integral of a rate from the first instant on, (instants,); of no instants nothing."""
+    """Cumulative trapezoidal integral (instants,) of a rate, zero at the first instant; empty without instants."""
     return np.concatenate([np.zeros(min(len(time), 1)), np.cumsum(0.5 * (rate[1:] + rate[:-1]) * np.diff(time))])
 
 
 def work(time: Vector, force: Vector, rate: Vector) -> Vector:
-    """Work (instants,) J of forces along rates, (instants,) or (instants, n) each, from the first instant on.
+    """Work (instants,) J since the first instant, of forces and their rates, (instants,) or (instants, n) each.
 
-    Mean force of a step times its mean rate. A scheme of second order gives a step the momentum of the mean force, so
-    that the kinetic energy changes by just this; the mean power differs from it by a quarter of h dF dv, which is first
-    order in h where the force jumps, and is nothing that the motion has.
+    The work of a step is its mean force times its mean rate. In a step of a second-order scheme the mean force changes
+    the momentum, so the kinetic energy changes by exactly this work. The mean power times h differs by h dF dv / 4; the
+    difference is of first order in h where the force jumps, and is no energy of the motion.
     """
     mean = 0.25 * (force[1:] + force[:-1]) * (rate[1:] + rate[:-1])
     power = mean if mean.ndim == 1 else mean.sum(axis=1)

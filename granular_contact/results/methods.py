@@ -1,4 +1,4 @@
-"""What users ask of results that the parts above do: folders by `report`, figures by `report.figures`."""
+"""Methods of `Results` that need rooms above this one: folders (`report`) and figures (`report.figures`)."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _SHOWN = (
 
 
 def dataframe(results: Results) -> Any:
-    """The table as a DataFrame."""
+    """`Results.to_dataframe`."""
     try:
         pandas: Any = importlib.import_module("pandas")
     except ImportError:
@@ -41,7 +41,7 @@ def dataframe(results: Results) -> Any:
 
 
 def plot(results: Results, names: Sequence[str]) -> Figure:
-    """Columns over time."""
+    """`Results.plot`."""
     from granular_contact.report.figures import style
     from granular_contact.report.figures.over_time import chosen
 
@@ -50,7 +50,7 @@ def plot(results: Results, names: Sequence[str]) -> Figure:
 
 
 def figures(results: Results) -> dict[str, Figure]:
-    """All figures of a run."""
+    """`Results.figures`."""
     from granular_contact.report import figures as drawn
 
     with drawn.style():
@@ -59,7 +59,7 @@ def figures(results: Results) -> dict[str, Figure]:
 
 @dataclass(frozen=True)
 class Film(PathLike[str]):
-    """A film in a file; a notebook plays it."""
+    """Path of a film; a notebook plays it."""
 
     path: Path
 
@@ -77,11 +77,11 @@ class Film(PathLike[str]):
 
 
 def animation(results: Results, file: Path) -> Film:
-    """Write the pictures of a run as a film."""
+    """`Results.animation`."""
     if file.suffix not in (".gif", ".mp4"):
         raise ResultsError(f"{file}: got the ending {file.suffix!r}; allowed are .gif and .mp4")
     if not results.frames and results.motion is None:
-        raise ResultsError(f"{results.name} has no pictures: the run had most_frames=0")
+        raise ResultsError(f"{results.name} has no pictures, because the run was made with most_frames=0")
     from granular_contact.report.figures.film import write
 
     write(results, file)
@@ -89,33 +89,34 @@ def animation(results: Results, file: Path) -> Film:
 
 
 def save(results: Results, directory: Path, with_figures: bool) -> Path:
-    """Write a results folder."""
+    """`Results.save`."""
     from granular_contact import report
 
     report.write(results, directory, figures=with_figures)
     return directory
 
 
-# ---- a folder read back ----
+# ---- reading a folder ----
 
 
 def opened(directory: Path) -> Results:
-    """The results of a run in a folder."""
+    """`Results.open`."""
     from granular_contact.report import SCENARIO, SERIES, SUMMARY, kind_of
     from granular_contact.report.pages.folder import Folder
 
     if not directory.is_dir():
-        raise ResultsError(f"{directory} is {'a file' if directory.exists() else 'not there'}; a folder is needed")
+        fault = "is a file" if directory.exists() else "does not exist"
+        raise ResultsError(f"{directory} {fault}; the folder of a run is needed")
     kind, folder = kind_of(directory), Folder(directory, "run")
     if kind not in (None, "run"):
-        raise ResultsError(f"{directory} holds results of a {kind}, and not of one run")
+        raise ResultsError(f"{directory} contains results of a {kind}; the folder of a single run is needed")
     summary = folder.read(SUMMARY)
-    columns = tuple(Column(str(name), str(words)) for name, words in (summary.pop("columns", None) or {}).items())
+    columns = tuple(Column(str(name), str(text)) for name, text in (summary.pop("columns", None) or {}).items())
     if not columns:
-        raise ResultsError(f"{directory / SUMMARY}: has no columns, as this program writes them")
+        raise ResultsError(f"{directory / SUMMARY}: has no columns, as a summary of a run must have")
     table, status = folder.numbers(SERIES), _status(summary, directory / SUMMARY)
     if list(table) != [column.name for column in columns]:
-        raise ResultsError(f"{directory / SERIES}: has other columns than summary.json says")
+        raise ResultsError(f"{directory / SERIES}: has other columns than those listed in {SUMMARY}")
     scenario, bed = _scenario(folder.file(SCENARIO))
     motion = folder.motion()
     return Results(
@@ -127,7 +128,7 @@ def opened(directory: Path) -> Results:
         scenario=scenario,
         snapshots=(),
         warnings=tuple(map(str, summary.get("warnings") or ())),
-        terms=tuple(found[1] for column in columns if (found := _TERM.fullmatch(column.name))),
+        terms=tuple(match[1] for column in columns if (match := _TERM.fullmatch(column.name))),
         frames=() if motion is None else frames_of(motion),
         motion=motion if motion is not None and motion.in_space else None,
         **bed,
@@ -143,7 +144,7 @@ def _status(summary: dict[str, Any], file: Path) -> Status:
 
 
 def _scenario(file: Path) -> tuple[dict[str, Any], dict[str, Any]]:
-    """The scenario as plain data, and what its bed looks like."""
+    """Read a scenario file: the scenario as plain YAML types, and the fields of `Results` that describe its bed."""
     from granular_contact.config import load, scenario_to_dict
     from granular_contact.results.observation import bed_of
     from granular_contact.scene.build import build
@@ -160,15 +161,13 @@ def _scenario(file: Path) -> tuple[dict[str, Any], dict[str, Any]]:
 
 
 def notebook(results: Results) -> str:
-    """Results as a piece of HTML: how the run ended, key numbers, warnings, and the columns to unfold."""
+    """Results as HTML for a notebook: status, key numbers, warnings, and the list of columns, folded."""
     from granular_contact.report.units import label, quantity
 
-    known = [
-        (label(key), quantity(key, results.summary[key])) for key in _SHOWN if results.summary.get(key) is not None
-    ]
-    numbers = "".join(f"<tr><td>{escape(words)}</td><td>{escape(value)}</td></tr>" for words, value in known)
-    warnings = "".join(f"<p>warning: {escape(words)}</p>" for words in results.warnings)
-    columns = _rows((f"<code>{escape(one.name)}</code>", escape(one.description)) for one in results.columns)
+    rows = [(label(key), quantity(key, results.summary[key])) for key in _SHOWN if results.summary.get(key) is not None]
+    numbers = "".join(f"<tr><td>{escape(name)}</td><td>{escape(value)}</td></tr>" for name, value in rows)
+    warnings = "".join(f"<p>warning: {escape(warning)}</p>" for warning in results.warnings)
+    columns = _rows((f"<code>{escape(column.name)}</code>", escape(column.description)) for column in results.columns)
     count = f"{len(results.table)} rows, {len(results.columns)} columns"
     return (
         f"<p><b>{escape(results.name)}</b>: {escape(results.status.message)}</p>{warnings}"

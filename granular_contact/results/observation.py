@@ -1,7 +1,7 @@
-"""What was observed of a solved scene -> Results: the one place where table, summary, warnings and pictures are made.
+"""Make `Results` from the `Observation` of a solved scene: table, summary, warnings and pictures, for every engine.
 
-Every method of solution reads its own coordinates and gives an `Observation`: the engine and minimal coordinates in
-`mechanics.observe`, modes in `engines.modal.observe`.
+Each engine computes an `Observation` from its own coordinates: Exudyn and minimal coordinates in `mechanics.observe`,
+modal coordinates in `engines.modal.observe`.
 """
 
 from __future__ import annotations
@@ -26,10 +26,11 @@ Outlines = Callable[[int], tuple[Outline, ...]]
 
 
 class Known(NamedTuple):
-    """What a method of solution has found between its steps by itself.
+    """Extremes and first touch that an engine has already computed between its steps.
 
-    depth (n,) m of the deepest of all points that can meet the medium, None without a surface; greatest; touch: when
-    (s) the first point gets into the medium, None for never; reach: None where nothing could meet the medium.
+    depth: (n,) m, of the deepest point that can meet the medium, None without a surface; greatest: of depth and
+    deflection; touch: time (s) at which the first point enters the medium, None if none does; reach: None if no body
+    can meet the medium.
     """
 
     depth: Vector | None
@@ -40,17 +41,18 @@ class Known(NamedTuple):
 
 @dataclass(frozen=True)
 class Observation:
-    """All accepted instants of a run (n,), and what is asked about single ones (by index).
+    """Histories of a run at its n accepted steps, and functions for single instants.
 
-    motion: columns of joints, drives and bodies; mean_rate (n,) rad/s, None without a pivot; tip (n, 2) m; deflection
-    (m) of the last flexible link, clockwise; depths (m) of all points that can meet the medium, negative above it.
-    terms: names of the terms of the medium's force; term_forces (n, terms, 3): these, as of `series.clockwise_moment`;
-    moments_about: the pivot (2,) m, or of a mechanism without one its centre of mass (n, 2) m; body_forces (n, 3): see
-    `frames.frames`. energies: as of `energy.columns`. reach: None where nothing could meet the medium. stop: when it
-    stopped after the touch. outlines: as drawn at an instant; pictures: what gives them at given times (k,) s. more:
-    what the summary has besides. accuracy: what the steps say of their own error. steered: warnings of what a
-    program set. notices: of what the engine could not do as usual. known: None where
-    depths and deflection are to be looked through.
+    motion: columns of joints, drives and bodies; mean_rate: (n,) rad/s, None without a pivot; tip: (n, 2) m;
+    deflection: (m) of the last flexible link, clockwise; depths: (m) of all points that can meet the medium, negative
+    above it. terms: names of the terms of the medium's force; term_forces: (n, terms, 3), see
+    `series.clockwise_moment`; moments_about: the pivot (2,) m, or without a pivot the centre of mass (n, 2) m;
+    body_forces: (n, 3) each, see `frames.frames`. energies: from `energy.columns`. reach: None if no body can meet the
+    medium. stop: function from the touch to the stop after it. outlines: function from an index to the outlines there;
+    pictures: function from times (k,) s to a function that draws them. more: further entries of the summary.
+    accuracy: warnings on the error of the time steps. steered: warnings about values set by a controller. notices:
+    about features that the engine had to replace. known: None if extremes and touch are still to be found from depths
+    and deflection.
     """
 
     _DEFLECTION: ClassVar[str] = "tip deflection across the axis of the link's root, clockwise positive"
@@ -87,25 +89,25 @@ class Observation:
         return np.max([track.values for track in self.depths], axis=0) if self.depths else None
 
     def film(self, most: int) -> dict[str, Any]:
-        """Pictures evenly spaced in time, at most so many, as `Results` has them."""
+        """Field `frames` of `Results`: at most `most` pictures, evenly spaced in time."""
         return {"frames": _frames(self, most)}
 
     def columns(self) -> tuple[tuple[Column, ...], Vector]:
-        """All columns, with the table (instants, columns)."""
-        found: series.Series = {"time_s": ("time since the start", self.time)}
-        found |= self.motion | self._of_tip()
+        """All columns, and the table (instants, columns)."""
+        columns: series.Series = {"time_s": ("time since the start", self.time)}
+        columns |= self.motion | self._tip_columns()
         if self.deflection is not None:
-            found["deflection_m"] = (self._DEFLECTION, self.deflection.values)
+            columns["deflection_m"] = (self._DEFLECTION, self.deflection.values)
         if self.depth is not None:
-            found["depth_m"] = ("depth of the deepest point below the surface", self.depth)
+            columns["depth_m"] = ("depth of the deepest point below the surface", self.depth)
         if self.scene.media:
-            found |= self._of_terms()
-        return series.tabulate(found | self.energies)
+            columns |= self._force_columns()
+        return series.tabulate(columns | self.energies)
 
-    def _of_tip(self) -> series.Series:
+    def _tip_columns(self) -> series.Series:
         return series.tip(self.tip, self.mean_rate)
 
-    def _of_terms(self) -> series.Series:
+    def _force_columns(self) -> series.Series:
         at_pivot = self.scene.pivot is not None
         return series.forces(self.terms, self.term_forces, self.moments_about, at_pivot=at_pivot)
 
@@ -113,30 +115,31 @@ class Observation:
 def pictures(
     outlines: Callable[[Any], Outlines], trajectory: Any, at: Vector
 ) -> Callable[[], list[tuple[Outline, ...]]]:
-    """What gives the outlines at times (k,) s between the steps of a trajectory, as its method of solution draws them.
+    """Return a function that draws the outlines at times (k,) s, interpolated between the steps of a trajectory.
 
-    Only states at these times are computed here, and kept: a run is not slower for pictures that nobody asks for.
+    outlines: function of the engine from a trajectory to its `Outlines`. The states at these times are computed at
+    once, the outlines only when the returned function is called: unused pictures cost no time.
     """
     t = trajectory
     q, v = at_times(t.time, t.q, t.v, at), resample(t.time, t.v, at)
-    drawn = outlines(replace(t, time=at, q=q, v=v))
-    return lambda: [drawn(i) for i in range(len(at))]
+    outlines_at = outlines(replace(t, time=at, q=q, v=v))
+    return lambda: [outlines_at(i) for i in range(len(at))]
 
 
 def key_numbers(seen: Observation) -> tuple[dict[str, Any], Touch | None]:
-    """The summary of a run, and when it touched the medium."""
+    """Summary of a run, and its first touch of the medium."""
     scene, time = seen.scene, seen.time
     energies = energy.key_numbers({name: values for name, (_, values) in seen.energies.items()}, least_energy(scene))
     if seen.known is None:
-        found = extremes(time, seen.depths, seen.deflection)
+        greatest = extremes(time, seen.depths, seen.deflection)
         touch = find_touch(time, seen.depths) if scene.media else None
     else:
-        found = seen.known.greatest
+        greatest = seen.known.greatest
         touch = None if seen.known.touch is None else touched(time, seen.known.touch)
     stop = None if touch is None else seen.stop(touch)
-    summary = summarise(scene, seen.status, seen.cost, energies, touch, stop, found) | seen.more
+    summary = summarise(scene, seen.status, seen.cost, energies, touch, stop, greatest) | seen.more
     start = None if seen.depth is None else float(seen.depth[0])
-    return warned(summary, scene, found, seen.reach, start, seen.accuracy, [*seen.notices, *seen.steered]), touch
+    return warned(summary, scene, greatest, seen.reach, start, seen.accuracy, [*seen.notices, *seen.steered]), touch
 
 
 def warned(
@@ -148,9 +151,10 @@ def warned(
     accuracy: Sequence[AccuracyWarning] = (),
     steered: Sequence[str] = (),
 ) -> dict[str, Any]:
-    """A summary with its warnings in it; start: depth (m) of the deepest point then; others as of Observation.
+    """Add all warnings to a summary, and whether the result is usable.
 
-    steered: notices, too.
+    start: depth (m) of the deepest point at the start; steered: notices and warnings about set values, see
+    `Observation`; reach, accuracy: see there.
     """
     summary["warnings"] += [
         *map(str, scene.notes),
@@ -165,7 +169,7 @@ def warned(
 
 
 def results(seen: Observation, scenario: dict[str, Any], most_frames: int = 0) -> Results:
-    """Results of a run; scenario: as plain YAML types; most_frames: from 2, at most so many frames of an animation."""
+    """Results of a run; scenario: as plain YAML types; most_frames: greatest number of pictures (at least 2), or 0."""
     scene, time = seen.scene, seen.time
     columns, table = seen.columns()
     summary, touch = key_numbers(seen)
@@ -198,7 +202,7 @@ def _frames(seen: Observation, most: int) -> Later:
 
 
 def bed_of(scene: Scene) -> dict[str, Any]:
-    """Surface, layers and floor, as `Results` has them."""
+    """Fields `surface`, `layers` and `floor` of `Results`."""
     return {
         "surface": surface(scene),
         "layers": tuple(sorted({layer.top for layer in scene.bed.layers if layer.top > 0.0})) if scene.bed else (),
@@ -207,17 +211,18 @@ def bed_of(scene: Scene) -> dict[str, Any]:
 
 
 def surface(scene: Scene) -> float | Vector | None:
-    """The free surface, see `Results`; None in vacuum."""
+    """Field `surface` of `Results`; None in vacuum."""
     if scene.bed is None or not scene.media:
         return None
     return scene.surface if scene.bed.level else scene.bed.corners
 
 
 def _rows(time: Vector, interval: float | None) -> Any:
-    """Which instants go into the table: all, or the first at or after each multiple of the interval, and the last."""
+    """Rows of the table: all instants, or the first at or after each multiple of the interval, and the last."""
     if interval is None or interval <= np.diff(time).min(initial=np.inf):
         return slice(None)
-    # Sums of steps miss the multiples by round-off, which is far below a step.
-    near = 1e-3 * np.diff(time).min()
-    passed = np.floor((time + near) / interval)  # multiples so far; counted, as there may be no room to list them
+    # A sum of steps differs from a multiple by round-off, which is far below a step.
+    tolerance = 1e-3 * np.diff(time).min()
+    # Number of multiples passed so far. A list of all multiples could be too long for the memory.
+    passed = np.floor((time + tolerance) / interval)
     return np.unique([0, *(np.flatnonzero(np.diff(passed)) + 1), len(time) - 1])

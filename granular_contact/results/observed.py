@@ -1,4 +1,4 @@
-"""What is seen of a scene at one instant, by name: the same names, units and signs as the columns of the results."""
+"""Observations of a scene at one instant, by name, with the names, units and signs of the columns of the results."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ from granular_contact.values.arrays import Vector
 
 Pair = tuple[Vector, Vector]
 DEGREES = math.degrees(1.0)
-COORDINATES, RATES, POSES, VELOCITIES, FORCES, DEPTHS = range(6)  # in pairs, as in an `Instant`
-Place = tuple[int, int, int, float]  # array, row, column and factor of the unit of a name
+COORDINATES, RATES, POSES, VELOCITIES, FORCES, DEPTHS = range(6)  # the first four in pairs, as in an `Instant`
+Place = tuple[int, int, int, float]  # of a named number: array, row, column, and the factor of its unit
 
 
 @dataclass(frozen=True)
 class Seen:
-    """Whose numbers stand where in observations.
+    """Names of joints and bodies, in the order of the arrays of observations.
 
-    joints: of hinges and sliders; hinges: which of them are hinges; bodies: by the label of their columns; met: those
-    that can meet the medium; welded: bodies that go by the label of the one that they are welded to, and this.
+    joints: hinges and sliders; hinges: which of the joints are hinges; bodies: labels of their columns; met: bodies
+    that can meet the medium; welded: pairs of a welded body and the body under whose label it is observed.
     """
 
     _WRENCH: ClassVar[Sequence[str]] = ("x_N", "y_N", "moment_Nm")
@@ -39,42 +39,42 @@ class Seen:
     @cached_property
     def places(self) -> dict[str, Place]:
         """Array, row, column and factor of the unit of each name."""
-        found: dict[str, Place] = {}
+        places: dict[str, Place] = {}
         for i, (name, is_hinge) in enumerate(zip(self.joints, self.hinges, strict=True)):
-            found |= _of_joint(name, is_hinge, i)
+            places |= _joint_places(name, is_hinge, i)
         for i, name in enumerate(self.bodies):
-            found |= self._of_body(name, i)
+            places |= self._body_places(name, i)
         for i, name in enumerate(self.met):
-            found |= in_a_row(f"{name}_granular", self._WRENCH, FORCES, i)
-            found[f"{name}_depth_m"] = (DEPTHS, i, 0, 1.0)
-        return found
+            places |= in_a_row(f"{name}_granular", self._WRENCH, FORCES, i)
+            places[f"{name}_depth_m"] = (DEPTHS, i, 0, 1.0)
+        return places
 
     @staticmethod
-    def _of_body(name: str, i: int) -> dict[str, Place]:
-        found = in_a_row(name, ("x_m", "y_m"), POSES, i) | angle(f"{name}_orientation", POSES, i, 2)
-        return found | in_a_row(name, ("vx_m_s", "vy_m_s", "spin_rad_s"), VELOCITIES, i)
+    def _body_places(name: str, i: int) -> dict[str, Place]:
+        pose = in_a_row(name, ("x_m", "y_m"), POSES, i) | angle(f"{name}_orientation", POSES, i, 2)
+        return pose | in_a_row(name, ("vx_m_s", "vy_m_s", "spin_rad_s"), VELOCITIES, i)
 
 
-def _of_joint(name: str, is_hinge: bool, i: int) -> dict[str, Place]:
+def _joint_places(name: str, is_hinge: bool, i: int) -> dict[str, Place]:
     if is_hinge:
         return angle(f"{name}_angle", COORDINATES, i, 0) | {f"{name}_rate_rad_s": (RATES, i, 0, 1.0)}
     return {f"{name}_position_m": (COORDINATES, i, 0, 1.0), f"{name}_speed_m_s": (RATES, i, 0, 1.0)}
 
 
 def in_a_row(name: str, ends: Sequence[str], array: int, row: int) -> dict[str, Place]:
-    """Names with these ends, for the columns of a row from its first on."""
+    """Places of the first columns of a row; each name is `name` followed by one of the ends."""
     return {f"{name}_{end}": (array, row, column, 1.0) for column, end in enumerate(ends)}
 
 
 def angle(name: str, array: int, row: int, column: int) -> dict[str, Place]:
-    """Both names of an angle, in degrees and in radians."""
+    """Places of an angle under both of its names, in degrees and in radians."""
     return {f"{name}_deg": (array, row, column, DEGREES), f"{name}_rad": (array, row, column, 1.0)}
 
 
 class Instant(NamedTuple):
-    """One instant of a solve, each part of which is computed when it is asked for; arrays as of `Observations`.
+    """Functions of an engine that compute the arrays of `Observations` at one instant.
 
-    joints: coordinates and rates; bodies: poses and velocities; forces: of the medium, of the poses; depths.
+    joints: coordinates and rates; bodies: poses and velocities; forces: forces of the medium, from the poses; depths.
     """
 
     joints: Callable[[], Pair]
@@ -84,12 +84,12 @@ class Instant(NamedTuple):
 
 
 class Observations(Mapping[str, float]):
-    """One instant: arrays in SI units, and every single number by its name, `observations["hip_angle_deg"]`.
+    """Observations at one instant: arrays in SI units, and single numbers by name, `observations["hip_angle_deg"]`.
 
-    Angles, rates and moments are clockwise positive, in space right-handed. Names are those of the columns of the
-    results, angles also in radians (`hip_angle_rad`); and `BODY_depth_m`, `BODY_contact` (1 or 0) and `depth_m` of what
-    can meet the medium.
-    What is not asked for is not computed; what was is kept.
+    Angles, rates and moments are positive clockwise, in space right-handed. Names are those of the columns of the
+    results; angles exist in radians too (`hip_angle_rad`). Bodies that can meet the medium have `BODY_depth_m` and
+    `BODY_contact` (1 or 0); `depth_m` is the depth of the deepest point of all.
+    Arrays are computed at the first access and then kept.
 
     Attributes
     ----------
@@ -112,17 +112,17 @@ class Observations(Mapping[str, float]):
 
     @property
     def coordinates(self) -> Vector:
-        """Of hinges (rad) and sliders (m), (joints,)."""
+        """Coordinates of hinges (rad) and sliders (m), (joints,)."""
         return self._joints[0]
 
     @property
     def rates(self) -> Vector:
-        """Of hinges (rad/s) and sliders (m/s), (joints,)."""
+        """Rates of hinges (rad/s) and sliders (m/s), (joints,)."""
         return self._joints[1]
 
     @property
     def poses(self) -> Vector:
-        """Centres of mass x, y (m) and angles (rad), of a link that bends the angle of its root, (bodies, 3).
+        """Centre of mass x, y (m) and angle (rad) of each body, (bodies, 3); a flexible link has the angle of its root.
 
         In space x, y, z (m), then roll, pitch and yaw (rad), (bodies, 6).
         """
@@ -130,15 +130,15 @@ class Observations(Mapping[str, float]):
 
     @property
     def velocities(self) -> Vector:
-        """Rates of poses (m/s, rad/s), (bodies, 3).
+        """Rates of the poses (m/s, rad/s), (bodies, 3).
 
-        In space velocities, then angular velocities about the axes of the world, (bodies, 6).
+        In space velocities, then angular velocities about the axes of the world frame, (bodies, 6).
         """
         return self._bodies[1]
 
     @cached_property
     def forces(self) -> Vector:
-        """Of the medium on bodies: x, y (N) and moment about the centre of mass (N m), (met, 3).
+        """Forces of the medium on bodies: x, y (N) and moment about the centre of mass (N m), (met, 3).
 
         In space x, y, z (N), then the moment about the same axes (N m), (met, 6).
         """
@@ -146,36 +146,36 @@ class Observations(Mapping[str, float]):
 
     @cached_property
     def depths(self) -> Vector:
-        """Of the deepest point of bodies that can meet the medium (m), negative above the surface, (met,)."""
+        """Depth (m) of the deepest point of each body that can meet the medium, negative above the surface, (met,)."""
         return self._instant.depths()
 
     @property
     def contacts(self) -> NDArray[np.bool_]:
-        """Whether each body that can meet the medium is in it, (met,)."""
+        """Whether each body that can meet the medium touches it, (met,)."""
         return self.depths > 0.0
 
     def computed(self) -> Observations:
-        """The same, with all of it computed now."""
+        """Compute all arrays and return the object itself."""
         _ = self._joints, self._bodies, self.forces, self.depths
         return self
 
     def __getstate__(self) -> dict[str, Any]:
-        """Arrays only, so that it can go to another process."""
-        return {key: held for key, held in vars(self.computed()).items() if key != "_instant"}
+        """Compute all arrays and leave out the functions of the engine, so that the object can be pickled."""
+        return {key: value for key, value in vars(self.computed()).items() if key != "_instant"}
 
     def __getitem__(self, name: str) -> float:
-        """A number by its name; KeyError says which are nearest, or what there is."""
+        """Return a number by name; the KeyError of an unknown name suggests similar names, or lists all."""
         place = self.seen.places.get(name)
         if place is None:
-            return self._other(name)
+            return self._derived(name)
         array, row, column, factor = place
         if array >= FORCES:
-            held = self.forces if array == FORCES else self.depths
+            values = self.forces if array == FORCES else self.depths
         else:
-            held = (self._joints, self._bodies)[array // 2][array % 2]
-        return float(held[row, column] if held.ndim == 2 else held[row]) * factor
+            values = (self._joints, self._bodies)[array // 2][array % 2]
+        return float(values[row, column] if values.ndim == 2 else values[row]) * factor
 
-    def _other(self, name: str) -> float:
+    def _derived(self, name: str) -> float:
         if name == "time_s":
             return self.time
         if name == "depth_m" and self.seen.met:
@@ -186,11 +186,11 @@ class Observations(Mapping[str, float]):
         raise KeyError(unknown_name("observation", name, self, dict(self.seen.welded)))
 
     def array(self, names: Iterable[str]) -> Vector:
-        """Numbers of some names, in their order, (names,)."""
+        """Return the numbers of the given names in this order, (names,)."""
         return np.array([self[name] for name in names])
 
     def __iter__(self) -> Iterator[str]:
-        """Names, as of a mapping."""
+        """Iterate over all names."""
         yield "time_s"
         yield from self.seen.places
         if self.seen.met:
@@ -198,9 +198,9 @@ class Observations(Mapping[str, float]):
             yield from (f"{name}_contact" for name in self.seen.met)
 
     def __len__(self) -> int:
-        """How many names there are."""
+        """Return the number of names."""
         return sum(1 for _ in self)
 
     def __repr__(self) -> str:
-        """All names with their numbers, one in a line."""
+        """List all names with their numbers, one per line."""
         return "\n".join(f"{name:32} {self[name]: .6g}" for name in self)

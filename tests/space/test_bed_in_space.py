@@ -61,7 +61,7 @@ def test_walls_are_watched_and_a_floor_without_a_contact_is_told() -> None:
     for (name, beyond), told in zip((("front", x - 0.12), ("right", -0.06 - y)), walls, strict=True):
         assert told.startswith(f"the {name} wall of the container was passed by ")
         assert float(told.split(" by ")[1].split()[0]) == pytest.approx(beyond, abs=1e-3)  # of facets of 4 mm
-    assert any("the floor was reached" in one and "it carries nothing" in one for one in found.warnings)
+    assert any("the floor was reached" in one and "exerts no force" in one for one in found.warnings)
 
 
 def test_layers_floor_and_walls_are_drawn_and_saved() -> None:
