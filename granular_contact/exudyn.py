@@ -1,8 +1,8 @@
-"""Importing this gives systems of Exudyn a method that makes a `GranularBed`, beside `CreateRigidBody`.
+"""Importing this module adds the method `CreateGranularBed` to Exudyn's systems, beside `CreateRigidBody`.
 
 import granular_contact.exudyn
 
-bed = mbs.CreateGranularBed("play_sand", surface=0.0)
+bed = mbs.CreateGranularBed("play_sand", surface=0.0)  # a GranularBed
 """
 
 from granular_contact.engines.exudyn.bed import GranularBed

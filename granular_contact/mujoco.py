@@ -1,4 +1,4 @@
-"""The bed in a MuJoCo model of the user's own, see `granular_contact.engines.mujoco` (extra `[mujoco]`)."""
+"""Granular bed for MuJoCo models of users (extra `[mujoco]`); an example is in `granular_contact.engines.mujoco`."""
 
 from granular_contact.engines.mujoco import BedData, BedState, History, MujocoBed
 

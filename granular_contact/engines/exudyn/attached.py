@@ -1,4 +1,4 @@
-"""A granular load once it is in an Exudyn system: which states it takes as accepted, and what can be read of it."""
+"""What a granular load in an Exudyn system offers its user: accepted states, history, work and forces."""
 
 from __future__ import annotations
 
@@ -12,29 +12,33 @@ Vector = NDArray[np.float64]
 
 
 class Attached:
-    """A load in an Exudyn system; it can be read at any time, during a solve or after it."""
+    """Granular load in an Exudyn system; its properties can be read at any time, during a solve or after it.
+
+    The system's current state counts as accepted for what is read. Vectors are in the frame of the engine: forces in N,
+    moments in N m about its origin, right-handed (in the plane positive counter-clockwise).
+    """
 
     coupling: Coupling
     in_space: bool
 
     @property
     def load_calls(self) -> int:
-        """How often the engine asked for forces."""
+        """Number of times that the forces of the load were computed."""
         return self.coupling.load_calls
 
     def accept(self) -> None:
-        """Take the current state of the system as accepted; for callers that know it is (a post-step function)."""
+        """Accept the current state of the system as the end of a step; for a post-step function, which knows that."""
         self.coupling.accept()
 
     def accept_state(self, t: float, q: Vector, v: Vector) -> None:
-        """`accept`, for callers that have the time (s) and all coordinates and rates of the system at hand.
+        """Accept a given state, as `accept` does, without reading it from the engine.
 
         Parameters
         ----------
         t : float
             Time (s).
         q, v : (n,) array
-            Coordinates and rates of the system, float64 and contiguous, as the engine keeps them; not checked.
+            All coordinates and rates of the system, float64 and contiguous, as the engine keeps them; not checked.
         """
         self.coupling.accept_state(t, q, v)
 
@@ -50,37 +54,35 @@ class Attached:
         return self.coupling.load.history
 
     @property
-    def _now(self) -> LoadHistory:
-        """The last entry of the history, at no more than the cost of one."""
+    def _last_entry(self) -> LoadHistory:
+        """The last entry of the history; the other entries are not copied."""
         with self.coupling.present():
             return self.coupling.load.last
 
     @property
     def work(self) -> float:
         """Work done by the medium on the bodies (J); its negative is the energy dissipated in the medium."""
-        work = self._now.work
+        work = self._last_entry.work
         return float(work[-1]) if len(work) else 0.0
 
     @property
     def terms(self) -> dict[str, Vector]:
-        """Each term's resultant x, y (N) and moment about the origin (N m) at the end, (3,) each; in space (6,).
-
-        Right-handed about z, as the engine has moments: counter-clockwise is positive. So is all else that a bed gives.
-        """
-        now = self._now
-        return _last(now.terms, now.term_names)
+        """Resultant x, y (N) and moment about the origin (N m) of each term of the laws: (3,) each, in space (6,)."""
+        entry = self._last_entry
+        return _by_name(entry.terms, entry.term_names)
 
     @property
     def bodies(self) -> dict[str, Vector]:
-        """Resultant x, y (N) and moment about the origin (N m) on each named body at the end, (3,), in space (6,)."""
-        now = self._now
-        return _last(now.bodies, now.body_names)
+        """Resultant x, y (N) and moment about the origin (N m) on each body: (3,) each, in space (6,)."""
+        entry = self._last_entry
+        return _by_name(entry.bodies, entry.body_names)
 
     @property
     def force(self) -> Vector:
-        """Resultant (2,) N, in space (3,), of the medium on all named bodies at the end."""
+        """Resultant force (N) of the medium on all bodies: (2,), in space (3,)."""
         return np.asarray(np.sum([*self.terms.values()], axis=0)[: 3 if self.in_space else 2])
 
 
-def _last(rows: Vector, names: tuple[str, ...]) -> dict[str, Vector]:
+def _by_name(rows: Vector, names: tuple[str, ...]) -> dict[str, Vector]:
+    """The last row, with the name of each of its entries; zeros if there is no row."""
     return dict(zip(names, rows[-1] if len(rows) else np.zeros(rows.shape[1:]), strict=True))

@@ -1,7 +1,7 @@
-"""The plugin door: a granular bed that acts on bodies of any Exudyn model.
+"""The plugin for Exudyn: a granular bed that acts on bodies of any Exudyn model.
 
-The load itself is `granular_contact.sand`, which knows no engine; how it gets into the system is `coupling`; what is
-read of it there, `attached`.
+`granular_contact.sand` computes the load and knows no engine; `coupling` connects it to the system; `attached` has the
+properties that are read during and after a solve.
 """
 
 from __future__ import annotations
@@ -30,45 +30,51 @@ if TYPE_CHECKING:
 
 
 class GranularBed(Attached):
-    """Bed of one medium, or of several whose forces add, acting on the bodies named to it.
+    """Granular bed that acts on bodies of an Exudyn system, in the plane or in space.
+
+    The media are those of `medium`; the bodies are those given to the methods `add_...`. `attach` puts the load into
+    the system, before `mbs.Assemble()`.
 
     Parameters
     ----------
     mbs : exudyn.MainSystem
-        System whose bodies move in its x-y plane, y up.
+        The system. Without `up` its bodies move in the x-y plane of the world, and y points up.
     medium : Law, Layer, or sequence of these
-        For example `preset("play_sand")`; a `Layer` is a medium between two depths. Where several lie, forces add.
+        For example `preset("play_sand")`. A `Layer` is a medium between two depths. The forces of several media at the
+        same place add.
     surface : float or (k, 2) array
-        Height y of the level surface (m), or the corners x, y (m) of a surface of straight pieces, level beyond them.
-        In space its height along `up`, where it is sloped that at the world origin.
+        In the plane: height y (m) of a level surface, or corners x, y (m) of a surface of straight pieces, which is
+        level beyond its first and last corner. In space: height (m) along `up`, measured at the world origin.
     slope : float or, in space, (3,) array
-        Rise per length of a surface given by its height, which is then that at x = 0; it has no end. In space the rise
-        along each axis of the world.
+        Rise per length of a surface that is given by its height. In the plane `surface` is then the height at x = 0. In
+        space: the rise along each axis of the world. The surface has no ends.
     up : (3,) array, optional
-        Makes the bed one in space, on rigid bodies that move as they like (`add_body`): the direction, in the world
-        frame, against which depth is counted and gravity acts on the medium.
+        Makes the bed spatial, for rigid bodies that move freely in space (`add_body`). Direction, in the world frame,
+        opposite to gravity on the medium; depth is measured along its negative.
     gravity : float
         Magnitude of gravity (m/s2) in the static resistance of the medium.
     static : Elastoplastic or Smooth
-        How the sign of the static resistance is regularised.
+        Regularisation of the sign function of the static resistance.
     form : {"distributed", "resultant"}
-        Law integrated along the immersed part, or the source paper's single force at its middle.
+        Law integrated along the immersed part, or the single force of the source paper at the middle of that part.
     end_cap : bool
         Whether free end faces add to the drag.
     floor : Floor, optional
-        Contact with a level floor; its work is kept apart from that of the media. Its stiffness is per area in space.
+        Contact with a level floor. Its work is counted apart from the work of the media. In space its stiffness is per
+        area.
 
     Raises
     ------
     ValueError
-        One of these, or a number of a medium, is not allowed.
+        A parameter, or a coefficient of a medium, is out of its range.
 
     Notes
     -----
-    Without `up` bodies move in the plane; a spatial one that leans out of it while it moves ends the solve with an
-    error. `work`, `force`, `terms` and the whole `history` can be read at any time, during a solve or after it.
-    A solve that starts when the last one ended, or in the state in which it ended, goes on with friction state and
-    history as they are; any other resets them. A static solve moves bodies and leaves no history.
+    In the plane forces (N) have the components x, y, and moments (N m) are positive counter-clockwise, as in Exudyn.
+    In space vectors are in the world frame. A spatial body in a bed in the plane ends the solve with an error as soon
+    as it leans out of the plane. `work`, `force`, `terms` and the whole `history` can be read at any time, during a
+    solve or after it. A solve continues friction state and history if it starts at the time or in the state in which
+    the last solve ended; any other solve resets them. A static solve moves bodies and adds nothing to the history.
     """
 
     def __init__(
@@ -113,28 +119,28 @@ class GranularBed(Attached):
         Parameters
         ----------
         body : ObjectIndex
-            A rigid body of Exudyn, planar, or spatial with Euler parameters.
+            A planar rigid body of Exudyn, or a spatial one with Euler parameters.
         start, end : (2,) array
-            Axis of the cylinder (m), in the frame of the body.
+            Ends of the axis of the cylinder (m), in the frame of the body.
         diameter : float
-            m.
+            Diameter of the cylinder (m).
         strips : int
-            How finely depth, velocity and friction state are resolved along it.
+            Approximate number of strips along the axis, on which depth, velocity and friction state are resolved.
         free_end : bool
             Whether the face at `end` is free (for end caps).
         name : str, optional
-            Under which the forces on the body are kept; that of the body unless given.
+            Name of the body in `bodies` and in the history; the name of the Exudyn object unless given.
 
         Raises
         ------
         SceneError
-            The body is of another kind, the cylinder has no length or no diameter, or no medium here takes such shapes;
-            a spatial body does not start in the plane.
+            The body is of another kind, the cylinder has no length or no diameter, no medium of the bed has a law for
+            such shapes, or a spatial body does not start in the plane.
         """
-        with self._call("add_rigid"):
+        with self._adding("add_rigid"):
             axis = np.concatenate([planar(point) for point in (start, end)])
-            on = self.coupling.body(body, name)
-            self.load.add(polyline(on, axis, diameter=diameter, strips=strips, free_end=free_end))
+            carrier = self.coupling.body(body, name)
+            self.load.add(polyline(carrier, axis, diameter=diameter, strips=strips, free_end=free_end))
 
     def add_line(
         self,
@@ -153,24 +159,24 @@ class GranularBed(Attached):
         Parameters
         ----------
         body, strips, free_end, name
-            As of `add_rigid`.
+            As in `add_rigid`.
         points : (k, 2) array
             Corners (m) in the frame of the body, two or more.
         diameter, width : float
             Diameter of a round bar, or width of a plate normal to the plane of motion (m); give one of the two.
         turns : (k - 1,) array, optional
-            Angle (rad) by which each side turns, counter-clockwise, where it is the chord of an arc: an arc of few
-            points is round for the medium. Straight unless given.
+            Angle (rad, positive counter-clockwise) by which each side turns from its start to its end, if the side is
+            the chord of an arc. A few points then describe a round arc. Sides are straight unless given.
 
         Raises
         ------
         SceneError
-            As of `add_rigid`.
+            As in `add_rigid`.
         """
-        with self._call("add_line"):
-            on = self.coupling.body(body, name)
-            line = polyline(on, points, diameter=diameter, width=width, turns=turns, strips=strips, free_end=free_end)
-            self.load.add(line)
+        with self._adding("add_line"):
+            carrier = self.coupling.body(body, name)
+            size: dict[str, Any] = {"diameter": diameter, "width": width}
+            self.load.add(polyline(carrier, points, turns=turns, strips=strips, free_end=free_end, **size))
 
     def add_outline(
         self,
@@ -182,25 +188,25 @@ class GranularBed(Attached):
         strips: int = 32,
         name: str | None = None,
     ) -> None:
-        """Let the medium act on the outside of a solid with a polygon as its section, fixed to a rigid body.
+        """Let the medium act on the outer surface of a prism with a polygonal section, fixed to a rigid body.
 
         Parameters
         ----------
         body, strips, name
-            As of `add_rigid`.
+            As in `add_rigid`.
         points : (k, 2) array
-            Corners (m) in the frame of the body, in either sense of turning; the last side joins the first point again.
+            Corners (m) in the frame of the body, clockwise or counter-clockwise. The last side ends at the first point.
         width : float
             Width (m) normal to the plane of motion.
         turns : (k,) array, optional
-            As of `add_line`.
+            As in `add_line`.
 
         Raises
         ------
         SceneError
-            As of `add_rigid`.
+            As in `add_rigid`.
         """
-        with self._call("add_outline"):
+        with self._adding("add_outline"):
             self.load.add(outline(self.coupling.body(body, name), points, width, turns=turns, strips=strips))
 
     def add_ball(
@@ -211,23 +217,23 @@ class GranularBed(Attached):
         Parameters
         ----------
         body, name
-            As of `add_rigid`.
+            As in `add_rigid`.
         center : (2,) array
-            Its centre (m) in the frame of the body.
+            Centre of the sphere (m), in the frame of the body.
         diameter : float
-            m.
+            Diameter of the sphere (m).
         mass : float, optional
-            Mass of the sphere itself (kg), for laws that need it; that of the body unless given.
+            Mass of the sphere alone (kg), for laws that need it; the mass of the body unless given.
 
         Raises
         ------
         SceneError
-            As of `add_rigid`.
+            As in `add_rigid`.
         """
-        with self._call("add_ball"):
-            on = self.coupling.body(body, name)
-            own = float(self.mbs.GetObject(body)["mass"]) if mass is None else mass
-            self.load.add(ball(on, center, diameter, own))
+        with self._adding("add_ball"):
+            carrier = self.coupling.body(body, name)
+            sphere_mass = float(self.mbs.GetObject(body)["mass"]) if mass is None else mass
+            self.load.add(ball(carrier, center, diameter, sphere_mass))
 
     def add_cables(
         self,
@@ -240,28 +246,31 @@ class GranularBed(Attached):
         free_end: bool = True,
         name: str | None = None,
     ) -> None:
-        """Let the medium act on elements of a beam that follow one another; `beams` says how each kind is met.
+        """Let the medium act on a row of beam elements, each of which starts at the node where the previous one ends.
 
         Parameters
         ----------
         elements : sequence of ObjectIndex
-            ANCFCable2D or BeamGeometricallyExact2D, in space ANCFCable or BeamGeometricallyExact, of two nodes, each of
-            which shares a node with the one before.
+            Elements of one kind with two nodes each: ANCFCable2D or BeamGeometricallyExact2D, in space ANCFCable or
+            BeamGeometricallyExact.
         diameter, width, section : float, float, (2,) array
-            One of these (m): diameter of a round beam; in the plane the width of a flat one normal to it; in space the
-            sides of a geometrically exact one along y and z of its nodes.
+            Size of the cross-section (m); give one of the three. `diameter`: a round beam. `width`: in the plane, a
+            flat beam with this width normal to the plane. `section`: in space, the sides of a geometrically exact beam
+            along the y and z axes of its nodes.
         strips_per_element : int
-            How finely depth, velocity and friction state are resolved along an element.
-        free_end, name
-            As of `add_rigid`, for the last face and the beam.
+            Number of strips along an element, on which depth, velocity and friction state are resolved.
+        free_end : bool
+            Whether the face at the last node is free (for end caps).
+        name : str, optional
+            Name of the beam in `bodies` and in the history; the name of its first element unless given.
 
         Raises
         ------
         SceneError
-            There is no item, one is of another kind, two neighbours in the list share no node, or no medium here takes
-            such shapes.
+            The list is empty, an element is of another kind, two neighbours in the list share no node, or no medium of
+            the bed has a law for such shapes.
         """
-        with self._call("add_cables", in_space=self.in_space):
+        with self._adding("add_cables", in_space=self.in_space):
             size = {"diameter": diameter, "width": width, "section": section}
             self.coupling.cables(list(elements), name, strips_per_element, free_end, in_space=self.in_space, **size)
 
@@ -275,14 +284,15 @@ class GranularBed(Attached):
         facet_size: float | None = None,
         name: str | None = None,
     ) -> None:
-        """Let the medium act on a shape fixed to a rigid body in space, of a bed with `up`.
+        """Let the medium act on a shape fixed to a rigid body in space; for a bed with `up`.
 
-        A law of balls takes a Sphere as a whole, one of bars a Bar, any other the surface of the rest.
+        A law for balls takes a Sphere as a whole, and a law for bars takes a Bar. All other laws act on the surface of
+        any shape but a Bar.
 
         Parameters
         ----------
         body : ObjectIndex
-            A rigid body of Exudyn in space.
+            A rigid body of Exudyn in space, with Euler parameters or Tait-Bryan angles.
         shape : Shape
             Box, Cylinder, Sphere, Capsule, Cone, Plate, Bar or Mesh.
         position : (3,) array
@@ -290,32 +300,33 @@ class GranularBed(Attached):
         rotation : (3, 3) array, optional
             Axes of the frame of the shape as columns, in the frame of the body.
         facet_size : float, optional
-            Greatest edge of its facets (m); for an error of about 0.3 % of the path unless given.
+            Longest allowed edge of a facet (m); unless given, one for an error of about 0.3 % of the path.
         name : str, optional
-            Under which the forces on the body are kept; that of the body unless given.
+            Name of the body in `bodies` and in the history; the name of the Exudyn object unless given.
 
         Raises
         ------
         SceneError
-            The body is of another kind, no medium here takes such shapes, or the bed is one in the plane.
+            The body is of another kind, no medium of the bed has a law for such shapes, or the bed is in the plane.
         """
-        with self._call("add_body", in_space=True):
-            on = self.coupling.body(body, name, in_space=True)
+        with self._adding("add_body", in_space=True):
+            carrier = self.coupling.body(body, name, in_space=True)
             mass = float(self.mbs.GetObject(body)["mass"])
-            self.load.add_shape(on, shape, position, rotation, facet_size=facet_size, mass=mass)  # type: ignore[attr-defined]
+            self.load.add_shape(carrier, shape, position, rotation, facet_size=facet_size, mass=mass)  # type: ignore[attr-defined]
 
     def attach(self, constant: Mapping[int, ArrayLike] | None = None) -> None:
-        """Put the load into the system; once, after all bodies are named and before `mbs.Assemble()`.
+        """Put the load into the system: once, after all bodies were added and before `mbs.Assemble()`.
 
         Parameters
         ----------
         constant : mapping of int to array, optional
-            Generalised forces by node number that act all the time, such as weights.
+            Constant generalised forces by node number, such as weights: N, and N m for angles, in the order of the
+            coordinates of the node.
 
         Raises
         ------
         SceneError
-            Nothing was named, or attach was called before.
+            No body was added, or attach was called before.
         """
         self.load.check_open()
         if not self.load.lines:
@@ -323,13 +334,17 @@ class GranularBed(Attached):
         self.coupling.attach(constant or {}, warns=True)
 
     @contextmanager
-    def _call(self, name: str, *, in_space: bool = False) -> Iterator[None]:
-        """A call that names a body: its errors say which one it was; in_space: whether the bed must be one in space."""
+    def _adding(self, method: str, *, in_space: bool = False) -> Iterator[None]:
+        """Context of a method that adds a body: it checks the bed, and names the method in errors.
+
+        in_space: whether the method is for a bed in space.
+        """
         try:
             self.load.check_open()
             if in_space != self.in_space:
-                in_plane, there = "in the plane: give it up=(x, y, z)", "in space (with up): use add_body or add_cables"
-                raise scene_error("bed", f"the bed is one {there if self.in_space else in_plane}")
+                planar_bed = "in the plane: give it up=(x, y, z)"
+                spatial_bed = "in space (with up): use add_body or add_cables"
+                raise scene_error("bed", f"the bed is one {spatial_bed if self.in_space else planar_bed}")
             yield
         except SceneError as error:
-            raise SceneError([replace(fault, key=f"bed.{name}") for fault in error.faults]) from None
+            raise SceneError([replace(fault, key=f"bed.{method}") for fault in error.faults]) from None

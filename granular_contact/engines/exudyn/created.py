@@ -1,7 +1,8 @@
-"""`mbs.CreateGranularBed(...)`: the bed among the functions `Create...` that Exudyn gives its systems.
+"""`mbs.CreateGranularBed(...)`: `GranularBed` as one of the methods `Create...` of Exudyn's systems.
 
-Exudyn binds these itself, by the decorator `extends` of `exudyn.misc.extensionRegistry`, which also refuses a name that
-is taken. `misc` is not among what Exudyn documents: where it is not there, or does not bind, importing this is refused.
+Exudyn binds its own `Create...` functions by the decorator `extends` of `exudyn.misc.extensionRegistry`, which also
+refuses a name that is taken. Exudyn does not document `misc`. If `misc` is missing or does not bind, `bind` raises
+ImportError.
 """
 
 from __future__ import annotations
@@ -36,40 +37,42 @@ def create_granular_bed(
     end_cap: bool = False,
     floor: Floor | None = None,
 ) -> GranularBed:
-    """Create a bed of a granular medium: name bodies to it, and attach it before `mbs.Assemble()`.
+    """Create a granular bed; then add bodies to it, and attach it before `mbs.Assemble()`.
 
     Parameters
     ----------
     mbs : exudyn.MainSystem
         The system.
     medium : str, Law, Layer, or sequence of these
-        The name of a shipped medium, as "play_sand", or as of `GranularBed`.
+        The name of a shipped medium, such as "play_sand", or a medium as in `GranularBed`.
     surface, slope, up, gravity, static, form, end_cap, floor
-        As of `GranularBed`; lengths in m, gravity in m/s2.
+        As in `GranularBed`; lengths in m, gravity in m/s2.
 
     Returns
     -------
     GranularBed
-        With `add_rigid`, `add_line`, `add_outline`, `add_ball` and `add_cables` for bodies in the plane, `add_body` for
-        those in space (`up`), and `attach`.
+        The bed. `add_rigid`, `add_line`, `add_outline`, `add_ball` and `add_cables` add bodies in the plane; with `up`,
+        `add_body` and `add_cables` add bodies in space. `attach` puts the load into the system.
 
     Raises
     ------
-    ConfigError, ValueError
-        There is no shipped medium of that name; as of `GranularBed`.
+    ConfigError
+        No shipped medium has that name.
+    ValueError
+        As in `GranularBed`.
     """
-    of = preset(medium) if isinstance(medium, str) else medium
+    media = preset(medium) if isinstance(medium, str) else medium
     options: dict[str, Any] = {"gravity": gravity, "static": static, "form": form, "end_cap": end_cap, "floor": floor}
-    return GranularBed(mbs, of, surface, slope=slope, up=up, **options)
+    return GranularBed(mbs, media, surface, slope=slope, up=up, **options)
 
 
 def bind(system: Any = exu.MainSystem) -> None:
-    """Make the function a method of Exudyn's systems; once more is nothing.
+    """Make `create_granular_bed` a method of Exudyn's systems; a second call does nothing.
 
     Raises
     ------
     ImportError
-        This Exudyn does not offer it.
+        This version of Exudyn cannot bind it.
     """
     if getattr(system, NAME, create_granular_bed) is not create_granular_bed:
         raise ImportError(_refusal("the name is taken"))
