@@ -69,7 +69,7 @@ class _PointBed:
     def apply(self, _: float) -> None:
         """The engine asks the points itself."""
 
-    def unasked(self) -> AbstractContextManager[None]:
+    def untriggered(self) -> AbstractContextManager[None]:
         """It goes on asking."""
         return nullcontext()
 

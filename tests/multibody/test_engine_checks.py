@@ -17,13 +17,13 @@ from granular_contact.engines.exudyn import engine_checks
 from granular_contact.engines.exudyn.build import build
 from granular_contact.engines.exudyn.engine_checks import (
     CONSTRAINT,
+    FORCE,
     RESIDUAL,
-    SINK,
     TRIGGER,
     Abilities,
     abilities,
     in_order,
-    tried,
+    trial_abilities,
 )
 from granular_contact.engines.exudyn.solve import solve
 from granular_contact.engines.exudyn.tangent import Tangent
@@ -46,10 +46,10 @@ PATCH = pytest.MonkeyPatch
 @pytest.fixture(autouse=True)
 def _tried_anew(monkeypatch: PATCH) -> Iterator[None]:
     """Each test tries the engine for itself, and leaves nothing of that behind."""
-    tried.cache_clear()
+    trial_abilities.cache_clear()
     yield
     monkeypatch.undo()
-    tried.cache_clear()
+    trial_abilities.cache_clear()
 
 
 def copies_of_controls(monkeypatch: PATCH) -> None:
@@ -108,7 +108,7 @@ CASES = {
 
 def spoil(case: str, monkeypatch: PATCH) -> None:
     """From now on the engine is one that does not do this."""
-    tried.cache_clear()
+    trial_abilities.cache_clear()
     CASES[case][0](monkeypatch)
 
 
@@ -244,14 +244,14 @@ def test_a_prescribed_motion_needs_constraints_after_forces() -> None:
 @pytest.mark.parametrize(
     ("asked", "fine"),
     [
-        ([RESIDUAL, TRIGGER, SINK, CONSTRAINT, RESIDUAL, TRIGGER, TRIGGER, SINK, CONSTRAINT], True),
-        ([RESIDUAL, TRIGGER, SINK, CONSTRAINT, RESIDUAL, SINK, TRIGGER, CONSTRAINT], False),
+        ([RESIDUAL, TRIGGER, FORCE, CONSTRAINT, RESIDUAL, TRIGGER, TRIGGER, FORCE, CONSTRAINT], True),
+        ([RESIDUAL, TRIGGER, FORCE, CONSTRAINT, RESIDUAL, FORCE, TRIGGER, CONSTRAINT], False),
         ([RESIDUAL, TRIGGER, CONSTRAINT], False),
         ([], False),
     ],
 )
 def test_the_order_is_looked_at_in_every_residual(asked: list[str], fine: bool) -> None:
-    assert in_order(asked, TRIGGER, SINK) == fine
+    assert in_order(asked, TRIGGER, FORCE) == fine
 
 
 def test_what_is_watched_is_what_a_jacobian_depends_on() -> None:

@@ -34,7 +34,7 @@ def test_forces_are_asked_for_once_a_residual_whoever_asks(monkeypatch: pytest.M
     once = solve(build(chain()))
     # One residual at the start of each step and one after each iteration, and the accelerations at the start of all.
     assert once.cost.load_calls == once.cost.newton_iterations + once.cost.steps + 1
-    monkeypatch.setattr(Overlay, "unasked", lambda _: nullcontext())
+    monkeypatch.setattr(Overlay, "untriggered", lambda _: nullcontext())
     twice = solve(build(chain()))
     assert twice.cost.load_calls == 2 * once.cost.load_calls - 1
     np.testing.assert_array_equal(twice.q, once.q)

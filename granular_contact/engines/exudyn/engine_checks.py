@@ -1,9 +1,10 @@
-"""What Exudyn lets a program do with its solver beyond its documented results, tried once in a process.
+"""Test of undocumented behaviour of Exudyn that solves rely on, made once in a process.
 
-A solve changes numbers of the solver while that runs (`solver.it`, `.conv`, `.newton`), reads and writes the vectors of
-the system in the engine's own memory, and counts on the order in which objects are asked for forces. None of that is
-promised by Exudyn. So it is tried on two mass points and a constraint, three steps of 1 ms, before the first solve of a
-process (about 1 ms). What does not work is not used: see `notices` for what a run then does instead.
+A solve changes numbers of the solver while it runs (`solver.it`, `.conv`, `.newton`), reads and writes the vectors of
+the system in the engine's own memory, and relies on the order in which the engine evaluates objects. Exudyn documents
+none of that. So a trial system of two mass points and a constraint is solved before the first solve of a process: three
+steps of 1 ms of simulated time, about 1 ms of wall time. A solve does not use what fails in the trial; `notices` says
+what it does instead.
 """
 
 from __future__ import annotations
@@ -19,24 +20,26 @@ import exudyn as exu
 import numpy as np
 from exudyn import itemInterface as items
 
-STEP, STEPS = 1e-3, 3  # s, of the trial
-MARK = 7  # what is written through one handle and read through another
+STEP, STEPS = 1e-3, 3  # length (s) and number of the trial's steps
+MARK = 7  # value that is written through one handle and read through another
 # Fields of `solver.it`, `.conv` and `.newton` that a solve sets.
 CONTROLS = (
     *("currentStepSize", "maxStepSize", "endTime", "currentTime", "newtonStepsCount"),
     *("jacobianUpdateRequested", "absoluteTolerance", "maxIterations"),
 )
 GETTERS = "GetODE2Coordinates", "GetODE2Coordinates_t", "GetODE2Coordinates_tt", "GetAECoordinates"
-RESIDUAL, TRIGGER, SINK, CONSTRAINT = "residual", "trigger", "sink", "constraint"
+# User functions of the trial, in the log of its calls.
+RESIDUAL, TRIGGER, FORCE, CONSTRAINT = "residual", "trigger", "force", "constraint"
 
 
 @dataclass(frozen=True)
 class Abilities:
-    """What works with this Exudyn.
+    """Undocumented behaviour that this version of Exudyn has.
 
-    controls: `solver.it`, `.conv` and `.newton` are the solver's own, not copies. views: vectors handed out without a
-    copy are the engine's memory, and stay where they are from step to step. order: objects are asked for forces in the
-    order in which they were added. constraints_last: they are asked before constraints are.
+    controls: `solver.it`, `.conv` and `.newton` are handles of the solver's own numbers, not copies. views: vectors
+    that are fetched with `copy=False` are the engine's memory, and keep their addresses from step to step. order:
+    objects are evaluated in the order in which they were added. constraints_last: forces are evaluated before
+    constraints.
     """
 
     controls: bool = True
@@ -46,35 +49,36 @@ class Abilities:
 
 
 def abilities(mbs: Any = None) -> Abilities:
-    """What works with the Exudyn of this process; mbs: the system for which it is asked.
+    """Abilities of the Exudyn of this process; mbs: the system that is about to be solved.
 
-    The engine's window shows the container that was made last: after the trial it is given back that of the system.
+    The engine's window shows the container that was made last. After the trial the window is attached to the container
+    of `mbs` again.
     """
-    is_first = not tried.cache_info().currsize
-    found = tried()
+    is_first = not trial_abilities.cache_info().currsize
+    able = trial_abilities()
     if is_first and mbs is not None:
         mbs.GetSystemContainer().renderer.Attach()
-    return found
+    return able
 
 
 @cache
-def tried() -> Abilities:
-    """What the trial shows."""
+def trial_abilities() -> Abilities:
+    """Abilities as the trial shows them; the trial is made at the first call."""
     trial = _Trial()
     views = trial.views()
     trial.run()
     controls = trial.controls()
     trial.container.Reset()
-    order, last = in_order(trial.asked, TRIGGER, SINK), in_order(trial.asked, SINK, CONSTRAINT)
-    return Abilities(controls, views and len(set(trial.places)) == 1, order, last)
+    order, last = in_order(trial.calls, TRIGGER, FORCE), in_order(trial.calls, FORCE, CONSTRAINT)
+    return Abilities(controls, views and len(set(trial.addresses)) == 1, order, last)
 
 
-def in_order(asked: list[str], first: str, second: str) -> bool:
-    """Whether within each residual one is asked for the first time before another; both have to be."""
-    starts = [i for i, name in enumerate(asked) if name == RESIDUAL]
-    parts = [asked[a:b] for a, b in pairwise([*starts, len(asked)])]
-    return bool(parts) and all(
-        first in part and second in part and part.index(first) < part.index(second) for part in parts
+def in_order(calls: list[str], first: str, second: str) -> bool:
+    """Whether in each residual of a log of calls, both functions are called, and `first` before `second`."""
+    starts = [i for i, name in enumerate(calls) if name == RESIDUAL]
+    residuals = [calls[start:end] for start, end in pairwise([*starts, len(calls)])]
+    return bool(residuals) and all(
+        first in names and second in names and names.index(first) < names.index(second) for names in residuals
     )
 
 
@@ -83,17 +87,17 @@ def _name() -> str:
 
 
 def notices(able: Abilities) -> Iterator[str]:
-    """What a run does in place of what does not work: sentences for its results."""
+    """Sentences for the results of a run: what the run does instead of each ability that is missing."""
     if not able.controls:
         yield (
             f"{_name()} hands out copies of solver.it, .conv and .newton: Newton's method and its steps are left to "
             "the engine, which takes longer; with solver.accuracy steps are still refused by their error"
         )
-    yield from of_vectors(able)
+    yield from vector_notices(able)
 
 
-def of_vectors(able: Abilities) -> Iterator[str]:
-    """`notices` of what concerns a bed in a system that somebody else solves."""
+def vector_notices(able: Abilities) -> Iterator[str]:
+    """Those of `notices` that concern a bed in a system that the user solves."""
     if not able.views:
         yield (
             f"{_name()} hands out copies of its vectors of state: they are asked for each time, and Newton's method "
@@ -103,8 +107,8 @@ def of_vectors(able: Abilities) -> Iterator[str]:
         yield f"{_name()} does not ask objects in the order in which they were added: forces go by lists: slower"
 
 
-def of_restored() -> str:
-    """What is different after a state was restored whose Jacobian or accelerations the engine did not go back to."""
+def restore_notice() -> str:
+    """Sentence for the results of a run in which the engine did not restore a Jacobian or accelerations."""
     return (
         f"{_name()} did not go back to the Jacobian or the accelerations of a saved state: what follows it is the same "
         "within the error of a step, not to the last digit"
@@ -112,9 +116,10 @@ def of_restored() -> str:
 
 
 def refusal(able: Abilities, *, pauses: bool, turns: bool) -> str | None:
-    """Why a solve can't be done with what works, None if it can.
+    """Why a solve is impossible with these abilities; None if it is possible.
 
-    pauses: whether it is to be stepped. turns: whether a prescribed motion is a constraint whose offset is set anew.
+    pauses: whether the solve pauses. turns: whether the prescribed motion of a hinge is a constraint whose offset is
+    set at each instant.
     """
     if pauses and not able.controls:
         return f"a run can't be stepped with {_name()}, which hands out copies of solver.it: `simulate` it as a whole"
@@ -124,86 +129,93 @@ def refusal(able: Abilities, *, pauses: bool, turns: bool) -> str | None:
 
 
 class _Trial:
-    """Two mass points, a constraint between ground and the second, and the two objects of an overlay on the points."""
+    """System of two mass points, with a constraint between ground and the second, and an overlay on both points.
+
+    calls: log of the user functions, in the order of their calls. addresses: those of the vectors after each step.
+    """
 
     def __init__(self) -> None:
         self.container = exu.SystemContainer()
         self.mbs, self.solver = self.container.AddSystem(), exu.MainSolverImplicitSecondOrder()
-        self.kept = self.solver.it, self.solver.conv, self.solver.newton  # as a solve does, before it begins
-        self.asked: list[str] = []
-        self._refused = False
-        self.places: list[tuple[int, ...]] = []  # of the vectors, after each step
+        self.handles = self.solver.it, self.solver.conv, self.solver.newton  # fetched before the start, as by a solve
+        self.calls: list[str] = []
+        self._step_refused = False
+        self.addresses: list[tuple[int, ...]] = []
         mbs, starts = self.mbs, ([0.0, 0.0], [0.0, 1.0])  # m/s
         nodes = [mbs.AddNode(items.NodePoint2D(initialVelocities=velocity)) for velocity in starts]
         for node in nodes:
             mbs.AddObject(items.ObjectMassPoint2D(mass=1.0, nodeNumber=node))
-        for name, some in ((TRIGGER, nodes[:1]), (SINK, nodes)):
-            force = self._noting(name, [0.0] * (2 * len(some)))
-            mbs.AddObject(items.ObjectGenericODE2(nodeNumbers=some, forceUserFunction=force))
+        for name, object_nodes in ((TRIGGER, nodes[:1]), (FORCE, nodes)):
+            force = self._logged(name, [0.0] * (2 * len(object_nodes)))
+            mbs.AddObject(items.ObjectGenericODE2(nodeNumbers=object_nodes, forceUserFunction=force))
         ends = [mbs.AddNode(items.NodePointGround()), nodes[1]]
         markers = [mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=0)) for node in ends]
-        offset = self._noting(CONSTRAINT, 0.0)
+        offset = self._logged(CONSTRAINT, 0.0)
         mbs.AddObject(items.ObjectConnectorCoordinate(markerNumbers=markers, offsetUserFunction=offset))
-        mbs.SetPreNewtonResidualUserFunction(self._noting(RESIDUAL, None))
-        mbs.SetPostNewtonUserFunction(self._judge)
-        mbs.SetPostStepUserFunction(self._after)
+        mbs.SetPreNewtonResidualUserFunction(self._logged(RESIDUAL, None))
+        mbs.SetPostNewtonUserFunction(self._post_newton)
+        mbs.SetPostStepUserFunction(self._post_step)
         mbs.Assemble()
         self.settings = settings = exu.SimulationSettings()
         time = settings.timeIntegration
         time.endTime, time.numberOfSteps, time.verboseMode = STEPS * STEP, STEPS, 0
         settings.solution.file.write = False
         self.solver.InitializeSolver(mbs, settings)
-        self.asked.clear()  # at the start constraints are asked for their rates first
+        self.calls.clear()  # initialisation evaluates the rates of constraints before forces
 
-    def _noting(self, name: str, answer: Any) -> Any:
-        def called(*_: Any) -> Any:
-            self.asked.append(name)
-            return answer
+    def _logged(self, name: str, value: Any) -> Any:
+        """User function that logs its calls and returns a value."""
 
-        return called
+        def user_function(*_: Any) -> Any:
+            self.calls.append(name)
+            return value
 
-    def _judge(self, *_: Any) -> list[float]:
-        """Refuse the first try of a step, which is repeated."""
-        refused, self._refused = self._refused, True
+        return user_function
+
+    def _post_newton(self, *_: Any) -> list[float]:
+        """Refuse the first attempt of the first step, so that it is repeated with half its length."""
+        refused, self._step_refused = self._step_refused, True
         return [0.0, -1.0] if refused else [2.0, 0.5 * STEP]
 
-    def _after(self, *_: Any) -> bool:
-        self.places.append(tuple(vector.ctypes.data for vector in self._vectors()))
+    def _post_step(self, *_: Any) -> bool:
+        """Note the addresses of the vectors."""
+        self.addresses.append(tuple(vector.ctypes.data for vector in self._vectors()))
         return True
 
     def _vectors(self) -> list[Any]:
-        """All that `views.Views` asks for."""
+        """All vectors of `views.Views`."""
         data, start = self.mbs.systemData, exu.ConfigurationType.StartOfStep
-        return [getattr(data, getter)(*of, copy=False) for getter in GETTERS for of in ((), (start,))]
+        return [getattr(data, getter)(*state, copy=False) for getter in GETTERS for state in ((), (start,))]
 
     def run(self) -> None:
-        """The steps."""
+        """Solve the trial's steps."""
         self.solver.SolveSteps(self.mbs, self.settings)
 
     def controls(self) -> bool:
-        """Whether what is written to a handle kept from the start is read from a new one, and the other way round."""
+        """Whether a value written through a handle from before the start is read through a new one, and vice versa."""
         new = self.solver.it, self.solver.conv, self.solver.newton
-        for one, other in (*zip(self.kept, new, strict=True), *zip(new, self.kept, strict=True)):
-            for name in (name for name in CONTROLS if hasattr(one, name)):
-                before = getattr(one, name)
-                mark = not before if isinstance(before, bool) else type(before)(MARK)
-                setattr(one, name, mark)
-                seen = getattr(other, name)
-                setattr(one, name, before)
+        for written, read in (*zip(self.handles, new, strict=True), *zip(new, self.handles, strict=True)):
+            for name in (name for name in CONTROLS if hasattr(written, name)):
+                value = getattr(written, name)
+                mark = not value if isinstance(value, bool) else type(value)(MARK)
+                setattr(written, name, mark)
+                seen = getattr(read, name)
+                setattr(written, name, value)
                 if seen != mark:
                     return False
-        return bool(self.kept[0].currentTime == self.solver.it.currentTime)
+        return bool(self.handles[0].currentTime == self.solver.it.currentTime)
 
     def views(self) -> bool:
-        """Whether what is written to each vector is in the copy that the engine hands out, and nothing else is."""
+        """Whether values that are written to each view appear in the copy that the engine returns."""
         data, start = self.mbs.systemData, exu.ConfigurationType.StartOfStep
         for getter in GETTERS:
-            for of in ((), (start,)):
-                view, get = getattr(data, getter)(*of, copy=False), getattr(data, getter)
-                before = view.copy()
+            for state in ((), (start,)):
+                get = getattr(data, getter)
+                view = get(*state, copy=False)
+                values = view.copy()
                 view[:] = MARK
-                seen = np.array(get(*of))
-                view[:] = before
-                if not np.array_equal(seen, np.full_like(before, MARK)):
+                seen = np.array(get(*state))
+                view[:] = values
+                if not np.array_equal(seen, np.full_like(values, MARK)):
                     return False
         return True

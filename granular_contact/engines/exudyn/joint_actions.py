@@ -1,8 +1,8 @@
-"""What joints do in a system at an instant: forces that act in them, and prescribed motions that are constraints.
+"""Forces that act in joints, and prescribed motions of hinges, in an Exudyn system.
 
-The engine asks one object for forces, so all of it goes through the overlay of the bed, or one of its own without a
-bed. A hinge of rigid bodies that follows a signal is the engine's own constraint; its offset is set once an instant,
-while forces are asked for, which the engine does before it looks at constraints.
+The forces reach the system through the overlay of the bed, or through an overlay of their own if there is no bed. A
+prescribed motion of a hinge between rigid bodies is a constraint of the engine; its offset is set once per instant,
+when the engine asks for forces. The engine does that before it evaluates constraints (`engine_checks`).
 """
 
 from __future__ import annotations
@@ -24,8 +24,12 @@ if TYPE_CHECKING:
 Vector = NDArray[np.float64]
 
 
-class Turning(NamedTuple):
-    """A constraint object between the angles of two bodies, what it follows, and the coordinate (rad) at its start."""
+class HingeMotion(NamedTuple):
+    """Prescribed motion of a hinge between rigid bodies.
+
+    object: number of the constraint between the angles of the bodies. signal: prescribed coordinate (rad). start:
+    coordinate (rad) in the initial state.
+    """
 
     object: int
     signal: Signal
@@ -33,35 +37,36 @@ class Turning(NamedTuple):
 
 
 class JointActions:
-    """What the joints of a system do, through an overlay on their nodes; made before that is attached.
+    """Forces and prescribed motions of the joints of a system; made before the overlay is attached.
 
-    acts: whether there are forces. time (s): the instant looked at last. state, places: see
+    has_forces: whether forces act in any joint. time (s): instant of the present setpoints. state, places: see
     `mechanics.kernels.joint_loads`.
     """
 
-    def __init__(self, overlay: Overlay, loads: Sequence[JointLoad], turning: Sequence[Turning]) -> None:
-        self.overlay, self.mbs, self.loads, self.acts = overlay, overlay.mbs, loads, bool(loads)
+    def __init__(self, overlay: Overlay, loads: Sequence[JointLoad], motions: Sequence[HingeMotion]) -> None:
+        self.overlay, self.mbs, self.loads, self.has_forces = overlay, overlay.mbs, loads, bool(loads)
         self.time = math.nan
-        # Adds the generalised forces at q and v (of the whole system) to out, the coordinates of the overlay.
-        self.add_forces: Callable[[Vector, Vector, Vector], None]  # from `start` on, where forces act
+        # add_forces(q, v, out) adds the generalised forces at q and v (of the system) to out, which is numbered as the
+        # overlay. `start` sets it if there are forces.
+        self.add_forces: Callable[[Vector, Vector, Vector], None]
         self.state = np.array([load.state for load in loads])
         self.places = np.zeros((len(loads), max((sum(load.sizes) for load in loads), default=0), 2), np.int64)
         for load, state, places in zip(loads, self.state, self.places, strict=True):
-            load.state = state  # from now on a row of one table
-            each = [overlay.coordinates([node], size)[0] for node, size in zip(load.nodes, load.sizes, strict=True)]
-            places[: sum(load.sizes), 1] = np.concatenate(each)
-        self._rubs = any(load.law.friction > 0.0 for load in loads)
-        self._turning: dict[Signal, list[Turning]] = {}  # a signal that several follow is asked once
-        for one in turning:
-            self._turning.setdefault(one.signal, []).append(one)
-        self._asked: dict[Any, list[JointLoad]] = {}  # drives that want the same are asked once
+            load.state = state  # a view of its row in the table of all joints
+            ends = [overlay.coordinates([node], size)[0] for node, size in zip(load.nodes, load.sizes, strict=True)]
+            places[: sum(load.sizes), 1] = np.concatenate(ends)
+        self._has_friction = any(load.law.friction > 0.0 for load in loads)
+        self._followers: dict[Signal, list[HingeMotion]] = {}  # by signal, so that each signal is evaluated once
+        for motion in motions:
+            self._followers.setdefault(motion.signal, []).append(motion)
+        self._driven: dict[Any, list[JointLoad]] = {}  # by setpoint, so that each setpoint is evaluated once
         for load in loads:
             if load.drive is not None and not load.drive.sets:
-                same = load.drive.signal, load.drive.kind, load.drive.of_rate
-                self._asked.setdefault(same, []).append(load)
+                setpoint = load.drive.signal, load.drive.kind, load.drive.of_rate
+                self._driven.setdefault(setpoint, []).append(load)
 
     def start(self) -> None:
-        """In the assembled system, before anything is asked for; kernels are compiled here, the first time."""
+        """Bind the compiled kernels to the assembled system, before the first evaluation; they compile when missing."""
         if not self.loads:
             return
         from granular_contact.jit.compiled import ready
@@ -77,51 +82,52 @@ class JointActions:
         q = np.zeros(data.ODE2Size())
         self.add_forces = partial(ready(kernels.force, *self._arguments, q, q, q), *self._arguments)
         self._tangent = ready(kernels.tangent, q, q, *self._arguments, 1.0, 1.0, self._triplets)
-        if self._rubs:
+        if self._has_friction:
             self._accept = ready(kernels.accept, q, q, *self._arguments)
 
-    def begin(self, t: float) -> None:
-        """Look at another instant (s): learn what drives want then; before t = 0 clocks stand."""
+    def set_time(self, t: float) -> None:
+        """Evaluate setpoints of drives and prescribed motions at the time t (s); before t = 0 signals are constant."""
         self.time = t
-        for loads in self._asked.values():
-            values = loads[0].setpoint(t)
+        for loads in self._driven.values():
+            setpoint = loads[0].setpoint(t)
             for load in loads:
-                load.want(values)
-        for signal, followers in self._turning.items():
+                load.want(setpoint)
+        for signal, followers in self._followers.items():
             angle = signal.value(max(t, 0.0))
-            for one in followers:  # the engine counts angles from the start
-                self.mbs.SetObjectParameter(one.object, "offset", angle - one.start)
+            for motion in followers:  # the engine counts angles from the initial state
+                self.mbs.SetObjectParameter(motion.object, "offset", angle - motion.start)
 
     def tangent(self, q: Vector, v: Vector, factor_q: float, factor_v: float) -> Vector:
-        """Entries (row, column, value) of factor_q df/dq + factor_v df/dv, (k, 3); the next call overwrites them.
+        """Triplets (k, 3) of factor_q df/dq + factor_v df/dv of the forces in joints: row, column, value.
 
-        Of joints in which forces act; q, v: as of `add_forces`.
+        Rows and columns are numbered as the overlay; q, v: as in `add_forces`. The next call overwrites the triplets.
         """
         return self._triplets[: self._tangent(q, v, *self._arguments, factor_q, factor_v, self._triplets)]
 
     def accept(self, q: Vector, v: Vector) -> None:
-        """End of a step at this state (all coordinates of the system, as the engine has them)."""
-        if self._rubs:
+        """Accept a state as the end of a step: update friction. q, v (m,): all coordinates and rates of the system."""
+        if self._has_friction:
             self._accept(q, v, *self._arguments)
 
     def attach(self, constant: Mapping[int, ArrayLike]) -> None:
-        """Put the overlay into the system for joints alone, with generalised forces that act all the time."""
-        self.overlay.attach(constant, self._due, self._jacobian if self.acts else None)
+        """Put the overlay into a system without a bed, with constant generalised forces by node number."""
+        self.overlay.attach(constant, self._force, self._jacobian if self.has_forces else None)
 
-    def _due(self, _mbs: Any, t: float, *_: Any) -> list[float]:
+    def _force(self, _mbs: Any, t: float, *_: Any) -> list[float]:
+        """Force function of the trigger object."""
         if t != self.time:
-            self.begin(t)
-        if self.acts:
+            self.set_time(t)
+        if self.has_forces:
             data, overlay = self.mbs.systemData, self.overlay
             overlay.forces[:] = overlay.constant
             self.add_forces(data.GetODE2Coordinates(copy=False), data.GetODE2Coordinates_t(copy=False), overlay.forces)
             overlay.send()
-        return self.overlay.nothing
+        return self.overlay.no_force
 
     def _jacobian(self, t: float, factor_q: float, factor_v: float) -> Any:
+        """Tangent of the left-hand side, -(factor_q df/dq + factor_v df/dv), as the engine's sparse matrix."""
         if t != self.time:
-            self.begin(t)
+            self.set_time(t)
         data = self.mbs.systemData
         q, v = data.GetODE2Coordinates(copy=False), data.GetODE2Coordinates_t(copy=False)
-        # The engine keeps these on the left-hand side, opposite in sign to the force.
         return self.overlay.matrix(self.tangent(q, v, -factor_q, -factor_v))

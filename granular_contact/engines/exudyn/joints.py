@@ -12,7 +12,7 @@ import numpy as np
 from exudyn import itemInterface as items
 from numpy.typing import ArrayLike
 
-from granular_contact.engines.exudyn.joint_actions import Turning
+from granular_contact.engines.exudyn.joint_actions import HingeMotion
 from granular_contact.engines.exudyn.views import EngineCoordinates
 from granular_contact.mechanics.system import System
 from granular_contact.scene.parts import rotation
@@ -139,7 +139,7 @@ def _add_turning(system: System, joint: Joint, drive: Drive) -> None:
     """Motion of a hinge of rigid bodies: the engine's own constraint between their angles."""
     ends = [_angle_marker(system, body) for body in (joint.child, joint.parent)]
     number = int(system.mbs.AddObject(items.ObjectConnectorCoordinate(markerNumbers=ends)))
-    system.turning.append(Turning(number, drive.signal, joint.start))
+    system.turning.append(HingeMotion(number, drive.signal, joint.start))
     system.motions[joint.name] = number
 
 

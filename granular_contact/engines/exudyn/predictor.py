@@ -1,8 +1,9 @@
-"""Anderson acceleration of the engine's modified Newton, and the start of each step with the last accelerations.
+"""Start value of each step, and Anderson acceleration of the engine's modified Newton method.
 
-What both are, with sources and limits: `mechanics.kernels.anderson`. The engine by itself starts with no acceleration
-at all, and iterates without acceleration. The equations that a step solves are the same, and so is what ends them: the
-engine's tolerances, of which that of forces may depend on the step, and its rule for a new Jacobian.
+`mechanics.kernels.anderson` has the equations, sources and limits of both. The engine alone starts a step with zero
+accelerations of the bodies, and does not accelerate its iterations. The equations of a step do not change, nor do the
+criteria that end the iterations and renew the Jacobian: they are the engine's, with a tolerance of forces that may
+depend on the length of the step.
 """
 
 from __future__ import annotations
@@ -18,8 +19,8 @@ from numpy.typing import NDArray
 from granular_contact.engines.exudyn.views import Views
 from granular_contact.scene.types import Vector
 
-# Arrays of `mechanics.kernels.iterations` that are the engine's.
-OF_ENGINE = "q", "v", "a", "multipliers", "v_before", "a_before", "multipliers_before"
+# Arrays of `mechanics.kernels.iterations` in the engine's memory.
+ENGINE_ARRAYS = "q", "v", "a", "multipliers", "v_before", "a_before", "multipliers_before"
 
 
 class Predictor:
@@ -28,15 +29,15 @@ class Predictor:
     Parameters
     ----------
     solver:
-        The engine's, of which steps and counts are read.
+        The engine's solver, from which step lengths and counts are read.
     lever:
-        (m,) factors from coordinate rates to speeds (m/s), by which changes are compared; None: no acceleration of the
-        iterations, as where no forces are but those of the engine itself.
+        (m,) factors from rates of coordinates to speeds (m/s), by which changes are compared. None: iterations are not
+        accelerated, as in systems without other forces than the engine's own.
     apply:
-        Called with t (s) once the place of an iteration is known; it sets the forces there. None: the engine asks for
-        them by itself.
+        Called with t (s) when the coordinates of an iteration are set; sends the forces at these coordinates. None: the
+        engine calls the force functions itself.
     allowed:
-        Residual (N) that a step of a length (s) may leave. None: that of the settings.
+        Tolerance (N) of the residual by the length of the step (s). None: the tolerance of the settings.
     """
 
     def __init__(
@@ -47,18 +48,22 @@ class Predictor:
         allowed: Callable[[float], float] | None = None,
     ) -> None:
         self.solver, self.lever, self._apply, self._allowed = solver, lever, apply, allowed
-        self._it, self._conv = solver.it, solver.conv  # the solver's own, no copies
-        self.views: Views | None = None  # given before the first step
-        self._known: Views | None = None  # those for which the following is set
-        self._of_square, self._of_step = 0.0, 0.0  # see `_look`
-        self._begin_step: Callable[..., Any] | None = None  # compiled, as is the next
-        self._accelerate: Callable[..., Any] | None = None
-        self._addresses = np.zeros(0, np.int64)  # of their arrays
-        self._where: tuple[int, ...] = ()  # the engine's of them
-        self._room: dict[str, NDArray[Any]] = {}  # the other arrays of an iteration, but for the lever
+        self._it, self._conv = solver.it, solver.conv  # handles of the solver's own numbers, no copies
+        self.views: Views | None = None  # of the present part of the solve
+        self._bound_views: Views | None = None  # to which the following attributes belong
+        self._q_factor, self._v_factor = 0.0, 0.0  # see `_bind`
+        self._begin_step: Callable[..., Any] | None = None  # compiled `anderson.begin`
+        self._accelerate: Callable[..., Any] | None = None  # compiled `anderson.accelerate`
+        self._addresses = np.zeros(0, np.int64)  # of the arrays of both
+        self._memory: tuple[int, ...] = ()  # `Views.memory` of the engine's arrays
+        self._iteration_arrays: dict[str, NDArray[Any]] = {}  # arrays of an iteration that are not the engine's
 
     def __call__(self, mbs: Any, t: float, iteration: int, discontinuous: int) -> None:
-        """Before the residual of an iteration of the step to t (s)."""
+        """Set start value or accelerated coordinates, and the forces, before a residual of the step to t (s).
+
+        iteration: number of Newton's iteration, 0 at the start of the step. discontinuous: number of the engine's
+        iteration over discontinuities; only its first one, 0, changes coordinates.
+        """
         if not discontinuous:
             if not iteration:
                 self._begin(self.views or Views(mbs))
@@ -68,60 +73,63 @@ class Predictor:
             self._apply(t)
 
     def _begin(self, views: Views) -> None:
-        """Begin a step, or another try of one, with what the last one ended with."""
-        if views is not self._known:
-            self._look(views)
+        """Start a step, or a new attempt, with the accelerations and multipliers of the end of the last step."""
+        if views is not self._bound_views:
+            self._bind(views)
         if not math.isfinite(self._conv.residual):
-            # The try before ran away. Its last Jacobian could not be factorised, and the engine would go on with it.
+            # The last attempt diverged. Its Jacobian could not be factorised, and the engine would reuse it.
             self._conv.jacobianUpdateRequested = True
         step = self._it.currentStepSize
         if self._allowed is not None:
             self.solver.newton.absoluteTolerance = self._allowed(step)
-        of_q, of_v = self._of_square * step * step, self._of_step * step
+        q_per_a, v_per_a = self._q_factor * step * step, self._v_factor * step
         if self._begin_step is not None:
-            self._begin_step(self._addresses, of_q, of_v)
+            self._begin_step(self._addresses, q_per_a, v_per_a)
             return
-        before = views.a_before
-        views.q += of_q * before
-        views.v += of_v * before
-        views.a += before
+        a_before = views.a_before
+        views.q += q_per_a * a_before
+        views.v += v_per_a * a_before
+        views.a += a_before
         views.multipliers[:] = views.multipliers_before
 
-    def _look(self, views: Views) -> None:
-        """Learn from the engine what stays the same for all steps of a part of the solve."""
-        self._known, solver = views, self.solver
-        # With an acceleration further by one go so much of a coordinate and its rate, as the scheme says.
+    def _bind(self, views: Views) -> None:
+        """Take over what is constant in a part of a solve: the factors of the time scheme and the vectors' addresses.
+
+        In a step of h, an acceleration a (m,) adds _q_factor h^2 a to the coordinates and _v_factor h a to the rates:
+        Newmark's formulas of the generalised-alpha method.
+        """
+        self._bound_views, solver = views, self.solver
         share = (1.0 - solver.alphaF) / (1.0 - solver.alphaM)
-        self._of_square, self._of_step = solver.newmarkBeta * share, solver.newmarkGamma * share
+        self._q_factor, self._v_factor = solver.newmarkBeta * share, solver.newmarkGamma * share
         if self.lever is not None:
             self.load(views)
 
     @property
     def kept(self) -> tuple[NDArray[Any], ...]:
-        """What the iterations to come depend on, of those before."""
-        return tuple(array.copy() for array in self._room.values())
+        """Copies of the arrays of past iterations, on which later iterations depend."""
+        return tuple(array.copy() for array in self._iteration_arrays.values())
 
     def restore(self, kept: tuple[NDArray[Any], ...]) -> None:
-        """Go back to what was kept."""
-        for array, old in zip(self._room.values(), kept, strict=True):
-            array[:] = old
+        """Return to arrays that `kept` gave."""
+        for array, saved in zip(self._iteration_arrays.values(), kept, strict=True):
+            array[:] = saved
 
     def load(self, views: Views) -> None:
-        """Load the kernels that begin steps and accelerate iterations, for the engine's vectors."""
-        if self.lever is None or self._where == views.where:
+        """Load the compiled kernels, and give them the addresses of the engine's vectors."""
+        if self.lever is None or self._memory == views.memory:
             return
-        self._where = views.where
+        self._memory = views.memory
         from granular_contact.mechanics.kernels.iterations import ITERATIONS, room
 
-        own = {name: getattr(views, name) for name in OF_ENGINE} | {"lever": self.lever}
-        self._room = room(len(views.q), len(views.multipliers))
-        self._addresses = ITERATIONS.addresses(own | self._room)
+        engine_arrays = {name: getattr(views, name) for name in ENGINE_ARRAYS} | {"lever": self.lever}
+        self._iteration_arrays = room(len(views.q), len(views.multipliers))
+        self._addresses = ITERATIONS.addresses(engine_arrays | self._iteration_arrays)
         self._begin_step, self._accelerate = _compiled()
 
 
 @cache
 def _compiled() -> tuple[Callable[..., Any], Callable[..., Any]]:
-    """`begin` and `accelerate` of `mechanics.kernels.anderson`: finding them takes as long as some steps."""
+    """`begin` and `accelerate` of `mechanics.kernels.anderson`, cached: loading them takes as long as a few steps."""
     from granular_contact.jit.compiled import ready
     from granular_contact.mechanics.kernels import anderson
 

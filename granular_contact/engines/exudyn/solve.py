@@ -154,7 +154,7 @@ class Solve:
     def _look(self) -> None:
         """Tell all that is called in steps where the engine keeps its vectors, if that is not where they were."""
         views = Views(self.system.mbs)
-        if self._views is not None and views.where == self._views.where:
+        if self._views is not None and views.memory == self._views.memory:
             return
         self._views = self.recorder.views = views
         if self._predictor is not None:
@@ -186,7 +186,7 @@ class Solve:
 
     def _steps(self) -> bool:
         bed = self.system.bed
-        with nullcontext() if bed is None or self._predictor is None else bed.overlay.unasked():
+        with nullcontext() if bed is None or self._predictor is None else bed.overlay.untriggered():
             return bool(self.solver.SolveSteps(self.system.mbs, self.simulation))
 
     def _plan(self, until: float) -> None:

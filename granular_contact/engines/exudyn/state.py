@@ -14,7 +14,7 @@ import exudyn as exu
 import numpy as np
 from numpy.typing import NDArray
 
-from granular_contact.engines.exudyn.engine_checks import of_restored
+from granular_contact.engines.exudyn.engine_checks import restore_notice
 from granular_contact.engines.exudyn.predictor import Predictor
 from granular_contact.engines.exudyn.recorder import Recorder
 from granular_contact.engines.exudyn.tangent import Place, Tangent
@@ -70,7 +70,7 @@ class Keeper:
 
     def notices(self) -> list[str]:
         """Of states that it went back to, a sentence where what followed is not the same bit for bit."""
-        return [of_restored()] if self._anew else []
+        return [restore_notice()] if self._anew else []
 
     def state(self, solve: dict[str, Any]) -> SolveState:
         """The present state; solve: fields of the solve itself."""

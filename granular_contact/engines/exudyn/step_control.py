@@ -120,7 +120,7 @@ class StepControl:
 
     def _read(self) -> None:
         """Read accelerations and rates anew where they do not stay in one place."""
-        if not self._views.stay:
+        if not self._views.live:
             for own, now in zip(self._own, (self._views.a, self._views.v), strict=True):
                 own[:] = now
 

@@ -100,7 +100,7 @@ class Tangent:
         for now, kept in zip(self._held, place.held, strict=True):
             now[:] = kept
         if bed is not None:
-            bed.act(place.time, place.active)
+            bed.evaluate_again(place.time, place.active)
         mbs.systemData.SetTime(place.time)
         solver.it.currentTime, solver.it.currentStepSize = place.time, place.step
         iterations, solver.newton.maxIterations = solver.newton.maxIterations, 1

@@ -1,7 +1,7 @@
-"""The engine's vectors in its own memory.
+"""Views of the engine's state vectors, in the engine's own memory.
 
-The engine takes about a microsecond to hand one out, and a step asks for a dozen. They stay where they are for as long
-as a solve goes on, so that each is asked for once. Where they do not (`engine_checks`) each is asked for every time.
+The engine takes about a microsecond to return a vector, and a step needs a dozen. Each vector stays at its address
+during a solve, so it is fetched once. If `engine_checks` finds that it does not, it is fetched at each use.
 """
 
 from __future__ import annotations
@@ -20,18 +20,19 @@ START = exu.ConfigurationType.StartOfStep
 
 
 def reference(mbs: Any, nodes: Iterable[int], origin: Vector) -> Vector:
-    """Reference coordinates (m,) of a system; those of the nodes, which begin with x and y, in the world frame.
+    """Reference coordinates (m,) of a system, with those of the given nodes in the world frame.
 
-    origin (2,) m, world frame: that of the engine's coordinates.
+    nodes: their first two coordinates are x and y. origin (2,) m: origin of the engine's coordinates in the world
+    frame.
     """
-    found: Vector = mbs.systemData.GetODE2Coordinates(exu.ConfigurationType.Reference)
+    coordinates: Vector = mbs.systemData.GetODE2Coordinates(exu.ConfigurationType.Reference)
     for node in {int(node) for node in nodes}:
-        found[mbs.systemData.GetNodeLTGODE2(node)[:2]] += origin
-    return found
+        coordinates[mbs.systemData.GetNodeLTGODE2(node)[:2]] += origin
+    return coordinates
 
 
 class EngineCoordinates:
-    """How an Exudyn system numbers its coordinates, as `mechanics.system.Coordinates` asks."""
+    """Numbering of the coordinates of an Exudyn system; implements `mechanics.system.Coordinates`."""
 
     def __init__(self, mbs: Any) -> None:
         self.mbs = mbs
@@ -42,16 +43,16 @@ class EngineCoordinates:
         return int(self.mbs.systemData.ODE2Size())
 
     def places(self, node: int) -> list[int]:
-        """Places of the coordinates of a node."""
+        """Places of the coordinates of a node in those of the system."""
         return list(self.mbs.systemData.GetNodeLTGODE2(node))
 
     def reference(self, node: int) -> list[float]:
-        """Reference values of a node."""
+        """Reference coordinates of a node, in the frame of the engine."""
         return [float(x) for x in self.mbs.GetNode(node)["referenceCoordinates"]]
 
 
 class _View:
-    """Attribute of a vector that the engine is asked for once, or each time where vectors do not stay."""
+    """Attribute that fetches a vector from the engine: once, or at each use if vectors do not stay in place."""
 
     def __init__(self, getter: str, *configuration: Any) -> None:
         self.getter, self.configuration = getter, configuration
@@ -59,18 +60,19 @@ class _View:
     def __set_name__(self, _: type, name: str) -> None:
         self.name = name
 
-    def __get__(self, of: Views, _: type | None = None) -> Vector:
-        found: Vector = getattr(of.data, self.getter)(*self.configuration, copy=False)
-        if of.stay:
-            vars(of)[self.name] = found  # found there from now on
-        return found
+    def __get__(self, views: Views, _: type | None = None) -> Vector:
+        vector: Vector = getattr(views.data, self.getter)(*self.configuration, copy=False)
+        if views.live:
+            vars(views)[self.name] = vector  # hides this attribute from now on
+        return vector
 
 
 class Views:
-    """Vectors of the present state and, `_before`, of the start of the step; to be made anew for each part of a solve.
+    """State vectors of a system, at present and (names with `_before`) at the start of the step.
 
-    q, v, a (m,): coordinates from their reference, rates and accelerations; multipliers (k,): of the constraints.
-    stay: whether they are the engine's memory and stay where they are; else they are of the instant, to be read only.
+    They serve for one part of a solve; each part makes new ones. q, v, a (m,): coordinates from their reference values,
+    rates and accelerations. multipliers (k,): Lagrange multipliers of the constraints. live: whether the vectors are
+    the engine's memory at a fixed address. Otherwise they are copies of the present values and must not be written.
     """
 
     q, q_before = _View("GetODE2Coordinates"), _View("GetODE2Coordinates", START)
@@ -79,10 +81,10 @@ class Views:
     multipliers, multipliers_before = _View("GetAECoordinates"), _View("GetAECoordinates", START)
 
     def __init__(self, mbs: Any) -> None:
-        self.data, self.stay = mbs.systemData, abilities(mbs).views
+        self.data, self.live = mbs.systemData, abilities(mbs).views
 
     @cached_property
-    def where(self) -> tuple[int, int, int]:
-        """Addresses of the two states and their size; while these stay, all vectors do."""
-        now, before = (addressof(c_char.from_buffer(one.data)) for one in (self.q, self.q_before))
-        return now, before, len(self.q)
+    def memory(self) -> tuple[int, int, int]:
+        """Addresses of `q` and `q_before`, and their size; while these are the same, no vector has moved."""
+        present, before = (addressof(c_char.from_buffer(vector.data)) for vector in (self.q, self.q_before))
+        return present, before, len(self.q)
