@@ -14,7 +14,7 @@ from granular_contact.config.changed import checked
 from granular_contact.config.differences import differing_keys
 from granular_contact.errors import of_type, scene_error
 from granular_contact.jit.compiling import announced
-from granular_contact.laws.kinds import WORDS
+from granular_contact.laws.kinds import SHAPE_NAMES
 from granular_contact.results import Compiling, Outline, Progress, Results, Status
 from granular_contact.results.observation import Observation, key_numbers, results
 from granular_contact.results.observed import Observations
@@ -139,7 +139,7 @@ def kernels_of(scene: Scene) -> str:
         return f"the law {laws} for bodies in space" if laws else "the equations of motion"
     kinds = {shape.kind for body in scene.rigid for shape in body.shapes if shape.in_sand}
     kinds |= {link.kind for link in scene.links}
-    shapes = " and ".join(words.partition(" (")[0] for kind, words in WORDS.items() if kind in kinds)
+    shapes = " and ".join(words.partition(" (")[0] for kind, words in SHAPE_NAMES.items() if kind in kinds)
     return f"the law {laws} for {shapes}" if laws else "the equations of motion"
 
 

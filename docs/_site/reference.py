@@ -24,7 +24,7 @@ from granular_contact.config.schema.scenario import Scenario
 from granular_contact.config.schema.space import SpatialScenario
 from granular_contact.config.schema.sweep import SweepFile
 from granular_contact.laws.gravity import key_of, scalings
-from granular_contact.laws.kinds import WORDS
+from granular_contact.laws.kinds import SHAPE_NAMES
 from granular_contact.laws.law import Law
 from granular_contact.values.strict import Strict
 
@@ -222,7 +222,7 @@ def section(name: str, page: str) -> Iterator[str]:
     if issubclass(cls, Law):
         yield f"`{cls.equation}`" if hasattr(cls, "equation") else ""
         yield ""
-        yield f"Takes {', '.join(words for kind, words in WORDS.items() if kind in cls.takes)}."
+        yield f"Takes {', '.join(words for kind, words in SHAPE_NAMES.items() if kind in cls.takes)}."
         yield ""
     if cls.__doc__ and "!!! abstract" not in cls.__doc__:
         yield prose(cls.__doc__.partition("Parameters\n")[0])  # what its parameters mean is in the table

@@ -62,7 +62,7 @@ def _show(spec: Law) -> None:
     from rich.text import Text
 
     from granular_contact.laws.gravity import key_of, scalings
-    from granular_contact.laws.kinds import IN_SPACE, WORDS
+    from granular_contact.laws.kinds import ELEMENT_NAMES, SHAPE_NAMES
     from granular_contact.sand.kernels.space_joining import kinds_of
 
     table = Table(box=None, pad_edge=False, show_header=False)
@@ -70,9 +70,9 @@ def _show(spec: Law) -> None:
     table.add_column(overflow="fold")
     table.add_row("law", spec.law)
     table.add_row("equation", Text(spec.equation))
-    table.add_row("takes in the plane", ", ".join(words for kind, words in WORDS.items() if kind in spec.takes))
+    table.add_row("takes in the plane", ", ".join(words for kind, words in SHAPE_NAMES.items() if kind in spec.takes))
     found = kinds_of(type(spec))
-    table.add_row("in space", ", ".join(words for kind, words in IN_SPACE.items() if kind in found) or "nothing")
+    table.add_row("in space", ", ".join(words for kind, words in ELEMENT_NAMES.items() if kind in found) or "nothing")
     for key, value in spec.model_dump(mode="json", by_alias=True).items():
         if key not in ABOUT:
             table.add_row(key, "not stated by the source: give it in the run" if key in spec.lacking else _value(value))

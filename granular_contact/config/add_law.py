@@ -8,7 +8,7 @@ from granular_contact.config import allowed
 from granular_contact.config.schema import Bed, BedLayer, Scenario
 from granular_contact.errors import of_type
 from granular_contact.laws.catalogue import LAWS
-from granular_contact.laws.functions import refuse_faulty
+from granular_contact.laws.functions import check_law
 from granular_contact.laws.law import Law
 
 
@@ -37,7 +37,7 @@ def add_law(law: type[Law]) -> None:
     >>> add_law(Albert)  # a law that is registered already stays so
     """
     of_type("law", law, type, "a subclass of Law")
-    refuse_faulty(law)
+    check_law(law)
     held = LAWS.get(law.tag())
     if held is law:
         return

@@ -13,7 +13,7 @@ from granular_contact.config.references import shown
 from granular_contact.config.tree import Broken, Items, Mapping, Node, Position, Scalar, dotted, rewritten
 from granular_contact.config.tree import Path as TreePath
 from granular_contact.errors import Fault
-from granular_contact.laws.table import MOST_DRIVING, axis_faults, driving, power
+from granular_contact.laws.table import MOST_DRIVING, axis_faults, driving_fault, driving_stress
 
 KEYS = ("drives", "signals")  # of a scenario, below which files may be named
 MOST_ROWS = 100_000
@@ -170,8 +170,8 @@ def _rows(table: Table, own_faults: list[Fault]) -> Rows:
         found[z, b, g], lines[z, b, g] = (x, up), line
     scale = max((max(abs(x), abs(up)) for x, up in found.values()), default=0.0)
     for (z, b, g), (x, up) in found.items():
-        if power(g, x, up) > MOST_DRIVING * scale:
-            wrong.append(Fault(table.file, lines[z, b, g], "", driving(z, b, g, power(g, x, up))))
+        if driving_stress(g, x, up) > MOST_DRIVING * scale:
+            wrong.append(Fault(table.file, lines[z, b, g], "", driving_fault(z, b, g, driving_stress(g, x, up))))
     own_faults += few(table.file, wrong)
     return found
 

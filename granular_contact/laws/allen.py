@@ -1,4 +1,4 @@
-"""Medium of Allen, Mayfield and Morrison: A v^2 + B v + C on a ball."""
+"""Law of Allen, Mayfield and Morrison for a ball: F = A v^2 + B v + C."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from granular_contact.laws.gravity import INERTIA
-from granular_contact.laws.scalar import OF_SPEED, YIELD, ScalarLaw
+from granular_contact.laws.scalar import VISCOSITY, YIELD, ScalarLaw
 from granular_contact.values.strict import NotNegative
 
 
 class Allen(ScalarLaw):
-    """A v^2 + B v + C, against the motion of a ball (Allen, Mayfield and Morrison).
+    """Force A v^2 + B v + C against the motion of a ball (Allen, Mayfield and Morrison).
 
     Parameters
     ----------
@@ -26,12 +26,12 @@ class Allen(ScalarLaw):
 
     law: Literal["allen"]
     drag: Annotated[NotNegative, INERTIA] = Field(alias="drag_kg_m")
-    viscosity: Annotated[NotNegative, OF_SPEED] = Field(alias="viscosity_N_s_m")
+    viscosity: Annotated[NotNegative, VISCOSITY] = Field(alias="viscosity_N_s_m")
     constant_force: Annotated[NotNegative, YIELD] = Field(alias="constant_force_N")
 
     equation = "F = A v^2 + B v + C"
     terms = ("constant", "viscous", "drag")
 
-    def own(self) -> dict[str, float]:
-        """As `ScalarLaw.own`."""
+    def force_constants(self) -> dict[str, float]:
+        """Constants of the force; see `ScalarLaw.force_constants`."""
         return {"F0": self.constant_force, "b": self.viscosity, "c": self.drag}

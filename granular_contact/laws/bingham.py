@@ -1,4 +1,4 @@
-"""Bingham medium: a yield force and a viscous one, F0 + b v, on a ball."""
+"""Bingham medium, for a ball: a yield force and a viscous force, F = F0 + b v."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from granular_contact.laws.scalar import OF_SPEED, YIELD, ScalarLaw
+from granular_contact.laws.scalar import VISCOSITY, YIELD, ScalarLaw
 from granular_contact.values.strict import NotNegative
 
 
 class Bingham(ScalarLaw):
-    """F0 + b v, against the motion of a ball.
+    """Force F0 + b v against the motion of a ball.
 
     Parameters
     ----------
@@ -23,11 +23,11 @@ class Bingham(ScalarLaw):
 
     law: Literal["bingham"]
     yield_force: Annotated[NotNegative, YIELD] = Field(alias="yield_force_N")
-    viscosity: Annotated[NotNegative, OF_SPEED] = Field(alias="viscosity_N_s_m")
+    viscosity: Annotated[NotNegative, VISCOSITY] = Field(alias="viscosity_N_s_m")
 
     equation = "F = F0 + b v"
     terms = ("yield", "viscous")
 
-    def own(self) -> dict[str, float]:
-        """As `ScalarLaw.own`."""
+    def force_constants(self) -> dict[str, float]:
+        """Constants of the force; see `ScalarLaw.force_constants`."""
         return {"F0": self.yield_force, "b": self.viscosity}

@@ -1,4 +1,7 @@
-"""All laws by their tag. A new law is a file here and a line below; schema, messages and records follow from it."""
+"""All laws by their tag in YAML. A new law is a file in this folder and a line in `LAWS`.
+
+Schema, messages, reference and the checks of `tests/laws` follow from that line.
+"""
 
 from __future__ import annotations
 
@@ -42,5 +45,16 @@ LAWS: dict[str, type[Law]] = {
 
 
 def laws_for(kind: str) -> list[str]:
-    """Tags of the laws that take a kind of shape."""
+    """Tags of the laws that act on a kind of shape.
+
+    Parameters
+    ----------
+    kind : str
+        One of `laws.kinds.Kind`.
+
+    Returns
+    -------
+    list of str
+        Values of the key `law` in YAML, in the order of `LAWS`.
+    """
     return [tag for tag, law in LAWS.items() if kind in law.takes]

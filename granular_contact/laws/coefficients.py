@@ -1,4 +1,4 @@
-"""Coefficients that Python gives in order or by name, and YAML by keys that are the names with their units."""
+"""Base class of coefficients: in Python by position or name, in YAML by keys that end with the unit."""
 
 from __future__ import annotations
 
@@ -18,17 +18,27 @@ _Strict: Any = Strict  # which type checkers would give an __init__ by keys, tho
 
 
 class Coefficients(_Strict):  # type: ignore[misc]
-    """A field is named as in Python; its alias, if it has one, is the key in YAML. A tag is for YAML alone."""
+    """A set of coefficients. A field has its name in Python; its alias, if it has one, is the key in YAML.
+
+    A field with a single allowed value and no default is a tag. Only YAML has tags.
+    """
 
     def __init__(self, *numbers: Any, **named: Any) -> None:
-        """Take numbers in the order of the fields, or by name.
+        """Make a set of coefficients.
+
+        Parameters
+        ----------
+        *numbers : float
+            Values in the order of `positions`.
+        **named
+            Values by their names in Python.
 
         Raises
         ------
         ValueError
-            A number is not allowed; with what is.
+            A value is not allowed. The message says what is allowed.
         TypeError
-            One is missing, unknown or given twice.
+            A value is missing, unknown or given twice.
         """
         cls, names = type(self), self.positions()
         given = dict(zip(names, numbers, strict=False)) | named
@@ -36,7 +46,7 @@ class Coefficients(_Strict):  # type: ignore[misc]
             raise TypeError(f"{cls.__name__}: got too many numbers, or one twice; allowed are {', '.join(names)}")
         keys = {name: field.alias or name for name, field in cls.model_fields.items()}
         try:
-            super().__init__(**cls._tags() | {keys.get(name, name): _plain(one) for name, one in given.items()})
+            super().__init__(**cls._tags() | {keys.get(name, name): _plain(value) for name, value in given.items()})
         except ValidationError as error:
             raise _refused(cls, error) from None
 
@@ -44,7 +54,7 @@ class Coefficients(_Strict):  # type: ignore[misc]
 
     @classmethod
     def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:
-        """Let every coefficient be read by its key, too, and `dataclasses.replace` make another of the class."""
+        """Make each coefficient readable by its key in YAML, and let `dataclasses.replace` copy the class."""
         super().__pydantic_init_subclass__(**kwargs)
         fields: Any = make_dataclass(cls.__name__, cls.positions(), init=False, repr=False, eq=False)
         cls.__dataclass_fields__ = fields.__dataclass_fields__
@@ -54,45 +64,46 @@ class Coefficients(_Strict):  # type: ignore[misc]
 
     @classmethod
     def positions(cls) -> list[str]:
-        """Names of the numbers in the order in which Python gives them."""
+        """Names of the coefficients in the order of positional arguments, without tags."""
         return [name for name in cls.model_fields if name not in cls._tags()]
 
     @classmethod
     def _tags(cls) -> dict[str, Any]:
-        """Fields that have one value only, and no default: they name the class in YAML."""
-        one = {name: get_args(field.annotation) for name, field in cls.model_fields.items() if field.is_required()}
-        literal = [name for name in one if get_origin(cls.model_fields[name].annotation) is Literal]
-        return {name: one[name][0] for name in literal if len(one[name]) == 1}
+        """Fields with a single allowed value and no default, with that value: they name the class in YAML."""
+        values = {name: get_args(field.annotation) for name, field in cls.model_fields.items() if field.is_required()}
+        literal = [name for name in values if get_origin(cls.model_fields[name].annotation) is Literal]
+        return {name: values[name][0] for name in literal if len(values[name]) == 1}
 
 
 def _plain(value: Any) -> Any:
-    """A number of numpy, which is not loaded for this, as one of Python."""
+    """Convert a NumPy scalar to a Python number, without importing NumPy; return other values unchanged."""
     return value.item() if hasattr(value, "item") else value
 
 
 def _refused(cls: type[Coefficients], error: ValidationError) -> Exception:
-    """The error of a call from Python: `LeeMarghitu.density: got -1.0, allowed is a number above 0`."""
+    """Convert pydantic's error to that of a Python call: `Rft.zeta: got -1.0, allowed is a number above 0`."""
     names = {field.alias: name for name, field in cls.model_fields.items()}
     properties = cls.model_json_schema()["properties"]
     lines, kind = [], cast("type[Exception]", ValueError)
-    for one in error.errors(include_url=False):
-        key, *below = one["loc"] or ("",)
-        path = ".".join(str(part) for part in (cls.__name__, names.get(str(key), key), *below) if part != "")
-        if one["type"] in ("missing", "extra_forbidden"):
-            lines.append(f"{path} is {'missing' if one['type'] == 'missing' else 'not known'}")
+    for fault in error.errors(include_url=False):
+        key, *inner = fault["loc"] or ("",)
+        path = ".".join(str(part) for part in (cls.__name__, names.get(str(key), key), *inner) if part != "")
+        if fault["type"] in ("missing", "extra_forbidden"):
+            lines.append(f"{path} is {'missing' if fault['type'] == 'missing' else 'not known'}")
             kind = TypeError
-        elif one["type"] == FAULTS:
-            lines.append(f"{path}: {one['msg']}")
+        elif fault["type"] == FAULTS:
+            lines.append(f"{path}: {fault['msg']}")
         else:
-            lines.append(f"{path}: got {one['input']!r}, allowed is {_allowed(properties.get(key, {}))}")
+            lines.append(f"{path}: got {fault['input']!r}, allowed is {_allowed(properties.get(key, {}))}")
     return kind("; ".join(lines))
 
 
 def _allowed(schema: dict[str, Any]) -> str:
-    schema = next((one for one in schema.get("anyOf", ()) if one.get("type") != "null"), schema)
+    """Describe the allowed values of a field by its JSON Schema."""
+    schema = next((option for option in schema.get("anyOf", ()) if option.get("type") != "null"), schema)
     if "$ref" in schema:
         return f"a {schema['$ref'].rsplit('/', 1)[1]}"
     if schema.get("type") != "number":
         return f"a value of the type {schema.get('type', 'of its field')}"
-    bounds = [f"{words} {schema[key]:g}" for key, words in _BOUNDS.items() if key in schema]
+    bounds = [f"{bound} {schema[keyword]:g}" for keyword, bound in _BOUNDS.items() if keyword in schema]
     return f"a number {' and '.join(bounds)}" if bounds else "a finite number"

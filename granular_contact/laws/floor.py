@@ -1,18 +1,18 @@
-"""Floor of a bed: a level line that reports when it is reached, and may carry a stiff contact.
+"""Floor of a bed: a level line. A run reports that a body reaches it, and it may carry a stiff contact.
 
 The contact is a spring and a damper per unit of length, normal to the floor:
 
     dF_y/ds = k delta max(0, 1 - d v_y)
 
-with the depth delta below the floor and the vertical velocity v_y at mid-strip. The damping grows with the depth, so
-the force is continuous at the touch, and it never pulls. On a ball k acts over its diameter.
+delta is the depth below the floor, and v_y the vertical velocity at the middle of the strip. The damping grows with the
+depth. So the force is continuous at the touch, and it never pulls. On a ball k acts over the diameter.
 
-In space k is per area, with delta and v_z of each point of a surface, as if springs stood side by side (Winkler):
+In space k is per area, and each point of a surface has its own delta and v_z, as on a row of springs (Winkler):
 
     dF_z/dA = k delta max(0, 1 - d v_z)
 
-on a bar over its diameter, and on a ball of the radius R that a law meets as a whole the integral over its surface,
-pi R k delta^2. There is no friction on it.
+On a bar k acts over the diameter. On a ball of the radius R that a law takes as a whole, the force is the integral over
+its surface, pi R k delta^2. The contact has no friction.
 """
 
 from __future__ import annotations
@@ -36,11 +36,12 @@ class Floor:
     Parameters
     ----------
     height : float
-        Height y of the floor (m), in space along `up`.
+        Height y of the floor (m); in space its height along `up`.
     stiffness : float, optional
-        k per length and penetration (N/m2), in space per area and penetration (N/m3), above 0; None for no contact.
+        Stiffness k per length and penetration (N/m2), in space per area and penetration (N/m3), above 0; None: no
+        contact.
     damping : float
-        d (s/m), 0 or more.
+        Damping d (s/m), 0 or more.
 
     Raises
     ------
@@ -62,18 +63,29 @@ class Floor:
 
     @property
     def profile(self) -> NDArray[np.float64]:
-        """The floor as a surface (1, 2) m."""
+        """The floor as corners of a surface (1, 2) m."""
         return np.array([[0.0, self.height]])
 
     def record(self, kind: Kind) -> NDArray[np.void]:
-        """Constants as the (1,) record that the kernels read on shapes of a kind."""
+        """Constants of the contact in the plane, as the kernels read them.
+
+        Parameters
+        ----------
+        kind : str
+            Kind of shape, one of `laws.kinds.Kind`.
+
+        Returns
+        -------
+        (1,) array
+            Record of `OnBalls` or `OnStrips`.
+        """
         from granular_contact.sand.kernels.joining import blank
 
         record = blank(OnBalls if kind == "ball" else OnStrips)
         return self._filled(record)
 
     def record_in_space(self) -> NDArray[np.void]:
-        """Constants as the (1,) record of `InSpace`."""
+        """Constants of the contact in space, as a record (1,) of `InSpace`."""
         from granular_contact.sand.kernels.joining import blank
 
         return self._filled(blank(InSpace))
@@ -84,13 +96,13 @@ class Floor:
 
 
 class OnStrips:
-    """The contact as a law of lines; it has no bristles."""
+    """The contact on contact lines in the plane, as a law without bristles."""
 
     constants = ("stiffness", "damping")  # N/m^2, s/m
 
     @staticmethod
     def strip_force(strip, line, m, f):
-        """Add the end forces of a strip, whose depths are those below the floor; as `sand.kernels.law.strip_force`."""
+        """Add the contact force of a strip. Arguments as in `laws.law`; depths are those below the floor."""
         share = max(0.0, 1.0 - m.damping * 0.5 * (strip.v0[1] + strip.v1[1]))
         k = m.stiffness * share * kernels.vectors.norm(strip.c)
         j0, j1 = kernels.immersion.part_integrals(strip.a, strip.b, strip.z0, strip.z1, 1.0)
@@ -99,36 +111,42 @@ class OnStrips:
 
     @staticmethod
     def drag_anchor(p, anchor, m):
-        """A floor has no bristles."""
+        """Return the anchor unchanged, as a floor has no bristles."""
         return anchor
 
 
 class OnBalls:
-    """The contact as a law of balls."""
+    """The contact on balls in the plane, as a law without bristles."""
 
     constants = OnStrips.constants
     drag_anchor = staticmethod(OnStrips.drag_anchor)
 
     @staticmethod
     def ball_force(z, v, e, line, m, f):
-        """Add the force of a ball, z the depth of its lowest point below the floor; as in `sand.kernels.law`."""
+        """Add the contact force of a ball.
+
+        Arguments as in `laws.law`; z is the depth of its lowest point below the floor.
+        """
         f[0, 1] += m.stiffness * line.width * z * max(0.0, 1.0 - m.damping * v[1])
 
 
 class InSpace:
-    """The contact as a law of surfaces, bars and balls in space; it has no bristles, and no side of a surface leads."""
+    """The contact on surfaces, bars and balls in space, as a law without bristles.
+
+    It acts on either side of a surface.
+    """
 
     constants = ("stiffness", "damping")  # N/m^3, s/m
     by_component = False
 
     @staticmethod
     def facet_force(z, n, v, e, spread, side, j, m):
-        """Traction of the floor, z being the depth below it; as `sand.kernels.facet_blocks.force`."""
+        """Traction of the floor on a facet. Arguments as in `laws.law`; z is the depth below the floor."""
         return (0.0, 0.0, m.stiffness * max(0.0, 1.0 - m.damping * v[2])), (0.0, 0.0, 0.0)
 
     @staticmethod
     def bar_force(strip, cluster, m, f):
-        """Add the end forces of a strip, whose depths are those below the floor; as `sand.kernels.space_law`."""
+        """Add the contact force of a strip of a bar. Arguments as in `laws.law`; depths are those below the floor."""
         share = max(0.0, 1.0 - m.damping * 0.5 * (strip.v0[2] + strip.v1[2]))
         k = m.stiffness * share * cluster.width * kernels.vectors.norm(strip.c)
         j0, j1 = kernels.immersion.part_integrals(strip.a, strip.b, strip.z0, strip.z1, 1.0)
@@ -137,7 +155,10 @@ class InSpace:
 
     @staticmethod
     def space_ball_force(z, v, e, cluster, m, f):
-        """Add the force of a ball, z the depth of its lowest point below the floor; as `sand.kernels.space_law`."""
+        """Add the contact force of a ball.
+
+        Arguments as in `laws.law`; z is the depth of its lowest point below the floor.
+        """
         k = m.stiffness * math.pi * cluster.width * max(0.0, 1.0 - m.damping * v[2])
-        cap = min(z, cluster.width)  # all of the sphere is below where z is more
+        cap = min(z, cluster.width)  # at a greater z the whole sphere lies below the floor
         f[0, 2] += k * (0.5 * cap * cap + cluster.width * (z - cap))

@@ -1,13 +1,13 @@
-"""How the coefficients of a law scale with gravity, and what that rests on.
+"""Scaling of the coefficients of a law with gravity, and the evidence for it.
 
-A law says it beside each coefficient, `stiffness: Annotated[NotNegative, measured(1, "...")]`. A medium says the
-gravity g_m at which it was measured; at another gravity g a coefficient c is
+A law gives the scaling of each coefficient in its annotation, `stiffness: Annotated[NotNegative, measured(1, "...")]`.
+A medium gives the gravity g_m at which it was measured. At another gravity g a coefficient c is
 
     c(g) = c(g_m) (g / g_m)^power
 
-where the power is known, and stays as it is, with a warning, where it is not. `derived` powers are those of rigid
-grains without cohesion that resist by friction and by their inertia: their density is all that has a unit, so that a
-static resistance is in proportion to rho g, and an inertial one does not depend on g [Slonaker et al. 2017].
+A coefficient whose power is not known is not scaled, and there is a warning. The `derived` powers hold for rigid grains
+without cohesion that resist by friction and by their inertia. Only their density has a unit, so a static resistance is
+proportional to rho g, and an inertial resistance does not depend on g [Slonaker et al. 2017].
 """
 
 from __future__ import annotations
@@ -24,120 +24,207 @@ if TYPE_CHECKING:
     from granular_contact.laws.law import Law
 
 EARTH = 9.81  # m/s2
-SAME = 0.01  # of gravity: less than a hundredth is another place on Earth, or another rounding
+SAME = 0.01  # relative difference of gravity that counts as none: another place on Earth, or another rounding
 
 
 @dataclass(frozen=True)
 class GravityScaling:
-    """Power of gravity to which a coefficient is in proportion, None where it is not known; and what that rests on."""
+    """Scaling of one coefficient with gravity.
+
+    Parameters
+    ----------
+    power : float or None
+        Power of gravity to which the coefficient is proportional; None where it is not known.
+    basis : {"derived", "measured", "not known"}
+        Kind of evidence.
+    why : str
+        The evidence, for messages and the reference.
+    """
 
     power: float | None
     basis: Literal["derived", "measured", "not known"]
     why: str
 
     def __str__(self) -> str:
-        """In one sentence."""
+        """Return the scaling as one sentence."""
         if self.power is None:
             return f"not known: {self.why}"
-        words = {0.0: "does not depend on g", 1.0: "in proportion to g"}.get(self.power, f"as g^{self.power:g}")
-        return f"{words}, {self.basis}: {self.why}"
+        sentence = {0.0: "does not depend on g", 1.0: "in proportion to g"}.get(self.power, f"as g^{self.power:g}")
+        return f"{sentence}, {self.basis}: {self.why}"
 
 
 def derived(power: float, why: str) -> GravityScaling:
-    """A power that follows from an argument."""
+    """Scaling whose power follows from an argument.
+
+    Parameters
+    ----------
+    power : float
+        Power of gravity.
+    why : str
+        The argument.
+
+    Returns
+    -------
+    GravityScaling
+    """
     return GravityScaling(float(power), "derived", why)
 
 
 def measured(power: float, why: str) -> GravityScaling:
-    """A power that experiments or simulations of grains at several gravities found."""
+    """Scaling whose power was found by experiments, or by simulations of grains, at several gravities.
+
+    Parameters
+    ----------
+    power : float
+        Power of gravity.
+    why : str
+        What was measured, and the source.
+
+    Returns
+    -------
+    GravityScaling
+    """
     return GravityScaling(float(power), "measured", why)
 
 
 def not_known(why: str) -> GravityScaling:
-    """A coefficient of which nobody knows."""
+    """Scaling of a coefficient whose dependence on gravity is not known.
+
+    Parameters
+    ----------
+    why : str
+        Why it is not known.
+
+    Returns
+    -------
+    GravityScaling
+    """
     return GravityScaling(None, "not known", why)
 
 
 BULK = derived(0, "a density of the packing")
 INERTIA = derived(0, "the inertia of the grains pushed away has no g in it")
-WITH_WEIGHT = derived(0, "a number; the law has g beside it")
+WEIGHT_FACTOR = derived(0, "a number; the law has g beside it")
 SHAPE = derived(0, "an angle, a length or a power")
 FRICTION = derived(0, "a friction coefficient or angle of the grains")
 UNSTATED = not_known("the law does not say")
 
 
 def scalings(law: type[Coefficients]) -> dict[str, GravityScaling]:
-    """How each coefficient of a law scales, by its name; those of a part by its dotted name, unless the part says."""
-    from granular_contact.laws.law import ABOUT
+    """Scaling of each coefficient of a law with gravity.
 
-    found: dict[str, GravityScaling] = {}
+    Parameters
+    ----------
+    law : type
+        Class of a law, or of a nested set of coefficients.
+
+    Returns
+    -------
+    dict of str to GravityScaling
+        By the name of the coefficient. A nested set without a scaling of its own has an entry for each of its
+        coefficients, by the dotted name.
+    """
+    from granular_contact.laws.law import METADATA
+
+    by_name: dict[str, GravityScaling] = {}
     for name, field in law.model_fields.items():
-        if name in (*ABOUT, "law"):
+        if name in (*METADATA, "law"):
             continue
-        said = _said(field)
-        if said is None and (part := _part(field.annotation)) is not None:
-            found |= {f"{name}.{below}": one for below, one in scalings(part).items()}
+        scaling = _scaling(field)
+        if scaling is None and (part := _nested(field.annotation)) is not None:
+            by_name |= {f"{name}.{inner}": nested for inner, nested in scalings(part).items()}
         else:
-            found[name] = said or UNSTATED
-    return found
+            by_name[name] = scaling or UNSTATED
+    return by_name
 
 
-def _part(annotation: Any) -> type[Coefficients] | None:
+def _nested(annotation: Any) -> type[Coefficients] | None:
+    """Class of a nested set of coefficients; None of a plain number."""
     return annotation if isinstance(annotation, type) and issubclass(annotation, Coefficients) else None
 
 
 def at_gravity(medium: Law, gravity: float) -> Law:
-    """A medium with those of its coefficients scaled whose scaling is known; gravity (m/s2), 0 or more."""
+    """Medium with its coefficients scaled to a gravity; those of unknown scaling are unchanged.
+
+    Parameters
+    ----------
+    medium : Law
+        The medium, with `measured_gravity`.
+    gravity : float
+        Gravity (m/s2), 0 or more.
+
+    Returns
+    -------
+    Law
+        The same object if nothing has to be scaled.
+    """
     ratio = gravity / medium.measured_gravity
     if ratio == 1.0:
         return medium
-    scaled: Law = _at(medium, ratio)
+    scaled: Law = _scaled(medium, ratio)
     return scaled
 
 
-def _at(coefficients: Any, ratio: float) -> Any:
+def _scaled(coefficients: Any, ratio: float) -> Any:
+    """Copy of coefficients scaled by ratio^power each, nested sets included; ratio: gravity over measured gravity."""
     changed = {}
     for name, field in type(coefficients).model_fields.items():
-        value, said = getattr(coefficients, name), _said(field)
-        if said is not None and said.power and value is not None:
-            changed[name] = _times(value, ratio**said.power)
-        elif said is None and isinstance(value, Coefficients) and (part := _at(value, ratio)) is not value:
+        value, scaling = getattr(coefficients, name), _scaling(field)
+        if scaling is not None and scaling.power and value is not None:
+            changed[name] = _scaled_value(value, ratio**scaling.power)
+        elif scaling is None and isinstance(value, Coefficients) and (part := _scaled(value, ratio)) is not value:
             changed[name] = part
     return coefficients.model_copy(update=changed) if changed else coefficients
 
 
-def _times(value: Any, factor: float) -> Any:
-    """A number times a factor, or each of a set of numbers."""
+def _scaled_value(value: Any, factor: float) -> Any:
+    """Product of a factor and a number, or each number of a set or tuple."""
     if isinstance(value, Coefficients):
-        return value.model_copy(update={name: factor * one for name, one in dict(value).items()})
-    return tuple(factor * one for one in value) if isinstance(value, tuple) else factor * value
+        return value.model_copy(update={name: factor * number for name, number in dict(value).items()})
+    return tuple(factor * number for number in value) if isinstance(value, tuple) else factor * value
 
 
-def _said(field: FieldInfo) -> GravityScaling | None:
+def _scaling(field: FieldInfo) -> GravityScaling | None:
+    """Scaling in the annotation of a field; None if it has none."""
     return next((one for one in field.metadata if isinstance(one, GravityScaling)), None)
 
 
 def gravity_notes(medium: Law, gravity: float) -> Iterator[str]:
-    """Sentences on what is assumed of a medium that meets another gravity (m/s2) than it was measured at."""
-    gravity, at = abs(gravity), medium.measured_gravity
-    if abs(gravity - at) <= SAME * at:
+    """Sentences on what is assumed of a medium at another gravity than the one of its measurement.
+
+    Parameters
+    ----------
+    medium : Law
+        The medium.
+    gravity : float
+        Gravity of the run (m/s2); its sign does not matter.
+
+    Yields
+    ------
+    str
+        One sentence on coefficients of unknown scaling; one on those that are scaled from a gravity that the medium
+        does not state.
+    """
+    gravity, g_m = abs(gravity), medium.measured_gravity
+    if abs(gravity - g_m) <= SAME * g_m:
         return
-    found = {key_of(type(medium), n): one for n, one in scalings(type(medium)).items() if _counts(medium, n)}
-    if as_they_are := [key for key, one in found.items() if one.power is None]:
+    law = type(medium)
+    acting = {key_of(law, name): scaling for name, scaling in scalings(law).items() if _acts(medium, name)}
+    if as_they_are := [key for key, scaling in acting.items() if scaling.power is None]:
         yield (
-            f"{medium.name} is of {at:g} m/s2, gravity is {gravity:g} m/s2, and how these scale with it is not known, "
+            f"{medium.name} is of {g_m:g} m/s2, gravity is {gravity:g} m/s2, and how these scale with it is not known, "
             f"so that they are used as they are: {', '.join(as_they_are)}"
         )
-    scaled = [key for key, one in found.items() if one.power]
+    scaled = [key for key, scaling in acting.items() if scaling.power]
     if scaled and "measured_gravity" not in medium.model_fields_set:
         yield (
-            f"{medium.name} does not say at which gravity it was measured; these are scaled from {at:g} to {gravity:g} "
-            f"m/s2: {', '.join(scaled)}; say measured_gravity_m_s2"
+            f"{medium.name} does not say at which gravity it was measured; these are scaled from {g_m:g} to "
+            f"{gravity:g} m/s2: {', '.join(scaled)}; say measured_gravity_m_s2"
         )
 
 
-def _counts(medium: Law, name: str) -> bool:
-    """Whether a coefficient does anything: it is given, and not 0."""
+def _acts(medium: Law, name: str) -> bool:
+    """Return whether a coefficient has an effect: it is given, and not 0."""
     value: Any = medium
     for part in name.split("."):
         value = getattr(value, part)
@@ -145,6 +232,19 @@ def _counts(medium: Law, name: str) -> bool:
 
 
 def key_of(law: type[Coefficients], name: str) -> str:
-    """A coefficient's key in YAML."""
-    first, *below = name.split(".")
-    return ".".join((law.model_fields[first].alias or first, *below))
+    """Key of a coefficient in YAML.
+
+    Parameters
+    ----------
+    law : type
+        Class of the law.
+    name : str
+        Name of the coefficient in Python, dotted if it is nested.
+
+    Returns
+    -------
+    str
+        The key; of a nested coefficient dotted too.
+    """
+    first, *inner = name.split(".")
+    return ".".join((law.model_fields[first].alias or first, *inner))

@@ -1,10 +1,10 @@
-"""Vertical resistance of an immersed body (Hill, Yeung and Koehler 2005), spread along a thin bar.
+"""Vertical resistance of an immersed body (Hill, Yeung and Koehler 2005), distributed along a thin bar.
 
     F = eta (z/l)^lam g rho_g V    against the vertical motion of a volume V whose tip is at the depth z
 
-The density (lam + 1) eta (z/l)^lam g rho_g A per unit of arc length, A the section, [ours] integrates to it over a
-straight bar at any slope that pierces the surface. l is the diameter unless given; (eta, lam) have one value for
-plunging and one for withdrawing. There is no horizontal force and no drag.
+The force per unit of arc length is (lam + 1) eta (z/l)^lam g rho_g A, with the section area A [ours]. Its integral over
+a straight bar that pierces the surface is the published force, at any slope of the bar. l is the diameter unless it is
+given. eta and lam have one value for plunging and another for withdrawing. The law has no horizontal force and no drag.
 """
 
 from __future__ import annotations
@@ -22,16 +22,16 @@ from granular_contact.values.strict import Positive
 
 
 class Hill(Law):
-    """Vertical resistance eta (z/l)^lambda g rho V of an immersed volume, and nothing else (Hill et al. 2005).
+    """Vertical resistance eta (z/l)^lambda g rho V of an immersed volume, without any other term (Hill et al. 2005).
 
     Parameters
     ----------
     density : float or None
-        Of the medium (kg/m3), above 0; null: not stated by the source, a run needs it.
+        Bulk density of the medium (kg/m3), above 0; null: the source does not state it, and a run needs it.
     plunging : VerticalResistance
-        Where the body moves down.
+        For a body that moves down.
     withdrawing : VerticalResistance
-        Where it moves up.
+        For a body that moves up.
     length_scale : float, optional
         l (m); null: the diameter.
     """
@@ -50,8 +50,8 @@ class Hill(Law):
     constants = ("g_rho", "l", "eta_plunge", "lam_plunge", "eta_withdraw", "lam_withdraw")  # N/m^3, m (0: the diameter)
 
     def numbers(self, gravity: float) -> dict[str, float]:
-        """As `Law.numbers`."""
-        assert self.density is not None  # or it lacks, see `Law.record`
+        """Constants of the force; see `Law.numbers`."""
+        assert self.density is not None  # `Law.record` refuses a medium without it
         return {
             "g_rho": gravity * self.density,
             "l": self.length_scale or 0.0,
@@ -61,19 +61,32 @@ class Hill(Law):
 
     @staticmethod
     def strip_force(strip, line, m, f):
-        """Add the vertical term; arguments as in `sand.kernels.law.strip_force`."""
+        """Add the vertical term in the plane. Arguments: see `laws.law`; `line.width` is the diameter (m)."""
         eta, lam = (m.eta_plunge, m.eta_withdraw), (m.lam_plunge, m.lam_withdraw)
         k, scale = factor(line.width, m)
         kernels.bar_statics.vertical_force(strip, k, eta, lam, scale, m, f[0])
 
     @staticmethod
     def bar_force(strip, cluster, m, f):
-        """Add the vertical term in space; arguments as in `sand.kernels.space_law.bar_force`."""
+        """Add the vertical term in space. Arguments: see `laws.law`; `cluster.width` is the diameter (m)."""
         eta, lam = (m.eta_plunge, m.eta_withdraw), (m.lam_plunge, m.lam_withdraw)
         k, scale = factor(cluster.width, m)
         kernels.bars.vertical_force(strip, k, eta, lam, scale, m, f[0])
 
 
 def factor(d, m):
-    """Factor g rho A (N/m) of a bar of diameter d, and the length l (m) of its depths."""
+    """Force factor and depth scale of a bar.
+
+    Parameters
+    ----------
+    d : float
+        Diameter of the bar (m).
+    m : record
+        Constants of the law.
+
+    Returns
+    -------
+    tuple of float
+        g rho A (N/m) with the section area A, and the length l (m) by which depths are divided.
+    """
     return m.g_rho * 0.25 * math.pi * d * d, m.l if m.l > 0.0 else d

@@ -1,5 +1,7 @@
-"""What a medium meets: a thin round bar along a line, a thin plate along a line (both faces can lead), the closed
-outline of a body (only its outside leads), or a ball.
+"""Kinds of shape that a medium acts on.
+
+A `round` shape is a thin round bar along a line. A `flat` shape is a thin plate along a line, of which either face can
+lead. An `outline` is the closed boundary of a body, of which only the outside leads. A `ball` is a sphere as a whole.
 """
 
 from __future__ import annotations
@@ -7,14 +9,14 @@ from __future__ import annotations
 from typing import Literal
 
 Kind = Literal["round", "flat", "outline", "ball"]
-WORDS: dict[Kind, str] = {
+SHAPE_NAMES: dict[Kind, str] = {
     "round": "round bars (cylinder, arc or polyline with a diameter)",
     "flat": "plates (plate, arc or polyline with a width)",
     "outline": "outlines (disc, foot, polygon)",
     "ball": "spheres",
 }
-# In space, by what `space_joining.kinds_of` calls them.
-IN_SPACE = {
+# Kinds of element in space, as `space_joining.kinds_of` returns them.
+ELEMENT_NAMES = {
     "surface": "surfaces (links, and all shapes but bar)",
     "bar": "round bars (bar, and links with a diameter)",
     "ball": "spheres",

@@ -1,19 +1,53 @@
 """What a law of resistance is: one class in one file, and one line in `catalogue`.
 
-The class of a law says
+The class of a law has
 
-- `law`, its tag in YAML, and its coefficients: fields with bounds, whose text below is their description for editors. A
-  coefficient is named without its unit in Python, and its key in YAML, the alias, ends with the unit. One that may be
-  null and has no default is left open by some sources, and a run needs it. Beside each stands how it scales with
-  gravity, see `laws.gravity`.
-- `equation`, `terms` and `takes`, `by_component` and `resultant`, see `Law`;
-- `constants`, the names of the numbers (all float) that its forces need, and `numbers`, which gives their values;
-- its forces, as static methods named and called as the stubs in `sand.kernels.law` and `plates`: for lines and
-  outlines `stress`, `traction` or `strip_force` and, if it knows one, `cap_force`; for balls `ball_force`. `m` has the
-  constants.
+- `law`, its tag in YAML, and its coefficients: fields with bounds. The Parameters of the docstring are their
+  descriptions in editors. A coefficient has a name without unit in Python; its alias, the key in YAML, ends with the
+  unit. A coefficient that may be null and has no default is one that some sources do not state; a run needs it. Each
+  annotation also says how the coefficient scales with gravity, see `laws.gravity`;
+- `equation`, `terms`, `takes`, `by_component` and `resultant`, see `Law`;
+- `constants`, the names of the numbers (all float) that its forces need, and `numbers`, which returns their values;
+- its forces, as the static methods below.
 
-Forces are plain functions that numba compiles when they are first needed: they may call plain functions of their file,
-and kernels as `sand.kernels.bar_statics.horizontal_force`. Nothing of numba is imported here.
+Forces are plain functions. Numba compiles them when they are first needed. They may call plain functions of their file,
+and kernels such as `sand.kernels.bar_statics.horizontal_force`. A law does not import numba.
+
+Vectors are tuples. In the plane they have the components x, y (up) of the world frame, in space x, y, z (up) of the
+frame of the bed. Depths are vertical, in m and positive below the free surface; velocities are in m/s. `m` is the
+record with the constants of the law and of its static friction (`sand.kernels.friction`). For lines and outlines a law
+has one of `stress`, `traction` and `strip_force`; for balls it has `ball_force`:
+
+    stress(t, u, m)        stress per depth (2,) N/m^3 on an element with the tangent t that moves in the direction u,
+                           unit vectors
+    traction(z, t, u, width, side, j, m)
+                           stresses (2,) and (2,) Pa of the first and the second term at a depth z > 0; width (m);
+                           side: +1 or -1 if the outward normal is to the left or right of t, 0 on thin plates;
+                           j: shear displacement (m)
+    strip_force(strip, line, m, f)
+                           add the end forces (N) of the immersed part of a strip to f[term, end, xy];
+                           strip: `sand.kernels.strip.Strip`; line: record `sand.kernels.law.LINE`
+    cap_force(c, v, line, m, f)
+                           optional: add the force (N) on the free end face at end 1 of a strip along c (m), which
+                           moves with v, to f[term, 1, xy]
+    ball_force(z, v, e, line, m, f)
+                           add the force (N) at the centre of a ball to f[term, xy]; z: depth of its lowest point;
+                           e: stretch of its bristle (m)
+    drag_anchor(p, anchor, m)
+                           optional: place (m) of an anchor after an accepted step that ends with its station at p (m)
+
+In space a `stress` is enough for surfaces (`sand.kernels.slices`). Other functions there, with the unit normal n of an
+element, which points outward where side is 1 (side 0: thin plate):
+
+    facet_stress(n, u, m), facet_traction(z, n, u, side, j, m)
+                           as `stress` and `traction`, with vectors (3,)
+    facet_inertia(n, v, side, m)
+                           traction (3,) Pa of a second term beside a stress, from the velocity v
+    facet_force(z, n, v, e, spread, side, j, m)
+                           all tractions of a law that uses none of the others, see `sand.kernels.space_law`
+    bar_force(strip, cluster, m, f), bar_cap(c, v, cluster, m, f), space_ball_force(z, v, e, cluster, m, f)
+                           as `strip_force`, `cap_force` and `ball_force`; cluster: record
+                           `sand.kernels.space_law.CLUSTER`
 """
 
 from __future__ import annotations
@@ -24,9 +58,9 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 from pydantic import Field, field_serializer
 
 from granular_contact.laws.coefficients import Coefficients
-from granular_contact.laws.functions import refuse_faulty
+from granular_contact.laws.functions import check_law
 from granular_contact.laws.gravity import EARTH, at_gravity
-from granular_contact.laws.kinds import WORDS, Kind
+from granular_contact.laws.kinds import SHAPE_NAMES, Kind
 from granular_contact.laws.scatter import MeasuredScatter, Scatter
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
 from granular_contact.laws.validity import NOT_STATED, Validity
@@ -36,7 +70,7 @@ if TYPE_CHECKING:  # a config is read without numpy
     import numpy as np
     from numpy.typing import NDArray
 
-ABOUT = (
+METADATA = (  # fields of every medium that are no coefficients of its law
     *("name", "validity", "source", "standing", "provenance", "scatter", "measured_scatter"),
     *("measured_gravity", "angle_of_repose"),
 )
@@ -48,47 +82,49 @@ class Law(Coefficients):
     Parameters
     ----------
     name : str, optional
-        For messages and columns; the tag of the law unless given.
+        Name in messages and columns; by default the tag of the law.
     source : str, optional
         Where the coefficients come from.
     standing : str, optional
-        What they rest on, as `two or more independent sources`.
+        Evidence for the coefficients, as `two or more independent sources`.
     provenance : {"published", "fitted", "own"}, optional
-        Whose numbers they are.
+        Whose numbers the coefficients are.
     validity : Validity
-        Where the coefficients were measured.
+        Range in which the coefficients were measured.
     scatter : Scatter, optional
-        Of the static resistance; null: none.
+        Scatter of the static resistance; null: none.
     measured_scatter : sequence of MeasuredScatter
-        What was measured of it, by names that `scatter: {measured: ...}` takes.
+        Measured scatter of forces in this medium, by names that `scatter: {measured: ...}` takes.
     measured_gravity : float
-        At which the coefficients were measured (m/s2), above 0: at another one they are scaled as their law says.
+        Gravity at which the coefficients were measured (m/s2), above 0. At another gravity they are scaled as their law
+        says.
     angle_of_repose : float, optional
-        Steepest slope (deg) that the medium keeps; null: not stated.
+        Steepest slope (deg) on which the medium rests; null: not stated.
 
     Attributes
     ----------
     equation : str
         The published resultant or stress.
     terms : tuple of str
-        Names of the law's terms, three at most.
+        Names of the terms of the law, three at most.
     takes : frozenset
-        Kinds of shape it is for, see `laws.kinds`.
+        Kinds of shape that the law acts on, see `laws.kinds`.
     dynamic : frozenset
-        Terms that come from the speed, which do not scatter.
+        Names of terms that depend on the speed; these do not scatter.
     by_component : bool
-        Whether its static force opposes each component of the velocity by itself, and not the motion as a whole.
+        Whether the static force opposes each component of the velocity by itself, and not the direction of the motion.
     resultant : bool
-        Whether its source gives a single force at the middle of the immersed part, as `load: {form: resultant}` has it.
+        Whether the source gives a single force at the middle of the immersed part, as `load: {form: resultant}` applies
+        it.
     constants : tuple of str
-        Names of the numbers that its forces need.
+        Names of the numbers that the forces need.
 
     Raises
     ------
     ValueError
-        A number is not allowed; with what is.
+        A number is not allowed. The message says what is allowed.
     TypeError
-        One is missing, unknown or given twice.
+        A coefficient is missing, unknown or given twice.
     """
 
     name: Annotated[Text, OrNull(), Field(default=None)]
@@ -111,29 +147,29 @@ class Law(Coefficients):
     constants: ClassVar[tuple[str, ...]]
 
     def numbers(self, gravity: float) -> dict[str, float]:
-        """Numbers that the forces need, where the coefficients are those at this gravity (`laws.gravity`).
+        """Values of the constants that the forces need. The coefficients are already those at this gravity.
 
         Parameters
         ----------
         gravity : float
-            m/s2, 0 or more.
+            Gravity (m/s2), 0 or more.
 
         Returns
         -------
         dict
-            Values of `constants` in SI units, those left out being 0.
+            Values of `constants` in SI units. A constant that is left out is 0.
         """
         raise NotImplementedError
 
     def record(self, static: Elastoplastic | Smooth, gravity: float) -> NDArray[np.void]:
-        """Coefficients as the record that the kernels read.
+        """Record of the coefficients, as the kernels read it.
 
         Parameters
         ----------
         static : Elastoplastic or Smooth
-            How the sign of the static resistance is regularised.
+            Regularisation of the sign in the static resistance.
         gravity : float
-            m/s2; its sense does not matter.
+            Gravity (m/s2); its sign does not matter.
 
         Returns
         -------
@@ -143,68 +179,76 @@ class Law(Coefficients):
         Raises
         ------
         ValueError
-            A coefficient that the source leaves open was not given.
+            A coefficient is missing that the source does not state.
         TypeError
-            Kernels can't call the functions of the law, or its numbers are none of its constants.
+            Kernels can't call the functions of the law, or `numbers` returns a name that is not in `constants`.
         """
         from granular_contact.sand.kernels.plates import PRESSED
 
         if self.lacking:
-            got = ", ".join(f"{type(self).__name__}.{key}" for key in self.lacking)
-            raise ValueError(f"{got}: got None, allowed is the number of your case: its source does not state it")
+            missing = ", ".join(f"{type(self).__name__}.{key}" for key in self.lacking)
+            raise ValueError(f"{missing}: got None, allowed is the number of your case: its source does not state it")
         record = self.blank()
         numbers = at_gravity(self, abs(gravity)).numbers(abs(gravity))
         if unknown := [name for name in numbers if name not in self.constants]:
-            has = f"{type(self).__name__}.numbers gives {', '.join(unknown)}"
-            raise TypeError(f"{has}; allowed are the names in its constants: {', '.join(self.constants)}")
+            source = f"{type(self).__name__}.numbers gives {', '.join(unknown)}"
+            raise TypeError(f"{source}; allowed are the names in its constants: {', '.join(self.constants)}")
         for name, value in numbers.items():
             record[name] = value
         static.fill(record)
-        record["pressed"] = PRESSED * (record["u_y"] + record["v_eps"])  # one of them is 0
+        record["pressed"] = PRESSED * (record["u_y"] + record["v_eps"])  # u_y or v_eps is 0
         return record
 
     @classmethod
     def blank(cls) -> NDArray[np.void]:
-        """Record (1,) of the law with all numbers 0; the law is joined to the kernels, which loads the compiler."""
-        refuse_faulty(cls)
+        """Record (1,) of the law with all numbers 0.
+
+        The call loads the compiler, and makes the law known to the kernels.
+
+        Raises
+        ------
+        TypeError
+            The class of the law has a fault, see `laws.functions`.
+        """
+        check_law(cls)
         from granular_contact.sand.kernels.joining import PARTS, blank
 
-        return blank(next(one for one in cls.__mro__ if PARTS & vars(one).keys()))
+        return blank(next(base for base in cls.__mro__ if PARTS & vars(base).keys()))
 
     @property
     def lacking(self) -> list[str]:
-        """Keys without which the medium can't act: those that its source leaves open."""
+        """Keys of the coefficients that the source does not state and nobody has given; a run needs them."""
         fields = type(self).model_fields.items()
         return [field.alias or name for name, field in fields if field.is_required() and getattr(self, name) is None]
 
     @property
     def needs_path_length(self) -> bool:
-        """Whether its forces need path lengths or shear displacements, see `sand.kernels.path_length`."""
+        """Whether the forces need path lengths or shear displacements, see `sand.kernels.path_length`."""
         return self.shear_grows or self.scatters
 
     @property
     def scatters(self) -> bool:
-        """Whether its static resistance scatters."""
+        """Whether the static resistance scatters."""
         return self.scatter is not None and self.scatter.relative != 0.0
 
     def _faults(self) -> Faults:
-        asked = self.scatter.measured if self.scatter is not None else None
-        names = [one.name for one in self.measured_scatter]
-        if asked is not None and asked not in names:
+        chosen = self.scatter.measured if self.scatter is not None else None
+        names = [measurement.name for measurement in self.measured_scatter]
+        if chosen is not None and chosen not in names:
             known = f"allowed is {listed(names)}"
             if not names:
                 known = "no scatter was measured in this medium; allowed are relative and length_m"
-            yield ("scatter", "measured"), f"got {asked}, {known}"
+            yield ("scatter", "measured"), f"got {chosen}, {known}"
 
     def fill_scatter(self, record: Any, in_space: bool = False) -> None:
-        """Write its scatter, if it has any, into records.
+        """Write the scatter of the medium, if it has any, into records.
 
         Parameters
         ----------
         record : array
-            The record (1,) of a contact line, or the records of clusters; they are changed.
+            The record (1,) of a contact line, or the records (n,) of clusters. They are changed.
         in_space : bool
-            Whether bodies are in space, where a force over an area scatters less.
+            Whether the bodies are in space, where the force over an area scatters less.
         """
         if self.scatter is None:
             return
@@ -214,12 +258,12 @@ class Law(Coefficients):
 
     @property
     def shear_grows(self) -> bool:
-        """Whether its forces need the shear displacement of the medium."""
+        """Whether the forces need the shear displacement of the medium."""
         return False
 
     @property
     def lacking_in_space(self) -> list[str]:
-        """Keys without which the medium can't act in space, though it can in the plane."""
+        """Keys of coefficients that the medium needs in space, though not in the plane, and that are not given."""
         return []
 
     @classmethod
@@ -229,8 +273,8 @@ class Law(Coefficients):
 
     @classmethod
     def positions(cls) -> list[str]:
-        """As in `Coefficients`: the law's own numbers first."""
-        return [*(name for name in cls.model_fields if name not in (*ABOUT, "law")), *ABOUT]
+        """Names in the order of positional arguments: the coefficients of the law, then what every medium has."""
+        return [*(name for name in cls.model_fields if name not in (*METADATA, "law")), *METADATA]
 
     def model_post_init(self, context: Any, /) -> None:
         """Name a medium without a name after its law."""
@@ -238,8 +282,8 @@ class Law(Coefficients):
             self.__dict__["name"] = self.law
 
     def __repr_args__(self) -> Any:
-        """What `repr` shows: the numbers, and the name where it is not that of the law; not the sources."""
-        shown = [name for name in self.positions() if name not in ABOUT]
+        """Yield what `repr` shows: the coefficients, and the name if it is not that of the law."""
+        shown = [name for name in self.positions() if name not in METADATA]
         yield from ((name, getattr(self, name)) for name in shown)
         if self.name != self.law:
             yield "name", self.name
@@ -256,13 +300,36 @@ class Law(Coefficients):
         return None if name == self.law else name
 
 
-def what_it_takes(medium: Law) -> str:
-    """Sentence on the shapes that a medium acts on."""
-    return f"{medium.name} takes {', '.join(words for kind, words in WORDS.items() if kind in medium.takes)}"
+def accepted_shapes(medium: Law) -> str:
+    """Sentence that names the shapes on which a medium acts.
+
+    Parameters
+    ----------
+    medium : Law
+        The medium.
+
+    Returns
+    -------
+    str
+        As "play_sand takes round bars (...)".
+    """
+    return f"{medium.name} takes {', '.join(name for kind, name in SHAPE_NAMES.items() if kind in medium.takes)}"
 
 
 def term_names(media: Collection[Law]) -> tuple[str, ...]:
-    """Names of the terms of media that act together: those of one alone, else each after its medium."""
+    """Names of the terms of media that act together.
+
+    Parameters
+    ----------
+    media : collection of Law
+        The media of a bed.
+
+    Returns
+    -------
+    tuple of str
+        The terms of a single medium as they are; those of several with the name of the medium in front, with a number
+        if two media have one name.
+    """
     if len(media) == 1:
         return tuple(next(iter(media)).terms)
     names = [medium.name for medium in media]

@@ -1,4 +1,4 @@
-"""A medium between two depths."""
+"""A layer of a bed: a medium between two depths."""
 
 from __future__ import annotations
 
@@ -10,21 +10,21 @@ from granular_contact.laws.law import Law
 
 @dataclass(frozen=True)
 class Layer:
-    """Medium between two depths below the free surface; the whole bed unless they are given.
+    """Medium between two depths below the free surface. By default it fills the bed.
 
-    Depths in its law stay those below the free surface.
+    The law of the medium is evaluated at the depth below the free surface, not below the top of the layer.
 
     Parameters
     ----------
     medium : Law
-        What lies there.
+        The medium of the layer.
     top, bottom : float
-        Depths (m), 0 <= top < bottom.
+        Depths of its boundaries (m), 0 <= top < bottom.
 
     Raises
     ------
     ValueError
-        The depths are not 0 <= top < bottom.
+        The depths do not satisfy 0 <= top < bottom.
     """
 
     medium: Law
@@ -38,5 +38,5 @@ class Layer:
 
     @property
     def whole(self) -> bool:
-        """Whether it fills the bed."""
+        """Whether the layer fills the whole bed."""
         return self.top == 0.0 and self.bottom == math.inf

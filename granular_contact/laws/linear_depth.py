@@ -1,4 +1,4 @@
-"""Linear static medium: a force k z on a ball."""
+"""Linear static law for a ball: F = k z."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from granular_contact.laws.scalar import WITH_DEPTH, ScalarLaw
+from granular_contact.laws.scalar import DEPTH_FORCE, ScalarLaw
 from granular_contact.values.strict import NotNegative
 
 
 class LinearDepth(ScalarLaw):
-    """k z, against the motion of a ball whose lowest point is at the depth z.
+    """Force k z against the motion of a ball whose lowest point is at the depth z.
 
     Parameters
     ----------
@@ -20,11 +20,11 @@ class LinearDepth(ScalarLaw):
     """
 
     law: Literal["linear_depth"]
-    stiffness: Annotated[NotNegative, WITH_DEPTH] = Field(alias="stiffness_N_m")
+    stiffness: Annotated[NotNegative, DEPTH_FORCE] = Field(alias="stiffness_N_m")
 
     equation = "F = k z"
     terms = ("static",)
 
-    def own(self) -> dict[str, float]:
-        """As `ScalarLaw.own`."""
+    def force_constants(self) -> dict[str, float]:
+        """Constants of the force; see `ScalarLaw.force_constants`."""
         return {"k": self.stiffness}

@@ -1,4 +1,4 @@
-"""Poncelet medium: a constant force and one quadratic in speed, F0 + c v^2, on a ball."""
+"""Poncelet medium, for a ball: a constant force and a force quadratic in speed, F = F0 + c v^2."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from granular_contact.values.strict import NotNegative
 
 
 class Poncelet(ScalarLaw):
-    """F0 + c v^2, against the motion of a ball.
+    """Force F0 + c v^2 against the motion of a ball.
 
     Parameters
     ----------
@@ -29,6 +29,6 @@ class Poncelet(ScalarLaw):
     equation = "F = F0 + c v^2"
     terms = ("constant", "drag")
 
-    def own(self) -> dict[str, float]:
-        """As `ScalarLaw.own`."""
+    def force_constants(self) -> dict[str, float]:
+        """Constants of the force; see `ScalarLaw.force_constants`."""
         return {"F0": self.constant_force, "c": self.drag}

@@ -1,4 +1,4 @@
-"""A law by itself: the force on a body in steady motion, and the curves that show it."""
+"""Force of a law on a body in steady motion, outside any simulation, and curves of it."""
 
 from __future__ import annotations
 
@@ -15,20 +15,28 @@ from granular_contact.laws.static_friction import Elastoplastic
 Vector = NDArray[np.float64]
 
 LEVEL = np.array([[0.0, 0.0]])
-# On a bristle that is not stretched the sign of any speed above 1e-12 m/s, in closed form: the motion is steady,
-# nothing is at rest.
+# Elastoplastic friction in which an unstretched bristle yields at any speed above 1e-12 m/s: the static resistance of a
+# steady motion is then fully mobilised.
 STEADY = Elastoplastic(1e-12, 1.0)
 BALL, BAR, PLATE = 0.0254, 0.00635, 0.03  # sizes where a medium states none (m)
-STEEL = 7700.0  # kg/m3, of a ball for laws that ask for its mass
-SLOW, DEPTH = 0.1, 0.05  # m/s, m
+STEEL = 7700.0  # density (kg/m3) of the ball, for laws that need its mass
+SLOW, DEPTH = 0.1, 0.05  # speed (m/s) and depth (m) of the curves over other quantities
 
 
 @dataclass(frozen=True)
 class Probe:
-    """Straight strip or ball that a law is asked about.
+    """Straight strip or ball on which a law acts.
 
-    points: (2, 2) m, its ends, with the surface at y = 0 (both the centre of a ball); width: m, as in the kernels;
-    side: of an outline; ball: mass (kg) of a ball, None for a strip.
+    Parameters
+    ----------
+    points : (2, 2) array
+        Ends of the strip (m), with the surface at y = 0; both rows are the centre of a ball.
+    width : float
+        Diameter of a round bar or ball, or width of a plate normal to the plane (m).
+    side : int
+        0 if both faces can lead, else the side of the outward normal of an outline: +1 left of the strip, -1 right.
+    ball : float, optional
+        Mass of a ball (kg); None for a strip.
     """
 
     points: Vector
@@ -38,7 +46,24 @@ class Probe:
 
 
 def force(medium: Law, probe: Probe, velocity: Vector, gravity: float = 9.81) -> Vector:
-    """Force x, y (N) of each term, (terms, 2), on a body that moves steadily with a velocity (2,) m/s, y up."""
+    """Force of each term on a body in steady motion.
+
+    Parameters
+    ----------
+    medium : Law
+        The medium.
+    probe : Probe
+        The body.
+    velocity : (2,) array
+        Velocity of the body (m/s), y up.
+    gravity : float
+        Gravity (m/s2).
+
+    Returns
+    -------
+    (terms, 2) array
+        Force of each term (N), x and y (up).
+    """
     from granular_contact.sand.kernels import probe as kernel
     from granular_contact.sand.kernels.law import LINE, TERMS
 
@@ -54,26 +79,76 @@ def force(medium: Law, probe: Probe, velocity: Vector, gravity: float = 9.81) ->
 
 
 def upright_bar(depth: float, diameter: float) -> Probe:
-    """Round bar that pierces the surface at right angles, its tip at a depth (m)."""
+    """Vertical round bar that pierces the surface.
+
+    Parameters
+    ----------
+    depth : float
+        Depth of its tip (m).
+    diameter : float
+        Diameter (m).
+
+    Returns
+    -------
+    Probe
+    """
     return Probe(np.array([[0.0, 0.5 * depth], [0.0, -depth]]), diameter)
 
 
 def plate(depth: float, beta: float, size: float) -> Probe:
-    """Square plate, its middle at a depth (m), at the angle beta (deg) to the horizontal."""
+    """Square plate.
+
+    Parameters
+    ----------
+    depth : float
+        Depth of its middle (m).
+    beta : float
+        Angle to the horizontal (deg), counter-clockwise.
+    size : float
+        Side (m).
+
+    Returns
+    -------
+    Probe
+    """
     b = math.radians(beta)
     half = 0.5 * size * np.array([math.cos(b), math.sin(b)])
     return Probe(np.array([-half, half]) - np.array([0.0, depth]), size)
 
 
 def ball(depth: float, diameter: float, density: float = STEEL) -> Probe:
-    """Solid ball, its lowest point at a depth (m)."""
+    """Solid ball.
+
+    Parameters
+    ----------
+    depth : float
+        Depth of its lowest point (m).
+    diameter : float
+        Diameter (m).
+    density : float
+        Density (kg/m3), from which its mass follows.
+
+    Returns
+    -------
+    Probe
+    """
     centre = np.array([[0.0, 0.5 * diameter - depth]] * 2)
     return Probe(centre, diameter, ball=density * math.pi / 6.0 * diameter**3)
 
 
 @dataclass(frozen=True)
 class Curve:
-    """Force y (N) over x, with what it is called."""
+    """Force over a quantity.
+
+    Parameters
+    ----------
+    label : str
+        Text of the legend.
+    x : (n,) array
+        The quantity, see `Panel.x_label`.
+    y : (n,) array
+        Force (N).
+    """
 
     label: str
     x: Vector
@@ -82,7 +157,17 @@ class Curve:
 
 @dataclass(frozen=True)
 class Panel:
-    """Curves over one axis."""
+    """Curves over a common axis.
+
+    Parameters
+    ----------
+    x_label : str
+        Label of the axis, with the unit.
+    title : str
+        Title.
+    curves : tuple of Curve
+        The curves.
+    """
 
     x_label: str
     title: str
@@ -90,27 +175,40 @@ class Panel:
 
 
 def panels(medium: Law) -> tuple[Panel, Panel, Panel]:
-    """Force of a medium against depth, against speed, and against the direction of motion, on a body that it takes."""
-    shape, what, directions = _body(medium)
+    """Curves of the force on a body that the medium acts on.
+
+    Parameters
+    ----------
+    medium : Law
+        The medium.
+
+    Returns
+    -------
+    tuple of Panel
+        Force against depth, against speed, and against the direction of motion.
+    """
+    body_at, name, directions = _body(medium)
     z, v, gamma = np.linspace(1e-4, 2 * DEPTH, 60), np.linspace(0.0, 3.0, 60), np.linspace(-90.0, 90.0, 91)
-    deep = shape(DEPTH)
+    body = body_at(DEPTH)
     by_depth = tuple(
-        Curve(label, z, np.array([_against(medium, shape(x), SLOW, a) for x in z])) for label, a in directions.items()
+        Curve(label, z, np.array([_resistance(medium, body_at(x), SLOW, angle) for x in z]))
+        for label, angle in directions.items()
     )
     by_speed = tuple(
-        Curve(label, v, np.array([_against(medium, deep, x, a) for x in v])) for label, a in directions.items()
+        Curve(label, v, np.array([_resistance(medium, body, x, angle) for x in v]))
+        for label, angle in directions.items()
     )
-    turned = np.array([_total(medium, deep, SLOW, x) for x in gamma])
-    components = (Curve("horizontal, against the motion", gamma, -turned[:, 0]), Curve("upward", gamma, turned[:, 1]))
+    forces = np.array([_total_force(medium, body, SLOW, angle) for angle in gamma])
+    components = (Curve("horizontal, against the motion", gamma, -forces[:, 0]), Curve("upward", gamma, forces[:, 1]))
     return (
-        Panel("depth (m)", f"{what}, {SLOW:g} m/s", by_depth),
-        Panel("speed (m/s)", f"{what}, {DEPTH:g} m deep", by_speed),
-        Panel("direction below the horizontal (deg)", f"{what}, {DEPTH:g} m deep, {SLOW:g} m/s", components),
+        Panel("depth (m)", f"{name}, {SLOW:g} m/s", by_depth),
+        Panel("speed (m/s)", f"{name}, {DEPTH:g} m deep", by_speed),
+        Panel("direction below the horizontal (deg)", f"{name}, {DEPTH:g} m deep, {SLOW:g} m/s", components),
     )
 
 
 def _body(medium: Law) -> tuple[Callable[[float], Probe], str, dict[str, float]]:
-    """The body by its depth, its name, and the directions (deg below the horizontal) that matter for it."""
+    """Body by its depth (m), its name, and the directions (deg below the horizontal) that matter for it."""
     size = None if medium.validity.size is None else medium.validity.size[1]
     if "ball" in medium.takes:
         diameter = size or BALL
@@ -123,13 +221,14 @@ def _body(medium: Law) -> tuple[Callable[[float], Probe], str, dict[str, float]]
     return lambda depth: upright_bar(depth, diameter), f"upright bar of {1e3 * diameter:.3g} mm", directions
 
 
-def _total(medium: Law, probe: Probe, speed: float, angle: float) -> Vector:
+def _total_force(medium: Law, probe: Probe, speed: float, angle: float) -> Vector:
+    """Force (2,) N of all terms at a speed (m/s) and a direction (deg below the horizontal)."""
     a = math.radians(angle)
     total: Vector = force(medium, probe, speed * np.array([math.cos(a), -math.sin(a)])).sum(axis=0)
     return total
 
 
-def _against(medium: Law, probe: Probe, speed: float, angle: float) -> float:
-    """Part of the force against the motion (N)."""
+def _resistance(medium: Law, probe: Probe, speed: float, angle: float) -> float:
+    """Component of the force (N) against the motion; arguments as of `_total_force`."""
     a = math.radians(angle)
-    return float(-_total(medium, probe, max(speed, 1e-6), angle) @ np.array([math.cos(a), -math.sin(a)]))
+    return float(-_total_force(medium, probe, max(speed, 1e-6), angle) @ np.array([math.cos(a), -math.sin(a)]))

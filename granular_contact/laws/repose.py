@@ -1,7 +1,7 @@
-"""Slopes that a medium does not keep: those steeper than its angle of repose.
+"""Slopes that are steeper than the angle of repose of a medium.
 
-On a slope without end the grains at any depth slide where it is steeper, whatever the gravity; so this holds for every
-layer, as layers follow the surface.
+On an infinite slope steeper than that the grains slide at any depth, whatever the gravity. Layers follow the surface,
+so the condition holds for every layer.
 """
 
 from __future__ import annotations
@@ -14,15 +14,39 @@ from granular_contact.laws.law import Law
 ROUND_OFF = 1e-6  # deg
 
 
-def gentlest(media: Iterable[Law]) -> Law | None:
-    """The medium with the least angle of repose; None where none states its own."""
+def least_repose(media: Iterable[Law]) -> Law | None:
+    """Medium with the smallest angle of repose.
+
+    Parameters
+    ----------
+    media : iterable of Law
+        The media of a bed.
+
+    Returns
+    -------
+    Law or None
+        None if no medium states its angle.
+    """
     known = [medium for medium in media if medium.angle_of_repose is not None]
     return min(known, key=lambda medium: medium.angle_of_repose or 0.0, default=None)
 
 
-def steeper(media: Iterable[Law], slope: float) -> Iterator[str]:
-    """Why media do not lie on a slope (deg), if they do not."""
-    medium = gentlest(media)
+def slope_faults(media: Iterable[Law], slope: float) -> Iterator[str]:
+    """Fault of a bed whose slope is steeper than the angle of repose.
+
+    Parameters
+    ----------
+    media : iterable of Law
+        The media of the bed.
+    slope : float
+        Slope (deg); its sign does not matter.
+
+    Yields
+    ------
+    str
+        One sentence if the media do not rest on the slope.
+    """
+    medium = least_repose(media)
     if medium is not None and medium.angle_of_repose is not None and abs(slope) > medium.angle_of_repose + ROUND_OFF:
         yield (
             f"got {abs(slope):.4g} deg, but the angle of repose of {medium.name} is {medium.angle_of_repose:g} deg: "
@@ -30,13 +54,26 @@ def steeper(media: Iterable[Law], slope: float) -> Iterator[str]:
         )
 
 
-def steep_places(media: Iterable[Law], slopes: Iterable[tuple[float, float]]) -> Iterator[str]:
-    """What is steeper than media lie of a surface of pieces; slopes: rise per length, and length or area of each."""
-    medium = gentlest(media)
+def slope_notes(media: Iterable[Law], slopes: Iterable[tuple[float, float]]) -> Iterator[str]:
+    """Note on the pieces of a surface that are steeper than the angle of repose.
+
+    Parameters
+    ----------
+    media : iterable of Law
+        The media of the bed.
+    slopes : iterable of tuple of float
+        Rise per length of each piece, and its length (m) or area (m2).
+
+    Yields
+    ------
+    str
+        One sentence if a piece is too steep.
+    """
+    medium = least_repose(media)
     if medium is None or medium.angle_of_repose is None:
         return
     pieces = [(math.degrees(math.atan(abs(rise))), size) for rise, size in slopes]
-    steep = [one for one in pieces if one[0] > medium.angle_of_repose + ROUND_OFF]
+    steep = [piece for piece in pieces if piece[0] > medium.angle_of_repose + ROUND_OFF]
     if steep:
         share = sum(size for _, size in steep) / sum(size for _, size in pieces)
         yield (

@@ -1,18 +1,19 @@
 """Resistive force theory in the plane (Li, Zhang and Goldman 2013), for plates, outlines and round bars.
 
-An element lies at the angle beta to the horizontal and moves at the angle gamma below it; both are folded to
-[-pi/2, pi/2], with beta > 0 where the leading face looks down. Stress per depth, against the motion and upward:
+An element lies at the angle beta to the horizontal and moves at the angle gamma below the horizontal. Both angles are
+folded to [-pi/2, pi/2], with beta > 0 where the leading face looks down. The stresses per depth, upward (z) and against
+the motion (x), are
 
     alpha_z = A00 + A10 cos 2b + B11 sin(2b + g) + B01 sin g + B-11 sin(-2b + g)
     alpha_x = C11 cos(2b + g) + C01 cos g + C-11 cos(-2b + g) + D10 sin 2b
 
-With the tangent t = (cos b, sin b) and the direction of motion u = (cos g, -sin g) all folds drop out, also that of
-motion to the left: with c2 = t_x^2 - t_y^2 and s2 = 2 t_x t_y
+with b = beta and g = gamma. With the tangent t = (cos b, sin b) and the direction of motion u = (cos g, -sin g) no fold
+is needed, also not for motion to the left: with c2 = t_x^2 - t_y^2 and s2 = 2 t_x t_y
 
     S_x = -[C01 + (C11 + C-11) c2] u_x - (C11 - C-11) s2 u_y - D10 s2
     S_y = A00 + A10 c2 + (B11 - B-11) s2 u_x - [B01 + (B11 + B-11) c2] u_y
 
-which is even in t, and affine in u. The record holds the sums and differences, in N/m^3.
+S is even in t and affine in u. The record of the law holds the sums and differences of coefficients in N/m^3.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ from granular_contact.laws.gravity import derived, measured
 from granular_contact.laws.law import Law
 from granular_contact.values.strict import Faults, Positive
 
-WITH_GRAVITY = measured(
+FRICTIONAL_STRESS = measured(
     1, "stresses of friction grow with the weight above; wheels computed grain by grain agree (Slonaker et al. 2017)"
 )
 FACTOR = derived(0, "a factor of alpha, which has the gravity")
@@ -36,14 +37,14 @@ CONSTANTS = ("A00", "A10", "B01", "B_sum", "B_difference", "C01", "C_sum", "C_di
 
 
 class RftCoefficients(Coefficients):
-    """Fourier coefficients of alpha_z (A, B) and alpha_x (C, D), the stresses per depth upward and against the motion.
+    """Fourier coefficients of the stresses per depth: alpha_z (A, B) upward, alpha_x (C, D) against the motion.
 
     Parameters
     ----------
     A00, A10, B11, B01, B_11 : float
-        Of alpha_z (N/cm3); B_11 is that with the index -1,1.
+        Coefficients of alpha_z (N/cm3); B_11 has the index -1,1.
     C11, C01, C_11, D10 : float
-        Of alpha_x (N/cm3); C_11 is that with the index -1,1.
+        Coefficients of alpha_x (N/cm3); C_11 has the index -1,1.
     """
 
     A00: float
@@ -57,14 +58,25 @@ class RftCoefficients(Coefficients):
     D10: float
 
     def _faults(self) -> Faults:
-        """A medium can't push an element along: looked at every 5 degrees of it and 10 of its motion."""
-        power, beta, gamma = _greatest_power(*(getattr(self, name) for name in type(self).model_fields))
+        """Refuse a medium that would drive an element, checked at every 5 degrees of beta and 10 degrees of gamma."""
+        power, beta, gamma = _greatest_driving_stress(*(getattr(self, name) for name in type(self).model_fields))
         if power > 1e-9 * max(map(abs, (self.A00, self.B01, self.C01))):
             where = f"an element at beta {beta} deg that moves at gamma {gamma} deg"
             yield (), f"pushes {where} with {power:.3g} N/cm3; allowed is what resists every motion"
 
     def numbers(self, zeta: float) -> dict[str, float]:
-        """Zeta times the coefficients as CONSTANTS (N/m3)."""
+        """Coefficients times zeta, as the constants of the law.
+
+        Parameters
+        ----------
+        zeta : float
+            Factor.
+
+        Returns
+        -------
+        dict
+            Values of `CONSTANTS` (N/m3).
+        """
         scale = 1e6 * zeta
         return {name: scale * getattr(self, name) for name in ("A00", "A10", "B01", "C01", "D10")} | {
             "B_sum": scale * (self.B11 + self.B_11),
@@ -74,23 +86,23 @@ class RftCoefficients(Coefficients):
         }
 
 
-@lru_cache(64)  # a fit of other numbers asks for the same coefficients thousands of times
-def _greatest_power(
+@lru_cache(64)  # a fit of other numbers evaluates the same coefficients thousands of times
+def _greatest_driving_stress(
     A00: float, A10: float, B11: float, B01: float, B_11: float, C11: float, C01: float, C_11: float, D10: float
 ) -> tuple[float, int, int]:
-    """Greatest stress along the motion, per depth (N/cm3), and beta and gamma (deg) where it is."""
-    found = (-math.inf, 0, 0)
+    """Greatest stress along the motion, per depth (N/cm3), and the angles beta and gamma (deg) at which it occurs."""
+    greatest = (-math.inf, 0, 0)
     for beta in range(-90, 90, 5):
         c2, s2 = math.cos(math.radians(2 * beta)), math.sin(math.radians(2 * beta))
         for gamma in range(-180, 180, 10):
             ux, uy = math.cos(math.radians(gamma)), -math.sin(math.radians(gamma))
             sx = -(C01 + (C11 + C_11) * c2) * ux - (C11 - C_11) * s2 * uy - D10 * s2
             sy = A00 + A10 * c2 + (B11 - B_11) * s2 * ux - (B01 + (B11 + B_11) * c2) * uy
-            found = max(found, (sx * ux + sy * uy, beta, gamma))
-    return found
+            greatest = max(greatest, (sx * ux + sy * uy, beta, gamma))
+    return greatest
 
 
-# The generic set of Li, Zhang and Goldman (2013), which a medium scales by its zeta.
+# The generic set of Li, Zhang and Goldman (2013), which the zeta of a medium scales.
 GENERIC = RftCoefficients(0.206, 0.169, 0.212, 0.358, 0.055, -0.124, 0.253, 0.007, 0.088)
 
 
@@ -100,13 +112,13 @@ class Rft(Law):
     Parameters
     ----------
     coefficients : RftCoefficients
-        Left out: the generic set, for which zeta is the medium's.
+        Coefficients of the stress; by default the generic set, which the zeta of the medium scales.
     zeta : float
         Factor of the coefficients, above 0.
     """
 
     law: Literal["rft"]
-    coefficients: Annotated[RftCoefficients, WITH_GRAVITY] = Field(GENERIC, alias="alpha_N_cm3")
+    coefficients: Annotated[RftCoefficients, FRICTIONAL_STRESS] = Field(GENERIC, alias="alpha_N_cm3")
     zeta: Annotated[Positive, FACTOR] = 1.0
 
     equation = "stress = zeta alpha(beta, gamma) z"
@@ -115,12 +127,12 @@ class Rft(Law):
     constants = CONSTANTS
 
     def numbers(self, gravity: float) -> dict[str, float]:
-        """As `Law.numbers`."""
+        """Constants of the stress; see `Law.numbers`."""
         return self.coefficients.numbers(self.zeta)
 
     @staticmethod
     def stress(t, u, m):
-        """S (N/m^3) of the law; as `sand.kernels.plates.stress`."""
+        """Stress per depth S (2,) N/m^3; arguments as in `laws.law`."""
         (tx, ty), (ux, uy) = t, u
         c2, s2 = tx * tx - ty * ty, 2.0 * tx * ty
         return (

@@ -1,28 +1,34 @@
 """Three-dimensional resistive force theory (Agarwal, Goldman and Kamrin 2023).
 
-An element has the normal n, the one of its two that does not look up, and moves in the direction u; g points down.
-With x1 = u . g = sin gamma, x2 = n . g = cos beta, x3 = n . u and the cubic polynomials f_i of the source in them
+An element has two normals; n is the one that does not look up. The element moves in the direction u, and g points down.
+With x1 = u . g = sin gamma, x2 = n . g = cos beta, x3 = n . u and the cubic polynomials f_i of the source in them, its
+generic response is
 
     alpha = f1 n + f2 u + f3 g
 
-is its generic response. With r the horizontal direction of motion and theta beside it, u = cos gamma r - sin gamma z
-and n = sin beta (cos psi r + sin psi theta) - cos beta z, these are the source's alpha_r, alpha_theta and alpha_z, and
-x3 = cos psi cos gamma sin beta + sin gamma cos beta. In the plane psi is 0 or 180 degrees. Stress per depth
+With the horizontal direction of motion r, and theta normal to it, u = cos gamma r - sin gamma z and n = sin beta (cos
+psi r + sin psi theta) - cos beta z. Then the components of alpha are alpha_r, alpha_theta and alpha_z of the source,
+and x3 = cos psi cos gamma sin beta + sin gamma cos beta. In the plane psi is 0 or 180 degrees. The stress per depth is
 
     S = xi_n [alpha_n + min(mu_surf |alpha_n| / |alpha_t|, 1) alpha_t],
     xi_n = rho_c g (894 mu_int^3 - 386 mu_int^2 + 89 mu_int)
 
-with the parts of alpha normal and tangential to the element. Published copies of the polynomials agree in 58 of their
-60 coefficients, and one public code has the same n, x_i and alpha; values at other psi than 0 and 180 degrees were
-checked against these formulas only, against no published number. Two things are [ours]. Where an element turns through
-the vertical n jumps to its opposite, and the polynomials differ by up to 0.05: over |x2| < UPRIGHT both are averaged,
-with weights from one to the other. Where that is, the source jumps: a plate that is swept broadside stops after 0.250
-mm leaning by 2 degrees to one side, 0.230 to the other. With a quarter of the width shipped configs and upright plates
-and cylinders move alike, within 1.2e-4 of their way; a plate that leans by half a degree comes 3 to 7 % less or more
-far. But a wheel of 64 strips in the plane then ripples by 7e-4 of its force as it turns, with this width by 4e-4, and
-the ripple falls with the power 1.6 of the strips, not 2: so it stays. In 143 of 32761 states of a 1 degree grid at psi
-= 0 (upward faces at small angles to the motion) the published polynomials would drive the element, by up to 0.005:
-there the part of S along u is dropped.
+with the components alpha_n normal and alpha_t tangential to the element.
+
+Published copies of the polynomials agree in 58 of their 60 coefficients, and one public code has the same n, x_i and
+alpha. Values at other psi than 0 and 180 degrees were checked against these formulas only, not against published
+numbers.
+
+Two things are [ours]. Where an element turns through the vertical, n jumps to its opposite, and the polynomials differ
+by up to 0.05. For |x2| < UPRIGHT both values are averaged, with weights that go from one to the other. The source has a
+jump there: a plate that is swept broadside stops after 0.250 mm if it leans by 2 degrees to one side, and after 0.230
+mm if it leans to the other. With a quarter of this width, shipped configs and upright plates and cylinders move alike
+within 1.2e-4 of their path, and a plate that leans by half a degree moves 3 to 7 % less or more far. But the force on a
+wheel of 64 strips in the plane then ripples by 7e-4 as it turns; with this width it ripples by 4e-4. The ripple falls
+with the power 1.6 of the number of strips, not 2. So the width stays.
+
+In 143 of 32761 states of a 1 degree grid at psi = 0 (upward faces at small angles to the motion) the published
+polynomials would drive the element, by up to 0.005. There the component of S along u is dropped.
 """
 
 from __future__ import annotations
@@ -66,16 +72,16 @@ F1, F2, F3 = (tuple(row[k] for row in C) for k in range(3))
 
 
 class Rft3d(Law):
-    """Three-dimensional resistive force theory: density and friction are all it needs (Agarwal et al. 2023).
+    """Three-dimensional resistive force theory, which needs density and friction only (Agarwal et al. 2023).
 
     Parameters
     ----------
     density : float
-        Of the bulk (kg/m3), above 0.
+        Bulk density (kg/m3), above 0.
     mu_int : float
-        Internal friction of the medium, above 0.
+        Internal friction coefficient of the medium, above 0.
     mu_surf : float
-        Friction between the medium and the surface, 0 or more.
+        Friction coefficient between the medium and the surface of a body, 0 or more.
     """
 
     law: Literal["rft3d"]
@@ -89,32 +95,55 @@ class Rft3d(Law):
     constants = ("xi_n", "mu_surf")
 
     def stiffness(self, gravity: float) -> float:
-        """xi_n (N/m3), by which the generic response is scaled; gravity in m/s2."""
+        """Factor xi_n of the generic response.
+
+        Parameters
+        ----------
+        gravity : float
+            Gravity (m/s2); its sign does not matter.
+
+        Returns
+        -------
+        float
+            xi_n (N/m3).
+        """
         mu = self.mu_int
         return self.density * abs(gravity) * (894.0 * mu**3 - 386.0 * mu**2 + 89.0 * mu)
 
     def numbers(self, gravity: float) -> dict[str, float]:
-        """As `Law.numbers`."""
+        """Constants of the stress; see `Law.numbers`."""
         return {"xi_n": self.stiffness(gravity), "mu_surf": self.mu_surf}
 
     @staticmethod
     def stress(t, u, m):
-        """S (N/m^3) of the law; as `sand.kernels.plates.stress`."""
+        """Stress per depth S (2,) N/m^3 in the plane; arguments as in `laws.law`."""
         ax, _, ay = response((t[1], 0.0, -t[0]), (u[0], 0.0, u[1]))
         sx, sy = limited_in_plane((ax, ay), t, u, m)
         return m.xi_n * sx, m.xi_n * sy
 
     @staticmethod
     def facet_stress(n, u, m):
-        """S (N/m^3) of the law; as `sand.kernels.facet_blocks.stress`."""
+        """Stress per depth S (3,) N/m^3 in space; arguments as in `laws.law`."""
         return limited(response(n, u), n, u, m)
 
 
 def response(n, u):
-    """Generic response (3,) of an element with the normal n, of either sign, that moves in the direction u; z up.
+    """Generic response of an element, averaged near the vertical as the module says.
 
-    With f_i = even_i + odd_i in n, that of -n is even_i - odd_i: so their mean with the weights (1 + b) / 2 and
-    (1 - b) / 2 is (b even_1 + odd_1) n + (even_2 + b odd_2) u + (even_3 + b odd_3) g.
+    With f_i = even_i + odd_i in n, the response for -n has f_i = even_i - odd_i. So the mean of both with the weights
+    (1 + b) / 2 and (1 - b) / 2 is (b even_1 + odd_1) n + (even_2 + b odd_2) u + (even_3 + b odd_3) g.
+
+    Parameters
+    ----------
+    n : tuple of float
+        Unit normal (3,), of either sign, z up.
+    u : tuple of float
+        Unit direction of motion (3,).
+
+    Returns
+    -------
+    tuple of float
+        Response (3,), dimensionless.
     """
     (nx, ny, nz), (ux, uy, uz) = n, u
     x1, x2, x3 = -uz, -nz, nx * ux + ny * uy + nz * uz
@@ -127,7 +156,20 @@ def response(n, u):
 
 
 def cubic(x1, x2, x3, c):
-    """Polynomial with the coefficients c (20,), in two parts: even and odd in x2 and x3 together."""
+    """Value of a polynomial f_i, split into its parts even and odd in x2 and x3 together.
+
+    Parameters
+    ----------
+    x1, x2, x3 : float
+        Arguments, see the module.
+    c : tuple of float
+        Coefficients (20,), a column of `C`.
+
+    Returns
+    -------
+    tuple of float
+        Even and odd part.
+    """
     even = c[0] + x1 * (c[1] + x1 * (c[4] + x1 * c[10])) + x2 * x2 * (c[5] + x1 * c[13])
     even += x3 * (x3 * (c[6] + x1 * c[18]) + x2 * (c[8] + x1 * c[19]))
     odd = x2 * (c[2] + x1 * (c[7] + x1 * c[14]) + x2 * x2 * c[11]) + x3 * (c[3] + x1 * (c[9] + x1 * c[17]))
@@ -135,7 +177,7 @@ def cubic(x1, x2, x3, c):
 
 
 def alpha(n, u):
-    """Generic response (3,) by the polynomials as published, of an element with normal n that moves in direction u."""
+    """Generic response by the published polynomials, without average near the vertical; arguments as of `response`."""
     (nx, ny, nz), (ux, uy, uz) = n, u
     x1, x2, x3 = -uz, -nz, nx * ux + ny * uy + nz * uz
     f1, f2, f3 = (sum(cubic(x1, x2, x3, c)) for c in (F1, F2, F3))
@@ -143,23 +185,53 @@ def alpha(n, u):
 
 
 def limited(alpha, n, u, m):
-    """S from alpha: its tangential part limited by the friction of the surface, what would drive dropped."""
+    """Stress per depth from the generic response, with the limit of surface friction and without a driving component.
+
+    Parameters
+    ----------
+    alpha : tuple of float
+        Generic response (3,).
+    n, u : tuple of float
+        Unit normal and unit direction of motion (3,).
+    m : record
+        Constants of the law.
+
+    Returns
+    -------
+    tuple of float
+        S (3,) N/m^3.
+    """
     (ax, ay, az), (nx, ny, nz), (ux, uy, uz) = alpha, n, u
     normal = ax * nx + ay * ny + az * nz
     tx, ty, tz = ax - normal * nx, ay - normal * ny, az - normal * nz
-    most, along = m.mu_surf * abs(normal), math.sqrt(tx * tx + ty * ty + tz * tz)
-    share = most / along if along > most else 1.0
+    limit, along = m.mu_surf * abs(normal), math.sqrt(tx * tx + ty * ty + tz * tz)
+    share = limit / along if along > limit else 1.0
     ax, ay, az = normal * nx + share * tx, normal * ny + share * ty, normal * nz + share * tz
     power = max(0.0, ax * ux + ay * uy + az * uz)
     return m.xi_n * (ax - power * ux), m.xi_n * (ay - power * uy), m.xi_n * (az - power * uz)
 
 
 def limited_in_plane(alpha, t, u, m):
-    """S / xi_n as in `limited`, where the tangent t is known: without its root, which would cost a tenth of a strip."""
+    """S / xi_n in the plane, as by `limited`. The known tangent t saves a square root, a tenth of the time of a strip.
+
+    Parameters
+    ----------
+    alpha : tuple of float
+        Generic response (2,).
+    t, u : tuple of float
+        Unit tangent and unit direction of motion (2,).
+    m : record
+        Constants of the law.
+
+    Returns
+    -------
+    tuple of float
+        S / xi_n (2,).
+    """
     (ax, ay), (tx, ty), (ux, uy) = alpha, t, u
     normal, along = ax * ty - ay * tx, ax * tx + ay * ty
-    most = m.mu_surf * abs(normal)
-    excess = along - min(most, max(-most, along))
+    limit = m.mu_surf * abs(normal)
+    excess = along - min(limit, max(-limit, along))
     ax, ay = ax - excess * tx, ay - excess * ty
     power = max(0.0, ax * ux + ay * uy)
     return ax - power * ux, ay - power * uy

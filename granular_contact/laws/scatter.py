@@ -1,9 +1,12 @@
-"""Scatter of a medium's static resistance: how much, over which length; its equations are in `sand.kernels.scatter`.
+"""Scatter of the static resistance of a medium: standard deviation and length.
 
-What is measured is how much the force on a body scatters, not the resistance of a piece as long as a grain. Pieces that
-differ from grain to grain make a body's force scatter by s sqrt(L / B), B its length in the plane, and by s L / B in
-space, B the root of its area: so a medium that holds measured forces with the sizes of their bodies gives s. L is a few
-grains; where s would be more than USUAL a longer L, with USUAL for s, makes the force scatter as measured [ours].
+Its equations are in `sand.kernels.scatter`.
+
+Experiments measure the scatter of the force on a body, not that of the resistance of a piece as long as a few grains.
+If the resistance of pieces of the length L scatters by s, the force on a body scatters by s sqrt(L / B) in the plane, B
+being the length of the body. In space it scatters by s L / B, B being the root of the area of the body. So measured
+forces of a medium give s, if the sizes of the bodies are known. L is a few grains. Where that would need an s above
+USUAL, s is USUAL and L is longer, so that the force scatters as measured [ours].
 """
 
 from __future__ import annotations
@@ -16,24 +19,24 @@ from pydantic import Field
 from granular_contact.laws.coefficients import Coefficients
 from granular_contact.values.strict import Faults, Positive, Text
 
-MOST = 0.5  # of kernels.scatter, which is not loaded for a config
+MOST = 0.5  # equal to MOST of kernels.scatter, which is not loaded when a config is read
 SEEDS = 2**53
 FEW_GRAINS, USUAL = 3e-3, 0.4  # m, -
 
 
 class MeasuredScatter(Coefficients):
-    """How much a measured force scattered.
+    """Measured scatter of a force.
 
     Parameters
     ----------
     name : str
-        By which `scatter: {measured: ...}` takes it.
+        Name by which `scatter: {measured: ...}` selects it.
     force : float
-        Its standard deviation over its mean, between 0 and 1.
+        Standard deviation of the force divided by its mean, between 0 and 1.
     size : float
-        Of the body (m): along its surface in the sand; in space the root of the area there.
+        Size of the body (m): length of its surface in the sand; in space the root of the area in the sand.
     standing : str
-        What it was measured on, and what it rests on.
+        What was measured, and the evidence.
     """
 
     name: Text
@@ -43,19 +46,21 @@ class MeasuredScatter(Coefficients):
 
 
 class Scatter(Coefficients):
-    """The static resistance times (1 + s xi), xi a random function of the path of each strip, the same for neighbours.
+    """Scatter: static resistance times (1 + s xi).
+
+    xi is a random function of the path of each strip, shared by neighbours.
 
     Parameters
     ----------
     relative : float, optional
-        Standard deviation s on a piece no longer than `length`, 0 to 0.5; a whole body, on which pieces differ,
-        scatters less. 0: none at all, bit by bit; null: as `measured` says.
+        Standard deviation s of pieces no longer than `length`, 0 to 0.5. A whole body has several pieces and scatters
+        less. 0: no scatter, bit by bit; null: from `measured`.
     length : float, optional
-        Path and distance along the body (m) over which xi changes: a few grains; null: as `measured` says.
+        Path and distance along the body (m) over which xi changes: a few grains; null: from `measured`.
     seed : int
-        Of xi, 0 or more.
+        Seed of xi, 0 or more.
     measured : str, optional
-        Both numbers from a force that was measured in this medium, by its name there; null: from the two above.
+        Name of a measured scatter of this medium, from which both numbers follow; null: from the two above.
     """
 
     relative: Annotated[float, Field(ge=0, le=MOST)] | None = None
@@ -72,11 +77,24 @@ class Scatter(Coefficients):
             words = "stands beside `measured`, which gives it; allowed is null"
             yield from (((key,), words) for key, value in given.items() if value is not None)
 
-    def numbers(self, known: Sequence[MeasuredScatter], in_space: bool) -> tuple[float, float]:
-        """s, and L (m); known: what was measured in the medium."""
+    def numbers(self, measurements: Sequence[MeasuredScatter], in_space: bool) -> tuple[float, float]:
+        """Standard deviation and length of the scatter.
+
+        Parameters
+        ----------
+        known : sequence of MeasuredScatter
+            Measured scatter of forces in the medium.
+        in_space : bool
+            Whether bodies are in space.
+
+        Returns
+        -------
+        tuple of float
+            s (-) and L (m).
+        """
         if self.relative is not None and self.length is not None:
             return self.relative, self.length
-        one = next(one for one in known if one.name == self.measured)
+        chosen = next(measurement for measurement in measurements if measurement.name == self.measured)
         power = 1.0 if in_space else 0.5
-        s = one.force * (one.size / FEW_GRAINS) ** power
-        return (s, FEW_GRAINS) if s <= USUAL else (USUAL, one.size * (one.force / USUAL) ** (1.0 / power))
+        s = chosen.force * (chosen.size / FEW_GRAINS) ** power
+        return (s, FEW_GRAINS) if s <= USUAL else (USUAL, chosen.size * (chosen.force / USUAL) ** (1.0 / power))

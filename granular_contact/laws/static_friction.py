@@ -1,4 +1,4 @@
-"""Regularisations of the sign in the static resistance; their equations are in `sand.kernels.friction`."""
+"""Regularisations of the sign in the static resistance. Their equations are in `sand.kernels.friction`."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ if TYPE_CHECKING:  # a config is read without numpy
 
 
 class Elastoplastic(Coefficients):
-    """Static resistance that holds still: each point is tied to an anchor, which yields.
+    """Static resistance that can hold a body at rest: each point is tied to an anchor by a spring that yields.
 
     Parameters
     ----------
     yield_displacement : float
         Stretch (m) at which a bristle, the spring of static friction, yields; above 0.
     damping_time : float
-        Its damping over its stiffness (s), 0 or more.
+        Damping of a bristle divided by its stiffness (s), 0 or more.
     """
 
     type: Literal["elastoplastic"]
@@ -30,7 +30,13 @@ class Elastoplastic(Coefficients):
     damping_time: NotNegative = Field(1e-3, alias="damping_time_s")
 
     def fill(self, record: NDArray[np.void]) -> None:
-        """Write the constants into a medium record (1,)."""
+        """Write the constants into the record (1,) of a medium.
+
+        Parameters
+        ----------
+        record : (1,) array
+            Record of the law. It is changed.
+        """
         from granular_contact.sand.kernels.friction import ELASTOPLASTIC
 
         record["friction"] = ELASTOPLASTIC
@@ -38,7 +44,7 @@ class Elastoplastic(Coefficients):
 
 
 class Smooth(Coefficients):
-    """Static resistance that follows the velocity, tanh(v / reference_speed), and creeps under a constant load.
+    """Static resistance proportional to tanh(v / reference_speed). A body creeps under a constant load.
 
     Parameters
     ----------
@@ -50,7 +56,13 @@ class Smooth(Coefficients):
     reference_speed: Positive = Field(1e-3, alias="reference_speed_m_s")
 
     def fill(self, record: NDArray[np.void]) -> None:
-        """Write the constants into a medium record (1,)."""
+        """Write the constants into the record (1,) of a medium.
+
+        Parameters
+        ----------
+        record : (1,) array
+            Record of the law. It is changed.
+        """
         from granular_contact.sand.kernels.friction import SMOOTH
 
         record["friction"] = SMOOTH

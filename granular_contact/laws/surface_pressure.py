@@ -1,19 +1,22 @@
-"""What the laws of pressure and sinkage share: a pressure of the depth z, and the shear that it lets a surface bear.
+"""Base class of pressure-sinkage laws: a pressure that grows with the depth z, and the shear stress that it limits.
 
     p = (k_0 + k_c / b + k_b b) (z / l)^n,      tau = (c + p tan phi) (1 - exp(-j / K))
 
-on what goes into the medium: the outside of an outline where n . u > 0, either face of a thin plate. The pressure acts
-against n, the shear against the part of the motion along the surface, no more than Mohr and Coulomb allow. Bekker and
-Wong put these stresses on the rim of a wheel. The shear displacement j of Janosi and Hanamoto is the path that the
-bristles of a surface were dragged along it since it got into the medium. They give no law for a surface that turns
-back, as the rim of a braked wheel does: j is counted anew from there, as in Wong and Reece's towed wheel, and the shear
-opposes the motion (`sand.kernels.path_length`). So nothing is given back, and the pull goes over from driving to
-braking without a jump, though steeply: by the root of the slip.
+The stresses act on what moves into the medium: the outside of an outline where n . u > 0, or either face of a thin
+plate. The pressure acts against n. The shear acts against the component of the motion along the surface, with the limit
+of Mohr and Coulomb. Bekker and Wong apply these stresses to the rim of a wheel.
 
-The stresses do not vanish where the motion comes to lie along a thin plate, or at right angles to a surface: there both
-are faded, over the angle FADE [ours]. The laws are of what presses down: on what leads with a normal that looks up the
-stresses go down in proportion to its sine, to none on a face that is lifted as it lies [ours]. Cohesion grows from
-nothing over the first SHALLOW b of the depth, so that the force is continuous at the touch [ours].
+The shear displacement j of Janosi and Hanamoto is the path along which the bristles of a surface were dragged since the
+surface entered the medium. Janosi and Hanamoto give no law for a surface that turns back, as the rim of a braked wheel
+does. There j restarts at 0, as in Wong and Reece's towed wheel, and the shear opposes the motion
+(`sand.kernels.path_length`). So no energy is given back. The pull goes from driving to braking without a jump, but
+steeply: with the root of the slip.
+
+The equations do not vanish where the motion comes to lie along a thin plate, or at right angles to a surface. Near
+these directions both stresses fade over the angle FADE [ours]. The laws describe surfaces that press down. On a leading
+surface whose normal looks up, the stresses fall in proportion to the sine of its elevation, down to 0 on a horizontal
+face that is lifted [ours]. The cohesion grows from 0 over the first SHALLOW b of depth, so that the force is continuous
+at the touch [ours].
 """
 
 from __future__ import annotations
@@ -24,7 +27,7 @@ from typing import Annotated
 from pydantic import Field
 
 from granular_contact.laws.gravity import FRICTION, SHAPE, derived, not_known
-from granular_contact.laws.law import ABOUT, Law
+from granular_contact.laws.law import METADATA, Law
 from granular_contact.values.strict import NotNegative, Positive
 
 SHEAR = ("friction_angle", "cohesion", "shear_deformation_modulus", "plate_width")
@@ -37,7 +40,7 @@ Angle = Annotated[float, Field(ge=0, lt=90)]
 
 
 class SurfacePressure(Law):
-    """A law that gives the numbers of the pressure; the shear is here.
+    """Law with the shear stress of this module. A subclass gives the constants of the pressure.
 
     Parameters
     ----------
@@ -46,11 +49,10 @@ class SurfacePressure(Law):
     cohesion : float
         c (Pa), 0 or more.
     shear_deformation_modulus : float
-        K (m) of Janosi and Hanamoto, also called shear displacement modulus; 0: all of the shear from the first motion
+        K (m) of Janosi and Hanamoto, also called shear displacement modulus; 0: the full shear from the first motion
         on.
     plate_width : float, optional
-        b (m); null: the width of a shape normal to the plane, the diameter of a bar. In space b has to be
-        given.
+        b (m); null: the width of a shape normal to the plane, or the diameter of a bar. In space b has to be given.
     """
 
     friction_angle: Annotated[Angle, FRICTION] = Field(alias="friction_angle_deg")
@@ -65,32 +67,43 @@ class SurfacePressure(Law):
 
     @classmethod
     def positions(cls) -> list[str]:
-        """As in `Coefficients`: what is needed first, the pressure before the shear."""
-        own = [name for name in super().positions() if name not in (*SHEAR, *ABOUT)]
-        needed = {name for name in (*own, *SHEAR) if cls.model_fields[name].is_required()}
-        return [*sorted((*own, *SHEAR), key=lambda name: name not in needed), *ABOUT]
+        """Names in the order of positional arguments: required ones first, those of the pressure before the shear."""
+        pressure_names = [name for name in super().positions() if name not in (*SHEAR, *METADATA)]
+        required = {name for name in (*pressure_names, *SHEAR) if cls.model_fields[name].is_required()}
+        return [*sorted((*pressure_names, *SHEAR), key=lambda name: name not in required), *METADATA]
 
     def pressure(self, gravity: float) -> dict[str, float]:
-        """Numbers of the pressure; gravity >= 0 in m/s2."""
+        """Constants of the pressure.
+
+        Parameters
+        ----------
+        gravity : float
+            Gravity (m/s2), 0 or more.
+
+        Returns
+        -------
+        dict
+            Values of k_0, k_c, k_b, scale and n, where they are not 0; units as of `constants`.
+        """
         raise NotImplementedError
 
     @property
-    def of_width(self) -> bool:
+    def depends_on_width(self) -> bool:
         """Whether the pressure depends on b."""
         raise NotImplementedError
 
     @property
     def shear_grows(self) -> bool:
-        """As of `Law`."""
+        """Whether the shear depends on the shear displacement; see `Law.shear_grows`."""
         return self.shear_deformation_modulus > 0.0
 
     @property
     def lacking_in_space(self) -> list[str]:
-        """As of `Law`."""
-        return ["plate_width_m"] if self.of_width and self.plate_width is None else []
+        """Keys that are missing in space; see `Law.lacking_in_space`."""
+        return ["plate_width_m"] if self.depends_on_width and self.plate_width is None else []
 
     def numbers(self, gravity: float) -> dict[str, float]:
-        """As `Law.numbers`."""
+        """Constants of the stresses; see `Law.numbers`."""
         return {
             "cohesion": self.cohesion,
             "tan_phi": math.tan(math.radians(self.friction_angle)),
@@ -101,50 +114,99 @@ class SurfacePressure(Law):
 
     @staticmethod
     def traction(z, t, u, width, side, j, m):
-        """Pressure and shear; as `sand.kernels.plates.traction`."""
+        """Pressure and shear traction, (2,) and (2,) Pa, in the plane; arguments as in `laws.law`."""
         (tx, ty), (ux, uy) = t, u
         across, along = tx * uy - ty * ux, tx * ux + ty * uy
-        lead = led(across, tx, side)
+        share = leading_share(across, tx, side)
         p = pressure(z, width, m)
-        s = abs(lead) * faded(along) * shear(p, z, width, j, m)
-        return (p * lead * ty, -p * lead * tx), (-s * tx, -s * ty)
+        tau = abs(share) * faded_sign(along) * shear(p, z, width, j, m)
+        return (p * share * ty, -p * share * tx), (-tau * tx, -tau * ty)
 
     @staticmethod
     def facet_traction(z, n, u, side, j, m):
-        """Pressure and shear; as `sand.kernels.facet_blocks.traction`."""
+        """Pressure and shear traction, (3,) and (3,) Pa, in space; arguments as in `laws.law`."""
         (nx, ny, nz), (ux, uy, uz) = n, u
         across = nx * ux + ny * uy + nz * uz
-        lead = led(across, nz, side)
+        share = leading_share(across, nz, side)
         p = pressure(z, 0.0, m)
         tx, ty, tz = ux - across * nx, uy - across * ny, uz - across * nz
-        s = abs(lead) * shear(p, z, 0.0, j, m) / max(FADE, math.sqrt(tx * tx + ty * ty + tz * tz))
-        p *= lead
-        return (-p * nx, -p * ny, -p * nz), (-s * tx, -s * ty, -s * tz)
+        tau = abs(share) * shear(p, z, 0.0, j, m) / max(FADE, math.sqrt(tx * tx + ty * ty + tz * tz))
+        p *= share
+        return (-p * nx, -p * ny, -p * nz), (-tau * tx, -tau * ty, -tau * tz)
 
 
-def led(across, up, side):
-    """Share of the pressure on an element, positive against its normal, which looks up by `up`, the sine of an angle.
+def leading_share(across, up, side):
+    """Share of the pressure that acts on an element, positive against its normal.
 
-    across: n . u, whose sign says which face of a thin plate leads. Of a facet on one side it may be below 0 at the
-    centroid and yet above it on the part that leads.
+    Parameters
+    ----------
+    across : float
+        n . u. On a thin plate its sign selects the leading face. On a one-sided facet it may be negative at the
+        centroid, while part of the facet leads.
+    up : float
+        Sine of the elevation of the normal.
+    side : float
+        +1 or -1 if one side of the element is outside, 0 on a thin plate.
+
+    Returns
+    -------
+    float
+        Share in [-1, 1].
     """
     if side != 0.0:
-        return side * downward(side * up)
-    return faded(across) * downward(math.copysign(1.0, across) * up)
+        return side * downward_share(side * up)
+    return faded_sign(across) * downward_share(math.copysign(1.0, across) * up)
 
 
-def faded(part):
-    """Sign of a part of a direction, which grows from -1 to 1 over 2 FADE."""
+def faded_sign(part):
+    """Regularised sign of the component of a direction.
+
+    Parameters
+    ----------
+    part : float
+        Component of a unit vector.
+
+    Returns
+    -------
+    float
+        -1 to 1, linear between -FADE and FADE.
+    """
     return min(1.0, max(-1.0, part / FADE))
 
 
-def downward(up):
-    """Share of the stresses on what leads with a normal that looks up by `up`, the sine of an angle."""
+def downward_share(up):
+    """Share of the stresses on a leading element, by the elevation of its normal.
+
+    Parameters
+    ----------
+    up : float
+        Sine of the elevation of the leading normal.
+
+    Returns
+    -------
+    float
+        1 where the normal looks down or to the side, falling to 0 where it points straight up.
+    """
     return min(1.0, 1.0 - up)
 
 
 def pressure(z, width, m):
-    """Pressure p (Pa) at a depth z > 0 (m) on a shape of a width (m)."""
+    """Pressure p on an element.
+
+    Parameters
+    ----------
+    z : float
+        Depth (m), above 0.
+    width : float
+        Width of the shape (m), used where b is not given.
+    m : record
+        Constants of the law.
+
+    Returns
+    -------
+    float
+        Pa.
+    """
     b = m.b if m.b > 0.0 else width
     k = m.k_0
     if m.k_c != 0.0 or m.k_b != 0.0:
@@ -153,7 +215,26 @@ def pressure(z, width, m):
 
 
 def shear(p, z, width, j, m):
-    """Shear tau (Pa) under a pressure p (Pa) at a depth z > 0 (m) after the shear displacement j (m)."""
-    skin = SHALLOW * (m.b if m.b > 0.0 else width)
-    most = m.cohesion * (min(1.0, z / skin) if skin > 0.0 else 1.0) + p * m.tan_phi
-    return most * (1.0 - math.exp(-j / m.K)) if m.K > 0.0 else most
+    """Shear stress tau on an element.
+
+    Parameters
+    ----------
+    p : float
+        Pressure (Pa).
+    z : float
+        Depth (m), above 0.
+    width : float
+        Width of the shape (m), used where b is not given.
+    j : float
+        Shear displacement (m).
+    m : record
+        Constants of the law.
+
+    Returns
+    -------
+    float
+        Pa.
+    """
+    depth = SHALLOW * (m.b if m.b > 0.0 else width)
+    limit = m.cohesion * (min(1.0, z / depth) if depth > 0.0 else 1.0) + p * m.tan_phi
+    return limit * (1.0 - math.exp(-j / m.K)) if m.K > 0.0 else limit

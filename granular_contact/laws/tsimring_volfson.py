@@ -1,8 +1,8 @@
-"""Medium of Tsimring and Volfson (2005): drag quadratic in speed and friction that grows with depth, on a ball.
+"""Law of Tsimring and Volfson (2005) for a ball: quadratic drag, and friction that grows with depth.
 
     F = k z^p + c v^2
 
-Only the form is known to us, and not the power of the depth: p is the user's.
+We know only the form of the law, not the power p of the depth: the user gives it.
 """
 
 from __future__ import annotations
@@ -12,31 +12,31 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from granular_contact.laws.gravity import INERTIA, SHAPE
-from granular_contact.laws.scalar import WITH_DEPTH, ScalarLaw
+from granular_contact.laws.scalar import DEPTH_FORCE, ScalarLaw
 from granular_contact.values.strict import NotNegative
 
 
 class TsimringVolfson(ScalarLaw):
-    """k z^p + c v^2, against the motion of a ball (Tsimring and Volfson 2005).
+    """Force k z^p + c v^2 against the motion of a ball (Tsimring and Volfson 2005).
 
     Parameters
     ----------
     drag : float
         c (kg/m), 0 or more.
     friction : float
-        k z_1^p (N) at the depth z_1 = 1 m, 0 or more.
+        Value of k z^p (N) at the depth z = 1 m, 0 or more.
     exponent : float
         p, above 0, at most 5.
     """
 
     law: Literal["tsimring_volfson"]
     drag: Annotated[NotNegative, INERTIA] = Field(alias="drag_kg_m")
-    friction: Annotated[NotNegative, WITH_DEPTH] = Field(alias="friction_N")
+    friction: Annotated[NotNegative, DEPTH_FORCE] = Field(alias="friction_N")
     exponent: Annotated[float, SHAPE] = Field(gt=0, le=5)
 
     equation = "F = k z^p + c v^2"
     terms = ("friction", "drag")
 
-    def own(self) -> dict[str, float]:
-        """As `ScalarLaw.own`."""
+    def force_constants(self) -> dict[str, float]:
+        """Constants of the force; see `ScalarLaw.force_constants`."""
         return {"k": self.friction, "p": self.exponent, "c": self.drag}

@@ -15,7 +15,7 @@ from granular_contact.laws.floor import Floor
 from granular_contact.laws.gravity import gravity_notes
 from granular_contact.laws.law import Law
 from granular_contact.laws.layer import Layer
-from granular_contact.laws.repose import steep_places, steeper
+from granular_contact.laws.repose import slope_faults, slope_notes
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
 
 Vector = NDArray[np.float64]
@@ -90,7 +90,7 @@ def direction(name: str, given: ArrayLike) -> Vector:
 
 def check_slope(media: Sequence[Law], rise: float) -> None:
     """Refuse a slope, its rise per length, on which a medium does not lie."""
-    for words in steeper(media, math.degrees(math.atan(rise))):
+    for words in slope_faults(media, math.degrees(math.atan(rise))):
         raise ValueError(f"slope: {words}")
 
 
@@ -99,7 +99,7 @@ def told(load: Any) -> Any:
     for medium in load.media:
         for words in gravity_notes(medium, load.gravity):
             warnings.warn(words, stacklevel=3)
-    for words in steep_places(load.media, load.pieces()):
+    for words in slope_notes(load.media, load.pieces()):
         warnings.warn(words, stacklevel=3)
     return load
 

@@ -17,8 +17,8 @@ from granular_contact.geometry.surface import pieces
 from granular_contact.jit.compiled import ready
 from granular_contact.laws.floor import TERM as FLOOR_TERM
 from granular_contact.laws.floor import Floor
-from granular_contact.laws.kinds import WORDS
-from granular_contact.laws.law import Law, term_names, what_it_takes
+from granular_contact.laws.kinds import SHAPE_NAMES
+from granular_contact.laws.law import Law, accepted_shapes, term_names
 from granular_contact.laws.layer import Layer
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
 from granular_contact.sand.batch import Batch
@@ -144,8 +144,8 @@ class GranularLoad:
     def _met(self, line: ContactLine) -> ContactLine:
         """A line that some medium takes, by the form of this load."""
         if not any(line.kind in medium.takes for medium in self.media):
-            known = "; ".join(map(what_it_takes, self.media))
-            raise scene_error("bed", f"nothing acts on {WORDS[line.kind]}: {known}")
+            known = "; ".join(map(accepted_shapes, self.media))
+            raise scene_error("bed", f"nothing acts on {SHAPE_NAMES[line.kind]}: {known}")
         if line.kind == "ball":
             self._check_whole()
         record = line.record.copy()

@@ -17,9 +17,9 @@ from granular_contact.config import schema
 from granular_contact.errors import Fault, scene_fault
 from granular_contact.laws.catalogue import laws_for
 from granular_contact.laws.gravity import gravity_notes
-from granular_contact.laws.kinds import WORDS, Kind
-from granular_contact.laws.law import Law, what_it_takes
-from granular_contact.laws.repose import steep_places, steeper
+from granular_contact.laws.kinds import SHAPE_NAMES, Kind
+from granular_contact.laws.law import Law, accepted_shapes
+from granular_contact.laws.repose import slope_faults, slope_notes
 from granular_contact.scene.bed import Bed, places
 from granular_contact.scene.layout import GROUND
 from granular_contact.scene.types import FASTEST, Scene, link_of
@@ -61,7 +61,7 @@ def too_steep(scenario: Any) -> Iterator[Fault]:
     """Faults of a slope, in the plane or in space."""
     if scenario.bed is not None:
         media = [medium for medium, *_ in places(scenario)]
-        yield from (scene_fault("bed.slope_deg", words) for words in steeper(media, scenario.bed.slope_deg))
+        yield from (scene_fault("bed.slope_deg", words) for words in slope_faults(media, scenario.bed.slope_deg))
 
 
 def media_notes(scenario: Any, placed: Any, uneven: str) -> Iterator[Fault]:
@@ -69,7 +69,7 @@ def media_notes(scenario: Any, placed: Any, uneven: str) -> Iterator[Fault]:
     for medium, key, *_ in places(scenario):
         yield from (scene_fault(key, words) for words in gravity_notes(medium, scenario.gravity_m_s2))
     if placed is not None:
-        yield from (scene_fault(uneven, words) for words in steep_places(placed.media, placed.pieces()))
+        yield from (scene_fault(uneven, words) for words in slope_notes(placed.media, placed.pieces()))
 
 
 def inapplicable(scene: Scene, scenario: schema.Scenario) -> Iterator[Fault]:
@@ -89,7 +89,7 @@ def inapplicable(scene: Scene, scenario: schema.Scenario) -> Iterator[Fault]:
 def _inapplicable_at(top: float, media: dict[str, Law], parts: list[tuple[str, Kind]]) -> Iterator[Fault]:
     """Mismatches below a depth (m), between the media there, by their keys, and the parts that can get there."""
     taken = {kind for medium in media.values() for kind in medium.takes}
-    given = "; ".join(dict.fromkeys(map(what_it_takes, media.values())))
+    given = "; ".join(dict.fromkeys(map(accepted_shapes, media.values())))
     spared = [(part, kind) for part, kind in parts if kind not in taken]
     for part, kind in spared:
         key, what = f"model.bodies.{part}", "can get into the sand"
@@ -102,11 +102,11 @@ def _inapplicable_at(top: float, media: dict[str, Law], parts: list[tuple[str, K
     for key, medium in media.items():
         if not kinds.keys() & set(medium.takes):
             fit = "; ".join(map(_fitting, kinds))
-            yield scene_fault(key, f"{what_it_takes(medium)}, and nothing of the kind can get into it; {fit}")
+            yield scene_fault(key, f"{accepted_shapes(medium)}, and nothing of the kind can get into it; {fit}")
 
 
 def _fitting(kind: Kind) -> str:
-    return f"laws for {WORDS[kind]} are {', '.join(laws_for(kind))}"
+    return f"laws for {SHAPE_NAMES[kind]} are {', '.join(laws_for(kind))}"
 
 
 def _getting_to(scene: Scene, bed: Bed, depth: float) -> list[tuple[str, Kind]]:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.laws.coefficients import Coefficients
-from granular_contact.laws.law import ABOUT, Law
+from granular_contact.laws.law import METADATA, Law
 from granular_contact.laws.probe import Probe, ball, force, plate
 from granular_contact.laws.rft import GENERIC
 from granular_contact.laws.table import StressTable
@@ -56,7 +56,7 @@ def sample(law: type[Coefficients], scale: tuple[float, float, float] = (1.0, 1.
         kind, more = field.annotation, MORE.get(law.tag(), {}) if issubclass(law, Law) else {}
         powers, size = unit(field.alias or name)
         factor = math.prod(s**p for s, p in zip(scale, powers, strict=True))
-        if name in (*ABOUT, "law"):
+        if name in (*METADATA, "law"):
             continue
         if isinstance(field.default, Coefficients):  # a set of numbers of one unit
             given[name] = kind(**{one: factor * value for one, value in dict(field.default).items()})

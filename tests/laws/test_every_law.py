@@ -21,8 +21,8 @@ from support_every_law import NONE, UNITS, WITHOUT_UNIT, bodies, motions, sample
 from granular_contact.config import json_schema
 from granular_contact.laws.catalogue import LAWS, laws_for
 from granular_contact.laws.coefficients import Coefficients
-from granular_contact.laws.kinds import WORDS
-from granular_contact.laws.law import ABOUT, Law
+from granular_contact.laws.kinds import SHAPE_NAMES
+from granular_contact.laws.law import METADATA, Law
 from granular_contact.laws.probe import force
 from granular_contact.sand.kernels.law import TERMS
 from validation.fuzzing import media
@@ -41,7 +41,7 @@ def coefficients(law: type[Coefficients]) -> dict[str, type[Coefficients]]:
     """Keys of all numbers of a law, those of its parts too, with their class."""
     found: dict[str, type[Coefficients]] = {}
     for name, field in law.model_fields.items():
-        if name in (*ABOUT, "law"):
+        if name in (*METADATA, "law"):
             continue
         if isinstance(field.annotation, type) and issubclass(field.annotation, Coefficients):
             found |= coefficients(field.annotation)
@@ -120,7 +120,7 @@ def test_it_says_what_it_is(law: type[Law]) -> None:
     assert law.__doc__
     assert "=" in law.equation
     assert law.takes
-    assert law.takes <= set(WORDS)
+    assert law.takes <= set(SHAPE_NAMES)
     assert all(law.tag() in laws_for(kind) for kind in law.takes)
     schema = schema_of_a_run()
     assert schema["$defs"][law.__name__]["properties"]["law"]["const"] == law.tag()

@@ -13,7 +13,7 @@ from granular_contact import Law, simulate
 from granular_contact.config import allowed
 from granular_contact.config.schema import Bed, BedLayer, Scenario
 from granular_contact.laws.catalogue import LAWS
-from granular_contact.laws.functions import refuse_faulty
+from granular_contact.laws.functions import check_law
 from granular_contact.sand.kernels import facet_blocks, law, plates
 from granular_contact.sand.kernels.signatures import IN_PLANE, IN_SPACE, arguments
 
@@ -61,7 +61,7 @@ def test_what_is_wanted_is_what_kernels_call() -> None:
 
 def test_laws_of_the_package_have_what_is_wanted() -> None:
     for one in LAWS.values():
-        refuse_faulty(one)
+        check_law(one)
 
 
 def other_arguments(name: str) -> dict[str, Callable[..., Any]]:
@@ -84,7 +84,7 @@ def other_arguments(name: str) -> dict[str, Callable[..., Any]]:
 def test_other_arguments_are_refused_with_those_wanted(name: str) -> None:
     for said, function in other_arguments(name).items():
         with pytest.raises(TypeError) as caught:
-            refuse_faulty(_with(name, function))
+            check_law(_with(name, function))
         (line,) = [one for one in str(caught.value).splitlines() if f"Own.{name}:" in one]
         assert said in line
         assert f"wanted is a static method {name}({', '.join(arguments(name))})" in line
@@ -103,11 +103,11 @@ def test_what_raises_is_refused() -> None:
         return 0.0, -m.k
 
     with pytest.raises(TypeError, match=r"Own.stress: it raises or asserts.*wanted is a static method stress\("):
-        refuse_faulty(own(stress=staticmethod(stress)))
+        check_law(own(stress=staticmethod(stress)))
 
 
 def test_names_of_arguments_are_free() -> None:
-    refuse_faulty(own(stress=staticmethod(lambda a, b, numbers: (0.0, 0.0))))  # noqa: ARG005
+    check_law(own(stress=staticmethod(lambda a, b, numbers: (0.0, 0.0))))  # noqa: ARG005
 
 
 @pytest.mark.parametrize(
@@ -123,7 +123,7 @@ def test_names_of_arguments_are_free() -> None:
 )
 def test_a_class_that_is_no_law_is_refused(members: dict[str, Any], said: str) -> None:
     with pytest.raises(TypeError, match=said):
-        refuse_faulty(own(**members))
+        check_law(own(**members))
 
 
 def disc(law: type[Law]) -> None:
