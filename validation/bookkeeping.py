@@ -11,7 +11,6 @@ their first run on. `waiting` is what workers stand idle at the end of generatio
 
 from __future__ import annotations
 
-import argparse
 import importlib
 import os
 import sys
@@ -31,7 +30,8 @@ from granular_contact.scene import build
 from granular_contact.studies import sweep as sweeps
 from granular_contact.studies.optimise.search import search
 from granular_contact.studies.sweep.journal import Journal, Row
-from validation.tables import machine, markdown
+from validation.study import Claim, Outcome, script
+from validation.tables import markdown
 
 WORKERS, MOST = 2, 0.05
 SCENES = {
@@ -56,7 +56,7 @@ class Spent:
 
     @property
     def lost(self) -> float:
-        """Checkpoint of all processor time that is no run's."""
+        """Share of the processor time that is not spent on runs."""
         return 1.0 - self.runs / (self.workers + self.parent)
 
 
@@ -119,17 +119,15 @@ def by_search(name: str, count: int, folder: Path) -> Spent:
         return spent([one.row for one in outcome.runs], time.process_time() - begin)
 
 
-def main() -> int:
-    """Print the table; 0 where less than MOST is lost everywhere, else 1."""
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--quick", action="store_true", help="a quarter of the runs")
-    share = 4 if parser.parse_args().quick else 1
-    rows, worst = [], 0.0
+def study(quick: bool) -> Outcome:
+    """Share of the processor time that is not spent on runs; quick: a quarter of the runs."""
+    share, rows, claims = 4 if quick else 1, [], []
     for kind, measure in (("sweep", by_sweep), ("search", by_search)):
         for name, count in COUNTS.items():
             with tempfile.TemporaryDirectory() as folder:
                 found = measure(name, count // share, Path(folder))
-            worst = max(worst, found.lost)
+            told = f"{100 * found.lost:.1f} % of the processor time (below {100 * MOST:g})"
+            claims.append(Claim(f"bookkeeping.{kind} of {name}", found.lost < MOST, told))
             numbers = (
                 count // share,
                 f"{1e3 * found.runs / (count // share):.1f}",
@@ -137,7 +135,6 @@ def main() -> int:
             )
             shares = f"{found.parent:.2f}", f"{100 * found.lost:.1f}", f"{100 * found.waiting:.1f}"
             rows.append([kind, name, *numbers, *shares])
-    print(f"{machine('exudyn', 'numba', 'cma')}; load average {os.getloadavg()[0]:.1f}\n")
     head = (
         "",
         "runs of",
@@ -148,9 +145,8 @@ def main() -> int:
         "lost %",
         "waiting %",
     )
-    print(markdown(head, rows))
-    return 0 if worst < MOST else 1
+    return Outcome(markdown(head, rows), tuple(claims))
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(script(study))

@@ -1,21 +1,19 @@
 """What searches gain over gaits and legs set by hand, and whether the gain is real.
 
-    python validation/gaits.py [--quick] [--out DIR]
+    python validation/gaits.py [--quick]
 
-Each configs/optimise_*.yaml is run by the command `granular-contact optimise`, with what it finds below --out; a search
-that is there already, or half of one, is not run again. The best and the config as it was are then run for longer and
-with a tenth of the error (`CHECKED`): a gain that comes of the moment at which a run ends, or of its steps, is none.
---quick takes the searches of one population each.
+Each configs/optimise_*.yaml is run by the command `granular-contact optimise`, with its results in results/searches. A
+search that is complete there is not run again, an incomplete one is continued. The best gait and the original config
+are then run for longer and with a tenth of the error (`CHECKED`), because a gain that depends on the instant at which a
+run ends, or on its steps, is not real. --quick makes searches of one population each.
 """
 
 from __future__ import annotations
 
-import argparse
 import csv
 import json
 import subprocess
 import sys
-import time
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -27,12 +25,15 @@ import yaml
 
 from granular_contact import Results, load, simulate
 from granular_contact.config import Loaded
-from validation.tables import machine, markdown
+from validation.study import Claim, Outcome, script
+from validation.tables import markdown
 
 CONFIGS = sorted((ROOT / "configs").glob("optimise_*.yaml"))
 CHECKED = {"accuracy": 1e-3, "end_time_s": 4.0}
 QUICK_RUNS = 13
+OUT = ROOT / "results" / "searches"
 OF = "forward_speed_second_half_m_s", "cost_of_transport", "largest_drive_torque_Nm"
+GAINS = ("search", "asked", "gain %", "gain %, checked", "runs", "failed", "outside", "s of all solves")
 HEAD = ("search", "", "speed m/s", "cost of transport", "torque mN m", "speed, checked", "cost, checked", "parameters")
 
 
@@ -95,17 +96,21 @@ def rows(found: Found) -> list[list[str]]:
     return lines
 
 
+def checked_gain(found: Found) -> float:
+    """Relative gain of the gait found over that set by hand, in the longer and finer runs."""
+    faster = found.told["sense"] == "maximise"
+    before, after = (found.runs[which][1][OF[0] if faster else OF[1]] for which in ("by hand", "found"))
+    return float(after / before - 1.0 if faster else 1.0 - after / before)
+
+
 def gain(found: Found) -> list[str]:
     """Cells of the table of gains."""
-    key = OF[0] if found.told["sense"] == "maximise" else OF[1]
-    before, after = (found.runs[which][1][key] for which in ("by hand", "found"))
-    checked = (after / before - 1.0) if found.told["sense"] == "maximise" else (1.0 - after / before)
     told = found.told["gain_relative"]
     return [
         found.name,
         f"{found.told['sense']} {found.told['objective']}",
         "-" if told is None else f"{100 * told:.1f}",
-        f"{100 * checked:.1f}",
+        f"{100 * checked_gain(found):.1f}",
         f"{found.told['runs']}",
         f"{found.told['failed']}",
         f"{found.told['outside_constraints']}",
@@ -113,23 +118,22 @@ def gain(found: Found) -> list[str]:
     ]
 
 
-def main() -> int:
-    """Print the tables."""
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--quick", action="store_true", help="one population each")
-    parser.add_argument("--out", type=Path, default=ROOT / "results" / "searches")
-    chosen = parser.parse_args()
-    begin = time.perf_counter()
-    out = chosen.out.with_name(f"{chosen.out.name}_quick") if chosen.quick else chosen.out
-    found = [searched(path, out, chosen.quick) for path in CONFIGS]
-    print(f"{machine('exudyn', 'numba', 'cma')}; {time.perf_counter() - begin:.0f} s for what was not there yet\n")
-    head = ("search", "asked", "gain %", "gain %, checked", "runs", "failed", "outside", "s of all solves")
-    print("Gains, as the search has them and checked by runs of 4 s at `solver.accuracy: 1e-3`:\n")
-    print(markdown(head, [gain(one) for one in found]))
-    print("\nThe gait set by hand and the one found, as run in the search (1.5 s at 1e-2), and checked:\n")
-    print(markdown(HEAD, [row for one in found for row in rows(one)]))
-    return 0
+def study(quick: bool) -> Outcome:
+    """Gains of the searches, also in longer and finer runs; quick: one population each."""
+    out = OUT.with_name(f"{OUT.name}_quick") if quick else OUT
+    searches = [searched(path, out, quick) for path in CONFIGS]
+    text = (
+        "Gains of the search, and in runs of 4 s at `solver.accuracy: 1e-3`:\n\n"
+        f"{markdown(GAINS, [gain(search) for search in searches])}\n\n"
+        "The gait set by hand and the one found, as run in the search (1.5 s at 1e-2), and checked:\n\n"
+        f"{markdown(HEAD, [row for search in searches for row in rows(search)])}"
+    )
+    claims = [
+        Claim(f"gaits.{search.name}", checked_gain(search) > 0.0, f"{100 * checked_gain(search):.1f} % better, checked")
+        for search in searches
+    ]
+    return Outcome(text, tuple(claims))
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(script(study))

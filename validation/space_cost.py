@@ -33,7 +33,8 @@ from granular_contact.sand.load import GranularLoad
 from granular_contact.sand.space.facets import sides
 from granular_contact.sand.space.load import SpatialLoad
 from granular_contact.sand.space.triangles import clusters_of
-from validation.tables import machine, markdown
+from validation.study import Claim, Outcome, script
+from validation.tables import markdown
 
 ROUNDS, CALLS = 40, 10
 LEADING, ABOVE, LOADING = 120.0, 10.0, 3.0  # ns, ns, s
@@ -139,19 +140,29 @@ def _write_stl(path: Path, corners: np.ndarray) -> None:
     path.write_bytes(bytes(80) + np.uint32(len(corners)).tobytes() + record.tobytes())
 
 
-def main() -> int:
-    """Print the tables; 0 when the bounds are kept, else 1."""
+def study(quick: bool) -> Outcome:  # noqa: ARG001  # one form
+    """Time per facet, and of a large mesh."""
     rows, costs = facet_rows(), loading()
     number = costs.pop("triangles")
     costs["together"] = sum(costs.values())
-    print(f"{machine('numba')}; least of {ROUNDS} rounds after a warm-up\n")
     table = [[law, what, f"{ns:.3g}", f"{ns / rows[0][2]:.2f}"] for law, what, ns in rows]
-    print(markdown(["law", "facet", "CPU ns", "to a strip"], table))
-    print(f"\n{number:.0f} triangles from an STL file:\n")
-    print(markdown(["", "CPU s"], [[what, f"{seconds:.2f}"] for what, seconds in costs.items()]))
+    text = (
+        f"Least of {ROUNDS} rounds after a warm-up.\n\n{markdown(['law', 'facet', 'CPU ns', 'to a strip'], table)}\n\n"
+        f"{number:.0f} triangles from an STL file:\n\n"
+        + markdown(["", "CPU s"], [[what, f"{seconds:.2f}"] for what, seconds in costs.items()])
+    )
     ns = {what: value for law, what, value in rows if law == "rft3d"}
-    return 0 if ns["leads"] <= LEADING and ns[ABOVE_IT] <= ABOVE and costs["together"] <= LOADING else 1
+    bounds = (
+        ("a leading facet", ns["leads"], LEADING, "ns"),
+        ("a facet above the surface", ns[ABOVE_IT], ABOVE, "ns"),
+        ("loading a large mesh", costs["together"], LOADING, "s"),
+    )
+    claims = [
+        Claim(f"space_cost.{name}", value <= most, f"{value:.3g} {unit} (at most {most:g})")
+        for name, value, most, unit in bounds
+    ]
+    return Outcome(text, tuple(claims))
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(script(study))

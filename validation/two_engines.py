@@ -30,7 +30,8 @@ from validation.chains import chain
 from validation.falling_box import FallingBox, order
 from validation.peers import mujoco_hexapod
 from validation.peers.mujoco_scene import bed_of, controls_of, model_of, start
-from validation.tables import machine, markdown
+from validation.study import Claim, Outcome, script
+from validation.tables import markdown
 
 Array = NDArray[np.float64]
 PLATE = FallingBox((0.12, 0.08, 0.01), 0.03, (0.4, 0.1, -0.8, 1.0, 3.0, 0.5))
@@ -119,18 +120,18 @@ def drift(step: float) -> float:
     return 1e6 * (heights[0] - heights[1]) / 3.0
 
 
-def main() -> int:
-    """Print the tables; 0 when orders are near one, speeds agree and robots stand, else 1."""
-    quick = "--quick" in sys.argv
-    print(f"{machine('mujoco', 'exudyn')}\n")
-    kept = motions(quick)
-    kept &= walking([1e-3, 5e-4] if quick else [2e-3, 1e-3, 5e-4, 2e-4, 1e-4])
-    kept &= standing([1e-3, 2e-3, 4e-3])
-    return 0 if kept else 1
+def study(quick: bool) -> Outcome:
+    """Whether motions converge to Exudyn's, speeds agree and robots stand."""
+    parts = [
+        motions(quick),
+        walking([1e-3, 5e-4] if quick else [2e-3, 1e-3, 5e-4, 2e-4, 1e-4]),
+        standing([1e-3, 2e-3, 4e-3]),
+    ]
+    return Outcome("\n\n".join(part.text for part in parts), tuple(claim for part in parts for claim in part.claims))
 
 
-def motions(quick: bool) -> bool:
-    """Print errors by step of plate, chain and hexapod; whether their orders are near one."""
+def motions(quick: bool) -> Outcome:
+    """Errors of plate, chain and hexapod by step; their orders are near one."""
     steps, strides = [4e-4, 2e-4, 1e-4], [2e-3, 1e-3, 5e-4, 2.5e-4]
     if not quick:
         strides += [1.25e-4, 6.25e-5]
@@ -140,32 +141,35 @@ def motions(quick: bool) -> bool:
     legs, far = hexapod_errors(strides, 5e-4 if quick else 1e-4)
     orders = order(steps, plate), order(steps, links), order(strides, legs)
     rows = [[f"{1e3 * s:g}", f"{a:.3f}", f"{b:.4f}"] for s, a, b in zip(steps, plate, links, strict=True)]
-    rows.append(["order", *(f"{one:.2f}" for one in orders[:2])])
-    print(markdown(["step ms", "plate, end mm", "chain, tip path mm"], rows))
-    rows = [[f"{1e3 * s:g}", f"{one:.3f}"] for s, one in zip(strides, legs, strict=True)]
-    print(f"\nThe hexapod walks {far:.1f} mm by Exudyn.\n")
-    print(markdown(["step ms", "hexapod, trunk path mm"], [*rows, ["order", f"{orders[2]:.2f}"]]))
-    return all(0.7 < one < 1.4 for one in orders)
+    rows.append(["order", *(f"{slope:.2f}" for slope in orders[:2])])
+    small = markdown(["step ms", "plate, end mm", "chain, tip path mm"], rows)
+    rows = [[f"{1e3 * s:g}", f"{error:.3f}"] for s, error in zip(strides, legs, strict=True)]
+    robot = markdown(["step ms", "hexapod, trunk path mm"], [*rows, ["order", f"{orders[2]:.2f}"]])
+    claims = [
+        Claim(f"two_engines.order of {name}", 0.7 < slope < 1.4, f"{slope:.2f} (0.7 to 1.4)")
+        for name, slope in zip(("plate", "chain", "hexapod"), orders, strict=True)
+    ]
+    return Outcome(f"{small}\n\nThe hexapod walks {far:.1f} mm by Exudyn.\n\n{robot}", tuple(claims))
 
 
-def walking(steps: list[float]) -> bool:
-    """Print the walker's speeds by step; whether at the shortest it is Exudyn's within 2 %."""
+def walking(steps: list[float]) -> Outcome:
+    """The walker's speeds by step; at the shortest step the speed is Exudyn's within 2 %."""
     there, speeds = walker_speeds(steps)
     rows = [[f"{1e3 * s:g}", f"{v:.4f}", f"{100 * (v / there - 1):+.2f} %"] for s, v in zip(steps, speeds, strict=True)]
-    print(f"\nWalker: {there:.4f} m/s in the second half by Exudyn.\n")
-    print(markdown(["step ms", "m/s by MuJoCo", "to Exudyn"], rows))
-    return abs(speeds[-1] / there - 1) < 0.02
+    off = abs(speeds[-1] / there - 1)
+    claim = Claim("two_engines.speed of the walker", off < 0.02, f"{100 * off:.2f} % apart (below 2)")
+    table = markdown(["step ms", "m/s by MuJoCo", "to Exudyn"], rows)
+    return Outcome(f"Walker: {there:.4f} m/s in the second half by Exudyn.\n\n{table}", (claim,))
 
 
-def standing(steps: list[float]) -> bool:
-    """Print how fast the hexapod sinks while it stands; whether it does not."""
+def standing(steps: list[float]) -> Outcome:
+    """How fast the hexapod sinks while it stands: not at all."""
     rates = [drift(step) for step in steps]
-    print("\nThe hexapod stands.\n")
-    print(
-        markdown(["step ms", "sinks um/s"], [[f"{1e3 * s:g}", f"{r:.2g}"] for s, r in zip(steps, rates, strict=True)])
-    )
-    return max(abs(rate) for rate in rates) < 0.1
+    rows = [[f"{1e3 * s:g}", f"{rate:.2g}"] for s, rate in zip(steps, rates, strict=True)]
+    most = max(abs(rate) for rate in rates)
+    claim = Claim("two_engines.a hexapod stands", most < 0.1, f"it sinks by {most:.2g} um/s at most (below 0.1)")
+    return Outcome(f"The hexapod stands.\n\n{markdown(['step ms', 'sinks um/s'], rows)}", (claim,))
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(script(study))
