@@ -140,7 +140,7 @@ def test_weights_and_the_sense_of_the_objective(tmp_path):
     text = FILE.replace("{maximise: height}", "{minimise: {height: -2, speed: 0.0, energy.initial_J: 1.0e-9}}")
     outcome = found(study(tmp_path, text))
     assert outcome.value == pytest.approx(-2, abs=2e-3)
-    assert outcome.study.file.objective.words == "-2 height + 0 speed + 1e-09 energy.initial_J"
+    assert outcome.study.file.objective.formula == "-2 height + 0 speed + 1e-09 energy.initial_J"
 
 
 def test_one_number_of_a_parameter_goes_to_all_its_keys(tmp_path):

@@ -1,4 +1,4 @@
-"""Schema of the bed: its free surface, its floor, its container and its layers, each with a medium."""
+"""Schema of the bed in the plane: its free surface, its floor, its container, and its layers with their media."""
 
 from __future__ import annotations
 
@@ -27,10 +27,11 @@ Medium = Annotated[Law, Tagged("law", LAWS)]
 Media = Annotated[tuple[Medium, ...], OneOrMore()]
 
 
-STEEPEST = 60  # deg: depth is vertical, and says little of how far the surface is on steeper ground
+STEEPEST = 60  # deg: depth is measured vertically; on steeper ground it differs much from the distance to the surface
 
 
 def _rising(points: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
+    """Refuse a profile whose x does not increase, or that is too steep; return it unchanged otherwise."""
     faults: list[LocalFault] = [
         ((i, 0), f"got x = {b[0]:g} after {a[0]:g}; x must rise from corner to corner")
         for i, (a, b) in enumerate(pairwise(points), 1)
@@ -51,39 +52,48 @@ def _rising(points: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float
 
 
 class FloorContact(Strict):
-    """Spring and damper per unit of length against a level floor: k delta (1 - d v_y), never pulling."""
+    """Contact with the level floor: a spring and a damper per unit of length, force k delta (1 - d v_y).
+
+    delta is the depth below the floor and v_y the vertical velocity. The floor never pulls, and has no friction.
+    """
 
     stiffness_N_m2: Positive
-    """k; on a ball it acts over the diameter."""
+    """Stiffness k per unit of length; for a ball per unit of its diameter."""
     damping_s_m: NotNegative = 0.0
-    """d."""
+    """Damping factor d of the velocity; 0: no damping."""
 
 
 class BedLayer(Strict):
-    """A medium from a depth downward, to the next layer or to the ground."""
+    """A layer: a medium from a depth down to the next layer, or without end."""
 
     top_m: Positive
-    """Depth below the free surface."""
+    """Depth of the top of the layer below the free surface."""
     medium: Medium
+    """Medium of the layer: a name, a path, or a mapping."""
 
 
 class Bed(Strict):
-    """Where the medium lies. Its free surface does not change: no craters, no heaps."""
+    """Position of the medium: free surface, layers, floor and container.
+
+    The surface does not change during a run: no craters, no heaps.
+    """
 
     height_m: float | None = None
-    """Height of the surface above the ground joint at x = 0; null: so that the mechanism touches it at the start."""
+    """Height of the surface at x = 0, above the origin of the world. null: the mechanism touches the surface at the
+    start."""
     slope_deg: Annotated[float, Field(gt=-STEEPEST, lt=STEEPEST)] = 0.0
-    """The surface rises to the right by this angle."""
+    """Slope of the surface; with a positive slope it rises to the right."""
     profile_m: Annotated[tuple[Point, ...], Listed, Field(min_length=2), AfterValidator(_rising)] | None = None
-    """Corners x, y of the surface in place of height and slope, less than 60 degrees steep; level beyond them."""
+    """Corners x, y of the surface in the world, from left to right, in place of height_m and slope_deg. Less than 60
+    degrees steep; the surface is level beyond the first and the last corner. null: a straight surface."""
     depth_m: Positive | None = None
-    """Of the level floor below the surface at x = 0; null: none."""
+    """Depth of the level floor below the surface at x = 0. null: no floor."""
     floor: FloorContact | None = None
-    """null: a warning when the floor is reached, but no force."""
+    """Contact force of the floor, which needs depth_m. null: no force, but a warning when a body reaches the floor."""
     container_x_m: Point | None = None
-    """Left and right wall; a body beyond them gives a warning, but the walls exert no force."""
+    """x of the left and the right wall. The walls exert no force; a body beyond them gives a warning. null: none."""
     layers: Annotated[tuple[BedLayer, ...], Listed] = ()
-    """Below the medium of the scenario, which then lies on top, from the highest to the deepest."""
+    """Layers below the medium of the run, from the highest to the deepest. The medium of the run lies on top."""
 
     def _faults(self) -> Faults:
         if self.profile_m is not None and (self.height_m is not None or self.slope_deg != 0.0):
@@ -97,7 +107,10 @@ class Bed(Strict):
 
 
 def layer_faults(layers: tuple[BedLayer, ...], floor: float | None) -> list[LocalFault]:
-    """Layers that do not follow one another downward, or lie below a floor at this depth (m)."""
+    """Faults of layers that are not in order of depth, or that begin below the floor.
+
+    floor: depth (m) of the floor below the surface; None if there is none, or if it is not parallel to the surface.
+    """
     tops = [layer.top_m for layer in layers]
     faults: list[LocalFault] = [
         (("layers", i + 1, "top_m"), f"got {below:g}, which is not below the layer above it, {above:g}")

@@ -1,9 +1,9 @@
-"""Schema of a fit file: runs, the parameters to be found in them, and options.
+"""Schema of a fit file: measured runs, the parameters to estimate from them, and options.
 
 parameters:                                   # shared by all runs
-  medium.eta_d: {from: 1, to: 40}             # start: what the config has; scale: log or linear
-  medium.eta_h:                               # bounds follow from the start
-set: {method.reduced.modes: 0}                # for all runs, as columns and time_offset_s may be
+  medium.eta_d: {from: 1, to: 40}             # start: the value in the config; scale: log or linear
+  medium.eta_h:                               # the bounds follow from the start
+set: {method.reduced.modes: 0}                # for all runs; columns and time_offset_s may stand here too
 runs:
   - {config: slow.yaml, data: slow.csv}
   - config: fast.yaml
@@ -11,12 +11,12 @@ runs:
     columns: {time_ms: t, tip_x_mm: X, tip_y_mm: Y}
     time_offset_s: fit                        # or a number, or {from: -0.01, to: 0.01}
     parameters: {initial.impact_speed_rad_s: {from: 8, to: 9}}
-  - config: penetrometer.yaml                 # a force test: the law alone, on the body of this config
+  - config: penetrometer.yaml                 # a force test: the law alone acts on the body of this config
     data: plate.csv
     columns: {depth_mm: z, force_N: F}
-    rows: {diameter_mm: 60}                   # of a table of several tests
+    rows: {diameter_mm: 60}                   # one test of a table with several
     force_test: {direction: down, speed_m_s: 0.005, depth_offset_m: fit}
-noise: {tip_x_mm: 0.1}                        # estimated where it is not given
+noise: {tip_x_mm: 0.1}                        # other columns: estimated
 """
 
 from __future__ import annotations
@@ -29,18 +29,21 @@ from granular_contact.config.schema.sweep import DottedKeys
 from granular_contact.values.strict import Faults, Listed, Names, NotNegative, Positive, Strict, Text, allow, form
 
 MOST_RUNS, MOST_STARTS = 1000, 1024
-OFFSET_RANGE = (-0.02, 0.02)  # s, of a clock of which nothing is said
+OFFSET_RANGE = (-0.02, 0.02)  # s, bounds of a clock offset that is fitted without bounds of its own
 
 
 class Bounds(Strict):
-    """Bounds of a parameter; what is left out follows from the config and the schema."""
+    """Bounds, start and scale of a parameter; each has a default, which follows from the config and the schema."""
 
     low: Annotated[float | None, Field(alias="from")] = None
+    """Lower bound, in the unit of the key. null: a fraction of the start, as far as the schema allows."""
     high: Annotated[float | None, Field(alias="to")] = None
+    """Upper bound, in the unit of the key. null: a multiple of the start, as far as the schema allows."""
     start: float | None = None
-    """null: the value in the config."""
+    """First estimate. null: the value in the config."""
     scale: Literal["log", "linear"] | None = None
-    """null: log where the bounds are far apart."""
+    """Whether the parameter or its logarithm is varied. null: log if the bounds are above 0 and differ by a factor of
+    10 or more, else linear."""
 
     def _faults(self) -> Faults:
         low, high, start = self.low, self.high, self.start
@@ -49,15 +52,17 @@ class Bounds(Strict):
         elif start is not None and ((low is not None and start < low) or (high is not None and start > high)):
             bounds = f"from {'-inf' if low is None else f'{low:g}'} to {'inf' if high is None else f'{high:g}'}"
             yield ("start",), f"got {start:g}, which is not within the bounds {bounds}"
-        elif self.scale == "log" and any(one is not None and one <= 0.0 for one in (low, high, start)):
+        elif self.scale == "log" and any(number is not None and number <= 0.0 for number in (low, high, start)):
             yield ("scale",), "got log, for which bounds and start must be above 0"
 
 
 class ClockBounds(Bounds):
-    """Bounds of the offset of a clock (s), or of a zero of depth (m) or force (N)."""
+    """Bounds of an offset that is fitted: of a clock (s), of the zero of depth (m) or of the zero of force (N)."""
 
     low: Annotated[float, Field(alias="from")]
+    """Lower bound."""
     high: Annotated[float, Field(alias="to")]
+    """Upper bound."""
 
 
 Parameters = Annotated[
@@ -91,54 +96,61 @@ DIRECTIONS = {"right": 0.0, "down": 90.0, "left": 180.0, "up": -90.0}
 
 
 class ForceTest(Strict):
-    """A body that is moved through the medium as prescribed, while its force is measured: the law alone, without a run.
+    """Force test: a body moves through the medium in a prescribed way while its force is measured.
 
-    Columns of the table go before the numbers given here.
+    The law alone gives the force; no run is computed. A column of the table replaces the number given here for the same
+    quantity.
     """
 
     body: Text | None = None
-    """The body that is moved; null: the only one that meets the medium."""
+    """Name of the body that moves. null: the only body on which the medium acts."""
     direction: Direction = "down"
-    """Of the motion: down, up, right, left, or its angle below the horizontal (deg)."""
+    """Direction of the motion: down, up, right, left, or its angle below the horizontal (deg)."""
     speed_m_s: NotNegative | None = None
-    """Of the body in that direction; null: so slow that only what does not depend on speed is left."""
+    """Speed of the body in this direction. null: quasi-static, only forces that do not depend on speed act."""
     depth_m: float | None = None
-    """Of its lowest point below the surface, where no column says it."""
+    """Depth of the lowest point of the body below the surface, if the table has no column of depths."""
     rate_rad_s: float = 0.0
-    """At which it turns about its joint, clockwise."""
+    """Angular rate of the body about its joint, clockwise."""
     area_m2: Positive | None = None
-    """Over which the force is a pressure; of tables that hold pressures."""
+    """Area over which the measured pressure acts; only for tables of pressures."""
     depth_offset_m: Offset = 0.0
-    """Depth in the table where the body touches the surface. fit: it is looked for."""
+    """Depth in the table at which the body touches the surface. fit: it is estimated too."""
     force_offset_N: Offset = 0.0
-    """Force in the table where there is none. fit: it is looked for."""
+    """Force in the table at zero load (zero of the force sensor). fit: it is estimated too."""
     unloading: Literal["refuse", "leave_out"] = "refuse"
-    """What is done about rows in which the body goes back, after it was pressed in."""
+    """Treatment of rows in which the body moves back after it was pressed in: a fault, or left out of the fit."""
 
 
 class FitRun(Strict):
-    """A measured run; columns, time_offset_s and force_test that it leaves out are those of the whole file."""
+    """A measured run. Its columns, time_offset_s and force_test replace those of the whole file."""
 
     name: Text | None = None
-    """null: the name of the CSV file, without its suffix."""
+    """Name of the run. null: the name of the CSV file without its suffix."""
     config: Annotated[Text, Field(min_length=1), allow("the path of a config")]
+    """Path of the config that simulates this run, relative to the folder of the fit file; or the name of a shipped
+    config."""
     data: Annotated[Text, Field(min_length=1), allow("the path of a CSV file")]
+    """Path of the CSV file with the measured values, relative to the folder of the fit file."""
     set_: DottedKeys = Field(default_factory=dict, alias="set")
-    """Dotted keys and their values in this run."""
+    """Values that replace those of the config in this run, by dotted key."""
     columns: Columns | None = None
-    """Headers in the CSV file by quantity; null: the headers are those of a run's own table."""
+    """Header in the CSV file of each quantity, as tip_x_mm: X. null: the headers have the names that the table of a
+    simulated run has."""
     time_offset_s: Offset | None = None
-    """Time at which the run starts, by the clock of the data. null: 0."""
+    """Time at which the run starts, by the clock of the data. fit: it is estimated too. null: that of the file, else
+    0."""
     parameters: Parameters | None = None
-    """Parameters of this run only."""
+    """Parameters to estimate from this run alone, by dotted key, with their bounds."""
     rows: Annotated[dict[str, float], Field(min_length=1), allow("a mapping from headers to numbers")] | None = None
-    """Which rows of the table are of this run: those with these numbers in these columns. null: all."""
+    """Selects the rows of the CSV file that belong to this run: those with these numbers under these headers. null: all
+    rows."""
     force_test: ForceTest | None = None
-    """How the body was moved, where forces against depth or speed were measured. null: as its columns say."""
+    """Says that the data are a force test, and how the body moved. null: that of the file, else the columns decide."""
 
 
 class FitFile(Strict):
-    """A fit: parameters of configs, estimated from measured runs."""
+    """A fit: estimates of parameters of configs from measured runs."""
 
     runs: Annotated[
         tuple[FitRun, ...],
@@ -146,22 +158,27 @@ class FitFile(Strict):
         Field(min_length=1, max_length=MOST_RUNS),
         allow(f"a list of one run or more, to {MOST_RUNS}"),
     ]
+    """Measured runs, each with its config and its data."""
     parameters: Parameters | None = None
-    """Parameters that all runs share."""
+    """Parameters to estimate, common to all runs, by dotted key, with their bounds."""
     set_: DottedKeys = Field(default_factory=dict, alias="set")
-    """Dotted keys and their values in all runs."""
+    """Values that replace those of the configs in all runs, by dotted key."""
     columns: Columns | None = None
+    """Headers for all runs that give none, see `columns` of a run."""
     time_offset_s: Offset | None = None
+    """Offset for all runs that give none, see `time_offset_s` of a run."""
     force_test: ForceTest | None = None
+    """Force test for all runs that give none, see `force_test` of a run."""
     noise: Annotated[dict[str, Positive], allow("a mapping from columns to their noise, as tip_x_mm: 0.1")] = Field(
         default_factory=dict
     )
-    """Standard deviation of columns; estimated where it is not given."""
+    """Standard deviation of the noise of columns, in the unit of each column. For other columns it is estimated."""
     loss: Literal["soft_l1", "linear"] = "soft_l1"
-    """soft_l1 limits the weight of outliers; linear: ordinary least squares."""
+    """Loss function of the residuals. soft_l1: limits the weight of outliers; linear: ordinary least squares."""
     scatter: bool = False
-    """Whether the scatter of grains is separated from noise, in force tests of one column each."""
+    """true: separate the scatter of the grains' resistance from measurement noise. For force tests with one measured
+    column each."""
     starts: Annotated[int, Field(ge=1, le=MOST_STARTS)] = 8
-    """Number of starting points."""
+    """Number of starting points of the least-squares iteration."""
     seed: Annotated[int, Field(ge=0, le=999_999)] = 0
-    """Seed of the choice of these points."""
+    """Seed of the random starting points."""

@@ -1,6 +1,7 @@
-"""Schema of the start of a run: angles, positions and rates of joints, or the impact of a pendulum.
+"""Schema of the initial state of a run: angles, positions and rates of joints, or the impact of a pendulum.
 
-With it the checks of a scenario against its mechanism: initial states and drives by joint, shared signals by name.
+Also checks of a scenario against its mechanism: whether the joints that have an initial state or a drive exist and
+allow it, and whether shared signals exist.
 """
 
 from __future__ import annotations
@@ -18,24 +19,28 @@ from granular_contact.values.strict import Faults, LocalFault, Strict, no_such
 
 
 class JointStart(Strict):
-    """State of one joint, in its own coordinate; what is left out is that of rest in the reference configuration."""
+    """Initial state of one joint, in its own coordinate. null: at rest in the reference configuration (home)."""
 
     angle_deg: float | None = None
-    """Of a hinge, clockwise; of a free body, below the horizontal."""
+    """Hinge: angle of the joint, clockwise. Free body: angle of its x axis below the horizontal."""
     rate_rad_s: float | None = None
+    """Hinge or free body: angular rate, clockwise."""
     position_m: float | None = None
-    """Of a slider, along its axis."""
+    """Slider: position along its axis."""
     speed_m_s: float | None = None
+    """Slider: speed along its axis."""
     x_m: float | None = None
-    """Of a free body: position of its joint, from the joint's point on the ground."""
+    """Free body: horizontal position of its joint point, measured from the point of the joint on the ground."""
     y_m: float | None = None
+    """Free body: vertical position of its joint point, upward from the point of the joint on the ground."""
     vx_m_s: float | None = None
-    """Of a free body: velocity of its joint's point."""
+    """Free body: horizontal velocity of its joint point."""
     vy_m_s: float | None = None
+    """Free body: vertical velocity of its joint point, upward."""
 
     @property
     def height(self) -> float | None:
-        """Of a free body (m), if it is given."""
+        """Height of a free body (m); None if it is not given."""
         return self.y_m
 
 
@@ -43,19 +48,22 @@ RATES = ("rate_rad_s", "speed_m_s", "vx_m_s", "vy_m_s")
 
 
 class Initial(Strict):
-    """Initial state: the undeformed mechanism, with given states of its joints."""
+    """Initial state: the undeformed mechanism, with given positions and velocities of its joints."""
 
     impact_angle_deg: Annotated[float, Field(ge=-90, le=90)] | None = None
-    """Angle below the horizontal of what is hinged or welded to the ground; null: that of the reference
-    configuration."""
+    """Initial angle of the hinges on the ground, below the horizontal. A body that is welded to the ground is turned by
+    this angle, in addition to its home_deg. null: the reference configuration (home)."""
     impact_speed_rad_s: float = 0.0
-    """Rate of the ground hinge; a positive one moves the link into the medium."""
+    """Initial angular rate of the hinges on the ground, clockwise: positive moves a link down into the medium."""
     impact_tip_speed_m_s: float | None = None
-    """The same, given as the speed of the tip, the farthest end of the mechanism."""
+    """Initial speed of the tip, the end of the mechanism that is farthest from the hinge on the ground; in place of
+    impact_speed_rad_s. null: impact_speed_rad_s holds."""
     joints: dict[str, JointStart] | None = None
-    """By the name of the joint; others start at rest in the reference configuration, or follow a loop or a drive."""
+    """Initial states by the name of the joint. A joint that is not named starts at rest in the reference configuration
+    (home), or follows from a loop or a drive."""
     settle: bool = False
-    """Start from static equilibrium under gravity, with the drives as they are at t = 0."""
+    """true: first find the static equilibrium under gravity, and start the run from there at rest. Signals of drives
+    keep their value at t = 0 meanwhile."""
 
     def _faults(self) -> Faults:
         if self.impact_tip_speed_m_s is not None and self.impact_speed_rad_s != 0.0:
@@ -67,7 +75,7 @@ class Initial(Strict):
 
 
 def speed_faults(start: Strict, path: tuple[str, ...], keys: Iterable[str]) -> Faults:
-    """Faults of speeds with which a run would start that begins from static equilibrium."""
+    """Faults of initial speeds of a run that starts from static equilibrium: none but 0 is allowed."""
     for key in keys:
         if (value := getattr(start, key)) not in (None, 0.0, (0.0, 0.0, 0.0)):
             got = f"{value:g}" if isinstance(value, float) else f"{list(value)}"
@@ -79,22 +87,27 @@ def initial_faults(initial: Initial, model: Model) -> Iterator[LocalFault]:
     joints = model.all_joints
     on_ground = {joint.type for joint in joints.values() if joint.parent == GROUND}
     if initial.impact_angle_deg is not None and not on_ground & {"hinge", "weld"}:
-        words = f"got {initial.impact_angle_deg:g}, but no hinge and no weld is on the ground: use initial.joints"
-        yield ("initial", "impact_angle_deg"), words
+        message = f"got {initial.impact_angle_deg:g}, but no hinge and no weld is on the ground: use initial.joints"
+        yield ("initial", "impact_angle_deg"), message
     for name, start in (initial.joints or {}).items():
         yield from joint_state_faults(name, start, model, joints_of(MOVABLE))
         pinned = name in joints and joints[name].type != "weld" and joints[name].parent == GROUND
         if pinned and start.angle_deg is not None and initial.impact_angle_deg is not None:
-            words = "got this and initial.impact_angle_deg; allowed is one of them"
-            yield ("initial", "joints", name, "angle_deg"), words
+            message = "got this and initial.impact_angle_deg; allowed is one of them"
+            yield ("initial", "joints", name, "angle_deg"), message
 
 
 def joint_state_faults(name: str, start: Any, model: Any, allowed: str) -> Iterator[LocalFault]:
-    """Faults of the initial state of one joint, in the plane or in space; allowed: words for joints that have one."""
+    """Faults of the initial state of one joint, in the plane or in space.
+
+    allowed: the types of joints that may have an initial state, in words for the message.
+    """
     joints, path = model.all_joints, ("initial", "joints", name)
+    if name in model.closures and name not in joints:
+        yield path, f"{name} closes a loop, so its state follows from the other joints; allowed are joints of the tree"
+        return
     if name not in joints:
-        what = "closes a loop, which follows from the others" if name in model.closures else None
-        yield path, f"{name} {what}" if what else no_such("joint", name, joints)
+        yield path, no_such("joint", name, joints)
         return
     kind, keys = joint_of(joints[name].type), joints[name].start_keys
     if not keys:
@@ -106,7 +119,7 @@ def joint_state_faults(name: str, start: Any, model: Any, allowed: str) -> Itera
 
 
 def drive_faults(drives: Mapping[str, AnyDrive], signals: Mapping[str, AnySignal], model: Any) -> Iterator[LocalFault]:
-    """Faults of the drives and the signals that they share, with paths below the scenario; in the plane or in space."""
+    """Faults of the drives and of shared signals, with paths below the scenario; in the plane or in space."""
     joints = model.all_joints | model.closures
     for name, signal in signals.items():
         if isinstance(signal, Shared):
@@ -119,32 +132,33 @@ def drive_faults(drives: Mapping[str, AnyDrive], signals: Mapping[str, AnySignal
         if name not in joints:
             yield path, no_such("joint", name, joints)
             continue
-        kind, what = joints[name].type, joint_of(joints[name].type)
+        kind, noun = joints[name].type, joint_of(joints[name].type)
         if isinstance(drive, Motion) and name in model.closures:
             yield (
                 path,
                 f"{name} closes a loop; a motion drives a joint of the tree: make one of them the closure instead",
             )
         elif kind not in TARGETS.values():
-            yield path, f"{name} is a {what}, which can't be driven; allowed are hinges and sliders"
+            yield path, f"{name} is a {noun}, which can't be driven; allowed are hinges and sliders"
         elif kind != TARGETS[key]:
-            allowed = ", ".join(k for k, of in TARGETS.items() if of == kind)
-            yield (*path, key), f"{name} is a {what}; a drive of a {what} has one of the keys {allowed}"
+            allowed = ", ".join(key for key, joint_type in TARGETS.items() if joint_type == kind)
+            yield (*path, key), f"{name} is a {noun}; a drive of a {noun} has one of the keys {allowed}"
 
 
 def unused_signals(drives: Mapping[str, AnyDrive], signals: Mapping[str, AnySignal]) -> list[str]:
-    """Names of the shared signals that no drive follows."""
-    followed = (getattr(drive, target(drive)) for drive in drives.values())
-    used = {signal.name for signal in followed if isinstance(signal, Shared)}
+    """Names of the shared signals that no drive uses."""
+    driving = (getattr(drive, target(drive)) for drive in drives.values())
+    used = {signal.name for signal in driving if isinstance(signal, Shared)}
     return [name for name in signals if name not in used]
 
 
 def _shared_faults(path: tuple[str, ...], shared: Shared, signals: Mapping[str, AnySignal]) -> Iterator[LocalFault]:
+    """Faults of a drive, at `path`, that refers to a shared signal."""
     signal = signals.get(shared.name)
     if signal is None:
         yield path, no_such("signal", shared.name, signals)
     elif isinstance(signal, Buehler) and path[-1] != "angle_deg":
         yield path, f"{shared.name} is a buehler clock, which gives angles; allowed are the other signals"
     elif shared.phase_deg != 0.0 and not isinstance(signal, Buehler | Sine):
-        words = f"got {shared.phase_deg:g}, but {shared.name} is a {signal.type}: allowed is 0"
-        yield (*path, "phase_deg"), words
+        message = f"got {shared.phase_deg:g}, but {shared.name} is a {signal.type}: allowed is 0"
+        yield (*path, "phase_deg"), message

@@ -1,11 +1,11 @@
-"""Schema of joints: how two bodies move against each other in the plane, and what acts between them there.
+"""Schema of joints in the plane: the relative motion that a joint allows, and the forces that act in it.
 
-Each type has two names, ours and that of robotics: hinge or revolute, slider or prismatic, weld or fixed, free or
-floating. Scenarios have ours.
+Each type has two names, the name of this package and the name in robotics: hinge or revolute, slider or prismatic,
+weld or fixed, free or floating. A config may use either; a scenario holds the name of this package.
 
-The coordinate of a joint is what its column in the results shows. All angles turn clockwise (see models/README.md):
-that of a hinge is the child's below the x axis of the parent, on the ground below the horizontal. A slider grows along
-its axis.
+The results have a column for the coordinate of each joint. All angles are positive clockwise (see models/README.md).
+The coordinate of a hinge is the angle of the child, measured from the x axis of the parent (on the ground: below the
+horizontal). The coordinate of a slider is the position along its axis.
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ from pydantic_core import CoreSchema, core_schema
 
 from granular_contact.values.strict import Faults, NotNegative, Point, Positive, Strict, Tagged, by_type, directed
 
-# The words of robotics for types of joints, and ours.
+# Name of a type of joints in robotics -> name in this package.
 SYNONYMS = {"revolute": "hinge", "prismatic": "slider", "fixed": "weld", "floating": "free"}
 IN_SPACE = {"spherical": "ball"}
-_NOUNS = "hinge", "slider", "weld"  # types that are nouns by themselves
+_NOUNS = "hinge", "slider", "weld"  # types whose name is a noun; the others take "joint" behind them
 
 
 def joint_of(kind: str) -> str:
@@ -36,42 +36,52 @@ def joints_of(kinds: Iterable[str]) -> str:
 
 
 class OrSynonym:
-    """Marks the type of a joint: its synonym is accepted, and replaced by the name."""
+    """Marker of the type of a joint: the name in robotics is accepted, and replaced by the name of this package."""
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        """Core schema of both words."""
+        """Core schema that accepts both names."""
         del handler
         (name,) = get_args(source)
-        words = [name, *(synonym for synonym, of in (SYNONYMS | IN_SPACE).items() if of == name)]
-        return core_schema.no_info_after_validator_function(lambda _: name, core_schema.literal_schema(words))
+        accepted = [name, *(synonym for synonym, kind in (SYNONYMS | IN_SPACE).items() if kind == name)]
+        return core_schema.no_info_after_validator_function(lambda _: name, core_schema.literal_schema(accepted))
 
 
 class _Ends(Strict):
     parent: str
-    """A body, or `ground`."""
+    """Name of the parent body, or `ground`."""
     child: str
-    """A body; each is the child of exactly one joint, besides the closures of loops."""
-    start_keys: ClassVar[tuple[str, ...]] = ()  # of its state at the start, see `JointStart`
+    """Name of the child body. Each body is the child of exactly one joint; closures do not count."""
+    start_keys: ClassVar[tuple[str, ...]] = ()  # keys of its initial state, see `JointStart`
     parent_point_m: Point = (0.0, 0.0)
-    """Where the joint sits in the frame of the parent."""
+    """Position of the joint, x and y in the frame of the parent."""
     child_point_m: Point = (0.0, 0.0)
-    """Where the joint sits in the frame of the child."""
+    """Position of the joint, x and y in the frame of the child."""
 
 
 class HingeSpring(Strict):
-    """Linear torsional spring."""
+    """Linear torsional spring: torque = -stiffness (angle - rest angle)."""
 
     stiffness_Nm_per_rad: Positive
+    """Torque per angle."""
     rest_deg: float = 0.0
+    """Angle of the joint at which the torque is zero."""
 
 
 class HingeStops(Strict):
-    """Ends of the range: springs beyond them, stiffness x (1 + dissipation x rate), after Hunt-Crossley."""
+    """Limits of the angle, as springs with damping after Hunt and Crossley that act beyond the limits.
+
+    Torque = stiffness x angle beyond the limit x (1 + dissipation x rate at which this angle grows). It only pushes
+    back.
+    """
 
     lower_deg: float
+    """Smallest angle before the stop acts."""
     upper_deg: float
+    """Largest angle before the stop acts."""
     stiffness_Nm_per_rad: Positive
+    """Torque per angle beyond the limit, in slow motion."""
     dissipation_s_per_rad: NotNegative = 0.0
+    """Factor of the rate in the torque; 0: the stop dissipates nothing."""
 
     def _faults(self) -> Faults:
         if self.lower_deg >= self.upper_deg:
@@ -79,55 +89,71 @@ class HingeStops(Strict):
 
 
 class HingeFriction(Strict):
-    """Dry friction that can hold a load at rest: a spring (a bristle) that slides at its limit."""
+    """Dry friction that can hold a load at rest: an elastic bristle that slides once the torque reaches its limit."""
 
     torque_Nm: Positive
+    """Friction torque while the joint slides, the limit at rest too."""
     slip_deg: Positive = 0.01
-    """Angle at which it slips."""
+    """Deflection of the bristle at which it begins to slide."""
     damping_time_s: NotNegative = 1e-3
-    """Damping time of the bristle, which suppresses its vibration."""
+    """Damping coefficient of the bristle over its stiffness; it suppresses vibration of the bristle."""
 
 
 class HingeClosure(_Ends):
-    """The child turns about the normal of the plane."""
+    """The child turns about the normal of the plane of motion."""
 
     type: Annotated[Literal["hinge"], OrSynonym()]
     spring: HingeSpring | None = None
+    """Torsional spring between parent and child; null: none."""
     damping_Nm_s_per_rad: NotNegative = 0.0
+    """Viscous damping: torque per rate of the joint."""
     stops: HingeStops | None = None
+    """Limits of the angle; null: none."""
     friction: HingeFriction | None = None
+    """Dry friction; null: none."""
 
 
 class Hinge(HingeClosure):
-    """The child turns about the normal of the plane."""
+    """The child turns about the normal of the plane of motion."""
 
     start_keys = "angle_deg", "rate_rad_s"
     home_deg: float = 0.0
-    """Angle at the start, unless the run says otherwise; clockwise, from the x axis of the parent."""
+    """Angle of the child in the reference configuration, clockwise from the x axis of the parent. A run starts there
+    unless `initial` gives another angle."""
 
 
 class Weld(_Ends):
-    """The child is held at a fixed angle."""
+    """The child is fixed to the parent."""
 
     type: Annotated[Literal["weld"], OrSynonym()]
     home_deg: float = 0.0
-    """The angle of the child, clockwise, from the x axis of the parent."""
+    """Angle of the child, clockwise from the x axis of the parent."""
 
 
 class SliderSpring(Strict):
-    """Linear spring along the axis."""
+    """Linear spring along the axis: force = -stiffness (position - rest position)."""
 
     stiffness_N_per_m: Positive
+    """Force per displacement."""
     rest_m: float = 0.0
+    """Position of the joint at which the force is zero."""
 
 
 class SliderStops(Strict):
-    """Ends of the range: springs beyond them, stiffness x (1 + dissipation x speed), after Hunt-Crossley."""
+    """Limits of the position, as springs with damping after Hunt and Crossley that act beyond the limits.
+
+    Force = stiffness x distance beyond the limit x (1 + dissipation x speed at which this distance grows). It only
+    pushes back.
+    """
 
     lower_m: float
+    """Smallest position before the stop acts."""
     upper_m: float
+    """Largest position before the stop acts."""
     stiffness_N_per_m: Positive
+    """Force per distance beyond the limit, in slow motion."""
     dissipation_s_per_m: NotNegative = 0.0
+    """Factor of the speed in the force; 0: the stop dissipates nothing."""
 
     def _faults(self) -> Faults:
         if self.lower_m >= self.upper_m:
@@ -135,39 +161,45 @@ class SliderStops(Strict):
 
 
 class SliderFriction(Strict):
-    """Dry friction that can hold a load at rest: a spring (a bristle) that slides at its limit."""
+    """Dry friction that can hold a load at rest: an elastic bristle that slides once the force reaches its limit."""
 
     force_N: Positive
+    """Friction force while the joint slides, the limit at rest too."""
     slip_m: Positive = 1e-5
-    """Displacement at which it slips."""
+    """Deflection of the bristle at which it begins to slide."""
     damping_time_s: NotNegative = 1e-3
-    """Damping time of the bristle, which suppresses its vibration."""
+    """Damping coefficient of the bristle over its stiffness; it suppresses vibration of the bristle."""
 
 
 class SliderClosure(_Ends):
-    """The child moves along an axis that is fixed in the parent, and does not turn."""
+    """The child moves along an axis that is fixed in the parent, and does not rotate against the parent."""
 
     type: Annotated[Literal["slider"], OrSynonym()]
     axis: Annotated[Point, directed("a direction, as [0, 1] for upward")] = (1.0, 0.0)
-    """Direction of the axis, x and y in the frame of the parent, of any length; [0, 1] on the ground is up."""
+    """Direction of the axis, x and y in the frame of the parent, of any length; on the ground [0, 1] is up."""
     home_deg: float = 0.0
-    """The angle of the child, clockwise, from the x axis of the parent, at which it stays."""
+    """Constant angle of the child, clockwise from the x axis of the parent."""
     spring: SliderSpring | None = None
+    """Spring along the axis; null: none."""
     damping_N_s_per_m: NotNegative = 0.0
+    """Viscous damping: force per speed of the joint."""
     stops: SliderStops | None = None
+    """Limits of the position; null: none."""
     friction: SliderFriction | None = None
+    """Dry friction; null: none."""
 
 
 class Slider(SliderClosure):
-    """The child moves along an axis that is fixed in the parent, and does not turn."""
+    """The child moves along an axis that is fixed in the parent, and does not rotate against the parent."""
 
     start_keys = "position_m", "speed_m_s"
     home_m: float = 0.0
-    """Position along the axis at the start, unless the run says otherwise."""
+    """Position along the axis in the reference configuration. A run starts there unless `initial` gives another
+    position."""
 
 
 class Free(_Ends):
-    """The child moves freely in the plane; `initial.joints` of the run gives its initial state."""
+    """The child moves freely in the plane. `initial.joints` of the run gives its initial state."""
 
     type: Annotated[Literal["free"], OrSynonym()]
     start_keys = "x_m", "y_m", "angle_deg", "vx_m_s", "vy_m_s", "rate_rad_s"
@@ -178,13 +210,13 @@ class Free(_Ends):
 
 
 def by_name(*classes: type[Strict]) -> dict[str, type[Strict]]:
-    """Classes by both names of each type."""
+    """Classes by the name of their type in this package and by its name in robotics."""
     types = by_type(*classes)
     return types | {synonym: types[name] for synonym, name in (SYNONYMS | IN_SPACE).items() if name in types}
 
 
 JOINTS = by_name(Hinge, Weld, Slider, Free)
-MOVABLE = "hinge", "slider", "free"  # that have a state at the start
+MOVABLE = "hinge", "slider", "free"  # types of joints with an initial state
 Joint = Annotated[Hinge | Weld | Slider | Free, Tagged("type", JOINTS)]
 CLOSURES = by_name(HingeClosure, Weld, SliderClosure)
 Closure = Annotated[HingeClosure | Weld | SliderClosure, Tagged("type", CLOSURES)]

@@ -15,7 +15,7 @@ _MASS = ("mass_kg", "inertia_kg_m2", "center_of_mass_m")
 
 
 def mass_faults(body: Any) -> Faults:
-    """Faults of a rigid body, in the plane or in space, whose mass is not given once."""
+    """Faults of a rigid body, in the plane or in space: its mass must be given in exactly one way."""
     given = [name for name in _MASS if getattr(body, name) is not None]
     if body.density_kg_m3 is not None:
         yield from (((name,), "stands beside density_kg_m3, from which it follows; give one") for name in given)
@@ -25,29 +25,32 @@ def mass_faults(body: Any) -> Faults:
         allowed = "allowed is a density with shapes, or mass_kg and inertia_kg_m2"
         yield ("density_kg_m3",), f"is missing, so the body has no mass; {allowed}"
     else:
-        words = "is missing; a body has density_kg_m3 and shapes, or mass_kg and inertia_kg_m2"
-        yield from (((name,), words) for name in _MASS[:2] if name not in given)
+        message = "is missing; a body has density_kg_m3 and shapes, or mass_kg and inertia_kg_m2"
+        yield from (((name,), message) for name in _MASS[:2] if name not in given)
 
 
 class Rigid(Strict):
-    """A rigid body: shapes with a density, or a given mass and shapes for the medium only."""
+    """A rigid body. Its mass follows from its shapes and a density, or is given; then shapes only meet the medium."""
 
     type: Literal["rigid"]
     density_kg_m3: Positive | None = None
-    """Of all shapes; give this or the mass."""
+    """Density of all shapes. Give this, or mass_kg and inertia_kg_m2."""
     mass_kg: Positive | None = None
+    """Mass, if no density is given."""
     inertia_kg_m2: Positive | None = None
-    """Moment of inertia about the centre of mass, in the plane."""
+    """Moment of inertia about the centre of mass, for rotation in the plane; if no density is given."""
     center_of_mass_m: Point | None = None
-    """In the frame of the body; null: its origin."""
+    """Centre of mass, x and y in the frame of the body. null: the origin of the frame, or with a density the centroid
+    of the shapes."""
     shapes: Annotated[tuple[Shape, ...], Listed] = ()
+    """Shapes of the body."""
 
     def _faults(self) -> Faults:
         return mass_faults(self)
 
 
 def modulus_faults(bending: float | None, modulus: float | None) -> Faults:
-    """Of a link that bends whose stiffness E I (N m2) and modulus E (Pa) are both given, or neither."""
+    """A fault of a flexible link unless exactly one of its stiffness E I (N m2) and its modulus E (Pa) is given."""
     given = (bending is not None) + (modulus is not None)
     if given != 1:
         got = "both" if given else "neither"
@@ -55,39 +58,46 @@ def modulus_faults(bending: float | None, modulus: float | None) -> Faults:
 
 
 class Flexible(Strict):
-    """Elasticity of a link, discretised with cable elements. Give the bending stiffness or Young's modulus."""
+    """Elasticity of a link, which is discretised with cable elements.
+
+    Give the bending stiffness or Young's modulus.
+    """
 
     bending_stiffness_N_m2: Positive | None = None
-    """E I; give this or youngs_modulus_Pa."""
+    """Bending stiffness E I. Give this or youngs_modulus_Pa."""
     youngs_modulus_Pa: Positive | None = None
+    """Young's modulus E; the bending stiffness follows from the cross-section."""
     axial_stiffness_N: Positive | None = None
-    """E A; null: follows from the same modulus as the bending stiffness."""
+    """Axial stiffness E A. null: it follows from the same modulus as the bending stiffness."""
     elements: Annotated[int, Field(ge=1, le=1024)] = 4
+    """Number of cable elements along the link."""
     bending_damping_N_m2_s: NotNegative = 0.0
-    """Bending moment per rate of curvature."""
+    """Internal damping: bending moment per rate of curvature."""
     axial_damping_N_s: NotNegative = 0.0
-    """Axial force per rate of strain."""
+    """Internal damping: axial force per rate of strain."""
     yield_stress_Pa: Positive | None = None
-    """Stress above which the material stays bent: a run that passes it says so. null: not looked at."""
+    """Yield stress: a run with a larger stress warns that the material stays bent. null: no check."""
 
     def _faults(self) -> Faults:
         return modulus_faults(self.bending_stiffness_N_m2, self.youngs_modulus_Pa)
 
 
 class Link(Strict):
-    """A straight uniform bar along the x axis of its frame, from the root at the origin to the tip."""
+    """A straight uniform bar along the x axis of its frame, from its root at the origin to its tip at x = length."""
 
     type: Literal["link"]
     length_m: Positive
+    """Length from root to tip."""
     diameter_m: Positive | None = None
-    """Of a round section; a rectangular one has width_m and thickness_m."""
+    """Diameter of a round cross-section. A rectangular one has width_m and thickness_m instead."""
     width_m: Positive | None = None
-    """Normal to the plane of motion."""
+    """Width of a rectangular cross-section, normal to the plane of motion."""
     thickness_m: Positive | None = None
-    """In the plane."""
+    """Thickness of a rectangular cross-section, in the plane of motion."""
     density_kg_m3: Positive
+    """Density of the material."""
     flexible: Flexible | None = None
-    """null: the link is rigid."""
+    """Elasticity. null: the link is rigid."""
 
     def _faults(self) -> Faults:
         return section_faults(self.diameter_m, self.width_m, self.thickness_m)
@@ -101,59 +111,83 @@ MOST_LINKS = 4096
 
 
 def names(prefix: Any, count: Any) -> list[str]:
-    """`prefix_1` to `prefix_count`; none for what is not text or no allowed number, which has its own fault."""
+    """Names `prefix_1` to `prefix_count`; none if the prefix is no text or the count is not allowed.
+
+    The schema reports these two faults.
+    """
     if not isinstance(prefix, str) or type(count) is not int or not 1 <= count <= MOST_LINKS:
         return []
     return [f"{prefix}_{i}" for i in range(1, count + 1)]
 
 
 class ChainLink(Strict):
-    """One of the links: a straight uniform cylinder."""
+    """Properties that all links of the chain share: each is a straight uniform round bar."""
 
     length_m: Positive
+    """Length from root to tip."""
     diameter_m: Positive
+    """Diameter of the round cross-section."""
     density_kg_m3: Positive
+    """Density of the material."""
     flexible: Flexible | None = None
-    """null: the links are rigid."""
+    """Elasticity. null: the links are rigid."""
 
 
 class ChainHinge(Strict):
-    """What every hinge of the chain has."""
+    """Properties that all hinges of the chain share."""
 
     home_deg: float = 0.0
-    """Angle at the start of all hinges but the first, unless the run says otherwise; clockwise, from link to link."""
+    """Angle from link to link, clockwise, in the reference configuration; for all hinges but the first. A run starts
+    there unless `initial` gives another angle."""
     spring: HingeSpring | None = None
+    """Torsional spring; null: none."""
     damping_Nm_s_per_rad: NotNegative = 0.0
+    """Viscous damping: torque per rate of the joint."""
     stops: HingeStops | None = None
+    """Limits of the angle; null: none."""
     friction: HingeFriction | None = None
+    """Dry friction; null: none."""
 
 
 class Chain(Strict):
-    """Links `link_1` to `link_n`, joined tip to root by hinges `hinge_1` to `hinge_n`; the first is on the parent."""
+    """A row of equal links `link_1` to `link_n` on hinges `hinge_1` to `hinge_n`.
+
+    The first hinge connects link_1 to the parent; each other hinge connects the root of a link to the tip of the link
+    before it.
+    """
 
     count: Annotated[int, Field(ge=1, le=MOST_LINKS)]
+    """Number n of links."""
     link: ChainLink
+    """Properties of the links."""
     hinge: ChainHinge = ChainHinge()
+    """Properties of the hinges."""
     parent: str = "ground"
-    """A body, or `ground`."""
+    """Name of the parent body of the first hinge, or `ground`."""
     parent_point_m: Point = (0.0, 0.0)
-    """Where the first hinge sits in the frame of the parent."""
+    """Position of the first hinge, x and y in the frame of the parent."""
     root_home_deg: float = 0.0
-    """Angle of the first hinge at the start, unless the run says otherwise."""
+    """Angle of the first hinge in the reference configuration, clockwise from the x axis of the parent. A run starts
+    there unless `initial` gives another angle."""
     link_name: Text = "link"
+    """Prefix of the names of the links."""
     hinge_name: Text = "hinge"
+    """Prefix of the names of the hinges."""
 
     def expanded(self) -> tuple[dict[str, Link], dict[str, Hinge]]:
-        """Bodies and joints of the chain."""
+        """Bodies and joints of the chain, by name."""
         link = Link(type="link", **self.link.model_dump())
         links, hinges = names(self.link_name, self.count), names(self.hinge_name, self.count)
         return dict.fromkeys(links, link), {
-            name: Hinge(type="hinge", **given)
-            for name, given in zip(hinges, self.hinges(links, (self.link.length_m, 0.0)), strict=True)
+            name: Hinge(type="hinge", **values)
+            for name, values in zip(hinges, self.hinges(links, (self.link.length_m, 0.0)), strict=True)
         }
 
     def hinges(self, links: list[str], tip: tuple[float, ...]) -> Iterator[dict[str, Any]]:
-        """Values of the hinges, one for each of the links, whose tips are at a place (m) in their frames."""
+        """Values of the hinges by key, in order.
+
+        links: names of the links; tip: position (m) of the tip in the frame of a link.
+        """
         values = {name: getattr(self.hinge, name) for name in ChainHinge.model_fields}
         for i, child in enumerate(links):
             first = {"parent": self.parent, "parent_point_m": self.parent_point_m, "home_deg": self.root_home_deg}

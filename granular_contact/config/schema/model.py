@@ -1,7 +1,7 @@
 """Schema of a mechanism: bodies, the tree of joints, loop closures, and a chain.
 
-Whether bodies and joints form a tree with the ground as its root needs names only, so that mechanisms with faulty
-numbers can be checked, too.
+The check that bodies and joints form a tree with the ground as its root uses names alone. So it also works for a
+mechanism with faulty numbers.
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ _ALLOWED = "letters, digits, _ and - are allowed, - not as the first"
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_-]*")
 
 
-# Of a chain: what it hangs on, and the names of its links and hinges.
+# Of a chain: the name of its parent, and the names of its links and hinges.
 Names = tuple[str, list[str], list[str]]
 
 
 def mechanism_faults(model: Any) -> Faults:
-    """Faults of a model, in the plane or in space, all of whose numbers could be read."""
+    """Faults in the structure of a model, in the plane or in space. All its values must be valid one by one."""
     chain = model.chain
     if not model.bodies and chain is None:
         yield ("bodies",), "is missing or empty; allowed is a mapping of one name or more, or a chain"
@@ -48,65 +48,69 @@ def structure_faults(
     chain: Names | None,
     complete: bool = True,
 ) -> list[LocalFault]:
-    """Faults of a mechanism, with paths below the model.
+    """Faults in the structure of a mechanism, with paths below the model.
 
     Parameters
     ----------
     bodies
         Names of the bodies.
     joints
-        Parent and child of each joint.
+        Parent and child of each joint of the tree, by the name of the joint.
     closures
         Parent and child of each joint that closes a loop.
     chain
-        The links and hinges that a chain adds.
+        Parent, links and hinges of the chain; None without one.
     complete
-        False if `joints` lacks some whose ends could not be read; a body without a joint is then no fault.
+        False if `joints` lacks joints whose parent or child could not be read. A body without a joint is then no fault.
     """
     kinds = {"bodies": bodies, "joints": joints, "closures": closures}
     faults = [fault for kind, given in kinds.items() for fault in _name_faults(kind, given)]
-    again = "is the name of a joint already; give another"
-    faults += [(("closures", name), f"{name} {again}") for name in closures if name in joints]
+    taken = "is the name of a joint already; give another"
+    faults += [(("closures", name), f"{name} {taken}") for name in closures if name in joints]
     all_bodies, all_joints = dict.fromkeys(bodies), dict(joints)
     if chain is not None:
         parent, links, hinges = chain
         faults += _chain_faults(chain, all_bodies, {**joints, **closures})
-        root = GROUND if parent in links else parent  # which has its fault
+        root = GROUND if parent in links else parent  # (`_chain_faults` reports a link as parent)
         all_joints |= zip(hinges, zip([root, *links], links, strict=False), strict=True)
         all_bodies |= dict.fromkeys(links)
-    joints_of: dict[str, list[str]] = defaultdict(list)
+    joints_by_child: dict[str, list[str]] = defaultdict(list)
     for joint, (parent, child) in all_joints.items():
         if joint in joints:
             faults += _end_faults("joints", joint, parent, child, all_bodies)
         if child in all_bodies:
-            joints_of[child].append(joint)
+            joints_by_child[child].append(joint)
     for name, (parent, child) in closures.items():
         faults += _end_faults("closures", name, parent, child, all_bodies)
-    for child, above in joints_of.items():
-        words = f"{child} is the child of {above[0]} already; each body has one, and closures close loops"
-        faults += [(("joints", name, "child"), words) for name in above[1:] if name in joints]
-    words = "no joint has {} as its child; each body is the child of one joint"
-    faults += [(("bodies", body), words.format(body)) for body in bodies if complete and body not in joints_of]
-    return faults + _cycle_faults({child: names[0] for child, names in joints_of.items()}, joints, all_joints)
+    for child, (first, *others) in joints_by_child.items():
+        message = f"{child} is the child of {first} already; each body has one, and closures close loops"
+        faults += [(("joints", name, "child"), message) for name in others if name in joints]
+    message = "no joint has {} as its child; each body is the child of one joint"
+    faults += [(("bodies", body), message.format(body)) for body in bodies if complete and body not in joints_by_child]
+    return faults + _cycle_faults({child: names[0] for child, names in joints_by_child.items()}, joints, all_joints)
 
 
 def _chain_faults(chain: Names, bodies: Collection[str], joints: Collection[str]) -> list[LocalFault]:
-    """Faults of the parent of a chain and of the names of its parts; `bodies` and `joints` are the others."""
+    """Faults of the parent of a chain and of the names of its links and hinges.
+
+    bodies, joints: names of all other bodies and joints.
+    """
     parent, links, hinges = chain
     faults: list[LocalFault] = []
-    for key, own, others, what in (("link_name", links, bodies, "body"), ("hinge_name", hinges, joints, "joint")):
-        if own and not _NAME.fullmatch(own[0]):
-            faults.append((("chain", key), f"got the name {own[0].removesuffix('_1')!r}; {_ALLOWED}"))
-        clash = next((name for name in own if name in others), None)
+    for key, members, others, noun in (("link_name", links, bodies, "body"), ("hinge_name", hinges, joints, "joint")):
+        if members and not _NAME.fullmatch(members[0]):
+            faults.append((("chain", key), f"got the name {members[0].removesuffix('_1')!r}; {_ALLOWED}"))
+        clash = next((name for name in members if name in others), None)
         if clash is not None:
-            faults.append((("chain", key), f"{clash} is the name of a {what} already; give another"))
+            faults.append((("chain", key), f"{clash} is the name of a {noun} already; give another"))
     if parent not in bodies and parent != GROUND:
-        what = f"{parent} is a link of this chain" if parent in links else no_such("body", parent, [GROUND, *bodies])
-        faults.append((("chain", "parent"), what))
+        message = f"{parent} is a link of this chain" if parent in links else no_such("body", parent, [GROUND, *bodies])
+        faults.append((("chain", "parent"), message))
     return faults
 
 
 def _name_faults(kind: str, names: Collection[str]) -> list[LocalFault]:
+    """Faults of names of bodies, joints or closures: characters that are not allowed, names that are reserved."""
     faults: list[LocalFault] = [
         ((kind, name), f"got the name {name!r}; {_ALLOWED}") for name in names if not _NAME.fullmatch(name)
     ]
@@ -120,6 +124,7 @@ def _name_faults(kind: str, names: Collection[str]) -> list[LocalFault]:
 
 
 def _end_faults(kind: str, joint: str, parent: str, child: str, bodies: Collection[str]) -> list[LocalFault]:
+    """Faults of the parent and the child of a joint."""
     faults: list[LocalFault] = []
     if parent not in bodies and parent != GROUND:
         faults.append(((kind, joint, "parent"), no_such("body", parent, [GROUND, *bodies])))
@@ -133,53 +138,65 @@ def _end_faults(kind: str, joint: str, parent: str, child: str, bodies: Collecti
 
 
 def _cycle_faults(
-    joint_of: Mapping[str, str], own: Collection[str], joints: Mapping[str, tuple[str, str]]
+    joint_by_child: Mapping[str, str], written: Collection[str], joints: Mapping[str, tuple[str, str]]
 ) -> list[LocalFault]:
-    """One fault for each cycle of joints, at the joint of its first body; joints of a body with itself are reported
-    elsewhere.
+    """One fault for each cycle of joints, at the joint of its first body.
 
-    own: the joints that are written out; the others are those of a chain, which hangs on its parent.
+    A joint that connects a body to itself is reported by `_end_faults`.
+
+    Parameters
+    ----------
+    joint_by_child
+        Name of the joint whose child is a body, by the name of the body.
+    written
+        Names of the joints that the model names itself. The others are hinges of its chain; their fault is at the
+        parent of the chain.
+    joints
+        Parent and child of each joint.
     """
     faults: list[LocalFault] = []
-    seen: set[str] = set()
-    for start in joint_of:
-        chain: list[str] = []
+    visited: set[str] = set()
+    for start in joint_by_child:
+        walk: list[str] = []
         body = start
-        while body in joint_of and body not in seen:
-            seen.add(body)
-            chain.append(body)
-            body = joints[joint_of[body]][0]
-        if body in chain and chain.index(body) < len(chain) - 1:
-            loop = [*chain[chain.index(body) :], body]
+        while body in joint_by_child and body not in visited:
+            visited.add(body)
+            walk.append(body)
+            body = joints[joint_by_child[body]][0]
+        if body in walk and walk.index(body) < len(walk) - 1:
+            loop = [*walk[walk.index(body) :], body]
             message = f"{' -> '.join(reversed(loop))} is a closed chain; each body must be connected to the ground"
-            path: tuple[str, ...] = ("joints", joint_of[body], "parent")
-            faults.append((path if joint_of[body] in own else ("chain", "parent"), message))
+            path: tuple[str, ...] = ("joints", joint_by_child[body], "parent")
+            faults.append((path if joint_by_child[body] in written else ("chain", "parent"), message))
     return faults
 
 
 class Model(Strict):
-    """A mechanism in the plane, x horizontal and y up, before it is placed and set in motion."""
+    """A mechanism in the plane, x horizontal and y up, without its initial state."""
 
     in_space: Literal[False] = False
-    """true: a model in space, whose keys are others."""
+    """false: a model in the plane; true: a model in space, which has other keys."""
     name: Text
+    """Name of the mechanism, for messages."""
     description: Text = ""
+    """A sentence on the mechanism, for readers."""
     bodies: dict[str, Body] = Field(default_factory=dict)
+    """Bodies by name."""
     joints: dict[str, Joint] = Field(default_factory=dict)
-    """The tree of joints: each body is the child of one, and the ground is the root."""
+    """Joints by name. They form a tree with the ground as its root: each body is the child of exactly one joint."""
     closures: dict[str, Closure] = Field(default_factory=dict)
-    """Joints that close loops, between bodies that the tree already connects to the ground."""
+    """Joints that close kinematic loops, by name. Both their bodies are already connected to the ground by `joints`."""
     chain: Chain | None = None
-    """Many equal links in a row, besides the bodies and joints."""
+    """A row of equal links on hinges, in addition to the bodies and joints above; null: none."""
 
     @cached_property
     def all_bodies(self) -> dict[str, Body]:
-        """Bodies by name, the links of the chain at the end."""
+        """Bodies by name, then the links of the chain."""
         return self.bodies | (self.chain.expanded()[0] if self.chain is not None else {})
 
     @cached_property
     def all_joints(self) -> dict[str, Joint]:
-        """Joints of the tree by name, the hinges of the chain at the end."""
+        """Joints of the tree by name, then the hinges of the chain."""
         return self.joints | (self.chain.expanded()[1] if self.chain is not None else {})
 
     def _faults(self) -> Faults:

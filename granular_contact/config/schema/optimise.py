@@ -1,4 +1,4 @@
-"""Schema of a search for the best numbers of a config: what may change, what is best, and how it is looked for."""
+"""Schema of an optimisation of a config: its parameters, its objective and the method of the search."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from granular_contact.values.strict import Faults, Names, Strict, allow, form
 
 MOST_RUNS = 100_000
 METHODS = ("cma", "differential_evolution")
-LEAST_TO_DIFFER = 5  # runs of a population between which differential evolution takes differences, by scipy
+LEAST_TO_DIFFER = 5  # smallest population of scipy's differential evolution, which takes differences between members
 
 Weights = Annotated[
     Annotated[str, Tag("text")] | Annotated[dict[str, float], Field(min_length=1), Tag("mapping")],
@@ -21,37 +21,42 @@ Weights = Annotated[
 
 
 class Parameter(ParameterRange):
-    """What may change: from one number to another, evenly or on a log scale."""
+    """Range in which a parameter may vary, on a linear or a logarithmic scale."""
 
     keys: Annotated[Names, allow("a list of different dotted keys")] = ()
-    """Dotted keys that all get the number; unless given, the name of the parameter is the key."""
+    """Dotted keys of the config that all get the value of the parameter. Default: the name of the parameter is the
+    key."""
 
 
 class Limit(Strict):
-    """What a number of the summary must not leave; runs that do so rank behind all that do not."""
+    """Constraint on a number of the summary. A run that breaks a constraint ranks behind all runs that keep them."""
 
     at_least: float | None = None
+    """Smallest allowed value; null: none."""
     at_most: float | None = None
+    """Largest allowed value; null: none."""
 
     def _faults(self) -> Faults:
         if self.at_least is None and self.at_most is None:
             yield (), "got neither at_least nor at_most; one of them is needed"
         if self.at_least is not None and self.at_most is not None and self.at_least > self.at_most:
-            words = f"got {self.at_most:g}, which is below at_least, {self.at_least:g}"
-            yield ("at_most",), words
+            message = f"got {self.at_most:g}, which is below at_least, {self.at_least:g}"
+            yield ("at_most",), message
 
     def excess(self, value: float) -> float:
-        """How far a value is outside, relative to the limit; 0 inside."""
+        """Distance of a value from the allowed range, relative to the limit (absolute for a limit of 0); 0 inside."""
         below = 0.0 if self.at_least is None else (self.at_least - value) / (abs(self.at_least) or 1.0)
         above = 0.0 if self.at_most is None else (value - self.at_most) / (abs(self.at_most) or 1.0)
         return max(0.0, below, above)
 
 
 class Objective(Strict):
-    """One of maximise and minimise: a number of the summary, or the sum of several times their weights."""
+    """The number to maximise or to minimise: a number of the summary, or a weighted sum of several."""
 
     maximise: Weights | None = None
+    """Name of a number in summary.json, or a mapping from such names to weights. Give this or minimise."""
     minimise: Weights | None = None
+    """Name of a number in summary.json, or a mapping from such names to weights. Give this or maximise."""
 
     def _faults(self) -> Faults:
         if (self.maximise is None) == (self.minimise is None):
@@ -60,48 +65,53 @@ class Objective(Strict):
 
     @property
     def sense(self) -> str:
-        """Which of both."""
+        """Sense of the objective: maximise or minimise."""
         return "maximise" if self.maximise is not None else "minimise"
 
     @property
     def weights(self) -> dict[str, float]:
-        """Weights by the names of numbers."""
+        """Weights by the names of the numbers in summary.json."""
         given = self.maximise if self.maximise is not None else self.minimise
         assert given is not None
         return {given: 1.0} if isinstance(given, str) else given
 
     @property
-    def words(self) -> str:
-        """The objective as people write it."""
+    def formula(self) -> str:
+        """The objective as a formula, for messages and reports."""
         parts = [name if weight == 1.0 else f"{weight:g} {name}" for name, weight in self.weights.items()]
         return " + ".join(parts).replace("+ -", "- ")
 
 
 class OptimiseFile(Strict):
-    """A search: a config, what may change in it, and what is best."""
+    """An optimisation: a config, the parameters that may vary in it, and an objective."""
 
     config: PathOrConfig
+    """Path of the config of a run, name of a shipped one, or the config itself."""
     set_: DottedKeys = Field(default_factory=dict, alias="set")
-    """Dotted keys and their values in all runs."""
+    """Values that replace those of the config in all runs, by dotted key."""
     parameters: Annotated[
         dict[str, Annotated[Parameter, allow("[from, to], or a mapping with from, to, scale and keys")]],
         Field(min_length=1),
         allow("one dotted key or more, each with a range"),
     ]
+    """Range of each parameter by its name, which is a dotted key of the config unless the parameter has `keys`."""
     objective: Objective
+    """The number to maximise or to minimise."""
     constraints: dict[str, Limit] = Field(default_factory=dict)
-    """Limits by the names of numbers in summary.json."""
+    """Limits of numbers in summary.json, by the name of the number."""
     method: Literal["cma", "differential_evolution"] = "cma"
+    """Method of the search: CMA-ES (covariance matrix adaptation), or differential evolution."""
     evaluations: Annotated[int, Field(ge=4, le=MOST_RUNS)] = 300
-    """Runs in all; the first one is of the config as it is."""
+    """Number of runs in all. The first run is that of the config as it is."""
     population: Annotated[int, Field(ge=4, le=10_000)] | None = None
-    """Runs between two decisions of the method; null: 12, or three times the parameters where that is more."""
+    """Number of runs in a generation of the method. null: the larger of 12 and three times the number of parameters."""
     seed: Annotated[int, Field(ge=0, le=2**32 - 2)] = 0
+    """Seed of the random numbers of the method."""
 
     def _faults(self) -> Faults:
         if self.evaluations < self.size + 1:
-            words = f"got {self.evaluations}; the config as it is and one population need {self.size + 1}"
-            yield ("evaluations",), words
+            message = f"got {self.evaluations}; the config as it is and one population need {self.size + 1}"
+            yield ("evaluations",), message
         if len(self.parameters) < 2 and self.method == "cma":
             yield ("method",), "cma needs two parameters or more; take differential_evolution"
         if self.size < LEAST_TO_DIFFER and self.method == "differential_evolution":
@@ -109,7 +119,7 @@ class OptimiseFile(Strict):
 
     @property
     def size(self) -> int:
-        """The population."""
+        """Size of the population, with its default in place."""
         return self.population or max(12, 3 * len(self.parameters))
 
     def keys(self, name: str) -> tuple[str, ...]:
@@ -117,9 +127,9 @@ class OptimiseFile(Strict):
         return tuple(self.parameters[name].keys) or (name,)
 
     def plain(self) -> dict[str, Any]:
-        """What a file says of it, but for the config and what is set in it."""
+        """The content of the file as plain data, without `config` and `set`."""
         plain_data = self.model_dump(mode="json", by_alias=True, exclude={"config", "set_"}, exclude_none=True)
-        for one in plain_data["parameters"].values():
-            if not one["keys"]:
-                del one["keys"]
+        for parameter in plain_data["parameters"].values():
+            if not parameter["keys"]:
+                del parameter["keys"]
         return plain_data

@@ -1,5 +1,6 @@
-"""Schema of a model that comes from a robot file (URDF): what the file does not say. All other keys of a mechanism in
-space may stand beside these, and are put over what the file gives.
+"""Schema of a model that is read from a robot file (URDF): the values that the file itself does not contain.
+
+All keys of a mechanism in space may stand beside these keys. They replace or complete values of the robot file.
 """
 
 from __future__ import annotations
@@ -14,35 +15,40 @@ Patterns = Annotated[tuple[Text, ...], Listed]
 
 
 class RobotStops(Strict):
-    """Springs at the limits of joints."""
+    """Stops at the limits of all joints: springs with damping after Hunt and Crossley."""
 
     stiffness_Nm_per_rad: Positive | None = None
-    """Of revolute joints; null: the joint's effort limit at one degree, else the robot's weight at 0.1 m."""
+    """Stiffness of stops of revolute joints. null: the stop reaches the effort limit of the joint one degree beyond its
+    limit; without an effort limit, the weight of the robot times 0.1 m."""
     stiffness_N_per_m: Positive | None = None
-    """Of prismatic joints; null: the joint's effort limit at one mm, else the robot's weight."""
+    """Stiffness of stops of prismatic joints. null: the stop reaches the effort limit of the joint 1 mm beyond its
+    limit; without an effort limit, the weight of the robot."""
     dissipation_s_per_rad: NotNegative = 0.0
+    """Dissipation of stops of revolute joints, see `stops` of a hinge."""
     dissipation_s_per_m: NotNegative = 0.0
+    """Dissipation of stops of prismatic joints, see `stops` of a slider."""
 
 
 class RobotFile(Strict):
-    """A robot file, and what of it is used."""
+    """A robot file, and which parts of it are used."""
 
     urdf: Text
-    """Path of the file, from the folder of the file that names it."""
+    """Path of the robot file, relative to the folder of the file with this key."""
     base: Literal["free", "fixed"] | None = None
-    """Whether the root link moves freely, by a free joint of its name, or is held; null: freely, unless the root is a
-    link without mass called world or ground."""
+    """free: the root link moves freely, by a free joint with its name; fixed: it is held. null: free, unless the root
+    is a link without mass that is called world or ground."""
     shapes: Literal["collision", "visual"] = "collision"
-    """Which shapes of the links are used."""
+    """Shapes of the links that are used: those for collision or those for display."""
     in_sand: Patterns | None = None
-    """Names of links, or patterns with * and ?, on whose shapes the medium acts; null: on all."""
+    """Links on whose shapes the medium acts: names, or patterns with * and ?. null: all links."""
     facet_size_m: Positive | None = None
-    """Greatest edge of the facets on which the medium acts."""
+    """Longest edge of the facets on which the medium acts; null: chosen by the estimated error of the motion."""
     fix: Patterns = ()
-    """Names or patterns of joints that are held at zero: also such as follow another (mimic), or are planar."""
+    """Joints that are held at zero: names, or patterns with * and ?. Mimic and planar joints may be held too."""
     mimic: Literal["refuse", "ignore"] = "refuse"
-    """What becomes of joints that follow another: refused, or free to move by themselves."""
+    """Treatment of joints that follow another joint (mimic). refuse: they are a fault; ignore: they move
+    independently."""
     stops: RobotStops = RobotStops()
-    """At the limits of the joints."""
+    """Stops at the limits of the joints."""
     packages: dict[str, Text] = Field(default_factory=dict)
-    """Folders of packages, which the file names as package://NAME, from the folder of the file with this key."""
+    """Folders of ROS packages, by the NAME in package://NAME; relative to the folder of the file with this key."""

@@ -1,4 +1,4 @@
-"""Schema of a run: what moves, in what, from which start, and how it is computed and saved."""
+"""Schema of a run: mechanism, medium, initial state, drives, solver and output."""
 
 from __future__ import annotations
 
@@ -30,41 +30,50 @@ Friction = Annotated[Elastoplastic | Smooth, Tagged("type", FRICTIONS)]
 
 
 class Load(Strict):
-    """How the resistance of the medium is applied to the mechanism."""
+    """Discretisation of the resistance of the medium, and the model of its static friction."""
 
     form: Literal["distributed", "resultant"] = "distributed"
-    """Along the immersed length, or one force in the middle of it."""
+    """distributed: forces along the immersed length; resultant: one force in the middle of the immersed length."""
     end_cap: bool = False
-    """Count the area of the free end in the drag."""
+    """true: the cross-section at the free end of a link counts in the drag."""
     strips_per_element: Annotated[int, Field(ge=1, le=64)] = 4
+    """Number of strips along each element of a flexible link. A run with chosen steps that needs more strips for its
+    accuracy is repeated with more."""
     strips_per_rigid_part: Annotated[int, Field(ge=1, le=1024)] = 16
-    """Along a bar or a plate; the closed outline of a solid gets twice as many."""
+    """Number of strips along a bar or a plate; the closed outline of a solid has twice as many. A run with chosen steps
+    that needs more strips for its accuracy is repeated with more."""
     friction: Friction = Elastoplastic()
+    """Regularisation of static friction at zero speed."""
 
 
 class Solver(Strict):
-    """Time integration, and when it ends."""
+    """Time integration, and the conditions that end a run."""
 
     end_time_s: Positive = 0.5
+    """Simulated time at which the run ends at the latest."""
     step_s: Positive | None = None
-    """Fixed step; with accuracy the first one. null: 0.2 ms, and the steps are fixed or chosen, as suits the scene."""
+    """Length of the fixed time steps; with accuracy the length of the first step. null: 0.2 ms, and the steps are fixed
+    or chosen as `accuracy` says."""
     rest_time_s: Positive | None = 0.02
-    """Stop once everything has been slower than rest_speed_m_s for this long; null: never. Not used with drives."""
+    """The run ends once the mechanism has been slower than rest_speed_m_s for this time; null: rest does not end the
+    run. It never does with drives."""
     rest_speed_m_s: Positive = 1e-3
+    """Speed below which the mechanism counts as at rest."""
     accuracy: Annotated[float, Field(ge=1e-7, le=0.1)] | None = None
-    """Choose the steps so that the estimated error of positions in a step is below this fraction of the distance that
-    the fastest point travels in it. null: fixed steps where step_s is given, and for one body in the plane that nothing
-    drives; else 1e-3. `run --explain` says which."""
+    """Choose the time steps by their error: the estimated error of positions in a step stays below this fraction of the
+    distance that the fastest point travels in the step. null: fixed steps where step_s is given, and for a single body
+    in the plane on a hinge or slider without drive; else 1e-3. `run --explain` says which."""
     max_wall_s: Positive | None = None
-    """Stop after this wall time, with the status time_limit; null: never."""
+    """Wall time after which the run ends with the status time_limit; null: no limit."""
     spectral_radius: Annotated[float, Field(ge=0, le=1)] | None = None
-    """Of the generalised-alpha method at high frequency: 1 no damping, 0 the most. null: 0.9, less with chosen steps or
-    prescribed motions, and 0 where a link is so stiff that its elastic forces are below round-off."""
+    """Spectral radius at infinite frequency of the generalised-alpha method; 1: no numerical damping, 0: the most.
+    null: 0.9; 0.5 with chosen steps or prescribed motions, but 0.9 for a single free body in space; 0 where a link is
+    so stiff that its elastic forces are below round-off."""
     tolerance: Annotated[float, Field(gt=0, lt=1)] | None = None
-    """Largest residual of a step, relative to the forces of the scene. null: 1e-5; where steps are chosen a fiftieth
-    of the accuracy in minimal coordinates, and at most that by the engine in the plane. In minimal coordinates also of
-    changes of speed, relative to the fastest one so far. By the engine in the plane, what moves by forces far below its
-    weight needs a smaller tolerance."""
+    """Largest residual of Newton's method in a step, relative to the forces of the scene. In minimal coordinates it
+    also limits the last change of speeds, relative to the highest speed so far. null: 1e-5. With chosen steps: accuracy
+    / 50 in minimal coordinates, and the smaller of accuracy / 50 and 1e-5 with method engine in the plane. There a body
+    that moves under forces far below its weight needs a smaller tolerance."""
 
     def _faults(self) -> Faults:
         if self.step_s is not None and self.step_s > self.end_time_s:
@@ -78,21 +87,23 @@ Travel = (
 
 
 class Output(Strict):
-    """What is saved."""
+    """Recorded rows and columns, and saved files."""
 
     interval_s: Positive | None = None
-    """Time between rows of the table; null: every accepted step."""
+    """Simulated time between rows of the time series. null: a row for every accepted step."""
     figures: bool = True
+    """true: draw and save the figures of the run."""
     bodies: Literal["auto", "all", "none"] = "auto"
-    """Columns of the motion of every body. auto: where more than one joint moves or the ground joint is no hinge, and
-    there are at most 32 bodies."""
+    """Columns of the motion of every body. auto: only if the mechanism is no pendulum (one moving joint, a hinge) and
+    has at most 32 bodies."""
     travel: Annotated[Travel, Discriminator(form)] = "x"
-    """What distance, forward speed and cost of transport are taken along, by the common centre of mass: an axis of the
-    world, a direction [x, y] on the ground, or its path seen from above. In the plane x or path."""
+    """Direction along which distance, forward speed and cost of transport are measured, at the common centre of mass:
+    an axis of the world (x or y), a direction [x, y] on the ground, or path (the length of the path seen from above).
+    In the plane x or path."""
 
     @property
     def ahead(self) -> tuple[float, float] | None:
-        """Unit vector of `travel` on the ground; None for the path."""
+        """Unit vector along `travel` on the ground; None for the path."""
         if self.travel == "path":
             return None
         x, y = {"x": (1.0, 0.0), "y": (0.0, 1.0)}[self.travel] if isinstance(self.travel, str) else self.travel
@@ -100,54 +111,56 @@ class Output(Strict):
 
 
 class Scenario(Strict):
-    """A run, complete: every name resolved and every default in place."""
+    """A complete run: all names of models and media are resolved, and all defaults are filled in."""
 
     name: Text | None = None
-    """null: the name of the file, without its suffix."""
+    """Name of the run. null: the name of the file without its suffix."""
     model: Model
     """The mechanism: bodies and joints."""
     medium: Media | None = None
-    """null: vacuum; of several media in a list the forces add."""
+    """The medium, or a list of media whose forces add. null: vacuum."""
     gravity_m_s2: float = 9.81
-    """Positive is downward."""
+    """Gravitational acceleration; positive is downward."""
     surface_height_m: float | None = None
-    """Height of the free surface above the origin; null: the mechanism touches the surface at the start. Parts below it
-    start in the medium with zero friction state, as if placed there without disturbing a grain."""
+    """Height of the free surface above the origin of the world. null: the mechanism touches the surface at the start.
+    Parts below the surface start with zero friction state, as if placed there without disturbing a grain."""
     bed: Bed | None = None
-    """Slope or profile of the surface, floor, container and layers; null: level and unbounded."""
+    """Slope or profile of the surface, floor, container and layers. null: a level surface, without floor and walls."""
     initial: Initial = Initial()
-    """Joints left out start at rest in the reference configuration, their home."""
+    """Initial state. A joint that is not named starts at rest in the reference configuration (home)."""
     drives: dict[str, Drive] = Field(default_factory=dict)
-    """What acts at joints over time, by the name of the joint."""
+    """Torques, forces, prescribed motions and controllers of joints, by the name of the joint."""
     signals: dict[str, Signal] = Field(default_factory=dict)
-    """Signals that several drives share, by a name."""
+    """Signals that several drives share, by name."""
     wheel: WheelRun | None = None
-    """Slip or torque, and load, of the wheel of a mechanism as models/wheel.yaml, in place of its drives."""
+    """Slip or torque, and load, of a single wheel on a mechanism like models/wheel.yaml, in place of its drives."""
     load: Load = Load()
-    """How the forces of the medium are computed."""
+    """Computation of the forces of the medium."""
     solver: Solver = Solver()
-    """End of the run, time steps, accuracy."""
+    """End of the run, time steps and accuracy."""
     method: Method = Method()
-    """Which method of solution is taken."""
+    """Method of solution."""
     output: Output = Output()
-    """What is recorded and saved."""
+    """Recorded rows and columns, and saved files."""
 
     def replace(self, values: Mapping[str, Any] | None = None, /, **changes: Unpack[Changes]) -> Scenario:
-        """The run with other values: `replace({"medium.eta_d": 5, "model": "chain"})`, `replace(medium={"eta_d": 5})`.
+        """Return the run with other values.
 
-        Checked as `--set` is. A medium with a changed number no longer says that it is what its source published. Of a
-        mapping only the keys that it names are changed, unless it says its kind (`type`, `law` or `from`).
-        None takes a key away: a name as `drives.hip` is gone, any other key has its default again, or is null where it
-        may be.
-        Values: numbers, texts, None, lists, mappings, arrays and parts of other scenarios; names of models and media
-        are looked up, paths are from the working folder.
+        `replace({"medium.eta_d": 5, "model": "chain"})` and `replace(medium={"eta_d": 5})` are examples.
+
+        The values are checked as those of `--set` are. A mapping changes only the keys that it names, unless it says
+        its kind (`type`, `law` or `from`); then it replaces the whole mapping. None removes a key: a named entry such
+        as `drives.hip` is gone, any other key is null where null is allowed, else it has its default again. A value is
+        a number, text, None, list, mapping, array or a part of another scenario. Names of models and media are looked
+        up; paths start from the working folder. A medium with a changed number no longer claims the provenance of its
+        source.
 
         Parameters
         ----------
         values : mapping, optional
             Values by dotted key.
         **changes
-            The same by the keys of a config.
+            Values by the keys of a config.
 
         Returns
         -------
@@ -158,15 +171,15 @@ class Scenario(Strict):
         ConfigError
             With every fault, each with its key, what was got and what is allowed.
         """
-        from granular_contact.config.changed import replaced  # which needs this class
+        from granular_contact.config.changed import replaced  # (it imports this class)
         from granular_contact.config.given import merged
 
         return replaced(self, merged(values, changes))
 
     def __repr__(self) -> str:
         medium = " and ".join(law.name or law.law for law in self.media) or "vacuum"
-        how = "" if self.method.name == "auto" else f", by {self.method.name}"
-        return f"<scenario {self.name or self.model.name}: {medium}, {self.solver.end_time_s:g} s{how}>"
+        method = "" if self.method.name == "auto" else f", by {self.method.name}"
+        return f"<scenario {self.name or self.model.name}: {medium}, {self.solver.end_time_s:g} s{method}>"
 
     def _repr_html_(self) -> str:
         import html
@@ -174,45 +187,47 @@ class Scenario(Strict):
         from granular_contact.config.export import scenario_to_dict
 
         text = yaml.safe_dump(scenario_to_dict(self), sort_keys=False, default_flow_style=None, width=100)
-        words = f"<summary>{html.escape(repr(self)[1:-1])}</summary>"
-        return f"<details>{words}<pre>{html.escape(text)}</pre></details>"
+        summary = f"<summary>{html.escape(repr(self)[1:-1])}</summary>"
+        return f"<details>{summary}<pre>{html.escape(text)}</pre></details>"
 
     @property
     def media(self) -> tuple[Law, ...]:
-        """The media on top of the bed; none in vacuum."""
+        """The media of the top layer; empty in vacuum."""
         if self.medium is None:
             return ()
         return self.medium if isinstance(self.medium, tuple) else (self.medium,)
 
     @property
     def is_modal(self) -> bool:
-        """Whether it is solved by the modal engine, which is of the plane."""
+        """Whether the modal engine solves the run, which is for models in the plane."""
         return self.method.reduced is not None
 
     @property
     def surface_height(self) -> float | None:
-        """Height of the surface (m) by either key; None of one that goes with the mechanism, or is a profile."""
-        of_bed = None if self.bed is None else self.bed.height_m
-        return self.surface_height_m if of_bed is None else of_bed
+        """Height of the surface (m), from either key; None if it follows from the mechanism or is a profile."""
+        bed_height = None if self.bed is None else self.bed.height_m
+        return self.surface_height_m if bed_height is None else bed_height
 
     def _faults(self) -> Faults:
         yield from self._surface_faults()
         yield from self._mechanism_faults()
-        reduced, has = self.method.reduced if self.is_modal else None, self.load.friction.type
+        reduced, friction = self.method.reduced if self.is_modal else None, self.load.friction.type
         if self.solver.accuracy is not None and reduced is not None:
-            words = "chooses steps by their error; those of method.reduced are chosen by its rtol: allowed is null"
-            yield ("solver", "accuracy"), words
-        if reduced is not None and reduced.static not in ("auto", "true_sign", has):
-            allowed = f"allowed are auto, true_sign and {has}"
-            words = f"got {reduced.static}, but load.friction has the type {has}: {allowed}"
-            yield ("method", "reduced", "static"), words
+            message = "chooses steps by their error; those of method.reduced are chosen by its rtol: allowed is null"
+            yield ("solver", "accuracy"), message
+        if reduced is not None and reduced.static not in ("auto", "true_sign", friction):
+            allowed = f"allowed are auto, true_sign and {friction}"
+            message = f"got {reduced.static}, but load.friction has the type {friction}: {allowed}"
+            yield ("method", "reduced", "static"), message
 
     def _surface_faults(self) -> Faults:
+        """A fault of two heights of the surface."""
         bed = self.bed
         if bed is not None and self.surface_height_m is not None and (bed.height_m, bed.profile_m) != (None, None):
             yield ("surface_height_m",), "the bed has height_m or profile_m too; one height of the surface is allowed"
 
     def _mechanism_faults(self) -> Faults:
+        """Faults of the initial state, of drives and of the wheel, which depend on the mechanism."""
         yield from initial_faults(self.initial, self.model)
         yield from drive_faults(self.drives, self.signals, self.model)
         yield from wheel_faults(self.wheel, self.model, self.drives)

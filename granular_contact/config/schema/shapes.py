@@ -1,4 +1,7 @@
-"""Schema of the shapes of rigid bodies: mass, outline, and what the medium meets. SI units, named in the keys."""
+"""Schema of the shapes of rigid bodies in the plane: their mass, outline, and surfaces on which the medium acts.
+
+The keys name SI units.
+"""
 
 from __future__ import annotations
 
@@ -12,57 +15,59 @@ from pydantic import Field
 from granular_contact.geometry.polygon import crossing, doubled_area, extent
 from granular_contact.values.strict import Faults, Listed, Point, Positive, Strict, Tagged, by_type
 
-SLENDER = 1e6  # a sole of more times its height has an outline that round-off closes
+SLENDER = 1e6  # largest length of a sole over its height; round-off closes the outline of a longer one
 
 
 class PlanarShape(Strict):
-    """What all shapes in the plane have."""
+    """Keys that all shapes in the plane share."""
 
     in_sand: bool = True
-    """Whether the medium acts on it; false: it only has mass and is drawn."""
+    """true: the medium acts on the shape; false: the shape only has mass and is drawn."""
 
 
 class DiscShape(PlanarShape):
-    """A wheel: a cylinder whose axis is normal to the plane of motion."""
+    """A disc or wheel: a cylinder whose axis is normal to the plane of motion."""
 
     type: Literal["disc"]
     diameter_m: Positive
+    """Diameter."""
     thickness_m: Positive
-    """Extent along the axis."""
+    """Length along the axis."""
     center_m: Point = (0.0, 0.0)
-    """In the frame of the body."""
+    """Position of the axis, x and y in the frame of the body."""
 
 
 class Grousers(Strict):
-    """Bars across the rim of a wheel, at equal distances."""
+    """Grousers of a wheel: equal bars across the rim, at equal distances."""
 
     count: Annotated[int, Field(ge=1, le=200)]
+    """Number of grousers."""
     height_m: Positive
-    """Beyond the rim."""
+    """Height above the rim."""
     thickness_m: Positive
-    """Along the rim."""
+    """Thickness along the rim."""
 
 
-def grouser_faults(radius: float, teeth: Grousers | None) -> Faults:
-    """Of grousers that do not fit on the rim of a wheel of this radius (m)."""
-    if teeth is not None and teeth.count * teeth.thickness_m > 0.9 * 2.0 * math.pi * radius:
-        most = 0.9 * 2.0 * math.pi * radius / teeth.count
-        words = f"got {teeth.thickness_m:g}; allowed is at most {most:.3g}, nine tenths of the rim over the count"
-        yield ("grousers", "thickness_m"), words
+def grouser_faults(radius: float, grousers: Grousers | None) -> Faults:
+    """A fault of grousers that do not fit on the rim of a wheel of this radius (m)."""
+    if grousers is not None and grousers.count * grousers.thickness_m > 0.9 * 2.0 * math.pi * radius:
+        most = 0.9 * 2.0 * math.pi * radius / grousers.count
+        message = f"got {grousers.thickness_m:g}; allowed is at most {most:.3g}, nine tenths of the rim over the count"
+        yield ("grousers", "thickness_m"), message
 
 
 class WheelShape(PlanarShape):
-    """A wheel, smooth or with grousers; its slip, sinkage and pull are in the results."""
+    """A wheel, smooth or with grousers. The results contain its slip, sinkage and drawbar pull."""
 
     type: Literal["wheel"]
     radius_m: Positive
-    """Of the rim."""
+    """Radius of the rim, without grousers."""
     width_m: Positive
-    """Extent along the axle."""
+    """Width along the axle."""
     center_m: Point = (0.0, 0.0)
-    """The axle, in the frame of the body."""
+    """Position of the axle, x and y in the frame of the body."""
     grousers: Grousers | None = None
-    """null: none."""
+    """Grousers on the rim. null: a smooth wheel."""
 
     def _faults(self) -> Faults:
         return grouser_faults(self.radius_m, self.grousers)
@@ -73,12 +78,16 @@ class SphereShape(PlanarShape):
 
     type: Literal["sphere"]
     diameter_m: Positive
+    """Diameter."""
     center_m: Point = (0.0, 0.0)
+    """Position of the centre, x and y in the frame of the body."""
 
 
 class _Straight(PlanarShape):
     start_m: Point = (0.0, 0.0)
+    """Position of the first end, x and y in the frame of the body."""
     end_m: Point
+    """Position of the second end, x and y in the frame of the body."""
 
     def _faults(self) -> Faults:
         if self.start_m == self.end_m:
@@ -86,23 +95,25 @@ class _Straight(PlanarShape):
 
 
 class CylinderShape(_Straight):
-    """A cylinder whose axis lies in the plane of motion, from `start_m` to `end_m` in the frame of the body."""
+    """A cylinder whose axis lies in the plane of motion, from `start_m` to `end_m`."""
 
     type: Literal["cylinder"]
     diameter_m: Positive
+    """Diameter."""
 
 
 class PlateShape(_Straight):
-    """A flat plate seen from its edge, from `start_m` to `end_m` in the frame of the body."""
+    """A flat plate, seen from its edge, from `start_m` to `end_m`."""
 
     type: Literal["plate"]
     width_m: Positive
-    """Extent normal to the plane of motion."""
+    """Width normal to the plane of motion."""
     thickness_m: Positive
+    """Thickness in the plane of motion."""
 
 
 def section_faults(diameter: float | None, width: float | None, thickness: float | None) -> Faults:
-    """Faults of a section that is round, with a diameter, or rectangular, with a width and a thickness."""
+    """Faults of a cross-section: it must have either a diameter (round), or a width and a thickness (rectangular)."""
     if diameter is None and width is None and thickness is None:
         yield ("diameter_m",), "is missing; allowed is a number above 0, or else width_m and thickness_m"
     elif diameter is not None and (width is not None or thickness is not None):
@@ -114,34 +125,35 @@ def section_faults(diameter: float | None, width: float | None, thickness: float
 
 class _Bent(PlanarShape):
     diameter_m: Positive | None = None
-    """Of a round bar."""
+    """Diameter of a round bar. A flat bar has width_m and thickness_m instead."""
     width_m: Positive | None = None
-    """Of a flat bar, normal to the plane of motion."""
+    """Width of a flat bar, normal to the plane of motion."""
     thickness_m: Positive | None = None
-    """Of a flat bar, in the plane."""
+    """Thickness of a flat bar, in the plane of motion."""
 
     def _faults(self) -> Faults:
         return section_faults(self.diameter_m, self.width_m, self.thickness_m)
 
 
 def opening_faults(from_deg: float, to_deg: float) -> Faults:
-    """Faults of an arc (deg) without an opening, or of more than a turn."""
+    """A fault of an arc (deg) that has no length, or is longer than a full turn."""
     sweep = abs(to_deg - from_deg)
     if not 0.0 < sweep <= 360.0:
         yield ("to_deg",), f"got {to_deg:g}, which is {sweep:g} from from_deg; allowed is above 0 and at most 360"
 
 
 class ArcShape(_Bent):
-    """A round or flat bar along a circular arc, as a C-leg."""
+    """A round or flat bar along a circular arc, for example a C-leg."""
 
     type: Literal["arc"]
     radius_m: Positive
-    """Of the middle line."""
+    """Radius of the centre line of the bar."""
     center_m: Point = (0.0, 0.0)
+    """Position of the centre of the circle, x and y in the frame of the body."""
     from_deg: Annotated[float, Field(ge=-720, le=720)]
-    """Where the arc begins, clockwise from the x axis of the body: 90 is below its centre."""
+    """Angle at which the arc begins, clockwise from the x axis of the body: 90 is below the centre."""
     to_deg: Annotated[float, Field(ge=-720, le=720)]
-    """Where it ends; the smaller one may be either."""
+    """Angle at which the arc ends. It may be smaller or larger than from_deg."""
 
     def _faults(self) -> Faults:
         yield from super()._faults()
@@ -153,7 +165,7 @@ class PolylineShape(_Bent):
 
     type: Literal["polyline"]
     points_m: Annotated[tuple[Point, ...], Listed, Field(min_length=2, max_length=1000)]
-    """Corners in the frame of the body."""
+    """Corners x, y of the centre line, in the frame of the body."""
 
     def _faults(self) -> Faults:
         yield from super()._faults()
@@ -161,30 +173,35 @@ class PolylineShape(_Bent):
 
 
 class PolygonShape(PlanarShape):
-    """A solid with a polygon as its section."""
+    """A solid whose outline in the plane of motion is a polygon."""
 
     type: Literal["polygon"]
     points_m: Annotated[tuple[Point, ...], Listed, Field(min_length=3, max_length=1000)]
-    """Corners in the frame of the body, in either sense; the last joins the first."""
+    """Corners x, y in the frame of the body, clockwise or counter-clockwise. The last corner connects to the first."""
     width_m: Positive
-    """Extent normal to the plane of motion."""
+    """Width normal to the plane of motion."""
 
     def _faults(self) -> Faults:
         return outline_faults(self.points_m)
 
 
 class FootShape(PlanarShape):
-    """A flat sole with round toe and heel: a rectangle that ends in half circles, along the x axis of its own frame."""
+    """A flat sole with a round toe and a round heel: a rectangle with half circles at both ends.
+
+    Its length is along the x axis of its own frame.
+    """
 
     type: Literal["foot"]
     length_m: Positive
-    """From heel to toe, the round ends included."""
+    """Length from heel to toe, including the round ends."""
     height_m: Positive
+    """Height of the sole, the diameter of the round ends."""
     width_m: Positive
-    """Extent normal to the plane of motion."""
+    """Width normal to the plane of motion."""
     center_m: Point = (0.0, 0.0)
+    """Position of the centre of the sole, x and y in the frame of the body."""
     tilt_deg: float = 0.0
-    """Of the sole in the frame of the body, clockwise: positive lowers the toe."""
+    """Angle of the sole in the frame of the body, clockwise: a positive angle lowers the toe."""
 
     def _faults(self) -> Faults:
         if self.length_m < self.height_m:
@@ -196,21 +213,21 @@ class FootShape(PlanarShape):
 
 
 def corner_faults(points: Sequence[tuple[float, ...]]) -> Faults:
-    """A fault for each corner that is the same as the one before it."""
-    for i, (one, other) in enumerate(pairwise(points)):
-        if one == other:
-            yield ("points_m",), f"corners {i} and {i + 1} are the same, {list(one)}; neighbours must differ"
+    """A fault for each corner that equals the corner before it."""
+    for i, (corner, following) in enumerate(pairwise(points)):
+        if corner == following:
+            yield ("points_m",), f"corners {i} and {i + 1} are the same, {list(corner)}; neighbours must differ"
 
 
 def outline_faults(corners: Sequence[tuple[float, float]]) -> Faults:
-    """Faults of a polygon: corners that are the same, else no area, else sides that cross."""
-    if same := list(corner_faults((*corners, corners[0]))):
-        yield from same
+    """Faults of a polygon: equal neighbouring corners, else no area, else sides that cross."""
+    if equal_corners := list(corner_faults((*corners, corners[0]))):
+        yield from equal_corners
     elif abs(doubled_area(corners)) < 1e-12 * extent(corners) ** 2:
         yield ("points_m",), "encloses no area; the corners must not lie on one line"
     elif pair := crossing(corners):
-        words = f"the sides after corners {pair[0] + 1} and {pair[1] + 1} cross; sides may only meet"
-        yield ("points_m",), words
+        message = f"the sides after corners {pair[0] + 1} and {pair[1] + 1} cross; sides may only meet"
+        yield ("points_m",), message
 
 
 SHAPES = by_type(

@@ -1,4 +1,4 @@
-"""Schema of signals: what a drive follows over time, in the unit of the key that holds it."""
+"""Schema of signals: values over time that drives follow, in the unit of the key that holds the signal."""
 
 from __future__ import annotations
 
@@ -11,10 +11,11 @@ from granular_contact.values.strict import Faults, Listed, NotNegative, Positive
 
 
 class Constant(Strict):
-    """A constant value; a plain number means the same."""
+    """A constant value. A plain number in place of this mapping means the same."""
 
     type: Literal["constant"]
     value: float
+    """The value, in the unit of the key that holds the signal."""
 
 
 class Sine(Strict):
@@ -22,40 +23,51 @@ class Sine(Strict):
 
     type: Literal["sine"]
     amplitude: float
+    """Amplitude, in the unit of the key that holds the signal."""
     frequency_Hz: Positive
+    """Periods per second."""
     phase_deg: float = 0.0
+    """Phase at t = 0; 360 is one period."""
     offset: float = 0.0
+    """Mean value, in the unit of the key that holds the signal."""
 
 
 class Ramp(Strict):
-    """Smooth change from one value to another: a polynomial whose rate and acceleration are zero at both ends."""
+    """Smooth change from one value to another, constant before and after it.
+
+    The change is a polynomial of degree 5, whose rate and acceleration are zero at both ends.
+    """
 
     type: Literal["ramp"]
     from_: Annotated[float, Field(alias="from")]
-    """`from` in YAML."""
+    """Value before the change, in the unit of the key that holds the signal."""
     to: float
+    """Value after the change."""
     start_s: NotNegative = 0.0
+    """Time at which the change begins."""
     duration_s: Positive
+    """Time that the change takes."""
 
 
 class Buehler(Strict):
-    """Clock of a rotary leg: a slow sweep in stance and another rate in swing; it never turns back.
+    """Buehler clock of a rotary leg: it turns at one rate in stance and at another rate in swing, never backward.
 
-    For angles of hinges only. A leg that points along the x axis of its body stands with its foot down at 90 degrees.
+    For angles of hinges only. A leg along the x axis of its body points straight down at 90 degrees.
     """
 
     type: Literal["buehler"]
     frequency_Hz: Positive
     """Turns per second, clockwise: the leg walks to the right."""
     stance_sweep_deg: Annotated[float, Field(gt=0, lt=360)]
+    """Angle that the leg sweeps during the stance."""
     stance_offset_deg: float = 90.0
-    """Angle in the middle of the stance, where the clock starts."""
+    """Angle of the leg in the middle of the stance. With phase 0 the clock starts there."""
     duty_factor: Annotated[float, Field(gt=0, lt=1)]
-    """Share of the period that the stance takes."""
+    """Duration of the stance over the period."""
     phase_deg: float = 0.0
-    """Phase ahead of the clock; 360 is one period."""
+    """Lead of the leg ahead of the clock; 360 is one period."""
     blend: Annotated[float, Field(gt=0, le=0.5)] = 0.05
-    """Share of the period in which one rate changes to the other."""
+    """Duration of each change between the two rates over the period."""
 
     def _faults(self) -> Faults:
         shortest = min(self.duty_factor, 1.0 - self.duty_factor)
@@ -64,23 +76,33 @@ class Buehler(Strict):
 
 
 class Csv(Strict):
-    """Column of a CSV file, a path from the folder of the config; constant before its first and after its last row."""
+    """A column of a CSV file, interpolated. The value is constant before the first row and after the last."""
 
     type: Literal["csv"]
     file: Text
+    """Path of the CSV file, relative to the folder of the config."""
     column: Text
+    """Header of the column with the values, which are in the unit of the key that holds the signal."""
     time_column: Text = "time_s"
+    """Header of the column with the times (s), which must increase."""
     interpolation: Literal["linear", "cubic"] = "cubic"
+    """Interpolation between rows. linear: straight lines; cubic: cubics that do not overshoot (PCHIP), with zero rate
+    at both ends."""
 
 
 class Table(Strict):
-    """Values at given times; constant before the first and after the last."""
+    """Values at given times, interpolated. The value is constant before the first time and after the last."""
 
     type: Literal["table"]
     time_s: Annotated[tuple[float, ...], Listed, Field(min_length=2)]
+    """Times, which must increase."""
     values: Annotated[tuple[float, ...], Listed, Field(min_length=2)]
+    """Value at each time, in the unit of the key that holds the signal."""
     interpolation: Literal["linear", "cubic"] = "cubic"
+    """Interpolation between times. linear: straight lines; cubic: cubics that do not overshoot (PCHIP), with zero rate
+    at both ends."""
     source: Text | None = None
+    """Where the values come from, for readers; null: not stated."""
 
     def _faults(self) -> Faults:
         if len(self.time_s) != len(self.values):
@@ -91,19 +113,23 @@ class Table(Strict):
 
 
 class Shared(Strict):
-    """One of the scenario's `signals`, so that several drives share one clock; its plain name means the same."""
+    """One of the shared `signals` of the run, so that several drives follow the same clock.
+
+    The name of the signal in place of this mapping means the same.
+    """
 
     type: Literal["shared"]
     name: Text
+    """Name of the shared signal."""
     phase_deg: float = 0.0
-    """Phase ahead of the shared signal, which must be periodic; 360 is one period."""
+    """Lead of this drive ahead of the shared signal; 360 is one period. Other than 0 for a sine or buehler alone."""
 
 
 SIGNALS = by_type(Constant, Sine, Ramp, Buehler, Csv, Table, Shared)
 
 
 def _spelled_out(value: Any) -> Any:
-    """A number may stand for a constant, and a name for one of the shared signals."""
+    """The long form of a signal: a number stands for a constant, a name for a shared signal."""
     if isinstance(value, int | float) and not isinstance(value, bool):
         return {"type": "constant", "value": value}
     return {"type": "shared", "name": value} if isinstance(value, str) else value

@@ -1,4 +1,4 @@
-"""Schema of a run of one wheel: its slip or torque, and its load, in place of the drives of three joints."""
+"""Schema of a single-wheel test: slip or torque of a wheel, and its load, in place of the drives of three joints."""
 
 from __future__ import annotations
 
@@ -17,27 +17,28 @@ NEEDS = "a wheel hangs on the ground by a level slider, an upright slider and a 
 
 
 class WheelRun(Strict):
-    """How the wheel of a mechanism is driven: at a given slip, or by a given torque.
+    """Single-wheel test: the wheel of a mechanism is driven at a given slip, or by a given torque.
 
-    At a given slip it starts in its steady motion: sunk as deep as bears the load, in a medium that it rolled through.
-    With a torque it starts in static balance. It starts elsewhere where `initial.joints` gives its upright slider a
-    position; on a surface that is not level, and beside springs, stops or friction of that slider, where that is at
-    home.
+    Slip of a wheel with radius r, clockwise rate omega and speed v of the axle: 1 - v / (r omega) if the rim is faster
+    than the axle, else r omega / v - 1. It is -1 for a locked wheel, 0 for a rolling wheel, and below 1.
 
-    A wheel of the radius r whose axle has the speed v and that turns clockwise at omega has the slip 1 - v / (r omega)
-    where its rim is the faster one, else r omega / v - 1: -1 of a locked wheel, 0 of one that rolls, below 1.
+    With a given slip the wheel starts in steady motion: at the sinkage that bears the load, in a medium through which
+    it has already rolled. With a given torque it starts in static equilibrium. The upright slider starts at another
+    position if `initial.joints` gives one. It starts at home on a surface that is not level, or if it has a spring,
+    stops or friction.
     """
 
     slip: Annotated[float, Field(ge=-1, lt=1)] | None = None
-    """Give this and speed_m_s, or torque_Nm."""
+    """Slip of the wheel. Give this with speed_m_s, or give torque_Nm."""
     speed_m_s: Positive | None = None
-    """Of the axle, to the right, held from the start."""
+    """Speed of the axle, to the right, constant from the start; with slip."""
     torque_Nm: float | None = None
-    """Clockwise; the wheel then goes as fast as it can."""
+    """Torque on the wheel, clockwise. The speed of the wheel follows from it."""
     pull_N: float = 0.0
-    """With a torque: force to the left that the carriage pulls against."""
+    """Force to the left on the carriage, against which the wheel pulls; with torque_Nm."""
     load_N: Positive | None = None
-    """Vertical load of the wheel, its own weight in it; null: the weight of what the upright slider carries."""
+    """Vertical load of the wheel, including its own weight. null: the weight of everything that the upright slider
+    carries."""
 
     def _faults(self) -> Faults:
         if (self.slip is None) == (self.torque_Nm is None):
@@ -51,7 +52,7 @@ class WheelRun(Strict):
             yield ("pull_N",), f"got {self.pull_N:g}, but the slip is given: allowed is 0"
 
     def rate(self, radius: float) -> float:
-        """Rate (rad/s, clockwise) of a wheel of this radius (m) at the given slip."""
+        """Rate (rad/s, clockwise) of a wheel with this radius (m) at the given slip and speed."""
         assert self.slip is not None
         assert self.speed_m_s is not None
         rim = self.speed_m_s / (1.0 - self.slip) if self.slip >= 0.0 else self.speed_m_s * (1.0 + self.slip)
@@ -60,7 +61,11 @@ class WheelRun(Strict):
 
 @dataclass(frozen=True)
 class Rig:
-    """Names of the joints of a wheel's rig, and the shape of the wheel; upward, ahead: 1 or -1, as the sliders grow."""
+    """Joints of a single-wheel rig, and the shape of its wheel.
+
+    axle, upright, level: names of the hinge and of the two sliders. upward: 1 if the coordinate of the upright slider
+    grows upward, else -1. ahead: 1 if the coordinate of the level slider grows to the right, else -1.
+    """
 
     shape: WheelShape
     axle: str
@@ -71,30 +76,33 @@ class Rig:
 
 
 def rig_of(model: Model) -> Rig | None:
-    """The rig of a mechanism that is one; None of any other."""
+    """The single-wheel rig of a mechanism; None if the mechanism is none.
+
+    A rig is a body with a wheel shape on a hinge, which an upright and a level slider connect to the ground.
+    """
     joints = {joint.child: (name, joint) for name, joint in model.all_joints.items()}
     for body, spec in model.all_bodies.items():
         shape = next((s for s in spec.shapes if isinstance(s, WheelShape)), None) if isinstance(spec, Rigid) else None
         if shape is None or body not in joints:
             continue
         (axle, hinge), carriers = joints[body], []
-        at = hinge.parent
-        while at != GROUND and at in joints:
-            carriers.append(joints[at])
-            at = joints[at][1].parent
-        if hinge.type != "hinge" or len(carriers) != 2 or any(one.type != "slider" for _, one in carriers):
+        parent = hinge.parent
+        while parent != GROUND and parent in joints:
+            carriers.append(joints[parent])
+            parent = joints[parent][1].parent
+        if hinge.type != "hinge" or len(carriers) != 2 or any(joint.type != "slider" for _, joint in carriers):
             continue
-        if any(one.home_deg != 0.0 for _, one in carriers if one.type == "slider"):
+        if any(joint.home_deg != 0.0 for _, joint in carriers if joint.type == "slider"):
             continue
-        found = {one.axis[0] == 0.0: (name, one.axis) for name, one in carriers if one.type == "slider"}
-        if set(found) == {True, False} and found[False][1][1] == 0.0:
-            (upright, (_, up)), (level, (along, _)) = found[True], found[False]
+        axes = {joint.axis[0] == 0.0: (name, joint.axis) for name, joint in carriers if joint.type == "slider"}
+        if set(axes) == {True, False} and axes[False][1][1] == 0.0:
+            (upright, (_, up)), (level, (along, _)) = axes[True], axes[False]
             return Rig(shape, axle, upright, level, 1.0 if up > 0.0 else -1.0, 1.0 if along > 0.0 else -1.0)
     return None
 
 
 def wheel_faults(wheel: WheelRun | None, model: Model, driven: Collection[str]) -> Faults:
-    """Faults of a wheel's run: a mechanism that has no such wheel, joints that are driven besides."""
+    """Faults of a single-wheel test: the mechanism is no rig, or another drive acts on a joint of the rig."""
     if wheel is None:
         return
     rig = rig_of(model)

@@ -94,7 +94,7 @@ class Outcome:
 
     def __repr__(self) -> str:
         value = (
-            "no run came to an end" if self.best is None else f"{self.study.file.objective.words} = {self.value:.6g}"
+            "no run came to an end" if self.best is None else f"{self.study.file.objective.formula} = {self.value:.6g}"
         )
         return f"<search {self.study.name}: {len(self.runs)} runs, {len(self.failed)} failed; best: {value}>"
 

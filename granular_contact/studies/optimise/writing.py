@@ -88,7 +88,7 @@ def outcome_data(outcome: Outcome) -> dict[str, Any]:
         "failed": len(outcome.failed),
         "outside_constraints": sum(one.excess > 0.0 for one in outcome.runs),
         "ended": outcome.ended or None,
-        "objective": file.objective.words,
+        "objective": file.objective.formula,
         "sense": file.objective.sense,
         "start": start.value,
         "start_is_allowed": start.is_allowed,
@@ -128,7 +128,7 @@ def _draw(outcome: Outcome, folder: Path) -> None:
 
     values = [(one.generation, one.value if one.is_allowed else None) for one in outcome.runs]
     file = outcome.study.file
-    draw_history(values, file.objective.words, file.objective.sense == "maximise", folder / "history.png")
+    draw_history(values, file.objective.formula, file.objective.sense == "maximise", folder / "history.png")
     tried = {
         name: [one.numbers.get(name, outcome.study.start[name]) for one in outcome.runs] for name in file.parameters
     }

@@ -1,10 +1,10 @@
-"""What a scenario in space may say: as in the plane, with bodies, joints, start and bed of three dimensions.
+"""Schema of a run in space: bodies, joints, initial state and bed in three dimensions; all else as in the plane.
 
-A model says `in_space: true`; a config of such a model is a `SpatialScenario`, and this package is loaded for it alone.
-`bodies`, `shapes`, `joints`, `bed`, `model` and `scenario` are as in the plane; `turned` holds directions and
-orientations.
+A model in space has `in_space: true`. A config with such a model is a `SpatialScenario`; this package is loaded only
+then. The modules `bodies`, `shapes`, `joints`, `bed`, `model` and `scenario` correspond to those of the plane; `turned`
+holds directions and orientations.
 
-World: x ahead, y left, z up. Angles, rates and torques are right-handed about their axes. SI units, named in the keys.
+World: x ahead, y left, z up. Angles, rates and torques are right-handed about their axes. The keys name SI units.
 """
 
 # mypy: implicit-reexport

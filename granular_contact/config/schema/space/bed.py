@@ -1,4 +1,4 @@
-"""Schema of the bed in space: its surface (level, sloped or a map of heights), its layers, floor and container."""
+"""Schema of the bed in space: its surface (level, sloped or a height map), its layers, floor and container."""
 
 from __future__ import annotations
 
@@ -11,17 +11,19 @@ from granular_contact.values.strict import Faults, Listed, NotNegative, Point, P
 
 
 class HeightMap(Strict):
-    """Heights of the surface at the points of a square grid; smooth between them, level beyond them."""
+    """Height map: heights of the surface at the points of a square grid, smooth between them, level beyond them."""
 
     file: Text
-    """CSV without a header: a row for each y, upward from the corner, a column for each x; or a picture of grey levels
-    (PNG, TIFF, ...), whose lower left is the corner. A path from the folder of the file that names it."""
+    """Path of the file with the heights, relative to the folder of the file with this key. A CSV file without a header
+    has a row for each y, beginning at the corner, and a column for each x. A picture of grey levels (PNG, TIFF, ...)
+    has the corner at its lower left."""
     cell_m: Positive
-    """Distance of neighbours."""
+    """Distance between neighbouring points of the grid, along x and y."""
     corner_m: Point = (0.0, 0.0)
-    """x and y of the first column and row."""
+    """World x and y of the corner of the grid with the smallest x and y."""
     scale: float = 1.0
-    """Height in m of one unit of the file, of a picture of one grey level (there are 256, or 65536 of 16 bits)."""
+    """Height (m) of one unit of the file; in a picture of one grey level, of which there are 256, or 65536 with 16
+    bits."""
 
 
 IN_THE_PLANE = {
@@ -31,41 +33,50 @@ IN_THE_PLANE = {
 
 
 class SpatialFloorContact(Strict):
-    """Spring and damper per unit of area against a level floor: k delta (1 - d v_z), never pulling, no friction."""
+    """Contact with the level floor: a spring and a damper per unit of area, force k delta (1 - d v_z).
+
+    delta is the depth below the floor and v_z the vertical velocity. The floor never pulls, and has no friction.
+    """
 
     stiffness_N_m3: Positive
-    """k, of every point of a surface; on a bar over its diameter, on a sphere over its surface."""
+    """Stiffness k per unit of area: of the surface of a body, of a bar over its diameter."""
     damping_s_m: NotNegative = 0.0
-    """d."""
+    """Damping factor d of the velocity; 0: no damping."""
 
 
 class SpatialBed(Strict):
-    """Where the medium lies in space. Its free surface does not change: no craters, no heaps."""
+    """Position of the medium in space: free surface, layers, floor and container.
+
+    The surface does not change during a run: no craters, no heaps.
+    """
 
     height_m: float | None = None
-    """Height of the surface above the world's origin, or of the zero of a height map; null: so that the mechanism
-    touches it at the start."""
+    """Height above the origin of the world of the surface at x = y = 0, or of the zero of the height map. null: the
+    mechanism touches the surface at the start."""
     slope_deg: Annotated[float, Field(gt=-STEEPEST, lt=STEEPEST)] = 0.0
+    """Slope of the surface."""
     slope_direction_deg: float = 0.0
-    """Direction in which the surface rises: counter-clockwise from x, seen from above; 90 is to the left."""
+    """Direction in which the surface rises, counter-clockwise from x seen from above: 0 is ahead, 90 is to the left."""
     height_map: HeightMap | None = None
+    """Heights of the surface, in place of slope_deg. null: a level or sloped surface."""
     depth_m: Positive | None = None
-    """Of the level floor below the surface at x = y = 0; null: none."""
+    """Depth of the level floor below the surface at x = y = 0. null: no floor."""
     floor: SpatialFloorContact | None = None
-    """null: a warning when the floor is reached, but no force."""
+    """Contact force of the floor, which needs depth_m. null: no force, but a warning when a body reaches the floor."""
     container_x_m: Point | None = None
-    """x of the walls behind and ahead; a body beyond them gives a warning, but the walls exert no force."""
+    """x of the rear and the front wall. The walls exert no force; a body beyond them gives a warning. null: none."""
     container_y_m: Point | None = None
-    """y of the walls to the right and to the left, likewise."""
+    """y of the right and the left wall. The walls exert no force; a body beyond them gives a warning. null: none."""
     layers: Annotated[tuple[BedLayer, ...], Listed] = ()
-    """Below the medium of the scenario, which then lies on top, from the highest to the deepest; their tops are so deep
-    below the surface at each place: they follow a slope and a map of heights."""
+    """Layers below the medium of the run, from the highest to the deepest. The medium of the run lies on top. Depths
+    are measured from the surface above each point, so the layers follow a slope and a height map."""
 
     @model_validator(mode="before")
     @classmethod
     def _is_in_space(cls, given: Any) -> Any:
-        if found := [(path, words) for path, words in IN_THE_PLANE.items() if _stands(given, path)]:
-            raise refusal(found)
+        """Refuse keys of a bed in the plane."""
+        if faults := [(path, message) for path, message in IN_THE_PLANE.items() if _has(given, path)]:
+            raise refusal(faults)
         return given
 
     def _faults(self) -> Faults:
@@ -80,8 +91,8 @@ class SpatialBed(Strict):
             yield ("height_map",), "got a height map and slope_deg; one of the two is allowed"
 
 
-def _stands(given: Any, path: tuple[str, ...]) -> bool:
-    """Whether there is a value under nested keys."""
+def _has(given: Any, path: tuple[str, ...]) -> bool:
+    """Whether there is a value other than null under nested keys."""
     for key in path:
         if not isinstance(given, dict) or given.get(key) is None:
             return False

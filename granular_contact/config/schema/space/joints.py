@@ -1,8 +1,9 @@
-"""Schema of joints in space. Each type has two names, ours and that of robotics, as in the plane.
+"""Schema of joints in space. As in the plane, each type has two names: that of this package and that of robotics.
 
-A joint holds a point of the child at a point of the parent. Its axis is fixed in the child's frame, and rpy_deg or
-quaternion turn that frame against the parent's at coordinate 0: as a joint of a URDF file, with its origin there and
-the child's point at the origin. The coordinate of a hinge turns the child right-handed about the axis.
+A joint connects a point of the child to a point of the parent. Its axis is fixed in the frame of the child. rpy_deg or
+quaternion is the orientation of the child's frame in the parent's frame at coordinate 0. A joint of a URDF file is the
+same with child_point_m = 0; its origin is parent_point_m and rpy_deg. The coordinate of a hinge turns the child
+right-handed about the axis.
 """
 
 from __future__ import annotations
@@ -29,14 +30,14 @@ _TURN = "rpy_deg", "quaternion"
 
 class _Ends(Oriented):
     parent: str
-    """A body, or `ground`."""
+    """Name of the parent body, or `ground`."""
     child: str
-    """A body; each is the child of exactly one joint, besides the closures of loops."""
-    start_keys: ClassVar[tuple[str, ...]] = ()  # of its state at the start, see `SpatialJointStart`
+    """Name of the child body. Each body is the child of exactly one joint; closures do not count."""
+    start_keys: ClassVar[tuple[str, ...]] = ()  # keys of its initial state, see `SpatialJointStart`
     parent_point_m: Point3 = ORIGIN
-    """Where the joint sits in the frame of the parent."""
+    """Position of the joint, x, y and z in the frame of the parent."""
     child_point_m: Point3 = ORIGIN
-    """Where the joint sits in the frame of the child."""
+    """Position of the joint, x, y and z in the frame of the child."""
 
 
 class SpatialHingeClosure(_Ends):
@@ -46,9 +47,13 @@ class SpatialHingeClosure(_Ends):
     axis: Axis = (0.0, 0.0, 1.0)
     """Direction of the axis in the frame of the child, of any length."""
     spring: HingeSpring | None = None
+    """Torsional spring between parent and child; null: none."""
     damping_Nm_s_per_rad: NotNegative = 0.0
+    """Viscous damping: torque per rate of the joint."""
     stops: HingeStops | None = None
+    """Limits of the angle; null: none."""
     friction: HingeFriction | None = None
+    """Dry friction; null: none."""
 
 
 class SpatialHinge(SpatialHingeClosure):
@@ -56,63 +61,78 @@ class SpatialHinge(SpatialHingeClosure):
 
     start_keys = "angle_deg", "rate_rad_s"
     home_deg: float = 0.0
-    """Angle at the start, unless the run says otherwise; right-handed about the axis."""
+    """Angle of the child in the reference configuration, right-handed about the axis. A run starts there unless
+    `initial` gives another angle."""
 
 
 class SpatialWeld(_Ends):
-    """The child is held."""
+    """The child is fixed to the parent."""
 
     type: Annotated[Literal["weld"], OrSynonym()]
 
 
 class BallSpring(Strict):
-    """Torsional spring towards the orientation at home, in proportion to the angle of the rotation from there."""
+    """Torsional spring: torque towards the home orientation, proportional to the angle of the rotation from home."""
 
     stiffness_Nm_per_rad: Positive
+    """Torque per angle of the rotation from home."""
 
 
 class BallStops(Strict):
-    """End of the range: a spring beyond it, stiffness x (1 + dissipation x rate), after Hunt-Crossley."""
+    """Limit of the rotation, as a spring with damping after Hunt and Crossley that acts beyond the limit.
+
+    Torque = stiffness x angle beyond the limit x (1 + dissipation x rate at which this angle grows). It only pushes
+    back.
+    """
 
     upper_deg: Annotated[float, Field(gt=0.0, lt=180.0)]
-    """Greatest angle of the rotation from home, whatever its axis."""
+    """Largest angle of the rotation from home, about any axis, before the stop acts."""
     stiffness_Nm_per_rad: Positive
+    """Torque per angle beyond the limit, in slow motion."""
     dissipation_s_per_rad: NotNegative = 0.0
+    """Factor of the rate in the torque; 0: the stop dissipates nothing."""
 
 
 class Ball(_Ends):
-    """The child turns as it likes about a point."""
+    """The child rotates freely about a point of the parent."""
 
     type: Annotated[Literal["ball"], OrSynonym()]
     start_keys = *_TURN, "spin_rad_s"
     spring: BallSpring | None = None
+    """Torsional spring towards the home orientation; null: none."""
     damping_Nm_s_per_rad: NotNegative = 0.0
-    """Of the angular velocity relative to the parent, about any axis."""
+    """Viscous damping: torque per angular velocity relative to the parent, about any axis."""
     stops: BallStops | None = None
+    """Limit of the rotation from home; null: none."""
 
 
 class SpatialSliderClosure(_Ends):
-    """The child moves along an axis, and does not turn."""
+    """The child moves along an axis, and does not rotate against the parent."""
 
     type: Annotated[Literal["slider"], OrSynonym()]
     axis: Axis = (1.0, 0.0, 0.0)
     """Direction of the axis in the frame of the child, of any length."""
     spring: SliderSpring | None = None
+    """Spring along the axis; null: none."""
     damping_N_s_per_m: NotNegative = 0.0
+    """Viscous damping: force per speed of the joint."""
     stops: SliderStops | None = None
+    """Limits of the position; null: none."""
     friction: SliderFriction | None = None
+    """Dry friction; null: none."""
 
 
 class SpatialSlider(SpatialSliderClosure):
-    """The child moves along an axis, and does not turn."""
+    """The child moves along an axis, and does not rotate against the parent."""
 
     start_keys = "position_m", "speed_m_s"
     home_m: float = 0.0
-    """Position along the axis at the start, unless the run says otherwise."""
+    """Position along the axis in the reference configuration. A run starts there unless `initial` gives another
+    position."""
 
 
 class SpatialFree(_Ends):
-    """The child moves freely; `initial.joints` of the run gives its initial state."""
+    """The child moves freely. `initial.joints` of the run gives its initial state."""
 
     type: Annotated[Literal["free"], OrSynonym()]
     start_keys = "x_m", "y_m", "z_m", *_TURN, "vx_m_s", "vy_m_s", "vz_m_s", "spin_rad_s"

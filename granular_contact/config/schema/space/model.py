@@ -16,47 +16,57 @@ from granular_contact.values.strict import Listed, Positive, allow
 
 
 class SpatialChainLink(ChainLink):
-    """One of the links: a straight uniform round bar."""
+    """Properties that all links of the chain share: each is a straight uniform round bar."""
 
     flexible: SpatialFlexible | None = None  # type: ignore[assignment]
-    """null: the links are rigid."""
+    """Elasticity. null: the links are rigid."""
     facet_size_m: Positive | None = None
-    """Greatest edge of its facets, for laws of surfaces; null: by its error, of links that bend a fourth
-    of an element, or their thickness if that is more."""
+    """Longest edge of the facets on which laws of surfaces act. null: chosen by the estimated error of the motion; for
+    flexible links a quarter of an element, or the diameter if that is larger."""
 
 
 class SpatialChainHinge(ChainHinge):
-    """What every hinge of the chain has."""
+    """Properties that all hinges of the chain share."""
 
     axes: Annotated[tuple[Axis, ...], Listed, Field(min_length=1)] = ((0.0, 0.0, 1.0),)
-    """Directions of the axes in the frames of the links, taken in turn from hinge to hinge."""
+    """Directions of the hinge axes in the frame of the child link, used in turn from hinge to hinge."""
     home_deg: float = 0.0
-    """Angle at the start of all hinges but the first, unless the run says otherwise."""
+    """Angle in the reference configuration, right-handed about the axis; for all hinges but the first. A run starts
+    there unless `initial` gives another angle."""
 
 
 class SpatialChain(Chain):
-    """Links `link_1` to `link_n`, joined tip to root by hinges `hinge_1` to `hinge_n`; the first is on the parent."""
+    """A row of equal links `link_1` to `link_n` on hinges `hinge_1` to `hinge_n`.
+
+    The first hinge connects link_1 to the parent; each other hinge connects the root of a link to the tip of the link
+    before it.
+    """
 
     link: SpatialChainLink
+    """Properties of the links."""
     hinge: SpatialChainHinge = SpatialChainHinge()
+    """Properties of the hinges."""
     parent_point_m: Point3 = ORIGIN  # type: ignore[assignment]
-    """Where the first hinge sits in the frame of the parent."""
+    """Position of the first hinge, x, y and z in the frame of the parent."""
+    root_home_deg: float = 0.0
+    """Angle of the first hinge in the reference configuration, right-handed about its axis. A run starts there unless
+    `initial` gives another angle."""
 
     def expanded(self) -> tuple[dict[str, SpatialLink], dict[str, SpatialHinge]]:  # type: ignore[override]
-        """Bodies and joints of the chain."""
+        """Bodies and joints of the chain, by name."""
         link = SpatialLink(type="link", **self.link.model_dump())
         links, hinges = names(self.link_name, self.count), names(self.hinge_name, self.count)
-        given = zip(hinges, self.hinges(links, (self.link.length_m, 0.0, 0.0)), cycle(self.hinge.axes), strict=False)
+        rows = zip(hinges, self.hinges(links, (self.link.length_m, 0.0, 0.0)), cycle(self.hinge.axes), strict=False)
         return dict.fromkeys(links, link), {
-            name: SpatialHinge(type="hinge", **values, axis=axis) for name, values, axis in given
+            name: SpatialHinge(type="hinge", **values, axis=axis) for name, values, axis in rows
         }
 
 
 class SpatialModel(Model):
-    """A mechanism in space, x ahead, y left and z up, before it is placed and set in motion."""
+    """A mechanism in space, x ahead, y left and z up, without its initial state."""
 
     in_space: Annotated[Literal[True], allow("true, or false for a model in the plane")]  # type: ignore[assignment]
-    """false: a model in the plane, whose keys are others."""
+    """true: a model in space; false: a model in the plane, which has other keys."""
     bodies: dict[str, SpatialBody] = Field(default_factory=dict)  # type: ignore[assignment]
     joints: dict[str, SpatialJoint] = Field(default_factory=dict)  # type: ignore[assignment]
     closures: dict[str, SpatialClosure] = Field(default_factory=dict)  # type: ignore[assignment]

@@ -1,6 +1,7 @@
-"""Schema of a run in space: as in the plane, with mechanism, start and bed of three dimensions.
+"""Schema of a run in space: as in the plane, with mechanism, initial state and bed in three dimensions.
 
-The start is positions, orientations and rates of joints; whether it fits them is checked here.
+The initial state consists of positions, orientations and velocities of joints. This module checks that each joint
+exists and allows the keys that are given for it.
 """
 
 from __future__ import annotations
@@ -16,22 +17,35 @@ from granular_contact.values.strict import Faults, Strict
 
 
 class SpatialJointStart(JointStart, Oriented):
-    """State of one joint, in its own coordinate; what is left out is that of rest in the reference configuration.
+    """Initial state of one joint, in its own coordinates. null: at rest in the reference configuration (home).
 
-    Of a free body or a ball joint rpy_deg or quaternion is the orientation of the child in the frame of its parent, in
-    place of that of the joint.
+    For a free body or a ball joint rpy_deg or quaternion is the orientation of the child in the frame of its parent. It
+    replaces the orientation that the joint gives.
     """
 
     angle_deg: float | None = None
-    """Of a hinge, right-handed about its axis."""
+    """Hinge: angle of the joint, right-handed about its axis."""
+    rate_rad_s: float | None = None
+    """Hinge: angular rate, right-handed about its axis."""
+    x_m: float | None = None
+    """Free body: x of its joint point, measured from the point of the joint on the ground."""
+    y_m: float | None = None
+    """Free body: y of its joint point, measured from the point of the joint on the ground."""
     z_m: float | None = None
+    """Free body: z of its joint point, upward from the point of the joint on the ground."""
+    vx_m_s: float | None = None
+    """Free body: velocity of its joint point along x of the world."""
+    vy_m_s: float | None = None
+    """Free body: velocity of its joint point along y of the world."""
     vz_m_s: float | None = None
+    """Free body: velocity of its joint point along z of the world."""
     spin_rad_s: Point3 | None = None
-    """Angular velocity of a free body along the axes of the world, of a ball joint along those of the parent."""
+    """Angular velocity. Free body: along the axes of the world. Ball joint: relative to the parent, along the axes of
+    the parent."""
 
     @property
     def height(self) -> float | None:
-        """Of a free body (m), if it is given."""
+        """Height of a free body (m); None if it is not given."""
         return self.z_m
 
 
@@ -42,9 +56,11 @@ class SpatialInitial(Strict):
     """Initial state of a mechanism in space."""
 
     joints: dict[str, SpatialJointStart] | None = None
-    """By the name of the joint; others start at rest in the reference configuration, or follow a loop or a drive."""
+    """Initial states by the name of the joint. A joint that is not named starts at rest in the reference configuration
+    (home), or follows from a loop or a drive."""
     settle: bool = False
-    """Start from static equilibrium under gravity, with the drives as they are at t = 0."""
+    """true: first find the static equilibrium under gravity, and start the run from there at rest. Signals of drives
+    keep their value at t = 0 meanwhile."""
 
     def _faults(self) -> Faults:
         for name, start in (self.joints or {}).items() if self.settle else ():
@@ -58,44 +74,45 @@ def initial_faults(initial: SpatialInitial, model: SpatialModel) -> Faults:
 
 
 class SpatialScenario(Scenario):
-    """A run in space, complete: every name resolved and every default in place."""
+    """A complete run in space: all names of models and media are resolved, and all defaults are filled in."""
 
     model: SpatialModel
     bed: SpatialBed | None = None  # type: ignore[assignment]
-    """Slope or heights of the surface, floor, container and layers; null: level and unbounded."""
+    """Slope or height map of the surface, floor, container and layers. null: a level surface, without floor and
+    walls."""
     initial: SpatialInitial = SpatialInitial()  # type: ignore[assignment]
-    """Joints left out start at rest in the reference configuration."""
+    """Initial state. A joint that is not named starts at rest in the reference configuration (home)."""
 
     @property
     def is_modal(self) -> bool:
-        """Never: links in modes are solved as trees are."""
+        """False: minimal coordinates solve links in modal coordinates in space."""
         return False
 
     def _surface_faults(self) -> Faults:
         if self.bed is not None and self.surface_height_m is not None and self.bed.height_m is not None:
-            words = "the bed has height_m too; one height of the surface is allowed"
-            yield ("surface_height_m",), words
+            message = "the bed has height_m too; one height of the surface is allowed"
+            yield ("surface_height_m",), message
 
     def _mechanism_faults(self) -> Faults:
         yield from initial_faults(self.initial, self.model)
         yield from drive_faults(self.drives, self.signals, self.model)
         several = isinstance(self.medium, tuple)
         media: list[tuple[tuple[str | int, ...], Law]] = [
-            (("medium", i) if several else ("medium",), one) for i, one in enumerate(self.media)
+            (("medium", i) if several else ("medium",), medium) for i, medium in enumerate(self.media)
         ]
         layers = () if self.bed is None else self.bed.layers
         media += [(("bed", "layers", i, "medium"), layer.medium) for i, layer in enumerate(layers)]
         for path, medium in media:
             if medium.scatters and "flat" not in medium.takes:
-                words = f"is in space for laws of surfaces, and {medium.law} is none; allowed is null"
-                yield (*path, "scatter"), words
+                message = f"is in space for laws of surfaces, and {medium.law} is none; allowed is null"
+                yield (*path, "scatter"), message
             yield from [((*path, key), "is missing; in space a number is needed") for key in medium.lacking_in_space]
         if self.wheel is not None:
             yield ("wheel",), "is for wheels in the plane; in space allowed is null"
         if (reduced := self.method.reduced) is not None:
             for key, value in Reduced(modes=reduced.modes):
                 if (got := getattr(reduced, key)) != value:
-                    words = f"got {got}, which is of the plane; in space allowed is {value}"
-                    yield ("method", "reduced", key), words
+                    message = f"got {got}, which is of the plane; in space allowed is {value}"
+                    yield ("method", "reduced", key), message
         if self.load.form != "distributed":
             yield ("load", "form"), f"got {self.load.form}; in space allowed is distributed"

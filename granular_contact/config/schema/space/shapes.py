@@ -1,4 +1,7 @@
-"""Schema of the shapes of bodies in space: mass, outside, and what the medium meets. SI units, named in the keys."""
+"""Schema of the shapes of bodies in space: their mass, and the surfaces or lines on which the medium acts.
+
+The keys name SI units.
+"""
 
 from __future__ import annotations
 
@@ -33,34 +36,39 @@ Triple = Annotated[tuple[Positive, Positive, Positive], Listed]
 
 class _Shape(Oriented):
     in_sand: bool = True
-    """Whether the medium acts on it; false: it only has mass and is drawn."""
+    """true: the medium acts on the shape; false: the shape only has mass and is drawn."""
     facet_size_m: Positive | None = None
-    """Greatest edge of the facets on which the medium acts; null: by the error of the motion."""
+    """Longest edge of the facets on which the medium acts. null: chosen by the estimated error of the motion."""
     center_m: Point3 = ORIGIN
-    """Origin of the shape's own frame, in the frame of the body."""
+    """Origin of the shape's own frame, x, y and z in the frame of the body."""
 
 
 class SpatialBox(_Shape):
-    """A box around its origin, with sides along its axes."""
+    """A box with its centre at the origin of its own frame, and its edges along the axes."""
 
     type: Literal["box"]
     size_m: Triple
-    """Along x, y and z."""
+    """Lengths of the edges along x, y and z."""
 
 
 class SpatialSphere(_Shape):
-    """A ball around its origin."""
+    """A ball with its centre at the origin of its own frame."""
 
     type: Literal["sphere"]
     diameter_m: Positive
+    """Diameter."""
 
 
 class _Round(_Shape):
     diameter_m: Positive
+    """Diameter."""
     length_m: Positive | None = None
+    """Length along the axis; with an orientation. Or give start_m and end_m."""
     start_m: Point3 | None = None
-    """Where its axis begins, in the frame of the body; with end_m in place of length_m and an orientation."""
+    """First end of the axis, x, y and z in the frame of the body. With end_m, it replaces length_m, center_m and the
+    orientation."""
     end_m: Point3 | None = None
+    """Second end of the axis, x, y and z in the frame of the body."""
 
     def _faults(self) -> Faults:
         yield from super()._faults()
@@ -68,9 +76,9 @@ class _Round(_Shape):
             if self.length_m is None:
                 yield ("length_m",), "is missing; allowed is a number above 0, or else start_m and end_m"
             return
-        for one, other in (("start_m", "end_m"), ("end_m", "start_m")):
-            if getattr(self, one) is None:
-                yield (one,), f"is missing; {other} needs it"
+        for end, other in (("start_m", "end_m"), ("end_m", "start_m")):
+            if getattr(self, end) is None:
+                yield (end,), f"is missing; {other} needs it"
         given = [key for key in ("length_m", "rpy_deg", "quaternion") if getattr(self, key) is not None]
         for key in (*given, "center_m") if self.center_m != ORIGIN else given:
             yield (key,), "stands beside start_m and end_m, from which it follows"
@@ -79,49 +87,57 @@ class _Round(_Shape):
 
 
 class SpatialCylinder(_Round):
-    """A cylinder around the z axis of its own frame, half of it above its origin, or from start_m to end_m."""
+    """A cylinder along the z axis of its own frame with its centre at the origin; or from start_m to end_m."""
 
     type: Literal["cylinder"]
 
 
 class SpatialCapsule(_Round):
-    """As a cylinder, with half spheres at both ends; its length is that between their centres."""
+    """A cylinder with half spheres at both ends. Its length is the distance between their centres."""
 
     type: Literal["capsule"]
 
 
 class SpatialCone(_Shape):
-    """A cone around the z axis of its own frame: its tip is the origin, its base at z = height."""
+    """A cone along the z axis of its own frame: its tip is at the origin, its base at z = height."""
 
     type: Literal["cone"]
     diameter_m: Positive
-    """Of the base."""
+    """Diameter of the base."""
     height_m: Positive
+    """Distance from the tip to the base."""
 
 
 class SpatialPlate(_Shape):
-    """A thin rectangle in the x-y plane of its own frame, around its origin; either face can lead."""
+    """A thin rectangular plate in the x-y plane of its own frame, with its centre at the origin.
+
+    The medium acts on either face.
+    """
 
     type: Literal["plate"]
     size_m: Pair
-    """Along x and y."""
+    """Lengths of the edges along x and y."""
     thickness_m: Positive
-    """For its mass alone."""
+    """Thickness, for the mass alone."""
 
 
 class SpatialArc(_Shape):
-    """A thin plate bent along a circular arc in the x-z plane of its own frame, as a C-leg; either face can lead."""
+    """A thin plate along a circular arc in the x-z plane of its own frame, for example a C-leg.
+
+    The centre of the circle is at the origin. The medium acts on either face.
+    """
 
     type: Literal["arc"]
     radius_m: Positive
-    """Of the middle line."""
+    """Radius of the middle of the thickness."""
     from_deg: Annotated[float, Field(ge=-720, le=720)]
-    """Where the arc begins, from the x axis towards -z: 90 is below its centre."""
+    """Angle at which the arc begins, from the x axis towards -z: 90 is below the centre."""
     to_deg: Annotated[float, Field(ge=-720, le=720)]
+    """Angle at which the arc ends. It may be smaller or larger than from_deg."""
     width_m: Positive
-    """Along y, to both sides of the origin."""
+    """Width along y, half of it on either side of the origin."""
     thickness_m: Positive
-    """For its mass alone."""
+    """Thickness, for the mass alone."""
 
     def _faults(self) -> Faults:
         yield from super()._faults()
@@ -129,13 +145,13 @@ class SpatialArc(_Shape):
 
 
 class SpatialPolygon(_Shape):
-    """A solid whose section in the x-z plane of its own frame is a polygon."""
+    """A solid with a polygon in the x-z plane of its own frame as its cross-section, extruded along y."""
 
     type: Literal["polygon"]
     points_m: Annotated[tuple[Point, ...], Listed, Field(min_length=3, max_length=1000)]
-    """Corners x, z in either sense; the last joins the first."""
+    """Corners x, z, clockwise or counter-clockwise. The last corner connects to the first."""
     width_m: Positive
-    """Along y, to both sides of the origin."""
+    """Width along y, half of it on either side of the origin."""
 
     def _faults(self) -> Faults:
         yield from super()._faults()
@@ -143,15 +159,18 @@ class SpatialPolygon(_Shape):
 
 
 class SpatialWheel(_Shape):
-    """A wheel with its axle along y of its own frame, smooth or with grousers; results have its slip and forces."""
+    """A wheel with its axle along y of its own frame, smooth or with grousers.
+
+    The results contain its slip and its forces.
+    """
 
     type: Literal["wheel"]
     radius_m: Positive
-    """Of the rim."""
+    """Radius of the rim, without grousers."""
     width_m: Positive
-    """Along y, to both sides of the origin."""
+    """Width along y, half of it on either side of the origin."""
     grousers: Grousers | None = None
-    """null: none."""
+    """Grousers on the rim. null: a smooth wheel."""
 
     def _faults(self) -> Faults:
         yield from super()._faults()
@@ -163,16 +182,18 @@ class SpatialBar(Strict):
 
     type: Literal["bar"]
     in_sand: bool = True
-    """Whether the medium acts on it; false: it only has mass and is drawn."""
+    """true: the medium acts on the bar; false: the bar only has mass and is drawn."""
     points_m: Annotated[tuple[Point3, ...], Listed, Field(min_length=2, max_length=1000)]
-    """Corners in the frame of the body."""
+    """Corners x, y, z of the centre line, in the frame of the body."""
     diameter_m: Positive
+    """Diameter."""
 
     def _faults(self) -> Faults:
         return corner_faults(self.points_m)
 
 
 def _scales(scale: float | tuple[float, ...]) -> float | tuple[float, ...]:
+    """Refuse a scale that is not above 0, or three scales one of which is 0; return it unchanged otherwise."""
     if isinstance(scale, tuple):
         if len(scale) != 3 or 0.0 in scale:
             raise refusal([((), f"got {list(scale)}; allowed is a number above 0, or three that are not 0")])
@@ -182,18 +203,18 @@ def _scales(scale: float | tuple[float, ...]) -> float | tuple[float, ...]:
 
 
 class SpatialMesh(_Shape):
-    """Triangles from a file, STL, OBJ or PLY."""
+    """A mesh of triangles from a file: STL, OBJ or PLY."""
 
     type: Literal["mesh"]
     file: Text
-    """A path from the folder of the file that names it."""
+    """Path of the mesh file, relative to the folder of the file with this key."""
     scale: Annotated[tuple[float, ...], OneOrMore(), AfterValidator(_scales)] | None = None
-    """Length of the file's unit in m, or one along each axis, of which a negative one mirrors; null: it is in metres,
-    and one of more than 3 m is refused."""
+    """Length of the file's unit in m (0.001 for millimetres), or a list of three, one for each axis; a negative one
+    mirrors the mesh. null: the file is in metres, and a mesh larger than 3 m is refused."""
     thin: bool = False
-    """Whether it is a sheet, of which either face can lead; it need not be closed then."""
+    """true: the mesh is a thin sheet, which need not be closed; the medium acts on either face."""
     thickness_m: Positive | None = None
-    """Of a sheet, for its mass alone."""
+    """Thickness of a thin sheet, for the mass alone."""
 
     def _faults(self) -> Faults:
         yield from super()._faults()

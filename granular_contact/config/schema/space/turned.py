@@ -1,4 +1,4 @@
-"""Points, directions and orientations in space, as configs write them."""
+"""Schema of points, directions and orientations in space."""
 
 from __future__ import annotations
 
@@ -16,19 +16,20 @@ Axis = Annotated[Point3, directed("a direction, as [0, 0, 1] for upward")]
 
 
 class Oriented(Strict):
-    """What is turned against the frame that it stands in."""
+    """A part with an orientation in the frame of the part that holds it."""
 
     rpy_deg: Point3 | None = None
-    """Roll, pitch and yaw: about x, y and z of that frame, one after another. null, and no quaternion: none."""
+    """Orientation as roll, pitch and yaw: rotations about x, then y, then z of the holding frame (for a shape that of
+    its body, for a joint that of its parent). null, and no quaternion: not rotated."""
     quaternion: Quaternion | None = None
-    """The same as w, x, y, z, of any length; give one of the two."""
+    """The same orientation as a quaternion w, x, y, z, of any length. Give this or rpy_deg."""
 
     def _faults(self) -> Faults:
         if self.rpy_deg is not None and self.quaternion is not None:
             yield ("quaternion",), "stands beside rpy_deg; one of the two is allowed"
         if self.quaternion is not None and not 0.0 < math.hypot(*self.quaternion) < math.inf:
-            words = f"got {list(self.quaternion)}; allowed are four numbers that are not all 0"
-            yield ("quaternion",), words
+            message = f"got {list(self.quaternion)}; allowed are four numbers that are not all 0"
+            yield ("quaternion",), message
 
     @property
     def is_turned(self) -> bool:
