@@ -20,7 +20,7 @@ from granular_contact.engines.exudyn.views import Views
 from granular_contact.scene.types import Vector
 
 # Arrays of `mechanics.kernels.iterations` in the engine's memory.
-ENGINE_ARRAYS = "q", "v", "a", "multipliers", "v_before", "a_before", "multipliers_before"
+ENGINE_ARRAYS = "q", "v", "a", "multipliers", "a_before", "multipliers_before"
 
 
 class Predictor:

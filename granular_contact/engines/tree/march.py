@@ -211,7 +211,7 @@ def _scheme(scene: Scene) -> NDArray[np.void]:
 
 def _iterations(arrays: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
     """Arrays of `mechanics.kernels.iterations`: there are no multipliers."""
-    given = {"q": "s", "v": "rates", "a": "s2", "v_before": "rates_before", "a_before": "s2_before"}
+    given = {"q": "s", "v": "rates", "a": "s2", "a_before": "s2_before"}
     own = {name: arrays[of_tree] for name, of_tree in given.items()}
     return own | {"lever": _levers(arrays)} | room(len(arrays["nodes"]), 0)
 

@@ -1,19 +1,22 @@
-"""Arrays of Newton's method as `anderson` goes on with it, the engine's own among them.
+"""Arrays that Anderson acceleration (`anderson`) works on: the unknowns of Newton's method and its last iterations.
 
-Of a view `w` of ITERATIONS (`jit.layout`):
+Of a view `w` of ITERATIONS (`jit.layout`), with m coordinates and k constraints. The engine's own arrays:
 
-    q, v, a             (m,) coordinates, rates and accelerations, and the multipliers (k,) of constraints, which are
-    multipliers         moved: with a change of a go of[0] times as much of q and of[1] times as much of v
-    v_before, a_before  rates, accelerations and multipliers at the start of the step
+    q, v, a             (m,) coordinates, rates and accelerations at the end of the step
+    multipliers         (k,) Lagrange multipliers of the constraints
+    a_before            accelerations and multipliers at the end of the last step
     multipliers_before
-    lever               (m,) factors from rates to speeds
-    kept                (3, m) of the iteration before
-    kept_multipliers    (2, k)
-    of                  (3,) two factors, see above, and the size (m/s2) of the change of the iteration before
-    led, led_constraints  (m, DEPTH) and (k, DEPTH): how far from each other two iterations led,
-    bent                (m, DEPTH) by how much their changes (in speeds) differed,
-    products            (DEPTH, DEPTH) of these with each other
-    number              (NUMBERS,) whole numbers, see below
+    lever               (m,) factors from rates of coordinates to speeds of points (m/s)
+
+Arrays that `room` makes. An iteration moves the accelerations and multipliers from x to x + g(x):
+
+    start, start_multipliers  (m,), (k,) x of the iteration under way
+    end, end_multipliers      (m,), (k,) x + g of the last iteration
+    g                         (m,) its change g of accelerations, times lever (m/s2)
+    G                         (m, DEPTH) differences of g between two successive iterations, one column a pair
+    E, E_multipliers          (m, DEPTH), (k, DEPTH) the same of x + g
+    GTG                       (DEPTH, DEPTH) G^T G
+    progress                  (1,) record of PROGRESS
 """
 
 from __future__ import annotations
@@ -24,29 +27,32 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.jit.layout import Layout
+from granular_contact.jit.records import fields, record_dtype
 from granular_contact.mechanics.kernels.numerics import DEPTH
 
+# dq_da (s2), dv_da (s): how much a coordinate and its rate change with its acceleration at the end of the step; change
+# (m/s2): size of g of the last iteration, infinite before the first; pairs: columns of G and E that are filled; column:
+# the one that is filled next; jacobian: number of the Jacobian of the last iteration; follows: whether an iteration
+# with the same Jacobian came before.
+PROGRESS = record_dtype(
+    [*fields("f8", "dq_da", "dv_da", "change"), *fields("i8", "pairs", "column", "jacobian", "follows")]
+)
 ITERATIONS = Layout(
     "iterations",
-    **dict.fromkeys(("q", "v", "a", "multipliers", "v_before", "a_before", "multipliers_before", "lever"), (float, 1)),
-    **dict.fromkeys(("kept", "kept_multipliers", "led", "led_constraints", "bent", "products"), (float, 2)),
-    of=(float, 1),
-    number=(np.int64, 1),
+    **dict.fromkeys(("q", "v", "a", "multipliers", "a_before", "multipliers_before", "lever"), (float, 1)),
+    **dict.fromkeys(("start", "start_multipliers", "end", "end_multipliers", "g"), (float, 1)),
+    **dict.fromkeys(("G", "E", "E_multipliers", "GTG"), (float, 2)),
+    progress=(PROGRESS, 1),
 )
-# Rows of `kept`, of which `kept_multipliers` has the first two: accelerations from which the iteration under way began,
-# those that the one before led to, its change.
-FROM, LED, CHANGE = 0, 1, 2
-SIZE = 2  # of `of`
-# Of `number`: pairs there are, column of the next one, Jacobians that were computed when the last one was kept, whether
-# an iteration with the same Jacobian came before this one.
-PAIRS, NEXT, JACOBIAN, FOLLOWS, NUMBERS = 0, 1, 2, 3, 4
 
 
 def room(coordinates: int, constraints: int) -> dict[str, NDArray[Any]]:
-    """Those arrays of so many coordinates and constraints that are neither the engine's nor stay as they are."""
-    sizes = {"led": coordinates, "led_constraints": constraints, "bent": coordinates, "products": DEPTH}
+    """Arrays of the iterations that are not the engine's, by name, for so many coordinates and constraints."""
+    m, k = coordinates, constraints
+    sizes = {"start": m, "start_multipliers": k, "end": m, "end_multipliers": k, "g": m}
+    rows = {"G": m, "E": m, "E_multipliers": k, "GTG": DEPTH}
     return {
-        **{"kept": np.zeros((3, coordinates)), "kept_multipliers": np.zeros((2, constraints)), "of": np.zeros(3)},
-        **{name: np.zeros((size, DEPTH)) for name, size in sizes.items()},
-        "number": np.zeros(NUMBERS, np.int64),
+        **{name: np.zeros(size) for name, size in sizes.items()},
+        **{name: np.zeros((size, DEPTH)) for name, size in rows.items()},
+        "progress": np.zeros(1, PROGRESS),
     }
