@@ -42,17 +42,17 @@ def held(drive: Drive, value: float) -> tuple[float, float]:
 class JointLoad:
     """What acts in one joint; `nodes` are those of parent and child, without the ground's, `sizes` their coordinates.
 
-    state (5,): see `kernels.joint_loads`, a row of those of all joints once there are such. first_anchor: of its
+    state: record of `kernels.joint_loads.STATE`, among those of all joints once there are such. first_anchor: of its
     bristle, at the start.
     """
 
     def __init__(self, coordinate: Coordinate, nodes: list[int], law: JointLaw, drive: Drive | None) -> None:
         self.nodes, self.law, self.drive = nodes, law, drive
-        self.record, self.state = coordinate.record, np.zeros(5)
+        self.record, self.state = coordinate.record, np.zeros(1, joint_loads.STATE)[0]
         fill(self.record, law, drive)
         self.sizes = [int(self.record[end][0]) for end in ("parent", "child") if self.record[end][0]]
-        self.first_anchor = self.state[joint_loads.ANCHOR] = coordinate.joint.start
-        self.state[joint_loads.TURNS :] = coordinate.last_angles
+        self.first_anchor = self.state["anchor"] = coordinate.joint.start
+        self.state["last_angles"] = coordinate.last_angles
         self.where = np.zeros(0, int)  # places of its nodes' coordinates in the assembled system
         if drive is not None and drive.sets:
             self.set_to = drive.signal.value(0.0)
@@ -60,12 +60,12 @@ class JointLoad:
     @property
     def anchor(self) -> float:
         """Where the bristle of dry friction is held."""
-        return float(self.state[joint_loads.ANCHOR])
+        return float(self.state["anchor"])
 
     @property
     def set_to(self) -> float:
         """What a drive that is set from outside is set to."""
-        return float(self.state[joint_loads.VALUE])
+        return float(self.state["target"])
 
     @set_to.setter
     def set_to(self, value: float) -> None:
@@ -79,7 +79,7 @@ class JointLoad:
 
     def want(self, values: tuple[float, float]) -> None:
         """Let the drive want a value and a rate."""
-        self.state[joint_loads.VALUE], self.state[joint_loads.RATE] = values
+        self.state["target"], self.state["target_rate"] = values
 
     def slope(self, q: Vector) -> Vector:
         """Gradient of the coordinate by those at `where`, in the system's state q."""

@@ -105,7 +105,7 @@ class System:
     @property
     def held(self) -> list[Vector]:
         """Arrays of what Python keeps of joints, each once; from the first forces on they stay where they are."""
-        return [*([] if self.joints is None else [self.joints.state]), *self.turns]
+        return [*([] if self.joints is None else [self.joints.states]), *self.turns]
 
     @property
     def building_s(self) -> float:

@@ -387,7 +387,7 @@ def test_forces_in_a_ball_joint_are_those_of_its_potential_and_its_damper() -> N
                 0.5 * np.array([-w @ p[1:], *(p[0] * w + np.cross(w, p[1:]))]) for w, p in zip(spins, e, strict=True)
             ]
             v, f = np.concatenate([np.zeros(3), rates[0], np.zeros(3), rates[1]]), np.zeros(14)
-            joint_loads.force(s.record, np.zeros((1, 5)), places, q, v, f)
+            joint_loads.force(s.record, np.zeros(1, joint_loads.STATE), places, q, v, f)
             moved = [q + 1e-6 * one for one in np.eye(14)], [q - 1e-6 * one for one in np.eye(14)]
             slope = np.array([energy(a) - energy(b) for a, b in zip(*moved, strict=True)]) / 2e-6
             for one, at in zip(e, (slice(3, 7), slice(10, 14)), strict=True):
@@ -437,7 +437,7 @@ def test_forces_between_elements_are_those_of_their_energy_and_their_damping() -
         v, rate, speed = ((a - b) / 2e-6 for a, b in zip(after, before, strict=True))
         for kind, axial in (("elastic", 0.0), ("stretching", (k * s + d * speed) * speed)):
             f, one = np.zeros(14), SpatialCoordinate(replace(joint, kind=kind), [0.0] * 14)
-            joint_loads.force(one.record, np.zeros((1, 5)), places, q, v, f)
+            joint_loads.force(one.record, np.zeros(1, joint_loads.STATE), places, q, v, f)
             assert f @ v == pytest.approx(-(K * theta + D * rate) @ rate - axial, rel=1e-6)
         turn, w = P @ theta, parent.T @ (spins[1] - spins[0])
         moment = np.array(called(space_ball_joints.elastic)(tuple(turn), tuple(w), node))

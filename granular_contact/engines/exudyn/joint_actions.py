@@ -39,7 +39,7 @@ class HingeMotion(NamedTuple):
 class JointActions:
     """Forces and prescribed motions of the joints of a system; made before the overlay is attached.
 
-    has_forces: whether forces act in any joint. time (s): instant of the present setpoints. state, places: see
+    has_forces: whether forces act in any joint. time (s): instant of the present setpoints. states, places: see
     `mechanics.kernels.joint_loads`.
     """
 
@@ -49,9 +49,9 @@ class JointActions:
         # add_forces(q, v, out) adds the generalised forces at q and v (of the system) to out, which is numbered as the
         # overlay. `start` sets it if there are forces.
         self.add_forces: Callable[[Vector, Vector, Vector], None]
-        self.state = np.array([load.state for load in loads])
+        self.states = np.array([load.state for load in loads])
         self.places = np.zeros((len(loads), max((sum(load.sizes) for load in loads), default=0), 2), np.int64)
-        for load, state, places in zip(loads, self.state, self.places, strict=True):
+        for load, state, places in zip(loads, self.states, self.places, strict=True):
             load.state = state  # a view of its row in the table of all joints
             ends = [overlay.coordinates([node], size)[0] for node, size in zip(load.nodes, load.sizes, strict=True)]
             places[: sum(load.sizes), 1] = np.concatenate(ends)
@@ -77,7 +77,7 @@ class JointActions:
             load.where = np.array([i for node in load.nodes for i in data.GetNodeLTGODE2(node)], dtype=int)
             places[: len(load.where), 0] = load.where
         records = np.concatenate([load.record for load in self.loads])
-        self._arguments = records, self.state, self.places
+        self._arguments = records, self.states, self.places
         self._triplets = np.zeros((sum(sum(load.sizes) ** 2 for load in self.loads), 3))
         q = np.zeros(data.ODE2Size())
         self.add_forces = partial(ready(kernels.force, *self._arguments, q, q, q), *self._arguments)

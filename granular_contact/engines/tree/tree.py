@@ -13,7 +13,7 @@ from granular_contact.engines.tree.kernels import tree_load
 from granular_contact.engines.tree.kernels.tree import HINGE, SLIDER
 from granular_contact.engines.tree.kernels.tree_arrays import NODE, room
 from granular_contact.mechanics.joint_loads import JointLoad
-from granular_contact.mechanics.kernels.joint_loads import JOINT
+from granular_contact.mechanics.kernels.joint_loads import JOINT, STATE
 from granular_contact.mechanics.sensors import Sensors
 from granular_contact.mechanics.stepping import signals_of
 from granular_contact.mechanics.system import RigidHandle, System
@@ -215,7 +215,7 @@ def joint_loads(scene: Any) -> dict[str, JointLoad]:
 
 def acting(system: System, joints: dict[str, int], nodes: int) -> dict[str, NDArray[Any]]:
     """Arrays of what acts along the coordinates of a system's joints, which have these nodes, and of gravity."""
-    laws, state = np.zeros(nodes, JOINT), np.zeros((nodes, 5))
+    laws, state = np.zeros(nodes, JOINT), np.zeros(nodes, STATE)
     prescribed, acts = np.zeros((2, nodes), np.int64)
     for name, one in system.loads.items():
         i = joints[name]

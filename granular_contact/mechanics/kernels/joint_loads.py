@@ -6,8 +6,7 @@ Arguments that the functions share:
 
     system_q, system_v  coordinates (without reference values) and rates of the whole system
     joints              (k,) records
-    state               (k, 5): what of a joint changes: the anchor of its bristle, what its drive wants (a value and
-                        its rate), and the angles of its ends found last, see `joint_coordinates`
+    states              (k,) records of STATE
     places              (k, n, 2) place of each coordinate of a joint's nodes, those of the parent first, in the system
                         and in the overlay
 """
@@ -16,18 +15,20 @@ from __future__ import annotations
 
 from granular_contact.jit.chosen import chosen_by, provide
 from granular_contact.jit.compiled import kernel, part
-from granular_contact.jit.memory import room1, rows
+from granular_contact.jit.memory import flat, room1, rows
 from granular_contact.jit.records import fields, record_dtype
 from granular_contact.mechanics.kernels import joint_coordinates
 from granular_contact.mechanics.kernels.joint_coordinates import COORDINATE
 from granular_contact.mechanics.kernels.joint_laws import follow, total
 from granular_contact.sand.kernels.lines import difference
 
-ANCHOR, VALUE, RATE, TURNS = 0, 1, 2, 3
 _STOPS, _FRICTION = ("lower", "upper", "stop_stiffness", "dissipation"), ("friction", "slip", "damping_time")
 LAW = ("stiffness", "rest", "damping", *_STOPS, *_FRICTION)
 DRIVE = ("gain", "rate_gain", "limit")
 JOINT = record_dtype([*COORDINATE, ("drive", "i8"), *fields("f8", *LAW, *DRIVE)])
+# anchor: of the bristle of dry friction; target, target_rate: coordinate and rate that a control aims at, target of a
+# load: its force; last_angles (2,) rad: of the joint's ends at the last evaluation, see `joint_coordinates`.
+STATE = record_dtype([*fields("f8", "anchor", "target", "target_rate"), ("last_angles", "f8", (2,))])
 MOST = 14  # coordinates of two nodes; of the plane 8
 
 
@@ -37,8 +38,8 @@ def coordinate(joint, turns, q, v, slope):
 
 
 @chosen_by("joint")
-def act(joint, now, q, v, out):
-    """Fill out (MOST,) with the generalised forces of a joint; now: its row of `state`."""
+def act(joint, state, q, v, out):
+    """Fill out (MOST,) with the generalised forces of a joint."""
 
 
 @part
@@ -49,29 +50,29 @@ def gather(system_q, system_v, places, count, q, v):
 
 
 @part
-def _act(joint, now, q, v, out):
+def _act(joint, state, q, v, out):
     """`act` in the plane."""
-    s, rate = joint_coordinates.coordinate(joint, rows(now, TURNS, 2), q, v, out)
-    along = total(joint, s, rate, now[ANCHOR], now[VALUE], now[RATE])
+    s, rate = joint_coordinates.coordinate(joint, flat(state.last_angles), q, v, out)
+    along = total(joint, s, rate, state.anchor, state.target, state.target_rate)
     for i in range(MOST):
         out[i] *= along
 
 
 @kernel
-def force(joints, state, places, system_q, system_v, out):
+def force(joints, states, places, system_q, system_v, out):
     """Add the generalised forces to out, the coordinates of the overlay."""
     q, v, f = room1(MOST), room1(MOST), room1(MOST)
     for k in range(joints.shape[0]):
         joint = joints[k]
         count = joint.parent + joint.child
         gather(system_q, system_v, places[k], count, q, v)
-        act(joint, state[k], q, v, f)
+        act(joint, states[k], q, v, f)
         for i in range(count):
             out[places[k, i, 1]] += f[i]
 
 
 @kernel
-def tangent(system_q, system_v, joints, state, places, fq, fv, triplets):
+def tangent(system_q, system_v, joints, states, places, fq, fv, triplets):
     """Fill triplets with the entries of fq df/dq + fv df/dv as rows (row, column, value), and return their number.
 
     By differences, see `lines.differences`. Rows and columns are coordinates of the overlay; entries of zero are left
@@ -83,13 +84,13 @@ def tangent(system_q, system_v, joints, state, places, fq, fv, triplets):
         joint = joints[k]
         count = joint.parent + joint.child
         gather(system_q, system_v, places[k], count, q, v)
-        act(joint, state[k], q, v, here)
+        act(joint, states[k], q, v, here)
         d = difference(rows(q, 0, count), fq, fv)
         for j in range(count):
             at_q, at_v = q[j], v[j]
             q[j] += d * fq
             v[j] += d * fv
-            act(joint, state[k], q, v, moved)
+            act(joint, states[k], q, v, moved)
             q[j], v[j] = at_q, at_v
             for i in range(count):
                 if moved[i] != here[i]:
@@ -100,15 +101,15 @@ def tangent(system_q, system_v, joints, state, places, fq, fv, triplets):
 
 
 @kernel
-def accept(system_q, system_v, joints, state, places):
+def accept(system_q, system_v, joints, states, places):
     """End of a step: the anchors follow."""
     q, v, slope = room1(MOST), room1(MOST), room1(MOST)
     for k in range(joints.shape[0]):
-        joint, now = joints[k], state[k]
+        joint, state = joints[k], states[k]
         if joint.friction > 0.0:
             gather(system_q, system_v, places[k], joint.parent + joint.child, q, v)
-            s, _ = coordinate(joint, rows(now, TURNS, 2), q, v, slope)
-            now[ANCHOR] = follow(joint, s, now[ANCHOR])
+            s, _ = coordinate(joint, flat(state.last_angles), q, v, slope)
+            state.anchor = follow(joint, s, state.anchor)
 
 
 @kernel

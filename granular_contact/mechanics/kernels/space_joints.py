@@ -10,7 +10,7 @@ x: position of a body's node, arm: from it to the joint's point. A torque or for
 coordinates: with w = G e' (see `space_coordinates`) of hinges and balls ds/dt = a . (w_C - w_P). The spring of a ball
 has the moment -k s a, k times the rotation vector, which is smooth at s = 0; at pi, where the way back may go either
 way round, it jumps. Its damper acts on all of w_C - w_P: what is not along a adds -c (w_C - w_P - a ds/dt). Forces
-along s are those of `joint_laws`; arguments and `state` as of `joint_loads`, with records of JOINT.
+along s are those of `joint_laws`; arguments as of `joint_loads`, with records of JOINT.
 
     elastic   between elements of a link that bends: the moment of `bending` by the rotation vector s a
     stretching   the same, of a link that stretches: with s along the parent's x, a force -(k s + d s') as well
@@ -26,13 +26,13 @@ from numba import from_dtype, types
 from granular_contact.jit.calls import address_of, caller
 from granular_contact.jit.chosen import provide
 from granular_contact.jit.compiled import part
-from granular_contact.jit.memory import clear, rows
+from granular_contact.jit.memory import clear, flat
 from granular_contact.jit.records import record_dtype
 from granular_contact.mechanics.kernels import joint_loads
 from granular_contact.mechanics.kernels.bending import moment
 from granular_contact.mechanics.kernels.joint_coordinates import HINGE, SLIDER
 from granular_contact.mechanics.kernels.joint_laws import total
-from granular_contact.mechanics.kernels.joint_loads import ANCHOR, DRIVE, LAW, MOST, RATE, TURNS, VALUE
+from granular_contact.mechanics.kernels.joint_loads import DRIVE, LAW, MOST
 from granular_contact.mechanics.kernels.space_rotations import ALONG_WORLD, UNTURNED, matrix_of, rates_of, spin_by
 from granular_contact.sand.kernels.vectors import (
     column,
@@ -228,12 +228,12 @@ def _found(joint, last, s, by_parent, by_child, parent, child, v, slope):
 
 
 @part
-def _act(joint, now, q, v, out):
+def _act(joint, state, q, v, out):
     """`joint_loads.act`."""
-    s, rate = _find(joint, (rows(now, TURNS, 2), q, v, out))
+    s, rate = _find(joint, (flat(state.last_angles), q, v, out))
     if joint.kind >= ELASTIC:
         return
-    force = total(joint, s, rate, now[ANCHOR], now[VALUE], now[RATE])
+    force = total(joint, s, rate, state.anchor, state.target, state.target_rate)
     for i in range(MOST):
         out[i] *= force
     if joint.kind == BALL and joint.damping > 0.0:

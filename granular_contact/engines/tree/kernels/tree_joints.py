@@ -6,7 +6,6 @@ from granular_contact.jit.compiled import part
 from granular_contact.jit.memory import rows as rows_of
 from granular_contact.mechanics.kernels import joint_laws
 from granular_contact.mechanics.kernels.joint_laws import CONTROL, LOAD, RATE_CONTROL, total
-from granular_contact.mechanics.kernels.joint_loads import ANCHOR, RATE, VALUE
 from granular_contact.mechanics.kernels.signal_tables import look_up
 from granular_contact.sand.kernels.lines import difference
 
@@ -24,11 +23,11 @@ def follow_signals(t, w):
             continue
         value, rate, kind = wanted[k, 0], wanted[k, 1], laws[i].drive
         if kind == LOAD:
-            state[i, VALUE] = value
+            state[i].target = value
         elif kind == CONTROL:
-            state[i, VALUE], state[i, RATE] = value, rate
+            state[i].target, state[i].target_rate = value, rate
         elif kind == RATE_CONTROL:
-            state[i, VALUE], state[i, RATE] = value, value
+            state[i].target, state[i].target_rate = value, value
 
 
 @part
@@ -52,8 +51,8 @@ def prescribe(of_v, w):
 @part
 def along(i, s, rate, w):
     """Torque (N m) or force (N) of all that acts along coordinate i."""
-    state = w.state
-    return total(w.laws[i], s, rate, state[i, ANCHOR], state[i, VALUE], state[i, RATE])
+    state = w.state[i]
+    return total(w.laws[i], s, rate, state.anchor, state.target, state.target_rate)
 
 
 @part
@@ -81,4 +80,4 @@ def follow(w):
     acts, laws, state, s = w.acts, w.laws, w.state, w.s
     for i in range(acts.shape[0]):
         if acts[i] and laws[i].friction > 0.0:
-            state[i, ANCHOR] = joint_laws.follow(laws[i], s[i], state[i, ANCHOR])
+            state[i].anchor = joint_laws.follow(laws[i], s[i], state[i].anchor)

@@ -20,7 +20,6 @@ from granular_contact.engines.tree.kernels.tree_newton import finish, go_back, s
 from granular_contact.jit.compiled import kernel, part
 from granular_contact.jit.memory import copy, flat, piece
 from granular_contact.mechanics.kernels import step_error
-from granular_contact.mechanics.kernels.joint_loads import VALUE
 from granular_contact.mechanics.kernels.step_choice import LONGER, Prescribed, ahead, factor, needed
 from granular_contact.sand.kernels.lines import TIME
 
@@ -60,7 +59,7 @@ def write(t, w):
     first = put(flat(w.acceleration), kept, first)
     first, state = put(w.rest, kept, first), w.state
     for i in range(state.shape[0]):
-        kept[first + i] = state[i, VALUE]
+        kept[first + i] = state[i].target
 
 
 @part
