@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from granular_contact.mechanics.kernels import step_choice
-from granular_contact.mechanics.kernels.step_error import CHANGES, EACH, NONE
+from granular_contact.mechanics.kernels.step_error import CHANGES, EACH, MEAN, NONE
 
 STEP, ACCURACY, SPEED = 2e-3, 1e-2, 0.5  # s, -, m/s
 
@@ -18,7 +18,7 @@ def need(changes: list[float], groups: list[int], *, excess: float, both: float,
     change = np.array(changes)
     zero, one = np.zeros_like(change), np.ones_like(change)
     arrays = {"a": change, "v": SPEED * one, "lever": one, "start": zero, "change": zero.copy()}
-    arrays |= {"slope": change / STEP if expected else zero, "group": np.array(groups), "means": np.zeros((0, 3))}
+    arrays |= {"slope": change / STEP if expected else zero, "group": np.array(groups), "means": np.zeros(0, MEAN)}
     choice = np.zeros(1, step_choice.CHOICE)
     choice["accuracy"], choice["excess"], choice["both"] = ACCURACY, excess, both
     found, _ = step_choice.judge(CHANGES.addresses(arrays), STEP, choice, SPEED, SPEED)

@@ -7,7 +7,7 @@ import pytest
 from support_parts import called
 from support_runs import simulate, tip_error
 
-from granular_contact.mechanics.kernels.signal_tables import look_up
+from granular_contact.mechanics.kernels.signal_tables import SIGNAL, look_up
 from granular_contact.results import Results
 from granular_contact.scene.signal_tables import jerks, tabulate
 from granular_contact.scene.signals import Buehler, Constant, Ramp, Signal, Sine, Smoothed, jumps, piecewise
@@ -140,7 +140,7 @@ SIGNALS["smoothed"] = Smoothed(_bent, jumps(_bent), 0.04)
 
 @pytest.mark.parametrize("name", SIGNALS)
 def test_tables_of_signals_are_the_signals(name: str) -> None:
-    signal, found = SIGNALS[name], np.zeros((1, 3))
+    signal, found = SIGNALS[name], np.zeros(1, SIGNAL)
     knots, pieces = tabulate([signal], 1.0)
     times = np.random.default_rng(1).uniform(0.0, 1.0, 500)
     breaks = np.array([*jerks(signal), np.inf])
@@ -149,6 +149,6 @@ def test_tables_of_signals_are_the_signals(name: str) -> None:
         # Accelerations jump at the knots of tables, which are knots of ours; elsewhere a piece is off by 1e-6 of them.
         assert np.abs(breaks - t).min() > 1e-9
         scale = np.abs(pieces[0, :, 1]).max(), 2.0 * np.abs(pieces[0, :, 2]).max() + 1e-9
-        assert found[0, 0] == pytest.approx(signal.value(t), abs=1e-8)
-        assert found[0, 1] == pytest.approx(signal.rate(t), abs=1e-6 * scale[0] + 1e-9)
-        assert found[0, 2] == pytest.approx(signal.acceleration(t), abs=1e-3 * scale[1])
+        assert found["value"][0] == pytest.approx(signal.value(t), abs=1e-8)
+        assert found["rate"][0] == pytest.approx(signal.rate(t), abs=1e-6 * scale[0] + 1e-9)
+        assert found["acceleration"][0] == pytest.approx(signal.acceleration(t), abs=1e-3 * scale[1])

@@ -34,6 +34,7 @@ class StepControl:
     def __init__(self, system: System, solver: Any, lever: Vector, accuracy: float, *, sets: bool = True) -> None:
         from granular_contact.jit.compiled import ready
         from granular_contact.mechanics.kernels import step_choice, step_error  # here, as fixed steps need no numba
+        from granular_contact.mechanics.kernels.signal_tables import SIGNAL
 
         scene = system.scene
         self.system, self.solver, self.lever, self.sets = system, solver, lever, sets
@@ -43,13 +44,18 @@ class StepControl:
         self.group, means = _groups(system, len(lever))
         # Accelerations at the start of the step, how they have changed, and by the time in the step before.
         self.start, self.change, self.slope = np.zeros((3, len(lever)))
-        of_step = {"start": self.start, "change": self.change, "slope": self.slope, "means": np.zeros((means, 3))}
+        of_step = {
+            "start": self.start,
+            "change": self.change,
+            "slope": self.slope,
+            "means": np.zeros(means, step_error.MEAN),
+        }
         self._arrays = {"lever": self.lever, "group": self.group} | of_step
         self._addresses, self._addresses_of = np.zeros(0, np.int64), step_error.CHANGES.addresses
         signals = signals_of(scene) if len(followed) else []
         tables = tabulate(signals, scene.solver.end_time_s) if signals else NO_TABLE
-        (knots, pieces), found = tables, np.zeros((len(signals), 3))
-        self._prescribed = step_choice.Prescribed(bends, followed, arms, knots, pieces, found)
+        (knots, pieces), values = tables, np.zeros(len(signals), SIGNAL)
+        self._prescribed = step_choice.Prescribed(bends, followed, arms, knots, pieces, values)
         self._judge = ready(step_choice.judge, self._addresses, 1.0, self._record, 1.0, 1.0)
         self._choose = ready(step_choice.choose, 1.0, 1.0, 1.0, self._record, 1.0, 1.0, self._prescribed)
         self._start = ready(step_error.begin, self._addresses, 1.0)

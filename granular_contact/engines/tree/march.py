@@ -237,4 +237,10 @@ def _changes(arrays: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
     group = np.where(counts, step_error.EACH, step_error.NONE).astype(np.int64)
     given = {"a": arrays["acceleration"].reshape(-1), "v": arrays["twist"].reshape(-1), "lever": lever.copy()}
     start, change, slope = np.zeros((3, len(lever)))
-    return given | {"group": group, "start": start, "change": change, "slope": slope, "means": np.zeros((0, 3))}
+    return given | {
+        "group": group,
+        "start": start,
+        "change": change,
+        "slope": slope,
+        "means": np.zeros(0, step_error.MEAN),
+    }

@@ -14,6 +14,7 @@ from granular_contact.engines.tree.kernels.tree import HINGE, SLIDER
 from granular_contact.engines.tree.kernels.tree_arrays import NODE, room
 from granular_contact.mechanics.joint_loads import JointLoad
 from granular_contact.mechanics.kernels.joint_loads import JOINT, STATE
+from granular_contact.mechanics.kernels.signal_tables import SIGNAL
 from granular_contact.mechanics.sensors import Sensors
 from granular_contact.mechanics.stepping import signals_of
 from granular_contact.mechanics.system import RigidHandle, System
@@ -248,7 +249,7 @@ def _signals(scene: Scene, joints: dict[str, int], nodes: int) -> dict[str, NDAr
         if not drive.sets:
             follows[joints[drive.joint]] = signals.index(drive.signal)
     knots, pieces = tabulate(signals, scene.solver.end_time_s)
-    return {"signals": follows, "knots": knots, "pieces": pieces, "wanted": np.zeros((len(signals), 3))}
+    return {"signals": follows, "knots": knots, "pieces": pieces, "wanted": np.zeros(len(signals), SIGNAL)}
 
 
 def _fill(record: np.void, scene: Scene, node: _Node) -> None:

@@ -1,18 +1,22 @@
-"""Signals of drives as polynomials of degree five in pieces, all over the same knots.
+"""Signals of drives as piecewise polynomials of degree five over common knots.
 
-knots (k + 1,) s, rising; pieces (signals, k, 6): coefficients over each piece, lowest power first, of the time since
-its knot. Before the first knot and after the last one a signal goes on as its nearest piece does.
+knots (k + 1,) s, rising; pieces (signals, k, 6): coefficients of each piece, lowest power first, in the time since its
+knot. Before the first knot and after the last one the nearest piece is extrapolated.
 """
 
 from __future__ import annotations
 
 from granular_contact.jit.compiled import part
+from granular_contact.jit.records import fields, record_dtype
 from granular_contact.sand.kernels.tables import interval
+
+# Value of a signal, its rate and its acceleration, in SI units and s.
+SIGNAL = record_dtype(fields("f8", "value", "rate", "acceleration"))
 
 
 @part
-def look_up(t, knots, pieces, found):
-    """Fill found (signals, 3) with values at t (s), their rates and accelerations."""
+def look_up(t, knots, pieces, signals):
+    """Evaluate all signals at t (s) by Horner's method: fill signals, (signals,) records of SIGNAL."""
     at, _ = interval(knots, 0, knots.shape[0], t)
     tau = t - knots[at]
     for i in range(pieces.shape[0]):
@@ -21,4 +25,5 @@ def look_up(t, knots, pieces, found):
             acceleration = acceleration * tau + 2.0 * rate
             rate = rate * tau + value
             value = value * tau + pieces[i, at, power]
-        found[i, 0], found[i, 1], found[i, 2] = value, rate, acceleration
+        signal = signals[i]
+        signal.value, signal.rate, signal.acceleration = value, rate, acceleration

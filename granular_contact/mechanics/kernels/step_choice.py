@@ -36,8 +36,8 @@ class Prescribed(NamedTuple):
     """What drives ask of steps.
 
     bends (n,): times (s) at which signals bend; followed (k,): signals of prescribed motions among those of
-    `signal_tables`, arms (k,): what makes their values lengths (m); knots, pieces: the tables of signals; found
-    (signals, 3): room to look them up in.
+    `signal_tables`, arms (k,): what makes their values lengths (m); knots, pieces: the tables of signals; signals
+    (signals,): records of SIGNAL, room to look them up in.
     """
 
     bends: Any
@@ -45,7 +45,7 @@ class Prescribed(NamedTuple):
     arms: Any
     knots: Any
     pieces: Any
-    found: Any
+    signals: Any
 
 
 @part
@@ -79,19 +79,19 @@ def foreseen(t, step, choice, fastest, now, prescribed):
     A step that came to a bend of a prescribed motion and were refused would leave its error to the next ones: what
     positions ask for they make up for in one step, with a force that grows as steps shrink.
     """
-    _, followed, arms, knots, pieces, found = prescribed
+    _, followed, arms, knots, pieces, signals = prescribed
     jump = 2.0 * SAFETY * choice.accuracy * fastest  # half of it acts
     smooth = SAFETY**2 * choice.accuracy * max(now, fastest / SLOWED) / choice.both
     most = min(jump, smooth)
     for i in range(followed.shape[0]):
         k = followed[i]
-        look_up(t, knots, pieces, found)
-        begun = found[k, 2]
+        look_up(t, knots, pieces, signals)
+        before = signals[k].acceleration
         while step > choice.least:
             change = 0.0
             for quarter in range(1, 5):
-                look_up(t + 0.25 * quarter * step, knots, pieces, found)
-                change = max(change, abs(found[k, 2] - begun))
+                look_up(t + 0.25 * quarter * step, knots, pieces, signals)
+                change = max(change, abs(signals[k].acceleration - before))
             if arms[i] * change * step <= most:
                 break
             step *= 0.5

@@ -9,7 +9,7 @@ Arrays, of a view `w` of CHANGES (`jit.layout`):
     start   (m,) accelerations at the start of the step, times lever; change: what they have changed by since
     change
     slope   (m,) change over the step before, over its length
-    means   (groups, 3) to work in
+    means   (groups,) records of MEAN, to work in
 """
 
 from __future__ import annotations
@@ -21,13 +21,16 @@ import numpy as np
 from granular_contact.jit.compiled import kernel, part
 from granular_contact.jit.layout import Layout
 from granular_contact.jit.memory import clear
+from granular_contact.jit.records import fields, record_dtype
 
 EACH, NONE = -1, -2
+# Of a group: number of its coordinates, sums of the unexpected changes and of the whole changes (m/s2).
+MEAN = record_dtype(fields("f8", "count", "unexpected", "whole"))
 CHANGES = Layout(
     "changes",
     **dict.fromkeys(("a", "v", "lever", "start", "change", "slope"), (float, 1)),
     group=(np.int64, 1),
-    means=(float, 2),
+    means=(MEAN, 1),
 )
 view = CHANGES.view
 
@@ -65,12 +68,14 @@ def measure(addresses, step):
         if group[i] == EACH:
             jump, whole = max(jump, abs(least)), max(whole, size)
         elif group[i] != NONE:
-            means[group[i], 0] += 1.0
-            means[group[i], 1] += least
-            means[group[i], 2] += change[i]
+            mean = means[group[i]]
+            mean.count += 1.0
+            mean.unexpected += least
+            mean.whole += change[i]
     for g in range(means.shape[0]):
-        if means[g, 0] > 0.0:
-            jump, whole = max(jump, abs(means[g, 1]) / means[g, 0]), max(whole, abs(means[g, 2]) / means[g, 0])
+        mean = means[g]
+        if mean.count > 0.0:
+            jump, whole = max(jump, abs(mean.unexpected) / mean.count), max(whole, abs(mean.whole) / mean.count)
     return fastest(v, lever), jump, whole, most
 
 

@@ -9,7 +9,7 @@ Of n nodes, with the widths of the plane; those of space, and what is there alon
     gravity         (1,) m/s2
     sand, triplets  as in `planar_sand`, with the coordinates of `pose` as those of the system; room for its tangent
     signals         (n,) which signal a joint's drive follows, -1 of none
-    knots, pieces   see `signal_tables`; wanted (signals, 3): values, rates and accelerations at present
+    knots, pieces   see `signal_tables`; wanted (signals,): records of SIGNAL, at present
     wanted
     s, rates        (n,) coordinates and their rates, accelerations, and those that the scheme moves by (`tree_newton`);
     s2, lagged      then the same at the start of the step
@@ -72,6 +72,7 @@ from numpy.typing import NDArray
 from granular_contact.jit.layout import Layout
 from granular_contact.jit.records import fields, record_dtype
 from granular_contact.mechanics.kernels.joint_loads import JOINT, STATE
+from granular_contact.mechanics.kernels.signal_tables import SIGNAL
 from granular_contact.mechanics.kernels.step_choice import CHOICE
 
 # parent: index of the node it hangs on, -1 for the ground; kind: of its joint; on_parent (2,) m: the joint's point in
@@ -124,6 +125,7 @@ TREE = Layout(
     space_nodes=(SPACE_NODE, 1),
     laws=(JOINT, 1),
     state=(STATE, 1),
+    wanted=(SIGNAL, 1),
     pieces=(float, 3),
     sand=(np.int64, 2),
     scheme=(SCHEME, 1),
@@ -134,7 +136,7 @@ TREE = Layout(
     **dict.fromkeys(("s", "rates", "s2", "lagged"), _ROW),
     **dict.fromkeys(("s_before", "rates_before", "s2_before", "lagged_before"), _ROW),
     **dict.fromkeys(("effort", "stiffness", "rest", "change"), _ROW),
-    **dict.fromkeys(("triplets", "wanted", "states", "table", "shapes", "inverse"), _ROWS),
+    **dict.fromkeys(("triplets", "states", "table", "shapes", "inverse"), _ROWS),
     **dict.fromkeys(("pose", "pose_rates", "twist", "acceleration", "turned", "home", "arm", "along", "bias"), _ROWS),
     **dict.fromkeys(("force", "of_sand", "blocks", "coupled", "passed", "body", "joint", "moved"), _ROWS),
     **dict.fromkeys(("signals", "prescribed", "acts", "followed", "counts"), _WHOLE),

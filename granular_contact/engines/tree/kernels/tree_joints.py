@@ -21,7 +21,7 @@ def follow_signals(t, w):
         k = signals[i]
         if k < 0:
             continue
-        value, rate, kind = wanted[k, 0], wanted[k, 1], laws[i].drive
+        value, rate, kind = wanted[k].value, wanted[k].rate, laws[i].drive
         if kind == LOAD:
             state[i].target = value
         elif kind == CONTROL:
@@ -44,8 +44,8 @@ def prescribe(of_v, w):
     for i in range(prescribed.shape[0]):
         if prescribed[i]:
             k = signals[i]
-            s2[i] = s2[i] + (wanted[k, 1] - rates[i]) / of_v if of_v > 0.0 else wanted[k, 2]
-            s[i], rates[i] = wanted[k, 0], wanted[k, 1]
+            s2[i] = s2[i] + (wanted[k].rate - rates[i]) / of_v if of_v > 0.0 else wanted[k].acceleration
+            s[i], rates[i] = wanted[k].value, wanted[k].rate
 
 
 @part
