@@ -336,7 +336,7 @@ STUDIES: Mapping[str, Callable[[Case], None]] = {
 }
 
 RIGID = "model.bodies: no link is flexible, so there is nothing to compare"
-DEEP = "model: the model is in space, and what is compared is of the pendulum in the plane: sweep method.reduced.modes"
+DEEP = "model: the model is in space; compare is for a pendulum in the plane: sweep method.reduced.modes instead"
 IN_THREE = {"robot in space", "flexible in space", "URDF"}
 BENDS = {"flexible link", "free rod that bends"}
 # The refusals that are right, by the sentence without the place of its file.

@@ -97,7 +97,7 @@ def test_figures_are_those_of_a_run_with_a_curve_for_each_model(
         ((21,), (4,), "--modes: got 21; allowed are whole numbers from 0 to 20"),
         ((-1,), (4,), "--modes: got -1; allowed are whole numbers from 0 to 20"),
         ((1,), (0,), "--elements: got 0; allowed are whole numbers from 1 to 1024"),
-        ((1,), (), "--elements: got none; at least one beam is the reference"),
+        ((1,), (), "--elements: got none; the reference needs at least one number"),
     ],
 )
 def test_counts_out_of_range_are_refused(modes, elements, message) -> None:

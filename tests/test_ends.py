@@ -38,7 +38,7 @@ CASES = {
 SAID = {
     "rest": "at rest: slower than",
     "end_time": "end time 0.05 s reached",
-    "time_limit": "s of 10000 s: the limit of wall time, solver.max_wall_s (0.0002), was reached; the results up to there were kept",
+    "time_limit": "s of 10000 s: the limit of wall time, solver.max_wall_s (0.0002), was reached",
     "interrupted": "interrupted at",
     "failed": "; take a smaller solver.",
 }

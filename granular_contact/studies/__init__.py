@@ -1,8 +1,8 @@
-"""Many runs for one answer: compared, swept, fitted.
+"""Studies of many runs: comparisons, sweeps, ensembles, optimisation and fits.
 
-compare, compare_media   one config by several models, in several media
-processes                workers on this machine
-sweep                    cases of a config on these, or on a cluster
-ensemble, optimise       seeds of scatter; the best numbers: on the workers of sweeps
+compare, compare_media   one config with several models, or in several media
+processes                worker processes on this machine
+sweep                    cases of a config, run by worker processes or a Dask cluster
+ensemble, optimise       runs with many seeds of scatter; the best parameters; both on the workers of sweeps
 fit                      coefficients from measurements
 """

@@ -1,7 +1,7 @@
-"""One config with several models, rigid, modal and finite-element, compared with the finest beam.
+"""Compare rigid, modal and finite-element models of one config with the model of the most elements.
 
-A model is accepted for the motion when stopping time and travel (angle at stop minus impact angle) are both within the
-tolerance, and for the deflection when the peak deflection is. The verdict is the cheapest accepted model.
+A model is accepted for the motion if stopping time and travel (angle at stop minus impact angle) are both within the
+tolerance, and for the deflection if the peak deflection is. The verdict is the cheapest accepted model.
 """
 
 from __future__ import annotations
@@ -29,15 +29,15 @@ from granular_contact.scene import build
 
 MODES, ELEMENTS = (0, 1, 2, 5), (4, 8, 16, 32)
 MOST_MODES, MOST_ELEMENTS = 20, 1024
-EVERY_STEP = "output.interval_s=null"  # differences are not to depend on how many rows are kept
+EVERY_STEP = "output.interval_s=null"  # so that differences do not depend on the number of stored rows
 
 
 @dataclass(frozen=True)
 class Row:
-    """A model by its name, its results, its median run time (s) and its differences from the reference.
+    """One model: its name, results, median run time (s) and differences from the reference.
 
-    differences: by column, relative ones of stopping time, travel and peak deflection, and root mean squares (deg, m)
-    over the time that both have. None where either run has no such number.
+    differences: by column, relative differences of stopping time, travel and peak deflection, and root mean square
+    differences (deg, m) over the common time. None if either run lacks the number.
     """
 
     name: str
@@ -47,11 +47,11 @@ class Row:
 
     @property
     def motion_error(self) -> float:
-        """The greater of both relative errors of the motion; infinite where one is not known, or the run failed."""
+        """Larger of the two relative errors of the motion; infinite if one is unknown, or the run failed."""
         errors = [self.differences[key] for key in ("stopping_time_relative", "travel_relative")]
         if self.results.status.code not in FINISHED:
             return math.inf
-        return max(math.inf if one is None else abs(one) for one in errors)
+        return max(math.inf if error is None else abs(error) for error in errors)
 
 
 @dataclass(frozen=True)
@@ -63,35 +63,35 @@ class Comparison:
 
     @property
     def verdict(self) -> str:
-        """One sentence for the motion, and one for the deflection."""
+        """Cheapest accepted model for the motion and for the deflection, as a sentence."""
         *models, reference = self.rows
         if reference.results.status.code not in FINISHED:
-            why = reference.results.status.message
-            return f"{reference.name} did not reach its end, so there is no reference: {why}"
+            message = reference.results.status.message
+            return f"{reference.name} did not reach its end, so there is no reference: {message}"
         candidates = sorted(models, key=lambda row: row.seconds)
         limit = f"{100 * self.tolerance:g} %"
         motion = f"No model is within {limit} of {reference.name} in stopping time and travel"
-        if good := [row for row in candidates if row.motion_error <= self.tolerance]:
-            best = good[0]
+        if accepted := [row for row in candidates if row.motion_error <= self.tolerance]:
+            best = accepted[0]
             cost = f"{1e3 * best.seconds:.3g} ms ({reference.name}: {1e3 * reference.seconds:.3g} ms)"
             motion = (
                 f"Cheapest within {limit} in stopping time and travel: {best.name}, "
                 f"error {100 * best.motion_error:.2g} % in {cost}"
             )
         peaks = [(row.name, row.differences["deflection_relative"]) for row in candidates]
-        bends = [name for name, error in peaks if error is not None and abs(error) <= self.tolerance]
-        return f"{motion}; for the peak deflection: {bends[0] if bends else 'none'}."
+        accurate = [name for name, error in peaks if error is not None and abs(error) <= self.tolerance]
+        return f"{motion}; for the peak deflection: {accurate[0] if accurate else 'none'}."
 
 
 def models(
     path: str | PathLike[str], modes: Sequence[int], elements: Sequence[int], overrides: Sequence[str]
 ) -> dict[str, list[str]]:
-    """Overrides by the names of the models of a comparison, cheapest kind first, the finest beam last.
+    """Overrides of each model of a comparison, by its name; cheapest kind first, the most elements last.
 
     Raises
     ------
     ConfigError
-        The config is at fault, a count is out of range, or the mechanism has no flexible link to compare.
+        The config has a fault, a count is out of range, or the mechanism has no flexible link to compare.
     """
     faults = [
         Fault("", None, f"--{name}", f"got {n}; allowed are whole numbers from {low} to {high}")
@@ -99,17 +99,17 @@ def models(
         for n in counts
         if not low <= n <= high
     ]
-    faults += [] if elements else [Fault("", None, "--elements", "got none; at least one beam is the reference")]
+    faults += [] if elements else [Fault("", None, "--elements", "got none; the reference needs at least one number")]
     scenario = load(path, overrides).scenario
     flexible = [
-        n for n, b in scenario.model.all_bodies.items() if isinstance(b, schema.Link) and b.flexible is not None
+        name
+        for name, body in scenario.model.all_bodies.items()
+        if isinstance(body, schema.Link) and body.flexible is not None
     ]
     links = [name for name in flexible if name in scenario.model.bodies]
     if scenario.model.in_space:
-        words = (
-            "the model is in space, and what is compared is of the pendulum in the plane: sweep method.reduced.modes"
-        )
-        faults.append(Fault(str(path), None, "model", words))
+        message = "the model is in space; compare is for a pendulum in the plane: sweep method.reduced.modes instead"
+        faults.append(Fault(str(path), None, "model", message))
     elif not flexible:
         faults.append(Fault(str(path), None, "model.bodies", "no link is flexible, so there is nothing to compare"))
     if faults:
@@ -121,15 +121,15 @@ def models(
     beams = {
         f"FE, {_counted('element', n)}": [
             "method=engine",
-            *(f"model.bodies.{one}.flexible.elements={n}" for one in links),
+            *(f"model.bodies.{link}.flexible.elements={n}" for link in links),
         ]
         for n in sorted(set(elements))
     }
     return reduced | beams
 
 
-def _counted(what: str, count: int) -> str:
-    return f"{count} {what}{'s' * (count > 1)}"
+def _counted(noun: str, count: int) -> str:
+    return f"{count} {noun}{'s' * (count > 1)}"
 
 
 def compare(
@@ -143,9 +143,9 @@ def compare(
     progress: Callable[[str], None] | None = None,
     compiling: Compiling | None = None,
 ) -> Comparison:
-    """Run a config with every model, `repeats` times after a warm-up, to measure the run time.
+    """Run a config with every model, one warm-up and then `repeats` times to measure the run time.
 
-    progress: called with the name of what is run next; compiling: see `run`.
+    progress: called with the name of the next model; compiling: see `run`.
 
     Raises
     ------
@@ -153,17 +153,17 @@ def compare(
         As `models`, or the mechanism has no modal reduction.
     """
     runs = []
-    for name, of_model in models(path, modes, elements, overrides).items():
+    for name, changes in models(path, modes, elements, overrides).items():
         if progress is not None:
             progress(name)
-        scenario = load(path, [*overrides, *of_model, EVERY_STEP]).scenario
+        scenario = load(path, [*overrides, *changes, EVERY_STEP]).scenario
         scene = build(scenario)
         pictures = [0] * repeats + [MOST]
-        tries = [uninterrupted(run(scene, scenario, most_frames=most, compiling=compiling)) for most in pictures]
-        seconds = statistics.median(one.summary["cost"]["solve_s"] for one in tries[1:])
-        runs.append((name, tries[-1], seconds))
+        repetitions = [uninterrupted(run(scene, scenario, most_frames=most, compiling=compiling)) for most in pictures]
+        seconds = statistics.median(results.summary["cost"]["solve_s"] for results in repetitions[1:])
+        runs.append((name, repetitions[-1], seconds))
     reference = runs[-1][1]
-    rows = tuple(Row(name, one, seconds, _differences(one, reference)) for name, one, seconds in runs)
+    rows = tuple(Row(name, results, seconds, _differences(results, reference)) for name, results, seconds in runs)
     return Comparison(rows, tolerance)
 
 
@@ -171,10 +171,10 @@ def _differences(results: Results, reference: Results) -> dict[str, float | None
     """Differences of a run from the reference, see `Row`."""
 
     def relative(key: str, origin: float = 0.0) -> float | None:
-        mine, exact = results.summary[key], reference.summary[key]
-        if mine is None or exact is None or exact == origin:
+        value, exact = results.summary[key], reference.summary[key]
+        if value is None or exact is None or exact == origin:
             return None
-        return float((mine - exact) / (exact - origin))
+        return float((value - exact) / (exact - origin))
 
     angle = next(name for name in reference.names if name.endswith("_angle_deg"))
     return {
@@ -187,20 +187,20 @@ def _differences(results: Results, reference: Results) -> dict[str, float | None
 
 
 def _rms(results: Results, reference: Results, column: str) -> float | None:
-    """Root mean square difference of a column over the time that both runs have; None where one has no such column."""
-    if not all(column in one.names for one in (results, reference)):
+    """Root mean square difference of a column over the common time of two runs; None if one lacks the column."""
+    if not all(column in run.names for run in (results, reference)):
         return None
     end = min(results["time_s"][-1], reference["time_s"][-1])
     time = np.linspace(0.0, end, 2001)
-    known = [(one["time_s"], one[column]) for one in (results, reference)]
-    mine, exact = (at_times(*one, rates(*one), time) for one in known)
-    return float(np.sqrt(np.mean((mine - exact) ** 2)))
+    histories = [(run["time_s"], run[column]) for run in (results, reference)]
+    values, exact = (at_times(*history, rates(*history), time) for history in histories)
+    return float(np.sqrt(np.mean((values - exact) ** 2)))
 
 
 def cells(row: Row) -> dict[str, str | float | None]:
-    """A row of the table, by the names of its columns."""
-    measured = {key: row.results.summary[key] for key in ("stopping_time_s", "angle_at_stop_deg", "max_deflection_m")}
-    return {"model": row.name, **measured, **row.differences, "solve_s": row.seconds}
+    """Cells of a row of the table, by column name."""
+    numbers = {key: row.results.summary[key] for key in ("stopping_time_s", "angle_at_stop_deg", "max_deflection_m")}
+    return {"model": row.name, **numbers, **row.differences, "solve_s": row.seconds}
 
 
 def write_runs(
@@ -212,16 +212,16 @@ def write_runs(
     *,
     figures: bool,
 ) -> None:
-    """Write compared runs: their table, histories and motions, completely or not at all; then figures.
+    """Write the table, histories and motions of compared runs, completely or not at all; then figures.
 
-    summary: of a comparison whose last run is the reference; without one all runs are alike. The scenario is that of
-    the reference, else of the first.
+    summary: None if no run is the reference, otherwise the last run is. The saved scenario is that of the reference, or
+    of the first run.
     """
-    reference, of = ("", runs[0][1]) if summary is None else runs[-1]
+    reference, basis = ("", runs[0][1]) if summary is None else runs[-1]
     table = list(rows)
     with report.whole_folder(directory, kind) as folder:
         report.write_table(folder / f"{kind}.csv", list(table[0]), (list(row.values()) for row in table))
-        (folder / report.SCENARIO).write_text(report.scenario_text(of), encoding="utf-8")
+        (folder / report.SCENARIO).write_text(report.scenario_text(basis), encoding="utf-8")
         write_overlay(runs, folder)
         if summary is not None:
             (folder / report.SUMMARY).write_text(report.json_text(summary), encoding="utf-8")
@@ -233,13 +233,13 @@ def write_runs(
 
 
 def write(comparison: Comparison, directory: Path, figures: bool = True) -> None:
-    """Write table, verdict, scenario, histories and motions of all, completely or not at all; then figures."""
+    """Write table, verdict, scenario, histories and motions of all runs, completely or not at all; then figures."""
     runs = [(row.name, row.results) for row in comparison.rows]
     write_runs(directory, "compare", map(cells, comparison.rows), runs, _summary(comparison), figures=figures)
 
 
 def _summary(comparison: Comparison) -> dict[str, Any]:
-    """What the table does not say: the verdict, how it was measured, and the warnings."""
+    """Content of summary.json: verdict, tolerance, reference, energy balances, warnings and versions."""
     reference = comparison.rows[-1].results
     balances = {row.name: row.results.summary["energy"]["imbalance_relative"] for row in comparison.rows}
     return {

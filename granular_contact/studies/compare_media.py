@@ -1,4 +1,4 @@
-"""One config in several media: the same impact, compared."""
+"""Compare runs of one config in several media."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ from granular_contact.studies.compare import write_runs
 
 @dataclass(frozen=True)
 class Row:
-    """A medium as it was named, and its results."""
+    """One medium: its name as given, and the results of its run."""
 
     name: str
     results: Results
 
     @property
     def peak_force(self) -> float:
-        """Greatest resultant of the medium on the mechanism (N)."""
+        """Largest resultant force of the medium on the mechanism (N), without the floor."""
         terms = [term for term in self.results.terms if term != "floor"]
         return float(np.linalg.norm(resultant(self.results, terms), axis=0).max())
 
@@ -43,24 +43,24 @@ def compare_media(
 ) -> tuple[Row, ...]:
     """Run a config in each of several media, named as in a config (preset, file, or several joined by +).
 
-    progress: called with the name of what is run next; compiling: see `run`.
+    progress: called with the name of the next medium; compiling: see `run`.
 
     Raises
     ------
     ConfigError, SceneError
-        The config or one of the media is at fault; nothing is run before all are read.
+        The config or one of the media has a fault. All are read before the first run starts.
     """
     if not media:
         raise ConfigError([Fault("", None, "--media", "got none; allowed are names, as play_sand,rft_generic")])
-    if faults := list(_idle(overrides)):
+    if faults := list(_replaced(overrides)):
         raise ConfigError(faults)
     configs = [load(path, [*overrides, f"medium={_value(name)}"]) for name in media]
     scenes = []
-    for one in configs:
+    for config in configs:
         try:
-            scenes.append(build(one.scenario))
+            scenes.append(build(config.scenario))
         except SceneError as error:  # noqa: PERF203
-            faults += one.sources.place(error.faults)
+            faults += config.sources.place(error.faults)
     if faults:
         raise SceneError(faults)
     rows = []
@@ -71,23 +71,23 @@ def compare_media(
     return tuple(rows)
 
 
-def _idle(overrides: Sequence[str]) -> Iterator[Fault]:
-    """Overrides that the media compared would replace."""
+def _replaced(overrides: Sequence[str]) -> Iterator[Fault]:
+    """Faults of overrides that the compared media would replace."""
     for text in overrides:
         key = text.partition("=")[0].strip()
         if key.split(".")[0].strip() == "medium":
-            why = "is set by --media; write a medium with other numbers into a file, as {from: play_sand, eta_h: 80}, "
-            yield Fault(f"--set {text}", None, key, f"{why}and name the file there")
+            reason = "is set by --media; to change numbers, write a medium file, as {from: play_sand, eta_h: 80}, "
+            yield Fault(f"--set {text}", None, key, f"{reason}and give its name to --media")
 
 
 def _value(name: str) -> str:
-    """A medium as the text of a YAML value: a name, or a list of those joined by +."""
+    """YAML text of a medium: one name, or a list for names joined by +."""
     parts = [part.strip() for part in name.split("+")]
     return parts[0] if len(parts) == 1 else f"[{', '.join(parts)}]"
 
 
 def cells(row: Row) -> dict[str, str | float | None]:
-    """A row of the table, by the names of its columns."""
+    """Cells of a row of the table, by column name."""
     summary = row.results.summary
     return {
         "medium": row.name,
@@ -101,6 +101,6 @@ def cells(row: Row) -> dict[str, str | float | None]:
 
 
 def write(rows: Sequence[Row], directory: Path, figures: bool = True) -> None:
-    """Write the table, the first run's scenario, histories and motions, completely or not at all; then figures."""
+    """Write the table, the scenario of the first run, histories and motions, completely or not at all; then figures."""
     runs = [(row.name, row.results) for row in rows]
     write_runs(directory, "compare-media", map(cells, rows), runs, figures=figures)

@@ -1,9 +1,10 @@
-"""Worker processes on this machine: modules imported in advance, one thread each, SIGINT blocked, ended with the sweep.
+"""Pool of worker processes on this machine: modules imported in advance, one thread each, SIGINT blocked.
 
-Each has a thread and a pipe of its own here. A process that dies closes its pipe, even with half a result in it: its
-task is known, and the others go on. The pools of the standard library and of loky share one pipe for all results, and
-wait forever for the other half; loky's processes outlive a killed parent besides, and those of dask's local cluster
-take seconds to start and to end. A lost task raises `BrokenExecutor` in all of them.
+In this process each worker has its own thread and its own pipe. A worker that dies closes its pipe, even in the middle
+of a result, so the lost task is known and the other workers continue. The pools of the standard library and of loky
+share one pipe for all results, and wait forever for the rest of such a result. In addition, loky's processes outlive a
+killed parent, and those of dask's local cluster take seconds to start and to end. A lost task raises `BrokenExecutor`,
+as in all of these pools.
 """
 
 from __future__ import annotations
@@ -26,13 +27,15 @@ from typing import Any
 
 from granular_contact.errors import WorkerPoolError
 
-# Workers print nothing of their own, and `import exudyn` would where it finds settings in ~/.exudyn; nor do results
-# depend on these.
+# `import exudyn` prints a message if it finds settings in ~/.exudyn. Workers must not print, nor depend on settings.
 _QUIET = {"EXUDYN_NO_USER_SETTINGS": "1"}
-_UNGUARDED = 'a script that starts worker processes is read by each of them: put it below `if __name__ == "__main__":`'
+_UNGUARDED = (
+    "every worker process imports the script that starts it: "
+    'put the lines of the script below `if __name__ == "__main__":`'
+)
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
-# What a worker needs anyway; where workers are forked from a server, it is imported once for all of them. numba and
-# pydantic import most of themselves only when they are first used.
+# Modules that every worker needs. A fork server imports them once for all workers. numba and pydantic import most of
+# their modules only at first use, so these are listed too.
 _NUMBA = ["np.arraymath", "np.linalg", "np.polynomial", "np.random.generator_methods", "cpython.randomimpl"]
 _NUMBA += ["cpython.heapq", "cpython.charseq", "typed.typeddict", "typed.setobject", "misc.cffiimpl", "core.ccallback"]
 _PRELOADED = ["numpy", "exudyn", "numba", "pydantic.json_schema", "yaml", *(f"numba.{name}" for name in _NUMBA)]
@@ -40,32 +43,32 @@ _OURS = ["studies.sweep.worker", "scene", "engines.exudyn.build", "engines.exudy
 _OURS += ["mechanics.observe", "sand.of_scene", "run", "jit.loaded"]
 _PACKAGE, _FOLDER = __name__.partition(".")[0], str(Path(__file__).parents[2])
 _HAS_SERVER = "forkserver" in multiprocessing.get_all_start_methods()
-# The server imports from the working folder first, unless it is asked not to: a checkout there may be another package
-# than the one at work here.
-_CAN_TELL = hasattr(sys.flags, "safe_path") and not sys.flags.ignore_environment
+# Without PYTHONSAFEPATH the server imports from the working folder first, where a checkout may contain another version
+# of this package.
+_HAS_SAFE_PATH = hasattr(sys.flags, "safe_path") and not sys.flags.ignore_environment
 
 
 def cores() -> int:
-    """Cores that this process may use."""
-    affinity = getattr(os, "sched_getaffinity", None)  # not everywhere
+    """Return the number of cores that this process may use."""
+    affinity = getattr(os, "sched_getaffinity", None)  # not on every platform
     return len(affinity(0)) if affinity else os.cpu_count() or 1
 
 
 def local_processes(workers: int) -> Executor:
-    """Pool of processes on this machine."""
+    """Return a pool of worker processes on this machine."""
     prepare()
     return _Processes(workers)
 
 
 def prepare() -> None:
-    """Start the fork server without waiting: meanwhile it imports what the workers need."""
+    """Start the fork server without waiting for it; it imports the modules that workers need."""
     if _HAS_SERVER:
         from multiprocessing import forkserver, resource_tracker
 
-        ours = [f"{_PACKAGE}.{name}" for name in _OURS] if _CAN_TELL else []
+        ours = [f"{_PACKAGE}.{name}" for name in _OURS] if _HAS_SAFE_PATH else []
         forkserver.set_forkserver_preload([*_PRELOADED, *ours])
-        resource_tracker.ensure_running()  # by itself, since it lets Ctrl-C through again once it has started
-        # A folder of installed packages is on the path anyway, behind the standard library.
+        resource_tracker.ensure_running()  # outside `_as_workers`, because it unblocks Ctrl-C when it has started
+        # A folder of installed packages is already on the path, behind the standard library.
         first = "" if sysconfig.get_path("purelib") == _FOLDER else _FOLDER
         path = os.pathsep.join(filter(None, [first, os.environ.get("PYTHONPATH")]))
         with _as_workers(PYTHONSAFEPATH="1", PYTHONPATH=path):
@@ -73,22 +76,22 @@ def prepare() -> None:
 
 
 class _Processes(Executor):
-    """Threads with a worker process each, which starts with the first task."""
+    """Executor of threads, each of which starts its own worker process at its first task."""
 
     def __init__(self, workers: int) -> None:
-        self._threads, self._own = ThreadPoolExecutor(workers), threading.local()
+        self._threads, self._local = ThreadPoolExecutor(workers), threading.local()
         self._context: Any = multiprocessing.get_context("forkserver" if _HAS_SERVER else "spawn")
         self._lock, self._ended = threading.Lock(), False
         self._started: list[tuple[Any, Connection]] = []
 
     def submit(self, function: Callable[..., Any], /, *arguments: Any, **keywords: Any) -> Future[Any]:
-        """As of any executor; a task whose process died has the exception BrokenExecutor, WorkerPoolError if it did
-        before it could begin.
+        """`Executor.submit`; the future raises BrokenExecutor if the process died during the task, WorkerPoolError if
+        the process died before its first task.
         """
         return self._threads.submit(self._call, function, arguments, keywords)
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
-        """As of any executor; `wait=False` with `cancel_futures` also ends running tasks."""
+        """`Executor.shutdown`; `wait=False` with `cancel_futures=True` also terminates running tasks."""
         end_now = cancel_futures and not wait
         self._threads.shutdown(wait=not end_now, cancel_futures=cancel_futures)
         with self._lock:
@@ -105,41 +108,41 @@ class _Processes(Executor):
         self.shutdown(wait=kind is None, cancel_futures=kind is not None)
 
     def _call(self, *call: Any) -> Any:
-        """In one of the threads: the result of a function with its arguments, computed in the worker process."""
+        """Compute the result of a function call in the worker process of this thread."""
         task = pickle.dumps(call)
         try:
-            if not hasattr(self._own, "pipe"):
-                self._own.pipe = self._start()
-            self._own.pipe.send_bytes(task)
-            answer = self._own.pipe.recv_bytes()
+            if not hasattr(self._local, "pipe"):
+                self._local.pipe = self._start()
+            self._local.pipe.send_bytes(task)
+            answer = self._local.pipe.recv_bytes()
         except (EOFError, OSError):
-            vars(self._own).pop("pipe", None)  # the next task gets another process
+            vars(self._local).pop("pipe", None)  # the next task gets another process
             raise BrokenExecutor("the process died during a task") from None
-        fine, outcome = pickle.loads(answer)
-        if fine:
+        succeeded, outcome = pickle.loads(answer)
+        if succeeded:
             return outcome
         raise outcome
 
     def _start(self) -> Connection:
-        """The pipe to a new process, which is ready."""
+        """Start a new process, wait until it is ready, and return the pipe to it."""
         with self._lock, _as_workers():
             if self._ended:
                 raise BrokenExecutor("the work was ended")
-            here, there = self._context.Pipe()
-            process = self._context.Process(target=_serve, args=(there,), daemon=True)
+            parent_end, worker_end = self._context.Pipe()
+            process = self._context.Process(target=_serve, args=(worker_end,), daemon=True)
             try:
                 process.start()
-            except RuntimeError as error:  # this is a worker that reads the script
+            except RuntimeError as error:  # this process is itself a worker that imports the script
                 raise WorkerPoolError(_UNGUARDED) from error
-            there.close()  # so that the process alone can write to it
-            self._started.append((process, here))
+            worker_end.close()  # so that the pipe closes when the worker ends
+            self._started.append((process, parent_end))
         try:
-            here.recv_bytes()
+            parent_end.recv_bytes()
         except (EOFError, OSError):
             if self._ended:
                 raise BrokenExecutor("the work was ended") from None
             raise WorkerPoolError(f"a worker process ended before its first task; {_UNGUARDED}") from None
-        return here  # type: ignore[no-any-return]
+        return parent_end  # type: ignore[no-any-return]
 
 
 def _serve(pipe: Connection) -> None:
@@ -148,11 +151,11 @@ def _serve(pipe: Connection) -> None:
     if parent is not None:
         threading.Thread(target=_follow, args=(parent.sentinel,), daemon=True).start()
     if hasattr(signal, "pthread_sigmask"):
-        # Not only ignored: a solve would listen again.
+        # Blocked and not only ignored, because a solve installs its own handler.
         signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     else:
         signal.signal(signal.SIGINT, signal.SIG_IGN)
-    gc.freeze()  # what is imported stays, and need not be looked through again and again
+    gc.freeze()  # imported objects stay, so the garbage collector need not visit them
     pipe.send_bytes(b"")
     while True:
         try:
@@ -170,7 +173,7 @@ def _serve(pipe: Connection) -> None:
 def _pickled(error: BaseException) -> bytes:
     try:
         return pickle.dumps((False, error))
-    except Exception:  # it holds what can't be sent
+    except Exception:  # the exception contains objects that can't be pickled
         return pickle.dumps((False, RuntimeError(f"{type(error).__name__}: {error}")))
 
 
@@ -181,13 +184,15 @@ def _follow(sentinel: int) -> None:
 
 @contextmanager
 def _as_workers(**more: str) -> Iterator[None]:
-    """Processes that start now use one thread each and have SIGINT blocked: a terminal sends it to all its processes,
-    but only the parent handles it. Here it is delayed until the end. more: of their environment.
+    """Give processes that start within the block one thread each and a blocked SIGINT; more: environment variables.
+
+    A terminal sends SIGINT to all its processes, but only the parent handles it. In the parent it is delayed until the
+    end of the block.
     """
     environment = dict.fromkeys(_THREADS, "1") | _QUIET | more
     before = {name: os.environ.get(name) for name in environment}
     os.environ.update(environment)
-    block = getattr(signal, "pthread_sigmask", None)  # not everywhere
+    block = getattr(signal, "pthread_sigmask", None)  # not on every platform
     mask = block(signal.SIG_BLOCK, {signal.SIGINT}) if block else None
     try:
         yield

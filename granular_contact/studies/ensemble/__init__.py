@@ -1,8 +1,8 @@
-"""Ensembles: one run with many seeds of its medium's scatter, on the workers of sweeps; mean, quantiles, bands.
+"""Ensembles: a scenario with many seeds of the scatter of its medium, run on the workers of sweeps.
 
-calls        a run -> the sweep over its seeds; an ensemble from Python
-runs         one member in a worker
-statistics   rows -> mean, spread, quantiles, bands; these as files and figures
+calls        the sweep over the seeds of a scenario; an ensemble from Python
+runs         one member of the ensemble, in a worker
+statistics   mean, standard deviation, quantiles and bands of the rows; their files and figures
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""A run with scatter -> the sweep over its seeds, and an ensemble from Python."""
+"""Make a sweep over the seeds of a scenario with scatter; run an ensemble from Python."""
 
 from __future__ import annotations
 
@@ -20,28 +20,28 @@ LEAST = 2
 
 
 def cases(scenario: Scenario, count: int, first: int | None = None, name: str = "ensemble") -> Sweep:
-    """The sweep of a run over `count` seeds, from `first` or the run's own on.
+    """Return the sweep of a scenario over `count` seeds, starting from `first` or from the seed of the scenario.
 
     Raises
     ------
     ConfigError
-        No medium of the run scatters, or there are too few or too many runs.
+        No medium of the scenario scatters, or there are too few or too many runs.
     """
     several = isinstance(scenario.medium, tuple)
-    at = {f"medium.{i}" if several else "medium": one for i, one in enumerate(scenario.media)}
-    scattering = {key: one.scatter for key, one in at.items() if one.scatter is not None and one.scatters}
-    if not scattering:
-        words = "is missing, or its relative is 0, so that all runs would be the same; give one, as "
+    media = {f"medium.{i}" if several else "medium": medium for i, medium in enumerate(scenario.media)}
+    scatters = {key: medium.scatter for key, medium in media.items() if medium.scatter is not None and medium.scatters}
+    if not scatters:
+        fault = "is missing, or its relative is 0, so that all runs would be the same; give one, as "
         example = "--set 'medium.scatter={relative: 0.15, length_m: 0.003}'"
-        raise ConfigError([Fault(name, None, "medium.scatter", words + example)])
-    start = next(iter(scattering.values())).seed if first is None else first
+        raise ConfigError([Fault(name, None, "medium.scatter", fault + example)])
+    start = next(iter(scatters.values())).seed if first is None else first
     if count < LEAST or start < 0 or start + count > SEEDS:
-        words = f"got {count} runs from the seed {start} on; allowed are {LEAST} runs or more, with seeds from 0"
-        raise ConfigError([Fault(name, None, "count", words)])
+        fault = f"got {count} runs from the seed {start} on; allowed are {LEAST} runs or more, with seeds from 0"
+        raise ConfigError([Fault(name, None, "count", fault)])
     seeds = list(range(start, start + count))
-    root = file_of(scenario, name, vary={f"{key}.scatter.seed": seeds for key in scattering}, combine="zip")
-    # They differ in their seed alone, so what is true of one is true of all.
-    return sweep_of(root, Path(name), [], Builder(), lambda found, all_, probe: case_faults(found, all_[:1], probe))
+    root = file_of(scenario, name, vary={f"{key}.scatter.seed": seeds for key in scatters}, combine="zip")
+    # The cases differ in their seed alone, so checking the first one is enough.
+    return sweep_of(root, Path(name), [], Builder(), lambda sweep, all_, probe: case_faults(sweep, all_[:1], probe))
 
 
 def ensemble(scenario: Given, count: int = 200, *, workers: int | None = None) -> Summary:
@@ -50,11 +50,11 @@ def ensemble(scenario: Given, count: int = 200, *, workers: int | None = None) -
     Parameters
     ----------
     scenario : Scenario, Loaded, str, path or mapping
-        What `load` gave, or takes; of a medium with `scatter`; its seed is the first one.
+        Result or argument of `load`; its medium has a `scatter`, whose seed is the first one.
     count : int, optional
-        Runs.
+        Number of runs.
     workers : int, optional
-        Processes, one a core unless given; the result does not depend on it.
+        Number of processes, by default one per core; the result does not depend on it.
 
     Returns
     -------
@@ -68,10 +68,10 @@ def ensemble(scenario: Given, count: int = 200, *, workers: int | None = None) -
 
     Examples
     --------
-    In a script these lines stand below `if __name__ == "__main__":`, since the processes import it.
+    In a script these lines stand below `if __name__ == "__main__":`, because every process imports the script.
 
-    >>> found = ensemble(load("pendulum", medium={"scatter": {"relative": 0.15, "length_m": 0.003}}), 50)
-    >>> found.numbers["stopping_time_s"].mean
+    >>> summary = ensemble(load("pendulum", medium={"scatter": {"relative": 0.15, "length_m": 0.003}}), 50)
+    >>> summary.numbers["stopping_time_s"].mean
     """
     of_type("count", count, Integral, "a whole number")
     sweep = cases(scenario_given(scenario), count)

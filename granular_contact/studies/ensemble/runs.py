@@ -1,4 +1,4 @@
-"""What a worker does for one member: the run, and short histories of it beside its key numbers."""
+"""One member of an ensemble, in a worker: its key numbers and short histories."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from granular_contact.config import Scenario
 if TYPE_CHECKING:
     from granular_contact.results.observation import Observation
 
-INSTANTS = 121  # of a history
+INSTANTS = 121  # number of instants of a history
 SERIES = "series"
 MOST_JOINTS = 2
 _ENDS = ("_drawbar_pull_N", "_sinkage_m")
 
 
 def observed(scenario: Scenario) -> dict[str, Any]:
-    """Key numbers of a run, with histories among them: `series`, by column, at equal steps of the run's time."""
+    """Run a scenario: its key numbers, and under `series` histories by column at evenly spaced times."""
     from granular_contact.run import summary_of
     from granular_contact.scene.build import built
 
@@ -27,15 +27,15 @@ def observed(scenario: Scenario) -> dict[str, Any]:
 
 def _histories(seen: Observation) -> dict[str, Any]:
     at = np.linspace(seen.time[0], seen.time[-1], INSTANTS)
-    known = {name: values for name, (_, values) in seen.motion.items()}
+    columns = {name: values for name, (_, values) in seen.motion.items()}
     if seen.depth is not None:
-        known["depth_m"] = seen.depth
-    found = {name: np.interp(at, seen.time, known[name]).tolist() for name in _columns(list(known))}
-    return {SERIES: {"time_s": at.tolist(), **found}}
+        columns["depth_m"] = seen.depth
+    histories = {name: np.interp(at, seen.time, columns[name]).tolist() for name in _columns(list(columns))}
+    return {SERIES: {"time_s": at.tolist(), **histories}}
 
 
 def _columns(names: list[str]) -> list[str]:
-    """Coordinates of the first joints, depth, and what wheels do."""
+    """Columns to keep: coordinates of the first joints, depth, drawbar pull and sinkage of wheels."""
     joints = [name for name in names if name.endswith(("_angle_deg", "_position_m"))]
     depth = [name for name in names if name == "depth_m"]
     return [*joints[:MOST_JOINTS], *depth, *(name for name in names if name.endswith(_ENDS))]

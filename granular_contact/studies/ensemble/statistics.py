@@ -1,6 +1,6 @@
-"""Rows of an ensemble -> mean, spread and quantiles of every key number, how the mean settles, bands of histories.
+"""Statistics of an ensemble: mean, deviation and quantiles of key numbers, convergence of means, bands of histories.
 
-They are written as statistics.csv, convergence.csv, bands.csv and figures, in the folder of its sweep.
+They are written as statistics.csv, convergence.csv, bands.csv and figures, in the folder of the ensemble's sweep.
 """
 
 from __future__ import annotations
@@ -19,17 +19,17 @@ from granular_contact.values.arrays import Vector
 
 LEVELS = (0.05, 0.25, 0.5, 0.75, 0.95)
 _NOT_KEY = ("cost.", "versions.", f"{SERIES}.", "strips.", "facets.")
-# Shown and drawn before all others.
+# Key numbers that are listed and drawn first.
 FIRST = (
     *("wheel.drawbar_pull_N", "wheel.sinkage_m", "wheel.torque_Nm", "stopping_time_s", "angle_at_stop_deg"),
     *("penetration_time_s", "forward_speed_m_s", "max_depth_m", "max_deflection_m"),
 )
-CONFIDENCE = 1.96  # standard errors on either side of a mean: 95 % of a normal one
+CONFIDENCE = 1.96  # half width of the 95 % confidence interval of a normal mean, in standard errors
 
 
 @dataclass(frozen=True)
 class Numbers:
-    """One key number of all runs that have it, (n,) in the order of the seeds."""
+    """Values (n,) of one key number, of all runs that have it, in the order of the seeds."""
 
     values: Vector
 
@@ -40,7 +40,7 @@ class Numbers:
 
     @property
     def deviation(self) -> float:
-        """Standard deviation of one run."""
+        """Standard deviation of a single run."""
         return float(self.values.std(ddof=1))
 
     @property
@@ -50,25 +50,26 @@ class Numbers:
 
     @property
     def quantiles(self) -> Vector:
-        """At LEVELS."""
+        """Quantiles at LEVELS."""
         return np.quantile(self.values, LEVELS)
 
     def settling(self) -> tuple[Vector, Vector, Vector]:
-        """Numbers of runs from 2 on, the mean of so many, and half the width of its 95 % interval."""
+        """Numbers of runs (from 2), the mean of that many runs, and the half width of its 95 % confidence interval."""
         n = np.arange(1, len(self.values) + 1)
         mean = np.cumsum(self.values) / n
-        off = self.values - self.values.mean()  # or the squares would cancel
-        square = np.cumsum(off**2) - np.cumsum(off) ** 2 / n
+        centered = self.values - self.values.mean()  # avoids cancellation of the squares
+        square = np.cumsum(centered**2) - np.cumsum(centered) ** 2 / n
         half = CONFIDENCE * np.sqrt(np.maximum(square[1:], 0.0) / (n[1:] - 1) / n[1:])
         return n[1:].astype(float), mean[1:], half
 
 
 @dataclass(frozen=True)
 class Summary:
-    """count: of runs that came to an end; failed: of the others; numbers: by key, those that differ between runs.
+    """Statistics of an ensemble.
 
-    time (INSTANTS,) s, to the end of the longest run; bands: by column the quantiles (levels, INSTANTS) of all runs,
-    each of which stays where it ended.
+    count: number of runs that ended regularly; failed: number of the others; numbers: key numbers that differ between
+    runs, by key. time: (INSTANTS,) s, to the end of the longest run; bands: quantiles (levels, INSTANTS) of all runs,
+    by column. After its end a run keeps its last value.
     """
 
     count: int
@@ -79,7 +80,7 @@ class Summary:
 
 
 def of_rows(rows: Iterable[Row]) -> Summary:
-    """Statistics of rows in any order; they do not depend on it."""
+    """Statistics of rows, which may come in any order."""
     ordered = sorted(rows, key=lambda row: row.index)
     ended = [row.summary for row in ordered if not row.failed]
     time, bands = _bands(ended)
@@ -87,28 +88,28 @@ def of_rows(rows: Iterable[Row]) -> Summary:
 
 
 def _numbers(summaries: list[dict[str, object]]) -> dict[str, Numbers]:
-    keys = dict.fromkeys(key for one in summaries for key in one if not key.startswith(_NOT_KEY))
-    found = {}
-    for key in sorted(keys, key=lambda one: FIRST.index(one) if one in FIRST else len(FIRST)):
-        values = np.array([one[key] for one in summaries if is_number(one.get(key))], dtype=float)
+    keys = dict.fromkeys(key for summary in summaries for key in summary if not key.startswith(_NOT_KEY))
+    numbers = {}
+    for key in sorted(keys, key=lambda name: FIRST.index(name) if name in FIRST else len(FIRST)):
+        values = np.array([summary[key] for summary in summaries if is_number(summary.get(key))], dtype=float)
         if len(values) >= 2 and np.ptp(values) > 0.0:
-            found[key] = Numbers(values)
-    return found
+            numbers[key] = Numbers(values)
+    return numbers
 
 
 def _bands(summaries: list[dict[str, object]]) -> tuple[Vector, dict[str, Vector]]:
-    clock = f"{SERIES}.time_s"
-    clocked = [one for one in summaries if clock in one]
-    if not clocked:
+    time_key = f"{SERIES}.time_s"
+    runs = [summary for summary in summaries if time_key in summary]
+    if not runs:
         return np.zeros(0), {}
-    clocks = [np.array(one[clock]) for one in clocked]
-    time = np.linspace(0.0, max(float(one[-1]) for one in clocks), INSTANTS)
-    columns = [key for key in clocked[0] if key.startswith(f"{SERIES}.") and key != clock]
-    found = {}
+    times = [np.array(run[time_key]) for run in runs]
+    time = np.linspace(0.0, max(float(instants[-1]) for instants in times), INSTANTS)
+    columns = [key for key in runs[0] if key.startswith(f"{SERIES}.") and key != time_key]
+    bands = {}
     for key in columns:
-        runs = [np.interp(time, at, np.array(one[key])) for at, one in zip(clocks, clocked, strict=True)]
-        found[key.removeprefix(f"{SERIES}.")] = np.quantile(np.array(runs), LEVELS, axis=0)
-    return time, found
+        histories = [np.interp(time, instants, np.array(run[key])) for instants, run in zip(times, runs, strict=True)]
+        bands[key.removeprefix(f"{SERIES}.")] = np.quantile(np.array(histories), LEVELS, axis=0)
+    return time, bands
 
 
 HEAD = ["key", "runs", "mean", "standard_error", "standard_deviation", "least", *(f"q{100 * x:02.0f}" for x in LEVELS)]
@@ -116,34 +117,34 @@ HEAD = [*HEAD, "greatest"]
 MOST = 3  # panels
 
 
-def write(found: Summary, folder: Path, *, figures: bool = True) -> None:
+def write(summary: Summary, folder: Path, *, figures: bool = True) -> None:
     """Write the tables, and the figures if asked for; raises OSError."""
-    write_table(folder / STATISTICS, HEAD, _statistics(found))
-    write_table(folder / CONVERGENCE, ["key", "runs", "mean", "half_width_95"], _convergence(found))
-    if found.bands:
-        names = ["time_s", *(f"{name}_q{100 * x:02.0f}" for name in found.bands for x in LEVELS)]
-        table = np.vstack([found.time, *found.bands.values()]).T
+    write_table(folder / STATISTICS, HEAD, _statistics(summary))
+    write_table(folder / CONVERGENCE, ["key", "runs", "mean", "half_width_95"], _convergence(summary))
+    if summary.bands:
+        names = ["time_s", *(f"{name}_q{100 * x:02.0f}" for name in summary.bands for x in LEVELS)]
+        table = np.vstack([summary.time, *summary.bands.values()]).T
         write_table(folder / BANDS, names, table.tolist())
-    if figures and found.count > 1:
+    if figures and summary.count > 1:
         from granular_contact.report.figures.studies import draw_bands, draw_settling
 
-        if found.bands:
-            draw_bands(found.time, dict(list(found.bands.items())[:MOST]), folder / FIGURES / "bands.png")
-        if found.numbers:
-            settled = {key: one.settling() for key, one in list(found.numbers.items())[:MOST]}
+        if summary.bands:
+            draw_bands(summary.time, dict(list(summary.bands.items())[:MOST]), folder / FIGURES / "bands.png")
+        if summary.numbers:
+            settled = {key: numbers.settling() for key, numbers in list(summary.numbers.items())[:MOST]}
             draw_settling(settled, folder / FIGURES / "convergence_of_means.png")
 
 
-def _statistics(found: Summary) -> Iterator[list[str | float]]:
-    for key, one in found.numbers.items():
-        ends = (one.values.min(), *one.quantiles, one.values.max())
-        yield [key, len(one.values), one.mean, one.error, one.deviation, *map(float, ends)]
+def _statistics(summary: Summary) -> Iterator[list[str | float]]:
+    for key, numbers in summary.numbers.items():
+        ends = (numbers.values.min(), *numbers.quantiles, numbers.values.max())
+        yield [key, len(numbers.values), numbers.mean, numbers.error, numbers.deviation, *map(float, ends)]
 
 
-def _convergence(found: Summary) -> Iterator[list[str | float]]:
-    """Twice as many runs from line to line, and all of them."""
-    for key, one in found.numbers.items():
-        runs, mean, half = one.settling()
+def _convergence(summary: Summary) -> Iterator[list[str | float]]:
+    """Rows of the table: the number of runs doubles from row to row; the last row has all runs."""
+    for key, numbers in summary.numbers.items():
+        runs, mean, half = numbers.settling()
         last = len(runs) - 1
         for i in sorted({*(2**k - 2 for k in range(1, 24) if 2**k - 2 < last), last}):
             yield [key, int(runs[i]), float(mean[i]), float(half[i])]

@@ -1,12 +1,11 @@
-"""The best numbers of a config: Study -> runs on all cores or a cluster, generation by generation -> the best of them.
+"""Optimise parameters of a config: runs on all cores or a cluster, generation by generation.
 
-search    study and worker pool -> outcome: CMA-ES or differential evolution asks
-          for numbers; with a journal it goes on where it was killed
-outcome   what a run is worth; the best run, and what it gains over the config as it was
-writing   outcome -> history.csv, best.yaml, best/, optimise.json, figures
+search    the search by CMA-ES or differential evolution on a worker pool; with a journal it continues after a kill
+outcome   objective, constraints and cost of a run; the best run, and its gain over the config as it is
+writing   history.csv, best.yaml, best/, optimise.json and figures of an outcome
 calls     a search from Python
 
-A method is asked for a whole generation at a time, and given what came of it in the order in which it was asked. So
-what it asks for next depends on the seed alone, not on who worked or in which order runs came to an end. A search that
-was killed is begun again from its seed; runs that are in the journal are read there.
+The method proposes a whole generation at a time, and receives its costs in the order of the proposals. So the next
+generation depends on the seed alone, not on the workers or the order in which runs end. A search that was killed starts
+again from its seed and reads the runs that are already in the journal.
 """

@@ -1,4 +1,4 @@
-"""A search from Python: a scenario, what may change in it and what is best -> the best numbers."""
+"""Optimise a scenario from Python."""
 
 from __future__ import annotations
 
@@ -28,53 +28,54 @@ def optimise(
     seed: int = 0,
     workers: int | None = None,
 ) -> Outcome:
-    """Find the numbers of a scenario that are best, with runs in processes of their own; nothing is saved.
+    """Find the parameters of a scenario that optimise an objective, with runs in worker processes; nothing is saved.
 
     Parameters
     ----------
     scenario : Scenario, Loaded, str, path or mapping
-        What all runs start from, as `load` gave or takes it; the first run is of it as it is.
+        Result or argument of `load`. The first run is the scenario as it is.
     parameters : mapping
         Ranges by dotted key: `[from, to]`, or a mapping with from, to, scale and keys, as in a file.
     maximise, minimise : str or mapping
-        One of them: a number of the summary by its dotted key, or several with their weights.
+        The objective, given to one of the two: dotted key of a number of the summary, or several keys with weights.
     constraints : mapping, optional
         Limits, as `{"largest_drive_torque_Nm": {"at_most": 0.05}}`.
     method : {"cma", "differential_evolution"}
-        cma needs the package of that name.
+        cma needs the package cma.
     evaluations, population, seed : int
-        Runs in all, runs in a generation, and where chance starts: the same seed gives the same runs.
+        Number of runs in all, number of runs in a generation, and seed of the random numbers. The same seed gives the
+        same runs.
     workers : int, optional
-        Processes, one a core unless given; they do not change the outcome.
+        Number of processes, by default one per core; the outcome does not depend on it.
 
     Returns
     -------
     Outcome
-        The `best` run with its `numbers`, the `scenario` that has them, the `gain`, and all `runs` (`rows` as plain
-        data).
+        The `best` run, its parameters `numbers` and its `scenario`, the `gain`, and all `runs` (`rows` as plain data).
 
     Raises
     ------
     ConfigError
-        With every fault of what was given, before anything runs; or no run has a number that is asked for.
+        With every fault of the arguments, before the first run; or no run has a number of the objective or a
+        constraint.
     MissingPackageError
-        There is no package cma.
+        The package cma is not installed.
 
     Examples
     --------
-    In a script these lines stand below `if __name__ == "__main__":`, since the processes import it.
+    In a script these lines stand below `if __name__ == "__main__":`, because every process imports the script.
 
     >>> runner = load("runner", solver={"accuracy": 1e-2})
-    >>> found = optimise(runner, {"signals.stride.frequency_Hz": [1, 6], "signals.stride.duty_factor": [0.3, 0.7]},
-    ...                  maximise="forward_speed_m_s")
-    >>> found.numbers, found.gain
+    >>> outcome = optimise(runner, {"signals.stride.frequency_Hz": [1, 6], "signals.stride.duty_factor": [0.3, 0.7]},
+    ...                    maximise="forward_speed_m_s")
+    >>> outcome.numbers, outcome.gain
     """
     goals = {"maximise": maximise, "minimise": minimise}
     root = file_of(
         scenario,
         "optimise",
         parameters=parameters,
-        objective={key: one for key, one in goals.items() if one is not None},
+        objective={sense: goal for sense, goal in goals.items() if goal is not None},
         constraints=constraints,
         method=method,
         evaluations=evaluations,

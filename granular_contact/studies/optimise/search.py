@@ -1,6 +1,6 @@
-"""Study and pool -> outcome: generations asked for, run, judged and given back, until all runs are taken.
+"""Search loop: the method proposes a generation, its runs are evaluated, and the method receives the costs.
 
-All parameters run from 0 to 1 here, over their ranges and on their scales.
+The methods see each parameter as a fraction from 0 to 1 of its range, on its scale.
 """
 
 from __future__ import annotations
@@ -18,30 +18,30 @@ from granular_contact.config.messages import unknown
 from granular_contact.config.schema.optimise import OptimiseFile
 from granular_contact.errors import MissingPackageError
 from granular_contact.report.units import is_number
-from granular_contact.studies.optimise.outcome import Judged, Outcome, asked, judged
+from granular_contact.studies.optimise.outcome import Evaluation, Outcome, evaluation, required_numbers
 from granular_contact.studies.sweep.checkpoint import FolderRefused
 from granular_contact.studies.sweep.executor import WorkerPool
 from granular_contact.studies.sweep.journal import Journal, Row
 from granular_contact.studies.sweep.runner import CaseRunner
 from granular_contact.studies.sweep.worker import Simulate, Task, simulate
 
-SPREAD = 0.25  # of the first generation of CMA, a quarter of each range
+SPREAD = 0.25  # initial step size of CMA, as a fraction of each range
 MISSING = "method: cma needs the package cma: pip install 'granular-contact[optimise]', or take differential_evolution"
 Generation = Sequence[Sequence[float]]
 Evaluate = Callable[[Generation], list[float]]
 
 
-class Spent(Exception):
-    """All runs that a search may take are taken."""
+class BudgetSpent(Exception):
+    """The number of evaluations of the search is used up."""
 
 
 def packages(file: OptimiseFile) -> dict[str, str]:
-    """Versions of what draws the numbers; another version would draw others.
+    """Version of the package of the method, on which the proposals depend.
 
     Raises
     ------
     MissingPackageError
-        The method's package is not there.
+        The package of the method is not installed.
     """
     if file.method == "differential_evolution":
         return {"scipy": metadata.version("scipy")}
@@ -51,12 +51,12 @@ def packages(file: OptimiseFile) -> dict[str, str]:
         raise MissingPackageError(MISSING) from None
 
 
-def look(file: OptimiseFile, start: Sequence[float], evaluate: Evaluate) -> str:
-    """Let the method of a search look from a start, until `evaluate` raises Spent; or why it ended before."""
+def iterate(file: OptimiseFile, start: Sequence[float], evaluate: Evaluate) -> str:
+    """Run the method from a start until `evaluate` raises BudgetSpent; return the reason if it ends earlier, or ''."""
     method = {"cma": _cma, "differential_evolution": _differential_evolution}[file.method]
     try:
         return method(np.array(start), file.size, file.seed, evaluate)
-    except Spent:
+    except BudgetSpent:
         return ""
 
 
@@ -66,24 +66,24 @@ def _cma(start: Any, size: int, seed: int, evaluate: Evaluate) -> str:
     options = {
         "bounds": [0.0, 1.0],
         "popsize": size,
-        "seed": seed + 1,  # 0 is the time of day there
+        "seed": seed + 1,  # the package takes 0 for the time of day
         "maxfevals": np.inf,
         "maxiter": np.inf,
         "verbose": -9,
     }
-    before = np.random.get_state()  # noqa: NPY002 (the package draws from it)
+    before = np.random.get_state()  # noqa: NPY002 (the package uses the global generator)
     try:
         strategy = cma.CMAEvolutionStrategy(start, SPREAD, options)
         while not strategy.stop():
-            asked = strategy.ask()
-            strategy.tell(asked, evaluate([list(map(float, one)) for one in asked]))
+            generation = strategy.ask()
+            strategy.tell(generation, evaluate([list(map(float, point)) for point in generation]))
     finally:
         np.random.set_state(before)  # noqa: NPY002
-    return f"cma found nothing better to try ({', '.join(strategy.stop())})"
+    return f"cma stopped by its own criteria ({', '.join(strategy.stop())})"
 
 
 def _differential_evolution(start: Any, size: int, seed: int, evaluate: Evaluate) -> str:
-    """Differential evolution (Storn & Price 1997), by scipy; the start is one of the first generation."""
+    """Differential evolution (Storn & Price 1997), by scipy; the first generation contains the start."""
     from scipy.optimize import differential_evolution
     from scipy.stats import qmc
 
@@ -101,7 +101,7 @@ def _differential_evolution(start: Any, size: int, seed: int, evaluate: Evaluate
         vectorized=True,
         rng=random,
     )
-    return "all of a generation are worth the same"
+    return "all runs of a generation have the same cost"
 
 
 def search(
@@ -117,15 +117,15 @@ def search(
     Parameters
     ----------
     study : Study
-        Of `granular_contact.config.load_optimise`.
+        From `granular_contact.config.load_optimise`.
     pool : WorkerPool
-        Who works.
+        The workers.
     journal : Journal, optional
-        Keeps each row; those that are in it are not run again.
+        Stores each row; runs whose rows it already has are not repeated.
     function : callable, optional
-        What a run goes through, importable in the workers.
+        Function from a scenario to its results or summary, importable in the workers.
     advance : callable, optional
-        Called for each new run.
+        Called after each new run.
 
     Returns
     -------
@@ -134,49 +134,49 @@ def search(
     Raises
     ------
     ConfigError
-        No run has a number that the objective or a constraint asks for.
+        No run has a number that the objective or a constraint needs.
     FolderRefused
-        The journal is of another search.
+        The journal belongs to another search.
     MissingPackageError
-        The method's package is not installed.
+        The package of the method is not installed.
     OSError, WorkerPoolError
-        As of `granular_contact.studies.sweep.run`.
+        As `granular_contact.studies.sweep.run`.
     """
-    there = {} if journal is None else {row.index: row for row in journal}
+    stored = {} if journal is None else {row.index: row for row in journal}
     with closing(CaseRunner(study.sweep, pool, journal=journal, function=function)) as cases:
-        runs = _Runs(study, cases, there, advance)
-        runs([{}])  # the config as it is, by which the objective is checked and the gain is reported
-        ended = look(study.file, study.start_fractions(), runs.of_fractions)
-    return Outcome(study, tuple(runs.judged), ended)
+        runs = _Runs(study, cases, stored, advance)
+        runs([{}])  # the config as it is: checks the numbers of the objective, and is the reference of the gain
+        ended = iterate(study.file, study.start_fractions(), runs.costs_of)
+    return Outcome(study, tuple(runs.evaluations), ended)
 
 
 class _Runs:
-    """What was run so far, and what runs more."""
+    """The runs of a search so far, and the function that evaluates further generations."""
 
-    def __init__(self, study: Study, cases: CaseRunner, there: dict[int, Row], advance: Callable[[], None]) -> None:
-        self._study, self._cases, self._there, self._advance = study, cases, there, advance
-        self.judged: list[Judged] = []
-        self._generation, self._known = 0, False
+    def __init__(self, study: Study, cases: CaseRunner, stored: dict[int, Row], advance: Callable[[], None]) -> None:
+        self._study, self._cases, self._stored, self._advance = study, cases, stored, advance
+        self.evaluations: list[Evaluation] = []
+        self._generations, self._checked = 0, False
 
-    def of_fractions(self, generation: Generation) -> list[float]:
-        """Costs of the parameters at fractions of their ranges; raises Spent when there are no runs left."""
-        left = self._study.file.evaluations - len(self.judged)
-        costs = self([self._study.numbers(one) for one in generation[:left]])
+    def costs_of(self, generation: Generation) -> list[float]:
+        """Costs of points given as fractions of the ranges; raises BudgetSpent when no runs are left."""
+        left = self._study.file.evaluations - len(self.evaluations)
+        costs = self([self._study.numbers(point) for point in generation[:left]])
         if left <= len(generation):
-            raise Spent
+            raise BudgetSpent
         return costs
 
-    def __call__(self, numbers: Sequence[dict[str, float]]) -> list[float]:
-        """Costs of runs with these numbers of the parameters."""
-        first, rows = len(self.judged), dict[int, Row]()
+    def __call__(self, generation: Sequence[dict[str, float]]) -> list[float]:
+        """Run and evaluate a generation, given by its parameters; return the costs."""
+        first, rows = len(self.evaluations), dict[int, Row]()
         tasks = []
-        for index, held in enumerate(numbers, first):
-            case = self._study.case(index, held)
-            if index in self._there:
-                rows[index] = self._there[index]
+        for index, numbers in enumerate(generation, first):
+            case = self._study.case(index, numbers)
+            if index in self._stored:
+                rows[index] = self._stored[index]
                 if any(rows[index].values.get(key) != value for key, value in case.values.items()):
-                    words = f"{case.name} in the journal has other numbers than this search asks for"
-                    raise FolderRefused(f"{words}: --restart throws it away")
+                    fault = f"{case.name} in the journal has other numbers than this search asks for"
+                    raise FolderRefused(f"{fault}; --restart discards the journal")
                 continue
             sweep = self._study.sweep
             tasks.append(Task(index, case, sweep.scenario(case) if sweep.needs_files(case) else None))
@@ -184,23 +184,25 @@ class _Runs:
             rows[row.index] = row
             self._advance()
         file = self._study.file
-        found = [judged(i, self._generation, held, rows[i], file) for i, held in enumerate(numbers, first)]
-        self._generation += 1
-        self.judged += found
-        self._check([one.row for one in found])
-        return [one.cost for one in found]
+        evaluations = [
+            evaluation(i, self._generations, numbers, rows[i], file) for i, numbers in enumerate(generation, first)
+        ]
+        self._generations += 1
+        self.evaluations += evaluations
+        self._check([run.row for run in evaluations])
+        return [run.cost for run in evaluations]
 
     def _check(self, rows: Sequence[Row]) -> None:
-        """Raise if a number that is asked for is in no summary, or in none of a whole generation."""
+        """Raise if no summary has a number that the search needs, or no run of the first generations has a value."""
         finished = [row for row in rows if not row.failed]
-        if self._known or not finished:
+        if self._checked or not finished:
             return
-        for path, name in asked(self._study.file).items():
+        for path, name in required_numbers(self._study.file).items():
             summaries = [row.summary for row in finished]
             numbers = [key for key, value in summaries[0].items() if value is None or is_number(value)]
             if not any(name in summary for summary in summaries) or name not in numbers:
                 message = f"got {name!r}, which is no number of a summary; {unknown(name, numbers)}"
                 raise self._study.fault(path, message)
-            if len(self.judged) > 1 and not any(one.row.summary.get(name) is not None for one in self.judged):
-                raise self._study.fault(path, f"none of the first {len(self.judged)} runs has {name}")
-        self._known = len(self.judged) > 1
+            if len(self.evaluations) > 1 and not any(run.row.summary.get(name) is not None for run in self.evaluations):
+                raise self._study.fault(path, f"none of the first {len(self.evaluations)} runs has {name}")
+        self._checked = len(self.evaluations) > 1

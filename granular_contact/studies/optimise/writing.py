@@ -1,4 +1,4 @@
-"""An outcome -> history.csv, optimise.json, the best config and its run, and figures."""
+"""Write an outcome: history.csv, optimise.json, the best config and its run, and figures."""
 
 from __future__ import annotations
 
@@ -28,31 +28,31 @@ from granular_contact.studies.sweep.table import write_cells
 
 
 def work_of(study: Study) -> Contents:
-    """What its folder is of.
+    """Return the contents of the results folder of a search.
 
     Raises
     ------
     MissingPackageError
-        The method's package is not installed.
+        The package of the method is not installed.
     """
-    text, needed = study_text(study), packages(study.file)
-    return Contents("optimise", OPTIMISE, text, HISTORY, study.case_name, "search", "runs", needed)
+    text, versions_of_method = study_text(study), packages(study.file)
+    return Contents("optimise", OPTIMISE, text, HISTORY, study.case_name, "search", "runs", versions_of_method)
 
 
 def study_text(study: Study) -> str:
-    """A file of the search that needs no other: the config with every default, and what is asked of it."""
+    """Self-contained file of the search: the config with every default, parameters, objective and options."""
     return origin(f"optimise {OPTIMISE}") + yaml_text(
         {"config": scenario_to_dict(study.sweep.base)} | study.file.plain()
     )
 
 
 def write_outcome(outcome: Outcome, folder: Path, *, figures: bool = True) -> None:
-    """Write what a search found into a folder, with the results of the best run.
+    """Write an outcome into a folder, with the results of the best run.
 
     Raises
     ------
     OSError
-        The disk refuses.
+        A file cannot be written.
     """
     write_history(outcome, folder)
     (folder / OPTIMUM).write_text(json_text(outcome_data(outcome)), encoding="utf-8")
@@ -70,15 +70,15 @@ def _write_best(outcome: Outcome, folder: Path, figures: bool) -> None:
 
 
 def write_history(outcome: Outcome, folder: Path) -> None:
-    """history.csv: a row for each run, in the order in which they were asked for."""
+    """Write history.csv: a row for each run, in the order of the proposals."""
     rows = outcome.rows
     write_cells(folder / HISTORY, list(dict.fromkeys(key for row in rows for key in row)), rows)
 
 
 def outcome_data(outcome: Outcome) -> dict[str, Any]:
-    """What optimise.json holds."""
+    """Content of optimise.json."""
     file, best, start = outcome.study.file, outcome.best, outcome.start
-    found = {} if best is None else best.row.summary
+    best_summary = {} if best is None else best.row.summary
     return {
         "name": outcome.study.name,
         "method": file.method,
@@ -86,7 +86,7 @@ def outcome_data(outcome: Outcome) -> dict[str, Any]:
         "population": file.size,
         "runs": len(outcome.runs),
         "failed": len(outcome.failed),
-        "outside_constraints": sum(one.excess > 0.0 for one in outcome.runs),
+        "outside_constraints": sum(run.excess > 0.0 for run in outcome.runs),
         "ended": outcome.ended or None,
         "objective": file.objective.formula,
         "sense": file.objective.sense,
@@ -98,40 +98,39 @@ def outcome_data(outcome: Outcome) -> dict[str, Any]:
         "gain_relative": outcome.gain,
         "parameters": _parameters(outcome),
         "constraints": {
-            name: limit.model_dump() | {"start": start.row.summary.get(name), "best": found.get(name)}
+            name: limit.model_dump() | {"start": start.row.summary.get(name), "best": best_summary.get(name)}
             for name, limit in file.constraints.items()
         },
-        # The most frequent first.
-        "failures": dict(Counter(one.failure for one in outcome.failed).most_common()),
+        "failures": dict(Counter(run.failure for run in outcome.failed).most_common()),  # most frequent first
         "versions": versions() | packages(file),
     }
 
 
 def _parameters(outcome: Outcome) -> dict[str, dict[str, Any]]:
-    """Range of each parameter, the keys that it sets, and its values."""
+    """Range of each parameter, the keys that it sets, and its values at the start and at the best run."""
     file, start = outcome.study.file, outcome.study.start
     return {
         name: {
-            "from": one.start,
-            "to": one.stop,
-            "scale": one.scale,
+            "from": parameter.start,
+            "to": parameter.stop,
+            "scale": parameter.scale,
             "keys": list(file.keys(name)),
             "start": start[name],
             "best": outcome.numbers[name],
         }
-        for name, one in file.parameters.items()
+        for name, parameter in file.parameters.items()
     }
 
 
 def _draw(outcome: Outcome, folder: Path) -> None:
     from granular_contact.report.figures.studies import draw_history, draw_parameters
 
-    values = [(one.generation, one.value if one.is_allowed else None) for one in outcome.runs]
+    values = [(run.generation, run.value if run.is_allowed else None) for run in outcome.runs]
     file = outcome.study.file
     draw_history(values, file.objective.formula, file.objective.sense == "maximise", folder / "history.png")
-    tried = {
-        name: [one.numbers.get(name, outcome.study.start[name]) for one in outcome.runs] for name in file.parameters
+    numbers = {
+        name: [run.numbers.get(name, outcome.study.start[name]) for run in outcome.runs] for name in file.parameters
     }
-    scales = {name: (one.start, one.stop, one.scale) for name, one in file.parameters.items()}
+    scales = {name: (parameter.start, parameter.stop, parameter.scale) for name, parameter in file.parameters.items()}
     best = None if outcome.best is None else outcome.best.index
-    draw_parameters(tried, scales, [one.is_allowed for one in outcome.runs], best, folder / "parameters.png")
+    draw_parameters(numbers, scales, [run.is_allowed for run in outcome.runs], best, folder / "parameters.png")
