@@ -43,8 +43,8 @@ from granular_contact.config import Case, Sweep, load, load_sweep, scenario_to_d
 from granular_contact.results.observation import results
 from granular_contact.run import begin, summaries_of, summary_of
 from granular_contact.run import run as run_whole
-from granular_contact.scene.again import Builder
-from granular_contact.scene.build import built
+from granular_contact.scene.build import build_checked
+from granular_contact.scene.variants import Builder
 from validation.study import Claim, Outcome, script
 from validation.tables import machine, markdown
 
@@ -247,7 +247,7 @@ CHUNK = 64  # runs that go together
 def whole(sweep: Sweep, cases: list[Case]) -> None:
     """Each alone, from the config to all that results hold."""
     for case in cases:
-        run_whole(built(sweep.scenario(case)))
+        run_whole(build_checked(sweep.scenario(case)))
 
 
 def key_numbers(sweep: Sweep, cases: list[Case]) -> None:
@@ -303,7 +303,7 @@ def _parts(config: str, method: Any) -> tuple[list[float], float]:
         return value
 
     scenario = passed(load(config, method=method).scenario)
-    begun = passed(begin(passed(built(scenario))))
+    begun = passed(begin(passed(build_checked(scenario))))
     begun.solving.advance()
     seen = passed(begun.observe(passed(begun.solving.trajectory())))
     passed(results(seen, scenario_to_dict(scenario)))

@@ -81,8 +81,8 @@ def _read(path: str, write_homes: bool) -> None:
 
 def _write_homes(path: str, notes: Iterable[Fault]) -> None:
     from granular_contact import config
-    from granular_contact.scene.homes import FoundHome
+    from granular_contact.scene.homes import HomeNote
 
-    homes = {note.key: note.home for note in notes if isinstance(note, FoundHome) and note.home is not None}
+    homes = {note.key: note.home for note in notes if isinstance(note, HomeNote) and note.home is not None}
     for file in config.write_numbers(config.load(path).sources, homes):
         print(f"{file}: homes written")

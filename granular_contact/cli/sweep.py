@@ -52,7 +52,7 @@ def execute(chosen: argparse.Namespace) -> int:
     folder = output_folder(chosen.out, Path(chosen.file).stem, "sweep")
     with many.pool(chosen, folder.resolve().parent if chosen.plots else None) as pool:
         from granular_contact.config import load_sweep
-        from granular_contact.scene.again import Builder
+        from granular_contact.scene.variants import Builder
         from granular_contact.studies.sweep.runner import faults
 
         sweep = load_sweep(chosen.file, probe=Builder(), check=partial(faults, pool=pool))

@@ -20,7 +20,7 @@ from granular_contact.mechanics.strip_error import strip_warnings
 from granular_contact.results.accuracy import AccuracyWarning, remedy
 from granular_contact.results.limits import LEAST_START_DEPTH
 from granular_contact.results.summary import least_energy
-from granular_contact.scene.drives import PLENTY
+from granular_contact.scene.drives import WELL_SAMPLED
 from granular_contact.scene.signal_tables import bends, shortest_period
 from granular_contact.scene.signals import Piecewise
 from granular_contact.scene.stiff import LEAST_BOW
@@ -165,7 +165,7 @@ def _signals(motion: Kinematics) -> Iterator[AccuracyWarning]:
         if isinstance(drive.signal, Piecewise) and drive.kind != "motion":
             continue  # see below
         steps = shortest_period(drive.signal, float(end)) / solver.step_s
-        if steps < PLENTY:
+        if steps < WELL_SAMPLED:
             said = f"the drive of {drive.joint} goes to and fro within {steps * solver.step_s:.3g} s, {steps:.1f} steps"
             yield AccuracyWarning(f"{said}, which take away much of it; {remedy(motion.scene)}")
     times = bends(drive.signal for drive in motion.scene.drives if drive.kind != "motion")

@@ -1,19 +1,19 @@
-"""Second stage: a scenario's names resolved, its geometry laid out and checked.
+"""Second stage: resolve the names of a scenario, lay out its geometry and check it.
 
-types, parts                what comes out: bodies, joints, medium and numbers, as frozen plain data
-build, again                Scenario -> Scene; the same for one that differs in its medium or its strike alone
+types, parts                the result: bodies, joints, medium and numbers, as frozen plain data
+build, variants             Scenario -> Scene; scenes that differ only in the medium or in the impact
 shapes, bodies              shapes -> lines, outlines and masses; masses merged into bodies
-layout, start               frames of bodies, initial states of joints
+layout, start               poses of bodies, initial states of joints
 loops, homes                kinematic loops; the reference configuration in which they close
 joints, joint_law           joints between bodies, and springs, stops and friction in them
-drives                      what moves joints, or is set from outside
-signals, signal_tables      values over time, and as tables for kernels
-bed, media, wheels, wheel_test   where media lie; presets by name; the run of a wheel
-steps                       how long steps are
+drives                      drives of joints, and controls that are set during a run
+signals, signal_tables      signals over time, and their tables for kernels
+bed, media, wheels, wheel_test   surface, layers and floor of the bed; presets by name; runs of one wheel
+steps                       step sizes
 stiff                       links that bend too little to show
-workspace, checks           what can reach the medium; what no scene may be
-methods                     what minimal coordinates and the modal model can't solve
-space                       scenes in space: the same names again, where they differ
+workspace, checks           parts that can reach the medium; faults and notes of scenes
+methods                     scenes that minimal coordinates and the modal model support
+space                       scenes in space, with modules of the same names where they differ from the plane
 """
 
 from granular_contact.scene.build import build

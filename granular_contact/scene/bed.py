@@ -1,4 +1,4 @@
-"""Where the media lie: the free surface, layers, floor and container of a scene."""
+"""Bed of a scene: free surface, layers, floor and container."""
 
 from __future__ import annotations
 
@@ -20,13 +20,15 @@ from granular_contact.laws.layer import Layer
 
 Vector = NDArray[np.float64]
 
-ROUND_OFF = 1e-9  # a depth that is round-off (m)
+ROUND_OFF = 1e-9  # m: depths below this are round-off
 
 
 @dataclass(frozen=True)
 class Bed:
-    """profile: corners (k, 2) m of the free surface, level beyond them, or one corner and a slope (-) without end;
-    layers: none in vacuum; container: x of both walls (m).
+    """Bed of granular media in the plane.
+
+    profile: corners (k, 2) m of the free surface, level beyond them, or one corner with an endless slope (rise per
+    length). layers: from the top, none in vacuum. container: x of both walls (m).
     """
 
     profile: Vector
@@ -42,12 +44,12 @@ class Bed:
 
     @property
     def corners(self) -> Vector:
-        """Corners (k, 2) m of the surface, its first and last pieces without end."""
+        """Corners (k, 2) m of the surface; the first and the last piece are endless."""
         return surface(self.profile, self.slope)
 
     @property
     def walls(self) -> list[tuple[str, int, float, float]]:
-        """Walls of the container: name, axis, place (m), and the sign of what lies beyond."""
+        """Walls of the container: name, axis, coordinate (m) along it, and sign of the outward direction."""
         return [] if self.container is None else walls_of(("left", "right"), 0, self.container)
 
     @property
@@ -57,20 +59,20 @@ class Bed:
 
     @property
     def plain(self) -> bool:
-        """Whether it is level, of one medium and without a stiff floor."""
-        carries = self.floor is not None and self.floor.stiffness is not None
-        return self.level and len(self.layers) <= 1 and not carries
+        """Whether the bed is level, with at most one medium and without a floor that carries."""
+        floor_carries = self.floor is not None and self.floor.stiffness is not None
+        return self.level and len(self.layers) <= 1 and not floor_carries
 
     def height(self, x: Vector) -> Vector:
         """Height of the surface (m) at x (m), any shape."""
         return height_at(self.corners, x)
 
     def greatest_depth(self, center: Vector, radius: float) -> float:
-        """Greatest depth (m, negative above) below the surface of what is within a radius (m) of a place (2,) m."""
+        """Greatest depth (m, negative above the surface) of points within a radius (m) of a centre (2,) m."""
         return greatest_depth(self.corners, center, radius)
 
     def pieces(self) -> Iterator[tuple[float, float]]:
-        """Rise per length, and length (m), of the pieces between the corners of a profile."""
+        """Slope (rise per length) and length (m) of the pieces between the corners of a profile."""
         yield from pieces(self.profile)
 
     def slope_at(self, x: Vector) -> Vector:
@@ -78,26 +80,27 @@ class Bed:
         return slope_at(self.corners, x)
 
 
-def bed(scenario: schema.Scenario, ends: Sequence[Vector], faults: list[Fault]) -> Bed | None:
-    """Bed of a scene; None without a medium and without a surface.
+def bed_of(scenario: schema.Scenario, ends: Sequence[Vector], faults: list[Fault]) -> Bed | None:
+    """Bed of a scenario; None without a medium and without a surface.
 
-    ends: world positions (2,) m of what may meet the medium, at the start; faults: gets those of media that lack a
-    number, of layers, floors and containers where none are allowed, and of ends below the floor.
+    ends: initial world positions (2,) m of the lowest points of parts that the medium may act on. Faults are appended:
+    of media that lack a number, of layers, floors and containers where they are not allowed, and of ends below the
+    floor.
     """
     spec = scenario.bed or schema.Bed()
     if not scenario.media and scenario.surface_height_m is None and scenario.bed is None:
         return None
-    faults += idle(scenario, {"depth_m": spec.depth_m, "container_x_m": spec.container_x_m})
+    faults += faults_without_medium(scenario, {"depth_m": spec.depth_m, "container_x_m": spec.container_x_m})
     layers = tuple(layers_of(scenario, faults))
     if scenario.load.form == "resultant":
-        faults += _resultant(scenario, layers)
+        faults += _resultant_faults(scenario, layers)
     profile, slope = _profile(scenario, spec, ends), math.tan(math.radians(spec.slope_deg))
-    placed = Bed(profile, slope, layers, container=spec.container_x_m)
+    bed = Bed(profile, slope, layers, container=spec.container_x_m)
     if spec.depth_m is None:
-        return placed
+        return bed
     contact = spec.floor
-    given = () if contact is None else (contact.stiffness_N_m2, contact.damping_s_m)
-    floor = Floor(float(placed.height(np.zeros(1))[0]) - spec.depth_m, *given)
+    contact_law = () if contact is None else (contact.stiffness_N_m2, contact.damping_s_m)
+    floor = Floor(float(bed.height(np.zeros(1))[0]) - spec.depth_m, *contact_law)
     if spec.profile_m is not None and profile[:, 1].min() <= floor.height:
         x, y = profile[np.argmin(profile[:, 1])]
         why = f"got {spec.depth_m:g} m, so the floor is at {floor.height:.6g} m, but the profile has the corner "
@@ -111,76 +114,86 @@ def bed(scenario: schema.Scenario, ends: Sequence[Vector], faults: list[Fault]) 
                 f"at {lowest:.6g} m: allowed is a floor below it",
             )
         )
-    return replace(placed, floor=floor)
+    return replace(bed, floor=floor)
 
 
-def walls_of(names: tuple[str, str], axis: int, places: tuple[float, float]) -> list[tuple[str, int, float, float]]:
-    """Two walls across an axis at these places (m), see `Bed.walls`."""
-    return [(name, axis, place, sign) for name, place, sign in zip(names, places, (-1.0, 1.0), strict=True)]
+def walls_of(
+    names: tuple[str, str], axis: int, coordinates: tuple[float, float]
+) -> list[tuple[str, int, float, float]]:
+    """Two walls across an axis at these coordinates (m), see `Bed.walls`."""
+    return [
+        (name, axis, coordinate, sign) for name, coordinate, sign in zip(names, coordinates, (-1.0, 1.0), strict=True)
+    ]
 
 
-def idle(scenario: schema.Scenario, given: dict[str, Any]) -> Iterator[Fault]:
-    """Floors and containers (by their keys) without a medium: only the load of a medium checks them."""
+def faults_without_medium(scenario: schema.Scenario, given: dict[str, Any]) -> Iterator[Fault]:
+    """Faults of a floor or container (given, by key) without a medium, as only the load of a medium uses them."""
     if places(scenario):
         return
     bare = "{from: rft_generic, zeta: 1e-9}, or of spheres {law: bingham, yield_force_N: 0, viscosity_N_s_m: 0}"
     for key, value in given.items():
         if value is not None:
-            what = "a floor" if key == "depth_m" else "a container"
-            why = f"got {what}, but no medium, and a bed needs one; for one with almost no resistance take {bare}"
+            got = "a floor" if key == "depth_m" else "a container"
+            why = f"got {got}, but no medium, and a bed needs one; for one with almost no resistance take {bare}"
             yield scene_fault(f"bed.{key}", why)
 
 
-def _resultant(scenario: schema.Scenario, layers: tuple[Layer, ...]) -> Iterator[Fault]:
-    """Faults of what has no resultant at the middle of the immersed part."""
+def _resultant_faults(scenario: schema.Scenario, layers: tuple[Layer, ...]) -> Iterator[Fault]:
+    """Faults of layers, scatter and laws that do not go with `load.form: resultant`."""
     if not all(layer.whole for layer in layers):
         yield scene_fault("load.form", "got resultant, but the bed has layers: allowed is distributed")
-    scattering = next((key for one, key, *_ in places(scenario) if one.scatter is not None), None)
+    scattering = next((key for medium, key, *_ in places(scenario) if medium.scatter is not None), None)
     if scattering is not None:
         yield scene_fault(
             f"{scattering}.scatter", "stands beside load.form: resultant, one force in all; allowed is null"
         )
-    others = dict.fromkeys(one.law for one, *_ in places(scenario) if not one.resultant)
-    if others:
-        have = ", ".join(tag for tag, law in LAWS.items() if law.resultant)
-        why = f"got resultant, but {', '.join(others)} has none; laws with one are {have}, else distributed is allowed"
+    without = dict.fromkeys(medium.law for medium, *_ in places(scenario) if not medium.resultant)
+    if without:
+        laws = ", ".join(tag for tag, law in LAWS.items() if law.resultant)
+        why = f"got resultant, but {', '.join(without)} has none; laws with one are {laws}, else distributed is allowed"
         yield scene_fault("load.form", why)
 
 
 def places(scenario: schema.Scenario) -> list[tuple[Law, str, float, float]]:
-    """The media of a scenario with their keys, and the depths (m) that they lie between."""
+    """The media of a scenario, each with its key of the config and the depths (m) of its top and its bottom."""
     layers = () if scenario.bed is None else scenario.bed.layers
     bottoms = [*(layer.top_m for layer in layers), math.inf]
     several = isinstance(scenario.medium, tuple)
     return [
-        *((one, f"medium.{i}" if several else "medium", 0.0, bottoms[0]) for i, one in enumerate(scenario.media)),
-        *((one.medium, f"bed.layers.{i}.medium", one.top_m, bottoms[i + 1]) for i, one in enumerate(layers)),
+        *((medium, f"medium.{i}" if several else "medium", 0.0, bottoms[0]) for i, medium in enumerate(scenario.media)),
+        *((layer.medium, f"bed.layers.{i}.medium", layer.top_m, bottoms[i + 1]) for i, layer in enumerate(layers)),
     ]
 
 
 def layers_of(scenario: schema.Scenario, faults: list[Fault], in_space: bool = False) -> Iterator[Layer]:
-    """Layers of a scenario; faults gets media that lack a number; in_space: or one that is needed there."""
-    for one, key, top, bottom in places(scenario):
+    """Layers of a scenario, without media that lack a number; their faults are appended.
+
+    in_space: check also the numbers that media need only in space.
+    """
+    for medium, key, top, bottom in places(scenario):
         lacking = [
             scene_fault(
                 f"{key}.{name}",
-                f"got null: the source of {one.name} does not state it; give the number of your case, as "
-                f"{{from: {one.name}, {name}: ...}}",
+                f"got null: the source of {medium.name} does not state it; give the number of your case, as "
+                f"{{from: {medium.name}, {name}: ...}}",
             )
-            for name in one.lacking
+            for name in medium.lacking
         ]
         if in_space:
             lacking += [
-                scene_fault(f"{key}.{name}", f"got null, but in space {one.name} needs a number there")
-                for name in one.lacking_in_space
+                scene_fault(f"{key}.{name}", f"got null, but in space {medium.name} needs a number there")
+                for name in medium.lacking_in_space
             ]
         faults += lacking
         if not lacking:
-            yield Layer(one, top, bottom)
+            yield Layer(medium, top, bottom)
 
 
 def _profile(scenario: schema.Scenario, spec: schema.Bed, ends: Sequence[Vector]) -> Vector:
-    """Corners of the surface as given, or where it is at x = 0; without a height, as high as touches the lowest end."""
+    """Corners (k, 2) m of the surface: those of the config, or one at x = 0.
+
+    Without a height in the config, the surface touches the lowest end.
+    """
     if spec.profile_m is not None:
         return np.array(spec.profile_m)
     slope = math.tan(math.radians(spec.slope_deg))

@@ -1,4 +1,4 @@
-"""Scenario -> Scene: place the bodies, merge what is welded, find the surface, check the geometry."""
+"""Scenario -> Scene: place the bodies, merge welded bodies, find the surface, check the geometry."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from granular_contact.config import Given, Loaded, loaded, schema
 from granular_contact.config.changed import checked
 from granular_contact.config.schema.joints import joint_of
 from granular_contact.errors import Fault, SceneError, scene_fault
-from granular_contact.scene.bed import Bed, bed
+from granular_contact.scene.bed import Bed, bed_of
 from granular_contact.scene.bodies import flexible_links, rigid_body
 from granular_contact.scene.checks import beyond_numbers, closure_faults, inapplicable, media_notes, too_steep
-from granular_contact.scene.drives import drives
+from granular_contact.scene.drives import drives_of
 from granular_contact.scene.joints import joints_of
-from granular_contact.scene.layout import FREEDOMS, GROUND, ZERO, JointState, Layout, lay_out, point, start
-from granular_contact.scene.loops import PlanarLoops, closed, redundant
-from granular_contact.scene.methods import check, serves
+from granular_contact.scene.layout import FREEDOMS, GROUND, ZERO, JointState, Layout, initial_states, lay_out, point
+from granular_contact.scene.loops import PlanarLoops, close_loops, redundancy_faults
+from granular_contact.scene.methods import check, fits_minimal
 from granular_contact.scene.parts import FlexibleLink, RigidBody, Shape, turned
 from granular_contact.scene.shapes import farthest, lowest
 from granular_contact.scene.steps import steps
@@ -26,16 +26,16 @@ from granular_contact.scene.stiff import LEAST_BOW, bow, with_rigid
 from granular_contact.scene.types import Drive, Minimal, Reduced, Scene, Vector
 from granular_contact.scene.wheels import wheel_drives, wheel_notes, wheel_test
 
-MOST_BODIES = 32  # whose motion is reported unless the run asks for it
+MOST_BODIES = 32  # up to so many bodies, `output.bodies: auto` reports the motion of every body
 
 
 def build(scenario: Given) -> Scene:
-    """Resolve a scenario into a scene, which holds it as its `scenario`.
+    """Resolve a scenario into a scene, which keeps the scenario as `scenario`.
 
     Parameters
     ----------
     scenario : Scenario, Loaded, str, path or mapping
-        What `load` gave, or takes; but of a Scenario faults get the lines that their keys were written in.
+        What `load` returns or takes. Faults name the lines of their keys, except those of a Scenario.
 
     Returns
     -------
@@ -44,7 +44,7 @@ def build(scenario: Given) -> Scene:
     Raises
     ------
     ConfigError
-        The scenario was changed from Python to what no config may say.
+        The scenario was changed in Python to values that no config may have.
     SceneError
         The geometry contradicts itself; every fault names its key and the numbers.
 
@@ -60,38 +60,39 @@ def build(scenario: Given) -> Scene:
             return build(scenario.scenario)
         except SceneError as error:
             raise SceneError(scenario.sources.place(error.faults)) from None
-    return built(checked(scenario))
+    return build_checked(checked(scenario))
 
 
-def built(scenario: schema.Scenario) -> Scene:
-    """`build` of a scenario that comes straight from a config, which nothing can have changed since it was checked.
+def build_checked(scenario: schema.Scenario) -> Scene:
+    """`build` for a scenario that has not changed since it was checked, as one just made from a config.
 
     Raises
     ------
     SceneError
-        As of `build`.
+        As `build`.
     """
-    scene = _in_space(scenario) if type(scenario) is not schema.Scenario else _built(scenario)
-    object.__setattr__(scene, "scenario", scenario)  # no argument of a scene, so that none but this can say it
+    scene = _spatial_scene(scenario) if type(scenario) is not schema.Scenario else _planar_scene(scenario)
+    object.__setattr__(scene, "scenario", scenario)  # no argument of Scene, so that no other code can set it
     return scene
 
 
-def _in_space(scenario: schema.Scenario) -> Scene:
-    """Scene of a mechanism in space, which is loaded for that alone."""
+def _spatial_scene(scenario: schema.Scenario) -> Scene:
+    """Scene of a mechanism in space; planar scenes do not import the code for space."""
     from granular_contact.config.schema.space import SpatialScenario
-    from granular_contact.scene.space.build import built as built_in_space
+    from granular_contact.scene.space.build import build_spatial
 
     assert isinstance(scenario, SpatialScenario)
-    return built_in_space(scenario)
+    return build_spatial(scenario)
 
 
-def _built(scenario: schema.Scenario) -> Scene:
+def _planar_scene(scenario: schema.Scenario) -> Scene:
     faults, notes = list[Fault](), list[Fault]()
     solver = steps(scenario)
-    driven = (*drives(scenario, solver, faults), *wheel_drives(scenario, faults))
-    layout, states = _laid_out(scenario, driven, scenario.initial.impact_speed_rad_s, faults, notes)
+    drives = (*drives_of(scenario, solver, faults), *wheel_drives(scenario, faults))
+    layout, states = _initial_layout(scenario, drives, scenario.initial.impact_speed_rad_s, faults, notes)
     if scenario.initial.impact_tip_speed_m_s is not None:
-        layout, states = _laid_out(scenario, driven, _speed_of_tip(scenario, layout, faults), faults, [])
+        hinge_rate = _hinge_rate_of_tip_speed(scenario, layout, faults)
+        layout, states = _initial_layout(scenario, drives, hinge_rate, faults, [])
     rigid, links = _bodies(layout, scenario.load.strips_per_rigid_part)
     ends = ends_of(rigid, links)
     faults += [
@@ -103,9 +104,9 @@ def _built(scenario: schema.Scenario) -> Scene:
     if scenario.output.travel not in ("x", "path"):
         words = f"got {scenario.output.travel}, but y is up in the plane: allowed are x and path"
         faults.append(scene_fault("output.travel", words))
-    placed = bed(scenario, [end.world - (0.0, end.drop) for end in ends], faults)
+    bed = bed_of(scenario, [end.world - (0.0, end.drop) for end in ends], faults)
     if rigid or links:
-        faults += _nothing_to_act_on(scenario, ends)
+        faults += _nothing_in_medium(scenario, ends)
         faults += _massless(rigid)
     else:
         faults.append(scene_fault("model.joints", "every body is welded to the ground, so nothing can move"))
@@ -117,31 +118,33 @@ def _built(scenario: schema.Scenario) -> Scene:
         links=links,
         joints=tuple(joints_of(layout, (*rigid, *links), states)),
         gravity=scenario.gravity_m_s2,
-        bed=placed,
+        bed=bed,
         load=scenario.load,
         solver=solver,
         tip=_tip(ends, rigid, layout),
         output_interval=scenario.output.interval_s,
-        method=_method(scenario, placed),
-        drives=driven,
+        method=_method(scenario, bed),
+        drives=drives,
         settle=scenario.initial.settle,
         body_columns=_has_body_columns(scenario, rigid, links),
-        notes=(*notes, *media_notes(scenario, placed, "bed.profile_m"), *wheel_notes(scenario)),
+        notes=(*notes, *media_notes(scenario, bed, "bed.profile_m"), *wheel_notes(scenario)),
         wheel_test=wheel_test(scenario),
         travel=None if scenario.output.ahead is None else (1.0,),
     )
-    if stiff := verified(scene, scenario):
-        return replace(_built(with_rigid(scenario, stiff)), stiff=stiff)
-    return replace(scene, method=Minimal()) if scenario.method.name == "auto" and serves(scene) else scene
+    if stiff := verify(scene, scenario):
+        return replace(_planar_scene(with_rigid(scenario, stiff)), stiff=stiff)
+    return replace(scene, method=Minimal()) if scenario.method.name == "auto" and fits_minimal(scene) else scene
 
 
-def verified(scene: Scene, scenario: schema.Scenario) -> tuple[str, ...]:
-    """Check that a scene can be solved by its method; names of links so stiff that the engine has them rigid.
+def verify(scene: Scene, scenario: schema.Scenario) -> tuple[str, ...]:
+    """Refuse a scene that its method can't solve; return the names of links that Exudyn gets as rigid ones.
+
+    These are the links that bend too little to show. A scene with another method has none.
 
     Raises
     ------
     SceneError
-        It can't.
+        The scene can't be solved.
     """
     if faults := [*beyond_numbers(scene), *inapplicable(scene, scenario)]:
         raise SceneError(faults)
@@ -155,40 +158,43 @@ def verified(scene: Scene, scenario: schema.Scenario) -> tuple[str, ...]:
     )
 
 
-def _laid_out(
-    scenario: schema.Scenario, driven: tuple[Drive, ...], speed: float, faults: list[Fault], notes: list[Fault]
+def _initial_layout(
+    scenario: schema.Scenario, drives: tuple[Drive, ...], hinge_rate: float, faults: list[Fault], notes: list[Fault]
 ) -> tuple[Layout, dict[str, JointState]]:
-    """The model in its initial state, and the states of its joints. speed: rate of the ground hinges (rad/s).
+    """Lay out the model in its initial state; return also the states of its joints.
+
+    hinge_rate: rate of the ground hinges (rad/s, clockwise).
 
     Raises
     ------
     SceneError
-        There is no such state, so that nothing can be said about the rest.
+        There is no such state, so that further checks are impossible.
     """
     model, angle = scenario.model, turned(scenario.initial.impact_angle_deg or 0.0)
-    begun = start(scenario, driven, speed, faults)
-    states = closed(PlanarLoops(model, angle), begun, faults, notes)
+    initial = initial_states(scenario, drives, hinge_rate, faults)
+    states = close_loops(PlanarLoops(model, angle), initial, faults, notes)
     if not faults:
-        faults += redundant(model, states, angle, driven)
+        faults += redundancy_faults(model, states, angle, drives)
     if faults:
         raise SceneError(faults)
     return lay_out(model, states, angle), states
 
 
 def _bodies(layout: Layout, strips: int) -> tuple[tuple[RigidBody, ...], tuple[FlexibleLink, ...]]:
-    return tuple(rigid_body(layout, g, strips) for g in layout.groups if GROUND not in g), tuple(flexible_links(layout))
+    groups = [group for group in layout.groups if GROUND not in group]
+    return tuple(rigid_body(layout, group, strips) for group in groups), tuple(flexible_links(layout))
 
 
-def _speed_of_tip(scenario: schema.Scenario, layout: Layout, faults: list[Fault]) -> float:
-    """Rate (rad/s) of the ground hinge at which the tip has the speed given by the run."""
-    speed, pins = scenario.initial.impact_tip_speed_m_s, _pins(scenario.model)
+def _hinge_rate_of_tip_speed(scenario: schema.Scenario, layout: Layout, faults: list[Fault]) -> float:
+    """Rate (rad/s) of the ground hinge at which the tip has the impact speed of the run."""
+    speed, pins = scenario.initial.impact_tip_speed_m_s, _ground_pins(scenario.model)
     assert speed is not None
     if not pins:
-        return 0.0  # which is refused
+        return 0.0  # `_motion_faults` refuses this
     rigid, links = _bodies(layout, scenario.load.strips_per_rigid_part)
-    name, at = _tip(ends_of(rigid, links), rigid, layout)
+    name, tip = _tip(ends_of(rigid, links), rigid, layout)
     motions = {body.name: body.motion for body in rigid} | {link.name: link.motion for link in links}
-    arm = float(np.linalg.norm(motions[name].world(at) - pins[0]))
+    arm = float(np.linalg.norm(motions[name].world(tip) - pins[0]))
     if not arm > 0.0:
         why = f"got {speed:g}, but no shape reaches beyond the hinge, where there is no speed; give impact_speed_rad_s"
         faults.append(scene_fault("initial.impact_tip_speed_m_s", why))
@@ -196,14 +202,17 @@ def _speed_of_tip(scenario: schema.Scenario, layout: Layout, faults: list[Fault]
     return speed / arm
 
 
-def _pins(model: schema.Model) -> list[Vector]:
-    """Where hinges sit on the ground, (2,) m each."""
+def _ground_pins(model: schema.Model) -> list[Vector]:
+    """World positions of the hinges on the ground, (2,) m each."""
     joints = model.all_joints.values()
-    return [point(j.parent_point_m) for j in joints if isinstance(j, schema.Hinge) and j.parent == GROUND]
+    return [
+        point(joint.parent_point_m) for joint in joints if isinstance(joint, schema.Hinge) and joint.parent == GROUND
+    ]
 
 
 def _motion_faults(scenario: schema.Scenario) -> Iterator[Fault]:
-    hinged = bool(_pins(scenario.model))
+    """Faults of impact speeds of a model without a hinge on the ground."""
+    hinged = bool(_ground_pins(scenario.model))
     for key in ("impact_speed_rad_s", "impact_tip_speed_m_s"):
         speed = getattr(scenario.initial, key)
         if speed and not hinged:
@@ -213,14 +222,14 @@ def _motion_faults(scenario: schema.Scenario) -> Iterator[Fault]:
 
 
 def _massless(rigid: tuple[RigidBody, ...]) -> Iterator[Fault]:
-    """Faults of bodies so small and light that the product of both is no number above 0."""
+    """Faults of bodies so small and light that volume times density underflows to 0."""
     for body in rigid:
         if not body.mass > 0.0:
             yield scene_fault(f"model.bodies.{body.name}", "got a mass of 0 kg by its shapes; allowed is more")
 
 
 def _joint_faults(layout: Layout) -> Iterator[Fault]:
-    """Faults of joints on a flexible link that are neither at its root nor at its tip."""
+    """Faults of joints on a flexible link: not at its root or tip, or with an axis that is fixed in the link."""
     bodies = layout.model.all_bodies
     for kind, name, joint in _all_joints(layout.model):
         sides = (("parent", joint.parent, joint.parent_point_m), ("child", joint.child, joint.child_point_m))
@@ -240,17 +249,17 @@ def _joint_faults(layout: Layout) -> Iterator[Fault]:
 
 
 def _all_joints(model: schema.Model) -> Iterator[tuple[str, str, schema.Joint | schema.Closure]]:
-    """Joints that are written out, by the key under which they stand and their name."""
+    """Joints and closures of the config: the key above them, name, and joint. Joints of a chain are not included."""
     yield from (("joints", name, joint) for name, joint in model.joints.items())
     yield from (("closures", name, closure) for name, closure in model.closures.items())
 
 
 @dataclass(frozen=True)
 class End:
-    """End or corner of a part that a medium may act on: its body, point in the body's frame, initial world position,
-    (2,) m.
+    """End or corner of a part that a medium may act on.
 
-    drop: how far the part reaches below it (m).
+    point: (2,) m in the frame of the body. world: initial world position (2,) m. drop (m): how far the part reaches
+    below the point.
     """
 
     body: str
@@ -260,29 +269,29 @@ class End:
 
     @property
     def lowest(self) -> float:
-        """Height (m) of the lowest point there."""
+        """Height (m) of the lowest point of the part at this end."""
         return float(self.world[1]) - self.drop
 
 
 def ends_of(rigid: tuple[RigidBody, ...], links: tuple[FlexibleLink, ...]) -> list[End]:
     """Ends, corners and lowest points of all parts that a medium may act on."""
-    found = []
-    for body, shape in _met(rigid):
+    ends = []
+    for body, shape in _shapes_in_sand(rigid):
         points = [*lowest(shape, body.motion), *shape.points]
-        found += [End(body.name, at, body.motion.world(at), shape.drop) for at in points]
-    tips = [(link, np.array([x, 0.0])) for link in links for x in (0.0, link.length)]
-    return found + [End(link.name, end, link.motion.world(end)) for link, end in tips]
+        ends += [End(body.name, corner, body.motion.world(corner), shape.drop) for corner in points]
+    link_ends = [(link, np.array([x, 0.0])) for link in links for x in (0.0, link.length)]
+    return ends + [End(link.name, end, link.motion.world(end)) for link, end in link_ends]
 
 
-def _met(rigid: tuple[RigidBody, ...]) -> list[tuple[RigidBody, Shape]]:
+def _shapes_in_sand(rigid: tuple[RigidBody, ...]) -> list[tuple[RigidBody, Shape]]:
     """Shapes that a medium may act on, with their bodies."""
     return [(body, shape) for body in rigid for shape in body.shapes if shape.in_sand]
 
 
 def _tip(ends: list[End], rigid: tuple[RigidBody, ...], layout: Layout) -> tuple[str, Vector]:
-    """End that is farthest from the first joint to the ground, or lowest if the mechanism slides or flies.
+    """End that is farthest from the first joint on the ground, or lowest if the mechanism slides or flies.
 
-    Of several the last.
+    Of several such ends it is the last.
     """
     if not ends:
         return rigid[0].name, ZERO
@@ -291,10 +300,10 @@ def _tip(ends: list[End], rigid: tuple[RigidBody, ...], layout: Layout) -> tuple
         lowest = min(end.lowest for end in ends)
         return next((e.body, e.point) for e in reversed(ends) if e.lowest <= lowest + 1e-12)
     root = point(on_ground[0].parent_point_m)
-    round_ones = [(body, at) for body, shape in _met(rigid) for at in farthest(shape, body.motion, root)]
-    ends = [*(End(body.name, at, body.motion.world(at)) for body, at in round_ones), *ends]
-    most = max(float(np.linalg.norm(end.world - root)) for end in ends)
-    return next((e.body, e.point) for e in reversed(ends) if np.linalg.norm(e.world - root) >= most * (1 - 1e-12))
+    on_arcs = [(body, at) for body, shape in _shapes_in_sand(rigid) for at in farthest(shape, body.motion, root)]
+    ends = [*(End(body.name, at, body.motion.world(at)) for body, at in on_arcs), *ends]
+    greatest = max(float(np.linalg.norm(end.world - root)) for end in ends)
+    return next((e.body, e.point) for e in reversed(ends) if np.linalg.norm(e.world - root) >= greatest * (1 - 1e-12))
 
 
 def _has_body_columns(scenario: schema.Scenario, rigid: tuple[RigidBody, ...], links: tuple[FlexibleLink, ...]) -> bool:
@@ -306,15 +315,17 @@ def _has_body_columns(scenario: schema.Scenario, rigid: tuple[RigidBody, ...], l
     return bool(moving) and not pendulum and len(rigid) + len(links) <= MOST_BODIES
 
 
-def _nothing_to_act_on(scenario: schema.Scenario, ends: list[End]) -> Iterator[Fault]:
+def _nothing_in_medium(scenario: schema.Scenario, ends: list[End]) -> Iterator[Fault]:
+    """Fault of a scenario with a medium, in which no part can be in the medium."""
     if scenario.media and not ends:
         yield scene_fault("model.bodies", "no part is a link or a shape in_sand, so the medium has nothing to act on")
 
 
-def _method(scenario: schema.Scenario, placed: Bed | None) -> schema.AnyMethod | None:
+def _method(scenario: schema.Scenario, bed: Bed | None) -> schema.AnyMethod | None:
+    """Method of the scenario, with `static: auto` of the reduced model replaced; None for Exudyn and for `auto`."""
     chosen = scenario.method.chosen
     if not isinstance(chosen, Reduced) or chosen.static != "auto":
         return chosen
-    has_sign = placed is None or all(medium.by_component for medium in placed.media)
+    has_sign = bed is None or all(medium.by_component for medium in bed.media)
     static = "true_sign" if chosen.modes == 0 and has_sign else scenario.load.friction.type
     return chosen.model_copy(update={"static": static})

@@ -1,6 +1,6 @@
-"""Drives of a scenario in SI units of the joints' coordinates.
+"""Drives of a scenario, in SI units of the joints' coordinates; controls of drives that are set during a run.
 
-Also what of a scene is set from outside while it runs, by name: that of the joint, and the key of its drive.
+The name of a control is the name of its joint and the key of its drive.
 """
 
 from __future__ import annotations
@@ -20,21 +20,22 @@ from granular_contact.scene.signal_tables import shortest_period
 from granular_contact.scene.steps import Steps
 from granular_contact.scene.types import Drive, Scene
 
-FEWEST_STEPS = 50  # steps in which a rate may go over from one value to another: energies are then right to 1e-3
+FEWEST_STEPS = 50  # least number of steps over which a rate may change between two values: energies are right to 1e-3
 
-UNSEEN, PLENTY = 2, 16  # steps in the shortest period of a signal: with as few it is refused; with fewer told
+# Steps per shortest period of a signal: up to UNDERSAMPLED a signal is refused, below WELL_SAMPLED a run warns.
+UNDERSAMPLED, WELL_SAMPLED = 2, 16
 
 
-def drives(scenario: schema.Scenario, solver: Steps, faults: list[Fault]) -> tuple[Drive, ...]:
-    """All drives of a scenario that is solved by these steps; faults are appended."""
-    made = []
+def drives_of(scenario: schema.Scenario, solver: Steps, faults: list[Fault]) -> tuple[Drive, ...]:
+    """All drives of a scenario; faults are appended. solver: with the step sizes, which bound how fast signals vary."""
+    drives = []
     for name, spec in scenario.drives.items():
         key = target(spec)
         unit = math.radians(1.0) if key == "angle_deg" else 1.0
         if isinstance(spec, schema.External):
             least, most = spec.range or (-math.inf, math.inf)
             signal: signals.Signal = signals.Constant(unit * getattr(spec, key))
-            made.append(replace(_drive(name, spec, signal), sets=key, bounds=(unit * least, unit * most)))
+            drives.append(replace(_drive(name, spec, signal), sets=key, bounds=(unit * least, unit * most)))
             continue
         given: schema.AnySignal = getattr(spec, key)
         phase = 0.0
@@ -47,46 +48,46 @@ def drives(scenario: schema.Scenario, solver: Steps, faults: list[Fault]) -> tup
         signal = _signal(given, unit, phase)
         if isinstance(spec, schema.Motion):
             signal = _without_jumps(signal, solver, name, spec, faults)
-        faults += _unseen(signal, solver, f"drives.{name}.{key}")
-        made.append(_drive(name, spec, signal))
-    return tuple(made)
+        faults += _undersampled(signal, solver, f"drives.{name}.{key}")
+        drives.append(_drive(name, spec, signal))
+    return tuple(drives)
 
 
 def _without_jumps(
     signal: signals.Signal, solver: Steps, name: str, spec: schema.Motion, faults: list[Fault]
 ) -> signals.Signal:
-    """The signal of a motion with a rate that does not jump during the run; a fault is appended where it would.
+    """Smooth the jumps of a motion's rate during the run over `smooth_s`; a fault is appended if that is not given.
 
-    A jump of the rate takes an infinite force, whose result would depend on the step of the integrator.
+    A jump of the rate takes an infinite force, and the result would depend on the step size.
     """
     key = target(spec)
-    found = [jump for jump in signals.jumps(signal) if 0.0 < jump.time < solver.end_time_s]
+    jumps = [jump for jump in signals.jumps(signal) if 0.0 < jump.time < solver.end_time_s]
     if spec.smooth_s is None:
-        faults += [_jump_fault(f"drives.{name}.{key}", found)] if found else []
+        faults += [_jump_fault(f"drives.{name}.{key}", jumps)] if jumps else []
         return signal
     least = FEWEST_STEPS * solver.step_s
     if solver.accuracy is None and spec.smooth_s < least:
         words = f"got {spec.smooth_s:g}; allowed is at least {least:g}, {FEWEST_STEPS} times solver.step_s"
         words += ", or solver.accuracy"
         faults.append(scene_fault(f"drives.{name}.smooth_s", words))
-    return signals.Smoothed(signal, tuple(found), spec.smooth_s) if found else signal
+    return signals.Smoothed(signal, tuple(jumps), spec.smooth_s) if jumps else signal
 
 
-def _unseen(signal: signals.Signal, solver: Steps, key: str) -> list[Fault]:
-    """A fault of a signal that fixed steps can't see: at two steps a period all of them may fall on its zeros."""
+def _undersampled(signal: signals.Signal, solver: Steps, key: str) -> list[Fault]:
+    """Fault of a signal that fixed steps do not resolve: at two steps a period, all of them may fall on its zeros."""
     shortest = shortest_period(signal, solver.end_time_s)
-    if solver.accuracy is not None or shortest > UNSEEN * solver.step_s * (1.0 + 1e-9):
+    if solver.accuracy is not None or shortest > UNDERSAMPLED * solver.step_s * (1.0 + 1e-9):
         return []
     words = f"goes to and fro within {shortest:.3g} s ({1.0 / shortest:.4g} Hz), of which steps of {solver.step_s:g} s"
-    allowed = f"solver.accuracy, which chooses shorter steps, or solver.step_s: {shortest / PLENTY:.2g}"
+    allowed = f"solver.accuracy, which chooses shorter steps, or solver.step_s: {shortest / WELL_SAMPLED:.2g}"
     return [scene_fault(key, f"{words} see next to nothing; allowed are {allowed}")]
 
 
-def _jump_fault(key: str, found: list[signals.Jump]) -> Fault:
+def _jump_fault(key: str, jumps: list[signals.Jump]) -> Fault:
     unit, factor = ("deg/s", math.degrees(1.0)) if key.endswith("angle_deg") else ("m/s", 1.0)
-    time, before, after = found[0]
+    time, before, after = jumps[0]
     words = f"at t = {time:g} s the rate jumps from {factor * before:.4g} to {factor * after:.4g} {unit}"
-    words += f" (the first of {len(found)} jumps)" if len(found) > 1 else ""
+    words += f" (the first of {len(jumps)} jumps)" if len(jumps) > 1 else ""
     return scene_fault(
         key,
         f"{words}, which takes an infinite force; allowed are interpolation: cubic, and smooth_s: a time (s) over "
@@ -100,13 +101,13 @@ def _drive(name: str, spec: schema.AnyDrive, signal: signals.Signal) -> Drive:
         return Drive(name, "motion", signal)
     if key in ("torque_Nm", "force_N"):
         return Drive(name, "load", signal)
-    gain, rate_gain, limit = (getattr(spec, one) for one in OF_TARGET[TARGETS[key]])
+    gain, rate_gain, limit = (getattr(spec, option) for option in OF_TARGET[TARGETS[key]])
     of_rate = key in ("rate_rad_s", "speed_m_s")
     return Drive(name, "control", signal, gain, rate_gain, math.inf if limit is None else limit, of_rate)
 
 
 def _signal(spec: schema.AnySignal, unit: float, phase_deg: float) -> signals.Signal:
-    """A signal whose values are `unit` times those of the config, ahead by a phase."""
+    """Signal of a config with its values multiplied by `unit` and its phase advanced."""
     if isinstance(spec, schema.Constant):
         return signals.Constant(unit * spec.value)
     if isinstance(spec, schema.Sine):
@@ -118,15 +119,15 @@ def _signal(spec: schema.AnySignal, unit: float, phase_deg: float) -> signals.Si
         sweep, offset = math.radians(spec.stance_sweep_deg), math.radians(spec.stance_offset_deg)
         phase = (spec.phase_deg + phase_deg) / 360.0
         return signals.Buehler(spec.frequency_Hz, sweep, offset, spec.duty_factor, phase, spec.blend)
-    assert isinstance(spec, schema.Table)  # the others were resolved
+    assert isinstance(spec, schema.Table)  # `drives_of` has resolved shared signals and files
     return signals.piecewise(np.array(spec.time_s), unit * np.array(spec.values), spec.interpolation == "cubic")
 
 
 @dataclass(frozen=True)
 class Control:
-    """Something that can be set: the drive of a joint.
+    """Control of the drive of a joint, which can be set during a run.
 
-    unit: of its name in SI units; start: what is set at the start, in SI units; bounds: of what can be set, in the unit
+    unit: the unit in its name, in SI units; start: value at the start, in SI units; bounds: allowed range, in the unit
     of its name.
     """
 
@@ -136,42 +137,42 @@ class Control:
     bounds: tuple[float, float]
 
     def in_si(self, name: str, value: float) -> float:
-        """A value in SI units; name: the control's, an angle's also with radians."""
+        """Convert a value to SI units; name: the one by which it was given, for an angle also `..._rad`."""
         return value if name.endswith("_rad") else self.unit * value
 
     @property
     def bounds_in_si(self) -> tuple[float, float]:
-        """Range of what can be set, in SI units."""
+        """Allowed range in SI units."""
         return self.unit * self.bounds[0], self.unit * self.bounds[1]
 
 
 class Beyond(NamedTuple):
-    """How often a control was given beyond the range of its drive, and by how much (SI units) at the most."""
+    """How often a control was set beyond the range of its drive, and the greatest excess (SI units)."""
 
     times: int = 0
     most: float = 0.0
 
     def and_by(self, excess: float) -> Beyond:
-        """The same and once more, by so much."""
+        """Count one more value, with this excess."""
         return Beyond(self.times + 1, max(self.most, excess))
 
 
 def range_warnings(controls: Mapping[str, Control], beyond: Mapping[str, Beyond]) -> Iterator[str]:
-    """What was set beyond ranges, of controls by name; beyond: by joint."""
+    """Warnings of controls (by name) that were set beyond their range; beyond: by joint."""
     for name, control in controls.items():
-        if (found := beyond.get(control.joint)) is not None:
-            times = "once" if found.times == 1 else f"{found.times} times"
+        if (excess := beyond.get(control.joint)) is not None:
+            times = "once" if excess.times == 1 else f"{excess.times} times"
             words = f"{name} was given beyond its range, {control.bounds[0]:g} to {control.bounds[1]:g}, {times}"
-            yield f"{words}, by {found.most / control.unit:.3g} at the most: it was set to the end of the range"
+            yield f"{words}, by {excess.most / control.unit:.3g} at the most: it was set to the end of the range"
 
 
 def controls_of(scene: Scene) -> dict[str, Control]:
     """All controls of a scene by their names, in the order of its drives."""
-    found = {}
+    controls = {}
     for drive in scene.drives:
         if drive.sets:
             unit = math.radians(1.0) if drive.sets == "angle_deg" else 1.0
             least, most = drive.bounds
             bounds = least / unit, most / unit
-            found[f"{drive.joint}_{drive.sets}"] = Control(drive.joint, unit, drive.signal.value(0.0), bounds)
-    return found
+            controls[f"{drive.joint}_{drive.sets}"] = Control(drive.joint, unit, drive.signal.value(0.0), bounds)
+    return controls

@@ -1,4 +1,4 @@
-"""What acts in a joint by its own coordinate: spring, damper, ends of its range and dry friction."""
+"""Law of a joint, a function of its coordinate: spring, damper, stops and dry friction."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-# Of each number the part of the joint's config in which it stands, and how its key begins; the rest of it is the unit.
+# For each field of `JointLaw`: the section of the joint's config, and how the key begins; the key ends with the unit.
 _KEYS: dict[str, tuple[str, str | tuple[str, ...]]] = {
     "stiffness": ("spring", "stiffness_"),
     "rest": ("spring", "rest_"),
@@ -23,10 +23,11 @@ _KEYS: dict[str, tuple[str, str | tuple[str, ...]]] = {
 
 @dataclass(frozen=True)
 class JointLaw:
-    """What acts in a joint by its own coordinate (rad or m) and rate; torques in N m or forces in N.
+    """Torques (N m) or forces (N) in a joint by its coordinate (rad or m) and its rate.
 
-    Spring (stiffness, rest) and damper; stops beyond `lower` and `upper`, of stop_stiffness x depth x (1 + dissipation
-    x rate of depth); dry friction as a bristle that yields at `slip`, with a damping time (s).
+    Spring (stiffness, rest) and damper (damping). Stops beyond `lower` and `upper`, with the torque or force
+    stop_stiffness x depth x (1 + dissipation x rate of depth). Dry friction by a bristle that yields at the deflection
+    `slip`, with a damping time (s).
     """
 
     stiffness: float = 0.0
@@ -42,17 +43,17 @@ class JointLaw:
 
     @property
     def has_stops(self) -> bool:
-        """Whether the joint has ends of its range."""
+        """Whether the joint has stops."""
         return self.stop_stiffness > 0.0
 
     @property
     def is_linear(self) -> bool:
-        """Whether a spring and a damper are all there is."""
+        """Whether the law has neither stops nor friction, at most a spring and a damper."""
         return not self.has_stops and self.friction == 0.0
 
     @property
     def is_idle(self) -> bool:
-        """Whether nothing acts."""
+        """Whether the law gives no torque or force at all."""
         return self.is_linear and self.stiffness == 0.0 and self.damping == 0.0
 
 
@@ -60,15 +61,17 @@ IDLE = JointLaw()
 
 
 def joint_law(joint: Any) -> JointLaw:
-    """The law of a joint of the plane or of space, in SI units of its coordinate."""
+    """Law of a joint of a config, in the plane or in space, in SI units of its coordinate."""
     numbers = {
-        name: number for name, keys in _KEYS.items() for number in _in_si(getattr(joint, keys[0], None), keys[1])
+        name: number
+        for name, (section, prefix) in _KEYS.items()
+        for number in _in_si(getattr(joint, section, None), prefix)
     }
     return JointLaw(**numbers, damping=next(_in_si(joint, "damping_"), 0.0))
 
 
-def _in_si(part: Any, begin: str | tuple[str, ...]) -> Iterator[float]:
-    """The value of the key that begins so, if there is one."""
-    for key in () if part is None else type(part).model_fields:
-        if key.startswith(begin):
-            yield math.radians(getattr(part, key)) if key.endswith("_deg") else getattr(part, key)
+def _in_si(section: Any, prefix: str | tuple[str, ...]) -> Iterator[float]:
+    """Values in SI units of the keys of a section that begin with a prefix; none without a section."""
+    for key in () if section is None else type(section).model_fields:
+        if key.startswith(prefix):
+            yield math.radians(getattr(section, key)) if key.endswith("_deg") else getattr(section, key)

@@ -1,4 +1,4 @@
-"""Joints of a laid-out model between the merged rigid bodies, and the forces that act in them."""
+"""Joints between the merged rigid bodies and the flexible links of a laid-out model, with their laws."""
 
 from __future__ import annotations
 
@@ -15,25 +15,25 @@ from granular_contact.scene.types import Joint
 def joints_of(
     layout: Layout, bodies: Iterable[RigidBody | FlexibleLink], states: Mapping[str, JointState]
 ) -> Iterator[Joint]:
-    """Joints and closures between what moves on its own.
+    """Joints and closures between bodies that move against each other; welds within a rigid body are left out.
 
     states: of the joints of the tree.
     """
-    homes = {name: (body.name, body.motion) for body in bodies for name in body.name.split("+")}
-    placed, loops = layout.placed, layout.model.closures
-    for name, joint in (layout.model.all_joints | loops).items():
-        parent, parent_frame = homes.get(joint.parent, (None, STILL))
-        child, child_frame = homes.get(joint.child, (None, STILL))
+    merged = {name: (body.name, body.motion) for body in bodies for name in body.name.split("+")}
+    placed, closures = layout.placed, layout.model.closures
+    for name, joint in (layout.model.all_joints | closures).items():
+        parent, parent_frame = merged.get(joint.parent, (None, STILL))
+        child, child_frame = merged.get(joint.child, (None, STILL))
         if child == parent:
             continue
-        assert child is not None  # closures with child and parent swapped are refused before
+        assert child is not None  # `closure_faults` refuses a closure whose child is the ground
         pin = placed[joint.child].world(point(joint.child_point_m))
-        # The points of a joint with an axis stay where they are on their bodies; elsewhere both are the pin.
-        at = pin
+        # A joint with an axis has another point on the parent than on the child; otherwise both points are the pin.
+        on_parent = pin
         start, rate = coordinate(placed, name, joint, states)
         axis, offset = None, 0.0
         if hasattr(joint, "axis"):
-            at = placed[joint.parent].world(point(joint.parent_point_m))
+            on_parent = placed[joint.parent].world(point(joint.parent_point_m))
             axis = rotation(placed[joint.parent].angle - parent_frame.angle) @ direction(joint)
         if isinstance(joint, schema.HingeClosure):
             offset = start - (parent_frame.angle - child_frame.angle)
@@ -42,14 +42,14 @@ def joints_of(
             name=name,
             kind=joint.type,
             parent=parent,
-            parent_point=parent_frame.local(at),
+            parent_point=parent_frame.local(on_parent),
             child=child,
             child_point=child_frame.local(pin),
             axis=axis,
             offset=offset,
             start=start,
             rate=rate,
-            closes=name in loops,
+            closes=name in closures,
             law=joint_law(joint),
         )
 
@@ -57,7 +57,10 @@ def joints_of(
 def coordinate(
     placed: Pose, name: str, joint: schema.Joint | schema.Closure, states: Mapping[str, JointState]
 ) -> tuple[float, float]:
-    """Coordinate of a hinge or slider at the start, and its rate; of a closure from the bodies that it joins."""
+    """Initial coordinate (rad or m) of a hinge or slider and its rate; for a closure from the poses of its bodies.
+
+    For other joints they have no meaning.
+    """
     if name in states:
         return states[name].coordinate, float(states[name].rates[0])
     parent, child = placed[joint.parent], placed[joint.child]
@@ -67,7 +70,7 @@ def coordinate(
         along = float(axis @ (pin - parent.world(point(joint.parent_point_m))))
         return along, float(axis @ (child.speed_at(pin) - parent.speed_at(pin)))
     if isinstance(joint, schema.HingeClosure):
-        # Which turn it is in can't be known: the one nearest to zero.
-        turned = parent.angle - child.angle
-        return turned - 2.0 * math.pi * round(turned / (2.0 * math.pi)), parent.rate - child.rate
+        # Poses do not show the number of whole turns: the angle is the one between -pi and pi.
+        angle = parent.angle - child.angle
+        return angle - 2.0 * math.pi * round(angle / (2.0 * math.pi)), parent.rate - child.rate
     return 0.0, 0.0

@@ -14,31 +14,31 @@ import numpy as np
 from granular_contact.config import schema
 from granular_contact.errors import Fault
 from granular_contact.scene.parts import InitialMotion, WorkspaceBound, rotation, turned
-from granular_contact.scene.start import Said, Start, begun
+from granular_contact.scene.start import InitialStates, RunState, states_with_drives
 from granular_contact.scene.types import Drive, Vector
 
 GROUND = "ground"
-# Displacements and turns that joints leave free.
+# Numbers of displacements and rotations that each type of joint leaves free.
 FREEDOMS = {"hinge": (0, 1), "slider": (1, 0), "free": (2, 1), "weld": (0, 0)}
 ZERO = np.zeros(2)
 STILL = InitialMotion(ZERO, 0.0, ZERO, 0.0)
-Pose = dict[str, InitialMotion]  # of all bodies, the ground among them
+Pose = dict[str, InitialMotion]  # of all bodies and the ground
 
 
 @dataclass(frozen=True)
 class JointState:
-    """Coordinates of a joint and their rates, (k,) each: rad clockwise, or m; of a free joint x, y and the angle."""
+    """Coordinates of a joint and their rates, (k,) each: rad clockwise, or m. A free joint has x, y and the angle."""
 
     value: Vector
     rates: Vector
 
     @property
     def coordinate(self) -> float:
-        """Of a hinge or slider."""
+        """Coordinate of a hinge or slider."""
         return float(self.value[0])
 
     def at(self, coordinate: float) -> JointState:
-        """The same of a hinge or slider at another coordinate."""
+        """The state of a hinge or slider with the same rate at another coordinate."""
         return JointState(np.array([coordinate]), self.rates)
 
     def displaced(self, change: Vector) -> JointState:
@@ -72,7 +72,7 @@ def joints_outward(model: Any) -> Iterator[tuple[str, Any]]:
 
 
 def pose(model: schema.Model, states: Mapping[str, JointState], ground_angle: float) -> Pose:
-    """Place and move all bodies, undeformed; what is welded to the ground is turned by ground_angle (rad)."""
+    """Poses and velocities of all bodies, undeformed; bodies welded to the ground are rotated by ground_angle (rad)."""
     placed = {GROUND: STILL}
     for name, joint in joints_outward(model):
         angle = ground_angle if joint.type == "weld" and joint.parent == GROUND else 0.0
@@ -81,7 +81,7 @@ def pose(model: schema.Model, states: Mapping[str, JointState], ground_angle: fl
 
 
 def _child(joint: schema.Joint, state: JointState | None, parent: InitialMotion, turn: float) -> InitialMotion:
-    """Pose and velocity of the child of a joint, which is turned besides (rad)."""
+    """Pose and velocity of the child of a joint. turn (rad): rotation of a weld or slider besides its home angle."""
     pin, speed, rate = parent.world(point(joint.parent_point_m)), ZERO, parent.rate
     if isinstance(joint, schema.Slider | schema.Weld):
         angle = parent.angle + turned(joint.home_deg) + turn
@@ -97,53 +97,57 @@ def _child(joint: schema.Joint, state: JointState | None, parent: InitialMotion,
     return InitialMotion(pin - arm, angle, velocity, rate)
 
 
-def start(scenario: schema.Scenario, drives: tuple[Drive, ...], impact_speed: float, faults: list[Fault]) -> Start:
-    """Initial states of all joints of the tree, not looking at loops; faults are appended.
+def initial_states(
+    scenario: schema.Scenario, drives: tuple[Drive, ...], hinge_rate: float, faults: list[Fault]
+) -> InitialStates:
+    """Initial states of all joints of the tree, whether or not the loops close in them; faults are appended.
 
-    impact_speed: rate of the ground hinges (rad/s).
+    hinge_rate: rate of the ground hinges (rad/s).
     """
     initial = scenario.initial
 
-    def said(name: str, joint: schema.Joint) -> Said:
+    def run_state(name: str, joint: schema.Joint) -> RunState:
         given = (initial.joints or {}).get(name, schema.JointStart())
-        struck = isinstance(joint, schema.Hinge) and joint.parent == GROUND and initial.impact_angle_deg is not None
-        places = (given.angle_deg, given.position_m, given.x_m, given.y_m)
+        strikes = isinstance(joint, schema.Hinge) and joint.parent == GROUND and initial.impact_angle_deg is not None
+        coordinates = (given.angle_deg, given.position_m, given.x_m, given.y_m)
         has_rate = given.rate_rad_s is not None or given.speed_m_s is not None
         free = isinstance(joint, schema.Free)
-        return Said(
-            _said(joint, given, initial, impact_speed),
-            free or struck or any(v is not None for v in places),
-            free or (struck and impact_speed != 0.0) or has_rate,
+        return RunState(
+            _initial_state(joint, given, initial, hinge_rate),
+            free or strikes or any(coordinate is not None for coordinate in coordinates),
+            free or (strikes and hinge_rate != 0.0) or has_rate,
         )
 
-    return begun(scenario, drives, said, faults)
+    return states_with_drives(scenario, drives, run_state, faults)
 
 
-def _said(joint: schema.Joint, said: schema.JointStart, initial: schema.Initial, impact_speed: float) -> JointState:
-    """State of a joint as the run gives it; the reference configuration at rest where it does not."""
+def _initial_state(
+    joint: schema.Joint, given: schema.JointStart, initial: schema.Initial, hinge_rate: float
+) -> JointState:
+    """State of a joint with the values that the run gives; other values are those of the reference pose at rest."""
     if isinstance(joint, schema.Slider):
-        at = joint.home_m if said.position_m is None else said.position_m
-        return JointState(np.array([at]), np.array([said.speed_m_s or 0.0]))
+        position = joint.home_m if given.position_m is None else given.position_m
+        return JointState(np.array([position]), np.array([given.speed_m_s or 0.0]))
     if isinstance(joint, schema.Free):
-        value = [said.x_m or 0.0, said.y_m or 0.0, math.radians(said.angle_deg or 0.0)]
-        return JointState(np.array(value), np.array([said.vx_m_s or 0.0, said.vy_m_s or 0.0, said.rate_rad_s or 0.0]))
+        value = [given.x_m or 0.0, given.y_m or 0.0, math.radians(given.angle_deg or 0.0)]
+        rates = [given.vx_m_s or 0.0, given.vy_m_s or 0.0, given.rate_rad_s or 0.0]
+        return JointState(np.array(value), np.array(rates))
     assert isinstance(joint, schema.Hinge)  # a weld has no state
     on_ground = joint.parent == GROUND
     home = initial.impact_angle_deg if on_ground and initial.impact_angle_deg is not None else joint.home_deg
-    angle = home if said.angle_deg is None else said.angle_deg
-    speed = impact_speed if on_ground else 0.0
-    return JointState(
-        np.array([math.radians(angle)]), np.array([speed if said.rate_rad_s is None else said.rate_rad_s])
-    )
+    angle = home if given.angle_deg is None else given.angle_deg
+    default_rate = hinge_rate if on_ground else 0.0
+    rate = default_rate if given.rate_rad_s is None else given.rate_rad_s
+    return JointState(np.array([math.radians(angle)]), np.array([rate]))
 
 
 def workspace_bounds(model: schema.Model, placed: Pose) -> dict[str, WorkspaceBound]:
-    """Workspace bound of each body, whatever the coordinates of the joints.
+    """Workspace bound of each body, for all coordinates of the joints.
 
-    placed: the bodies at the start. There is no bound beyond sliders and free joints. A welded part moves with the
-    body that it is welded to.
+    placed: the bodies at the start. Bodies outward of a slider or a free joint have no bound (infinite length). A
+    welded part moves with the body that it is welded to.
     """
-    held: dict[str, WorkspaceBound] = {}
+    bounds: dict[str, WorkspaceBound] = {}
     fixed = {GROUND}
     for _, joint in joints_outward(model):
         parent, on_parent, on_child = joint.parent, point(joint.parent_point_m), point(joint.child_point_m)
@@ -152,13 +156,13 @@ def workspace_bounds(model: schema.Model, placed: Pose) -> dict[str, WorkspaceBo
             workspace = WorkspaceBound(placed[parent].world(on_parent), on_child, 0.0)
             fixed |= {joint.child} if rigidly else set()
         elif rigidly:
-            workspace = held[parent]
+            workspace = bounds[parent]
             workspace = replace(workspace, point=placed[joint.child].local(placed[parent].world(workspace.point)))
         else:
-            workspace = WorkspaceBound(held[parent].root, on_child, held[parent].radius(on_parent))
-        no_end = isinstance(joint, schema.Slider | schema.Free)
-        held[joint.child] = replace(workspace, length=math.inf) if no_end else workspace
-    return held
+            workspace = WorkspaceBound(bounds[parent].root, on_child, bounds[parent].radius(on_parent))
+        unbounded = isinstance(joint, schema.Slider | schema.Free)
+        bounds[joint.child] = replace(workspace, length=math.inf) if unbounded else workspace
+    return bounds
 
 
 def is_rigid(model: Any, name: str) -> bool:
@@ -170,7 +174,7 @@ def is_rigid(model: Any, name: str) -> bool:
 
 
 def weld_groups(model: Any) -> list[list[str]]:
-    """Rigid bodies (and the ground) of a model, in the plane or in space, grouped by the welds between them."""
+    """Groups of rigid bodies (and the ground) that are welded together, of a model in the plane or in space."""
     groups = {name: [name] for name in (GROUND, *model.all_bodies) if is_rigid(model, name)}
     for _, joint in joints_outward(model):
         if joint.type == "weld" and joint.parent in groups and joint.child in groups:
@@ -184,7 +188,7 @@ def weld_groups(model: Any) -> list[list[str]]:
 
 @dataclass(frozen=True)
 class Layout:
-    """A model laid out: pose and workspace bound of every body, groups of rigid bodies that are welded together."""
+    """Initial configuration of a model: pose and workspace bound of every body, groups of welded rigid bodies."""
 
     model: schema.Model
     placed: Pose
@@ -193,7 +197,7 @@ class Layout:
 
     @cached_property
     def _joined(self) -> dict[str, list[Vector]]:
-        """Points of every body at which it is joined to another."""
+        """Points (2,) m of every body at which it is joined to another, in its frame."""
         points: dict[str, list[Vector]] = defaultdict(list)
         for joint in (*self.model.all_joints.values(), *self.model.closures.values()):
             if joint.type != "free":
@@ -207,6 +211,6 @@ class Layout:
 
 
 def lay_out(model: schema.Model, states: Mapping[str, JointState], ground_angle: float) -> Layout:
-    """Lay out a model in a state of its joints; what is welded to the ground is turned by ground_angle (rad)."""
+    """Lay out a model in a state of its joints; bodies welded to the ground are rotated by ground_angle (rad)."""
     placed = pose(model, states, ground_angle)
     return Layout(model, placed, workspace_bounds(model, placed), weld_groups(model))

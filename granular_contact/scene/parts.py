@@ -1,4 +1,4 @@
-"""Parts of a scene: shapes, where bodies are and how they move at the start, rigid bodies and beams. SI units."""
+"""Parts of a scene: shapes, initial poses and velocities of bodies, rigid bodies and beams. SI units."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ Vector = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Wheel:
-    """Of a shape that is a wheel: axle (2,) m in the body's frame; radius (m) that counts for slip, and of the rim.
+    """Wheel of a shape: its axle (2,) m in the body's frame; radius (m) for slip, and rim: radius of the rim (m).
 
-    pitch (rad): between two grousers, 0 without any.
+    pitch (rad): angle between two grousers, 0 without grousers.
     """
 
     axle: Vector
@@ -28,13 +28,14 @@ class Wheel:
 
 @dataclass(frozen=True)
 class Shape:
-    """A part of a body as the medium meets it and as it is drawn.
+    """Shape of a body, for the forces of the medium and for drawings.
 
-    points (k, 2) m in the body's frame: the middle line of a bar or plate, the closed outline of a solid (the first
-    point repeated), or the centre of a ball. width (m): a diameter, or the extent normal to the plane; thickness (m):
-    of a bar or plate in the plane, a ball's diameter, 0 of an outline. `free`: whether the end of a line is a free
-    face. mass (kg): of a ball by itself, for laws that ask for it. turns (k - 1,) rad: angle by which each side between
-    two points turns where it is the chord of an arc, counter-clockwise; None: all sides are straight.
+    part: name of the body in the config. points (k, 2) m in the body's frame: the middle line of a bar or plate, the
+    closed outline of a solid (the first point repeated), or the centre of a ball. width (m): a diameter, or the extent
+    normal to the plane. thickness (m): extent of a bar or plate in the plane, diameter of a ball, 0 for an outline.
+    free: whether nothing is joined to the last point, so that the end of a line is a free face. mass (kg): of a ball
+    alone, for laws that need it. turns (k - 1,) rad: counter-clockwise angle of the arc of which the side between two
+    points is the chord, 0 for a straight side; None: all sides are straight.
     """
 
     part: str
@@ -50,7 +51,7 @@ class Shape:
 
     @property
     def drop(self) -> float:
-        """How far it reaches below its points (m), for the medium."""
+        """How far (m) the shape reaches below its points: the radius of a ball, else 0."""
         return self.width / 2 if self.kind == "ball" else 0.0
 
 
@@ -81,9 +82,9 @@ class InitialMotion:
 
 @dataclass(frozen=True)
 class WorkspaceBound:
-    """Bound of where a body can get: its `point` (2,) m, body frame, stays within `length` (m) of a fixed `root`.
+    """Bound of the workspace of a body: its `point` (2,) m, body frame, stays within `length` (m) of the fixed `root`.
 
-    root: (2,) m, world frame, the joint on the ground that carries the body, directly or through other bodies.
+    root: (2,) m, world frame: the joint on the ground that carries the body, directly or through other bodies.
     """
 
     root: Vector
@@ -91,13 +92,16 @@ class WorkspaceBound:
     length: float
 
     def radius(self, point: Vector) -> float:
-        """Greatest distance (m) between the root and a point (2,) of the body, or the farthest of several (n, 2)."""
+        """Greatest possible distance (m) of a point (2,) m of the body, or of any of several (n, 2), from the root."""
         return self.length + float(np.linalg.norm(np.atleast_2d(point) - self.point, axis=1).max())
 
 
 @dataclass(frozen=True)
 class RigidBody:
-    """Parts that are welded together. Mass kg; inertia kg m2 about the centre of mass, the origin of its frame."""
+    """Bodies of the config that are welded together; the origin of its frame is the common centre of mass.
+
+    mass: kg. inertia: kg m2 about the centre of mass.
+    """
 
     name: str
     mass: float
@@ -108,20 +112,20 @@ class RigidBody:
 
     @property
     def wheel(self) -> Wheel | None:
-        """The first of its wheels."""
+        """The first wheel of the body; None without one."""
         return next((shape.wheel for shape in self.shapes if shape.wheel is not None), None)
 
     @property
-    def turning_places(self) -> tuple[int, ...]:
-        """Which of its coordinates (x, y, phi) turn it."""
+    def rotation_indices(self) -> tuple[int, ...]:
+        """Indices of the coordinates (x, y, phi) that are rotations."""
         return (2,)
 
     def levers(self, radius: float) -> tuple[float, ...]:
-        """Factors from the rates of its coordinates to speeds (m/s) of points within a radius (m)."""
+        """Factors from the rates of the coordinates to greatest speeds (m/s) of points within a radius (m)."""
         return 1.0, 1.0, radius
 
     def mass_matrix(self) -> Vector:
-        """Mass matrix (3, 3) of its coordinates."""
+        """Mass matrix (3, 3) for the coordinates (x, y, phi)."""
         return np.diag([self.mass, self.mass, self.inertia])
 
     def weight(self, gravity: float) -> Vector:
@@ -131,10 +135,10 @@ class RigidBody:
 
 @dataclass(frozen=True)
 class FlexibleLink:
-    """Straight beam from the origin of its frame along x. m, kg/m, N m2, N, N m2 s, N s.
+    """Straight beam along the x axis of its frame, from the origin. Units: m, kg/m, N m2, N, N m2 s, N s.
 
-    kind, width and thickness as of a `Shape`; modulus (Pa): of its section and bending stiffness; yield_stress (Pa):
-    None where it is not looked at.
+    kind, width, thickness, free: as of a `Shape`. modulus (Pa): bending stiffness over second moment of area.
+    yield_stress (Pa): None if stresses are not compared with it.
     """
 
     name: str
@@ -161,14 +165,14 @@ class FlexibleLink:
 
 
 def turned(clockwise_deg: float) -> float:
-    """Angle (rad) as scenes have it, counter-clockwise, of one of a config (deg), clockwise.
+    """Convert a clockwise angle of a config (deg) to the counter-clockwise angle of a scene (rad).
 
-    Fixed angles change their sense only here; coordinates of hinges stay clockwise, see `layout.pose`.
+    Fixed angles change their sense only here. Coordinates of hinges stay clockwise, see `layout.pose`.
     """
     return -math.radians(clockwise_deg)
 
 
 def rotation(angle: float) -> NDArray[np.float64]:
-    """Matrix (2, 2) that turns counter-clockwise by angle (rad)."""
-    c, s = math.cos(angle), math.sin(angle)
-    return np.array([[c, -s], [s, c]])
+    """Rotation matrix (2, 2) of a counter-clockwise angle (rad)."""
+    cosine, sine = math.cos(angle), math.sin(angle)
+    return np.array([[cosine, -sine], [sine, cosine]])

@@ -1,7 +1,6 @@
 """Shapes of a config -> lines and outlines in the frame of their body, with their mass properties.
 
-Points of arcs that are lowest, or farthest from another point, are those of the geometry, wherever it is cut into
-chords.
+The lowest point of an arc, and the farthest one from another point, lie on the exact arc, not on its chords.
 """
 
 from __future__ import annotations
@@ -20,45 +19,45 @@ from granular_contact.laws.kinds import Kind
 from granular_contact.scene.parts import InitialMotion, Shape, Wheel, rotation, turned
 from granular_contact.scene.types import Vector
 
-CHORDS = 48  # of a full circle, at the least
+CHORDS = 48  # least number of chords of a full circle
 
 
 @dataclass(frozen=True)
 class Mass:
-    """Mass (kg), centre (2,) m in the body's frame and inertia about it (kg m2); of a shape alone at a density of 1."""
+    """Mass (kg), centre of mass (2,) m in the body's frame, inertia (kg m2) about it; of a shape at a density of 1."""
 
     mass: float
     center: Vector
     inertia: float
 
     def of_density(self, density: float) -> Mass:
-        """That of a shape with a density (kg/m3)."""
+        """Mass properties of the shape with a density (kg/m3)."""
         return Mass(density * self.mass, self.center, density * self.inertia)
 
 
 def merged(masses: Iterable[Mass]) -> Mass:
-    """Several masses as one, about their common centre."""
+    """Mass properties of several masses together, about their common centre of mass."""
     parts = list(masses)
     mass = sum(part.mass for part in parts)
-    with np.errstate(invalid="ignore"):  # without a mass, which is refused, there is none
+    with np.errstate(invalid="ignore"):  # a mass of 0 has no centre; it is refused later
         center: Vector = sum((part.mass * part.center for part in parts), np.zeros(2)) / mass
     inertia = sum(part.inertia + part.mass * float(np.sum((part.center - center) ** 2)) for part in parts)
     return Mass(mass, center, inertia)
 
 
 def _volume(volume: float, center: Vector, gyration_squared: float) -> Mass:
-    """Of a shape with a volume (m3) and a squared radius of gyration about its centre (m2)."""
+    """Mass properties of a shape with a volume (m3) and a squared radius of gyration about its centre (m2)."""
     return Mass(volume, center, volume * gyration_squared)
 
 
-def made(part: str, spec: shapes.Shape, strips: int) -> tuple[Shape, Mass]:
-    """Shape of a config with its mass properties; curves get at least `strips` chords."""
+def build_shape(part: str, spec: shapes.Shape, strips: int) -> tuple[Shape, Mass]:
+    """Build a shape of a config, with its mass properties; curves get at least `strips` chords."""
     shape, properties = _SHAPES[type(spec)](part, spec, strips)
     return shape, properties
 
 
 def bar(part: str, start: Vector, end: Vector, section: Section, in_sand: bool = True) -> tuple[Shape, Mass]:
-    """Straight bar from start to end, (2,) m."""
+    """Straight bar from start to end, (2,) m each, with its mass properties."""
     length = float(np.linalg.norm(end - start))
     properties = _volume(section.area * length, (start + end) / 2, length**2 / 12 + section.gyration_squared)
     return Shape(part, section.kind, np.stack([start, end]), section.width, section.thickness, in_sand), properties
@@ -66,7 +65,7 @@ def bar(part: str, start: Vector, end: Vector, section: Section, in_sand: bool =
 
 @dataclass(frozen=True)
 class Section:
-    """Section of a bar: round, or rectangular with its width normal to the plane and its thickness in it (m)."""
+    """Section of a bar: round, or rectangular with its width (m) normal to the plane and its thickness (m) in it."""
 
     is_round: bool
     width: float
@@ -74,7 +73,7 @@ class Section:
 
     @property
     def kind(self) -> Kind:
-        """What the medium meets."""
+        """Kind of shape for the laws."""
         return "round" if self.is_round else "flat"
 
     @property
@@ -89,10 +88,10 @@ class Section:
 
 
 def section(spec: schema.Link | shapes.ArcShape | shapes.PolylineShape) -> Section:
-    """Section of what has a diameter, or a width and a thickness."""
+    """Section of a link or shape with a diameter, or with a width and a thickness."""
     if spec.diameter_m is not None:
         return Section(True, spec.diameter_m, spec.diameter_m)
-    assert spec.width_m is not None  # the schema takes a diameter or both others
+    assert spec.width_m is not None  # the schema requires a diameter, or width and thickness
     assert spec.thickness_m is not None
     return Section(False, spec.width_m, spec.thickness_m)
 
@@ -107,29 +106,32 @@ def _disc(part: str, spec: shapes.DiscShape, strips: int) -> tuple[Shape, Mass]:
 
 
 def effective_radius(radius: float, teeth: shapes.Grousers | None) -> float:
-    """Radius (m) of a wheel that counts for slip: grousers with a third of their height (Agarwal et al. 2021)."""
+    """Effective radius (m) of a wheel for its slip: the rim plus a third of the grousers (Agarwal et al. 2021)."""
     return radius + (0.0 if teeth is None else teeth.height_m / 3.0)
 
 
 def pitch(teeth: shapes.Grousers | None) -> float:
-    """Angle (rad) between two grousers, 0 without any."""
+    """Angle (rad) between two grousers, 0 without grousers."""
     return 0.0 if teeth is None else 2.0 * math.pi / teeth.count
 
 
-def wheel_outline(radius: float, teeth: shapes.Grousers | None, whole: int) -> tuple[Vector, Vector]:
-    """Closed outline (k, 2) m of a wheel around the origin, of so many chords, and by how much each turns (rad)."""
+def wheel_outline(radius: float, teeth: shapes.Grousers | None, chords: int) -> tuple[Vector, Vector]:
+    """Closed outline (k, 2) m of a wheel around the origin, and the arc angle of each side (k - 1,) rad.
+
+    chords: number for a full circle. For the arc angles see `turns` of `Shape`.
+    """
     if teeth is None:
-        return radius * _circle(whole), np.full(whole, 2 * math.pi / whole)
-    half, high = 0.5 * teeth.thickness_m, radius + teeth.height_m
-    opening = pitch(teeth) - 2 * math.asin(half / radius)  # of the rim between two grousers
-    chords = max(2, round(whole * opening / (2 * math.pi)))
-    one = [*radius * _round(-0.5 * opening, 0.5 * opening, chords)]
+        return radius * _circle(chords), np.full(chords, 2 * math.pi / chords)
+    half, tip = 0.5 * teeth.thickness_m, radius + teeth.height_m
+    opening = pitch(teeth) - 2 * math.asin(half / radius)  # angle of the rim between two grousers
+    on_rim = max(2, round(chords * opening / (2 * math.pi)))
+    segment = [*radius * _arc_points(-0.5 * opening, 0.5 * opening, on_rim)]
     middle = np.array([math.cos(math.pi / teeth.count), math.sin(math.pi / teeth.count)])
     across = half * np.array([-middle[1], middle[0]])
-    one += [high * middle - across, high * middle + across]
-    turned_on = [np.array(one) @ rotation(pitch(teeth) * k).T for k in range(teeth.count)]
-    turns = np.tile([*np.full(chords, opening / chords), 0.0, 0.0, 0.0], teeth.count)
-    return np.vstack([*turned_on, one[:1]]), turns
+    segment += [tip * middle - across, tip * middle + across]
+    segments = [np.array(segment) @ rotation(pitch(teeth) * k).T for k in range(teeth.count)]
+    turns = np.tile([*np.full(on_rim, opening / on_rim), 0.0, 0.0, 0.0], teeth.count)
+    return np.vstack([*segments, segment[:1]]), turns
 
 
 def _wheel(part: str, spec: shapes.WheelShape, strips: int) -> tuple[Shape, Mass]:
@@ -146,8 +148,8 @@ def _wheel(part: str, spec: shapes.WheelShape, strips: int) -> tuple[Shape, Mass
     return shape, properties
 
 
-def _round(start: float, end: float, chords: int) -> Vector:
-    """Points (chords + 1, 2) on the unit circle from an angle to another (rad)."""
+def _arc_points(start: float, end: float, chords: int) -> Vector:
+    """Points (chords + 1, 2) on the unit circle between two angles (rad)."""
     angles = np.linspace(start, end, chords + 1)
     return np.column_stack([np.cos(angles), np.sin(angles)])
 
@@ -174,13 +176,13 @@ def _arc(part: str, spec: shapes.ArcShape, strips: int) -> tuple[Shape, Mass]:
     chords = max(strips, math.ceil(CHORDS * half / math.pi))
     angles = np.linspace(start, end, chords + 1)
     points = center + radius * np.column_stack([np.cos(angles), np.sin(angles)])
-    # Of an arc of half angle h the centre of mass is R sin(h) / h from that of the circle, on the bisector.
-    off = radius * math.sin(half) / half
+    # The centre of mass of an arc of half angle h is R sin(h) / h away from the centre of the circle, on the bisector.
+    offset = radius * math.sin(half) / half
     middle = (start + end) / 2
     properties = _volume(
         size.area * radius * 2 * half,
-        center + off * np.array([math.cos(middle), math.sin(middle)]),
-        radius**2 - off**2 + size.gyration_squared,
+        center + offset * np.array([math.cos(middle), math.sin(middle)]),
+        radius**2 - offset**2 + size.gyration_squared,
     )
     turns = np.full(chords, (end - start) / chords)
     return Shape(part, size.kind, points, size.width, size.thickness, spec.in_sand, turns=turns), properties
@@ -198,29 +200,29 @@ def _polygon(part: str, spec: shapes.PolygonShape, _: int) -> tuple[Shape, Mass]
 
 def _foot(part: str, spec: shapes.FootShape, _: int) -> tuple[Shape, Mass]:
     radius = spec.height_m / 2
-    half = _circle(CHORDS)[: CHORDS // 2 + 1] * radius  # from the x axis over y to its other side
-    toe = half @ rotation(math.pi / 2)  # the toe, from below to above
-    reach = np.array([spec.length_m / 2 - radius, 0.0])
-    outline = np.vstack([toe + reach, -toe - reach])
-    if not reach.any():
+    half_circle = _circle(CHORDS)[: CHORDS // 2 + 1] * radius  # counter-clockwise from +x over +y to -x
+    toe = half_circle @ rotation(math.pi / 2)  # from -y over +x to +y
+    offset = np.array([spec.length_m / 2 - radius, 0.0])
+    outline = np.vstack([toe + offset, -toe - offset])
+    if not offset.any():
         outline = _circle(CHORDS)[:-1] * radius
     corners = np.array(spec.center_m) + outline @ rotation(turned(spec.tilt_deg)).T
     shape, properties = _solid(part, corners, spec.width_m, spec.in_sand)
     turns = np.full(len(shape.points) - 1, 2 * math.pi / CHORDS)
-    if reach.any():  # the sole and the top are straight
+    if offset.any():  # the sole and the top are straight
         turns[[CHORDS // 2, -1]] = 0.0
     return replace(shape, turns=turns), properties
 
 
 def _solid(part: str, corners: Vector, width: float, in_sand: bool) -> tuple[Shape, Mass]:
-    """Solid with a polygon as its section, corners (k, 2) m without the repeated first one."""
+    """Prism with a polygon as its section; corners (k, 2) m, without the first one repeated."""
     closed = np.vstack([corners, corners[:1]])
     origin = corners.mean(axis=0)
     (x0, y0), (x1, y1) = (closed[:-1] - origin).T, (closed[1:] - origin).T
-    twice = x0 * y1 - x1 * y0  # of the triangles with the origin
-    area = twice.sum() / 2
-    center = np.array([((x0 + x1) * twice).sum(), ((y0 + y1) * twice).sum()]) / (6 * area)
-    polar = ((x0**2 + x0 * x1 + x1**2 + y0**2 + y0 * y1 + y1**2) * twice).sum() / 12
+    twice_areas = x0 * y1 - x1 * y0  # of the triangles between the origin and the sides, signed
+    area = twice_areas.sum() / 2
+    center = np.array([((x0 + x1) * twice_areas).sum(), ((y0 + y1) * twice_areas).sum()]) / (6 * area)
+    polar = ((x0**2 + x0 * x1 + x1**2 + y0**2 + y0 * y1 + y1**2) * twice_areas).sum() / 12
     properties = _volume(abs(area) * width, origin + center, polar / area - float(center @ center))
     return Shape(part, "outline", closed, width, 0.0, in_sand), properties
 
@@ -247,20 +249,24 @@ _SHAPES: dict[type, Callable[[str, Any, int], tuple[Shape, Mass]]] = {
 
 
 DOWN = np.array([0.0, -1.0])
-AT_CENTRE = 1e-9  # of the radius: no point of a circle around the other point is farthest
+AT_CENTRE = 1e-9  # relative to the radius: closer to the centre of an arc, all points of the arc are equally far
 
 
 def lowest(shape: Shape, motion: InitialMotion) -> Iterator[Vector]:
-    """Points (2,) m, in the frame of the body, where arcs of a shape are lowest within a side."""
-    yield from _within(shape, motion, None)
+    """Lowest points (2,) m of the arcs of a shape, in the frame of the body, without arcs that are lowest at an end."""
+    yield from _arc_extrema(shape, motion, None)
 
 
 def farthest(shape: Shape, motion: InitialMotion, root: Vector) -> Iterator[Vector]:
-    """Points (2,) m, in the frame of the body, where arcs are farthest from a point (2,) m of the world."""
-    yield from _within(shape, motion, root)
+    """Farthest points (2,) m of the arcs of a shape from a world point (2,) m, in the frame of the body.
+
+    Arcs that are farthest at an end are left out.
+    """
+    yield from _arc_extrema(shape, motion, root)
 
 
-def _within(shape: Shape, motion: InitialMotion, root: Vector | None) -> Iterator[Vector]:
+def _arc_extrema(shape: Shape, motion: InitialMotion, root: Vector | None) -> Iterator[Vector]:
+    """Points of arcs (2,) m, in the frame of the body, that are farthest from root, or lowest if root is None."""
     if shape.turns is None:
         return
     points = motion.world(shape.points)
@@ -269,12 +275,13 @@ def _within(shape: Shape, motion: InitialMotion, root: Vector | None) -> Iterato
             continue
         chord, middle = b - a, 0.5 * (a + b)
         left = np.array([-chord[1], chord[0]])
-        centre = middle + 0.5 * left / np.tan(0.5 * turn)  # to the left where it turns counter-clockwise
+        centre = middle + 0.5 * left / np.tan(0.5 * turn)  # to the left of the chord for a counter-clockwise arc
         radius = float(np.linalg.norm(a - centre))
-        way = DOWN if root is None else centre - root
-        length = float(np.linalg.norm(way))
+        direction = DOWN if root is None else centre - root
+        length = float(np.linalg.norm(direction))
         if length <= AT_CENTRE * radius:
             continue
-        # Of the side's circle the point in that direction, if it is as near to the middle of the side as its ends.
-        if float((middle - centre) @ way) >= np.cos(0.5 * turn) * float(np.linalg.norm(middle - centre)) * length:
-            yield motion.local(centre + radius * way / length)
+        # The extreme point of the full circle counts if it lies on the arc: within half the arc angle of its middle.
+        cosine = np.cos(0.5 * turn)
+        if float((middle - centre) @ direction) >= cosine * float(np.linalg.norm(middle - centre)) * length:
+            yield motion.local(centre + radius * direction / length)

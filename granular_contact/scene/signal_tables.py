@@ -1,6 +1,6 @@
-"""Signals of drives -> the tables that kernels look them up in, see `mechanics.kernels.signal_tables`.
+"""Signals of drives -> tables of quintic pieces for kernels, see `mechanics.kernels.signal_tables`.
 
-Where the pieces of a table end follows from when a signal repeats itself, bends or jumps.
+The knots between the pieces follow from the periods of signals and from the instants at which they bend or jump.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ from granular_contact.scene.signals import (
     Smoothed,
 )
 
-A_PERIOD, A_RUN = 50, 20  # pieces at least
-ROUNDING = 1e-6  # of the greatest acceleration between two knots: by so much a piece may be off in its middle
-BESIDE = 1e-10  # s, from a knot, where derivatives may jump
-SHORTEST = 1e-6  # s, of a piece
+PIECES_PER_PERIOD, PIECES_PER_RUN = 50, 20  # at least
+TOLERANCE = 1e-6  # of the acceleration in the middle of a piece, relative to accelerations of the piece
+BESIDE = 1e-10  # s: derivatives at a knot are taken this far inside the piece, as they may jump at the knot
+SHORTEST = 1e-6  # s, of a piece that is halved
 
-# Value, rate and acceleration at both ends of a piece of length 1 -> coefficients.
+# Hermite interpolation: value, rate and acceleration at both ends of a piece of length 1 -> six coefficients.
 HERMITE = np.array(
     [
         [1, 0, 0, 0, 0, 0],
@@ -41,59 +41,61 @@ HERMITE = np.array(
 
 
 def tabulate(signals: Sequence[Signal], end: float) -> tuple[Vector, Vector]:
-    """Knots (k + 1,) s over a run to its end (s), and pieces (signals, k, 6)."""
-    knots = sorted(_places(signals, end))
-    rows: list[Vector] = []
-    found = [0.0]
-    for first, last in pairwise(knots):
-        waiting = [(first, last)]
-        while waiting:
-            start, stop = waiting.pop()
+    """Tabulate signals by quintic pieces: knots (k + 1,) s from 0 to the end of a run (s), pieces (signals, k, 6).
+
+    A piece has its coefficients with the lowest power of the time (s) since its first knot first. Pieces are halved
+    until the accelerations in their middles are right.
+    """
+    knots, pieces = [0.0], list[Vector]()
+    for first, last in pairwise(sorted(_first_knots(signals, end))):
+        intervals = [(first, last)]
+        while intervals:
+            start, stop = intervals.pop()
             piece = np.array([_piece(signal, start, stop) for signal in signals]).reshape(len(signals), 6)
-            off = any(_is_off(signal, of, start, stop) for signal, of in zip(signals, piece, strict=True))
-            if off and stop - start > SHORTEST:
+            inexact = any(_is_inexact(signal, row, start, stop) for signal, row in zip(signals, piece, strict=True))
+            if inexact and stop - start > SHORTEST:
                 middle = 0.5 * (start + stop)
-                waiting += [(middle, stop), (start, middle)]
+                intervals += [(middle, stop), (start, middle)]
             else:
-                rows.append(piece)
-                found.append(stop)
-    return np.array(found), np.stack(rows, axis=1) if signals else np.zeros((0, len(rows), 6))
+                pieces.append(piece)
+                knots.append(stop)
+    return np.array(knots), np.stack(pieces, axis=1) if signals else np.zeros((0, len(pieces), 6))
 
 
-def _places(signals: Sequence[Signal], end: float) -> set[float]:
-    """Where pieces begin and end at least."""
-    periods = [one for signal in signals if (one := period(signal)) is not None]
-    longest = min([end / A_RUN, *(one / A_PERIOD for one in periods)])
+def _first_knots(signals: Sequence[Signal], end: float) -> set[float]:
+    """Knots before pieces are halved: equidistant ones, and instants at which second derivatives may jump."""
+    periods = [time for signal in signals if (time := period(signal)) is not None]
+    longest = min([end / PIECES_PER_RUN, *(time / PIECES_PER_PERIOD for time in periods)])
     even = np.linspace(0.0, end, math.ceil(end / longest) + 1).tolist()
-    return {*even, *(at for signal in signals for at in jerks(signal) if 0.0 < at < end)}
+    return {*even, *(t for signal in signals for t in jerks(signal) if 0.0 < t < end)}
 
 
 def _ends(signal: Signal, start: float, stop: float) -> Vector:
-    """Value, rate and acceleration at both ends of a piece, from within, for a time in units of its length."""
+    """Value, rate and acceleration (6,) at both ends of a piece, with the time in units of the length of the piece."""
     h, inside = stop - start, (start + BESIDE, stop - BESIDE)
-    found = [
+    ends = [
         (signal.value(t), h * signal.rate(u), h * h * signal.acceleration(u))
         for t, u in zip((start, stop), inside, strict=True)
     ]
-    return np.array(found).ravel()
+    return np.array(ends).ravel()
 
 
 def _piece(signal: Signal, start: float, stop: float) -> Vector:
-    """Coefficients (6,) over a piece."""
+    """Coefficients (6,) of a signal over a piece."""
     coefficients: Vector = (HERMITE @ _ends(signal, start, stop)) / (stop - start) ** np.arange(6)
     return coefficients
 
 
-def _is_off(signal: Signal, piece: Vector, start: float, stop: float) -> bool:
-    """Whether the acceleration in the middle of a piece is off by more than round-off."""
+def _is_inexact(signal: Signal, piece: Vector, start: float, stop: float) -> bool:
+    """Whether the acceleration in the middle of a piece (6,) differs from that of the signal by more than allowed."""
     tau = 0.5 * (stop - start)
-    there = 2.0 * piece[2] + tau * (6.0 * piece[3] + tau * (12.0 * piece[4] + tau * 20.0 * piece[5]))
-    asked = signal.acceleration(start + tau)
-    scale = max(abs(asked), abs(2.0 * piece[2]), abs(signal.rate(start + tau)) / tau)
-    return bool(abs(there - asked) > ROUNDING * scale)
+    interpolated = 2.0 * piece[2] + tau * (6.0 * piece[3] + tau * (12.0 * piece[4] + tau * 20.0 * piece[5]))
+    exact = signal.acceleration(start + tau)
+    scale = max(abs(exact), abs(2.0 * piece[2]), abs(signal.rate(start + tau)) / tau)
+    return bool(abs(interpolated - exact) > TOLERANCE * scale)
 
 
-BEND = 0.1  # of the greatest mean rate of a table: less is how a smooth curve is cut into pieces
+BEND = 0.1  # of the greatest mean rate of a table: smaller changes are those between the pieces of a smooth curve
 
 
 def jerks(signal: Signal) -> tuple[float, ...]:
@@ -103,19 +105,19 @@ def jerks(signal: Signal) -> tuple[float, ...]:
 
 
 def bends(signals: Iterable[Signal]) -> list[float]:
-    """Instants (s) at which the mean rates of a table before and after differ by much of its greatest."""
-    found: set[float] = set()
+    """Instants (s) at which the mean rates of a table before and after differ by more than `BEND` of the greatest."""
+    instants: set[float] = set()
     for signal in signals:
         if isinstance(signal, Piecewise):
             values = [signal.value(t) for t in signal.times]
             rates = np.concatenate([[0.0], np.diff(values) / np.diff(signal.times), [0.0]])
-            much = np.abs(np.diff(rates)) > BEND * np.abs(rates).max()
-            found.update(t for t, bent in zip(signal.times, much, strict=True) if bent)
-    return sorted(found)
+            bent = np.abs(np.diff(rates)) > BEND * np.abs(rates).max()
+            instants.update(t for t, is_bent in zip(signal.times, bent, strict=True) if is_bent)
+    return sorted(instants)
 
 
 def period(signal: Signal) -> float | None:
-    """Time (s) after which a signal repeats itself, a turn further or not; None of one that does not."""
+    """Time (s) after which a signal repeats itself, for a `Buehler` clock one turn further; None without a period."""
     if isinstance(signal, Smoothed):
         return period(signal.signal)
     if isinstance(signal, Sine):
@@ -124,21 +126,22 @@ def period(signal: Signal) -> float | None:
 
 
 def corners(signals: Iterable[Signal]) -> list[float]:
-    """Instants (s) between which signals change smoothly: bends of tables, and where ramps begin and end."""
-    given = list(signals)
-    found = set(bends(given))
-    for signal in given:
+    """Instants (s) between which signals change smoothly: bends of tables, first and last instants of ramps."""
+    every = list(signals)
+    instants = set(bends(every))
+    for signal in every:
         if isinstance(signal, Ramp) and signal.first != signal.last:
-            found |= {signal.start, signal.start + signal.duration}
-    return sorted(found)
+            instants |= {signal.start, signal.start + signal.duration}
+    return sorted(instants)
 
 
 def shortest_period(signal: Signal, end: float) -> float:
-    """Shortest period (s) of what a signal does before an end (s); infinite of one that does not go to and fro.
+    """Shortest period (s) of a signal before an end (s); infinite for a signal that does not oscillate.
 
-    In a table of swings it is the time between the middles of one rise and the next; a pulse alone counts four times
-    its width at half of its height: at two steps a period a triangle can then fall between two of them. Of a clock of
-    legs it is twice its stance or swing, whichever is shorter, or 16 times the time over which its rate changes.
+    In a table of oscillations it is the time between the middle of a rise and the middle of the next rise. A single
+    pulse counts four times its width at half of its height: with two steps a period, a triangle can then fall between
+    two steps. The clock of a leg counts twice its stance or swing, whichever is shorter, or 16 times the duration of a
+    transition between its rates, if that is shorter still.
     """
     if isinstance(signal, Smoothed):
         return shortest_period(signal.signal, end)
@@ -154,21 +157,24 @@ def shortest_period(signal: Signal, end: float) -> float:
 
 
 def _middles(times: NDArray[np.float64], values: NDArray[np.float64]) -> list[float]:
-    """Instants (s) at which values (n,) at times (n,) pass the middle between two turns, both far from noise."""
-    much, turns, last = BEND * float(np.ptp(values)), [0], 0
-    for i in range(1, len(values)):  # the last is the farthest since the last turn, the direction of which is open
-        way = np.sign(values[last] - values[turns[-1]])
-        if way * (values[i] - values[last]) >= 0.0:
-            last = i if way or abs(values[i] - values[last]) > much else last
-        elif abs(values[i] - values[last]) > much:
-            turns.append(last)
+    """Instants (s) at which values (n,) at times (n,) pass the middle between two successive extrema.
+
+    Extrema that differ from their neighbours by less than `BEND` of the range of values do not count.
+    """
+    least, extrema, last = BEND * float(np.ptp(values)), [0], 0
+    for i in range(1, len(values)):  # last: index of the farthest value from the latest extremum so far
+        direction = np.sign(values[last] - values[extrema[-1]])
+        if direction * (values[i] - values[last]) >= 0.0:
+            last = i if direction or abs(values[i] - values[last]) > least else last
+        elif abs(values[i] - values[last]) > least:
+            extrema.append(last)
             last = i
-    found = []
-    for a, b in pairwise([*turns, last]):
+    instants = []
+    for a, b in pairwise([*extrema, last]):
         if a == b or values[a] == values[b]:
             continue
-        middle, way = 0.5 * (values[a] + values[b]), np.sign(values[b] - values[a])
-        k = a + 1 + int(np.argmax(way * (values[a + 1 : b + 1] - middle) >= 0.0))
+        middle, direction = 0.5 * (values[a] + values[b]), np.sign(values[b] - values[a])
+        k = a + 1 + int(np.argmax(direction * (values[a + 1 : b + 1] - middle) >= 0.0))
         share = (middle - values[k - 1]) / (values[k] - values[k - 1])
-        found.append(float(times[k - 1] + share * (times[k] - times[k - 1])))
-    return found
+        instants.append(float(times[k - 1] + share * (times[k] - times[k - 1])))
+    return instants

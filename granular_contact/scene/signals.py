@@ -1,7 +1,6 @@
-"""Signals over time: value, rate and acceleration of what a drive follows, in SI units.
+"""Signals of drives over time: value, rate and acceleration, in SI units.
 
-Each is a frozen record with three methods of the time (s); before t = 0 they keep their value at t = 0, for a mechanism
-that settles.
+Each is a frozen record with three methods of the time (s). While a mechanism settles, at t < 0, engines ask for t = 0.
 """
 
 from __future__ import annotations
@@ -14,25 +13,25 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-ROUNDING = 1e-4  # of the greatest rate: a jump of less comes of the digits of a table
+ROUNDING = 1e-4  # of the greatest rate: smaller jumps of the rate come from rounding in a table
 
 
 class Signal(Protocol):
-    """What a drive follows: a value (rad, m, N m, N, rad/s or m/s) that has two derivatives by time."""
+    """Signal of a drive: a value (rad, m, N m, N, rad/s or m/s) with two derivatives with respect to time."""
 
     def value(self, t: float) -> float:
         """Value at t (s)."""
 
     def rate(self, t: float) -> float:
-        """First derivative by time."""
+        """First derivative with respect to time."""
 
     def acceleration(self, t: float) -> float:
-        """Second derivative by time."""
+        """Second derivative with respect to time."""
 
 
 @dataclass(frozen=True)
 class Constant:
-    """The same at all times."""
+    """Constant value (level)."""
 
     level: float
 
@@ -63,17 +62,20 @@ class Sine:
         return self.offset + self.amplitude * math.sin(self.omega * t + self.phase)
 
     def rate(self, t: float) -> float:
-        """First derivative by time."""
+        """First derivative with respect to time."""
         return self.amplitude * self.omega * math.cos(self.omega * t + self.phase)
 
     def acceleration(self, t: float) -> float:
-        """Second derivative by time."""
+        """Second derivative with respect to time."""
         return -self.amplitude * self.omega**2 * math.sin(self.omega * t + self.phase)
 
 
 @dataclass(frozen=True)
 class Ramp:
-    """From one level to another by 10 x^3 - 15 x^4 + 6 x^5, the least polynomial that starts and ends at rest."""
+    """Ramp between two levels by 10 x^3 - 15 x^4 + 6 x^5, x from 0 to 1 over the duration.
+
+    This is the polynomial of least degree with zero rate and zero acceleration at both ends. start, duration: s.
+    """
 
     first: float
     last: float
@@ -89,23 +91,23 @@ class Ramp:
         return self.first + (self.last - self.first) * x**3 * (10.0 - 15.0 * x + 6.0 * x**2)
 
     def rate(self, t: float) -> float:
-        """First derivative by time."""
+        """First derivative with respect to time."""
         x = self._share(t)
         return (self.last - self.first) * 30.0 * x**2 * (1.0 - x) ** 2 / self.duration
 
     def acceleration(self, t: float) -> float:
-        """Second derivative by time."""
+        """Second derivative with respect to time."""
         x = self._share(t)
         return (self.last - self.first) * 60.0 * x * (1.0 - x) * (1.0 - 2.0 * x) / self.duration**2
 
 
 @dataclass(frozen=True)
 class Buehler:
-    """Clock of a rotary leg (Saranli, Buehler, Koditschek 2001) with a smooth change between its two rates.
+    """Clock of a rotary leg (Saranli, Buehler, Koditschek 2001) with a smooth transition between its two rates.
 
-    frequency: turns per s; sweep: angle of the stance (rad); offset: angle in the middle of it (rad), at phase 0; duty:
-    share of the turn's time that the stance takes; phase: in turns; blend: share of the turn's time in which one rate
-    goes over into the other, half of it on either side of the instant at which the unblended clock has its kink.
+    frequency: turns per s; sweep: angle of the stance (rad); offset: angle in the middle of the stance (rad), at phase
+    0; duty: duration of the stance over the period; phase: in turns; blend: duration of a transition between the rates
+    over the period. A transition is centred at the instant at which the clock without transitions has a kink.
     """
 
     frequency: float
@@ -116,21 +118,21 @@ class Buehler:
     blend: float
 
     def _place(self, t: float) -> tuple[float, float]:
-        """Whole turns so far, and the share of a turn's time since the middle of the stance, within -1/2 and 1/2."""
-        share = self.frequency * t + self.phase
-        turns = math.floor(share + 0.5)
-        return turns, share - turns
+        """Number of whole turns, and time from the middle of the stance over the period, between -1/2 and 1/2."""
+        periods = self.frequency * t + self.phase
+        turns = math.floor(periods + 0.5)
+        return turns, periods - turns
 
     def _slopes(self) -> tuple[float, float]:
-        """Angle per turn's time (rad) in the stance and in the swing."""
+        """Angle per period (rad) at the rates of the stance and of the swing."""
         return self.sweep / self.duty, (2.0 * math.pi - self.sweep) / (1.0 - self.duty)
 
     def _blending(self, x: float) -> float:
-        """How far (0 to 1) the rate has gone over from stance to swing, at |share| x."""
+        """Progress (0 to 1) of the transition from stance to swing at x, the time from mid-stance over the period."""
         return min(max((x - 0.5 * self.duty) / self.blend + 0.5, 0.0), 1.0)
 
     def value(self, t: float) -> float:
-        """Angle (rad) at t (s); it never jumps back."""
+        """Angle (rad) at t (s), not wrapped at full turns."""
         turns, share = self._place(t)
         slow, fast = self._slopes()
         x = abs(share)
@@ -141,16 +143,16 @@ class Buehler:
         return self.offset + 2.0 * math.pi * turns + math.copysign(turned, share)
 
     def rate(self, t: float) -> float:
-        """First derivative by time."""
+        """First derivative with respect to time."""
         slow, fast = self._slopes()
         b = self._blending(abs(self._place(t)[1]))
         return self.frequency * (slow + (fast - slow) * b**2 * (3.0 - 2.0 * b))
 
     def acceleration(self, t: float) -> float:
-        """Second derivative by time."""
+        """Second derivative with respect to time."""
         share = self._place(t)[1]
         b = self._blending(abs(share))
-        if b in (0.0, 1.0):  # as it mostly is
+        if b in (0.0, 1.0):  # outside a transition
             return 0.0
         slow, fast = self._slopes()
         return self.frequency**2 * (fast - slow) * math.copysign(6.0 * b * (1.0 - b) / self.blend, share)
@@ -158,10 +160,10 @@ class Buehler:
 
 @dataclass(frozen=True)
 class Piecewise:
-    """Cubic pieces: over the interval that begins at times[i], the polynomial coefficients[i] of the time since then.
+    """Piecewise cubic polynomial: from times[i] on, with coefficients[i] in powers of the time since times[i].
 
-    times (n,) s, increasing; coefficients (n - 1, 4), lowest power first; constant outside. Where derivatives jump they
-    are those after it.
+    times (n,) s, increasing; coefficients (n - 1, 4), lowest power first. The value is constant outside. Where a
+    derivative jumps, it has its value after the jump.
     """
 
     times: tuple[float, ...]
@@ -179,12 +181,12 @@ class Piecewise:
         return a + tau * (b + tau * (c + tau * d))
 
     def rate(self, t: float) -> float:
-        """First derivative by time; zero outside the table."""
+        """First derivative with respect to time; zero outside the table."""
         (_, b, c, d), tau, inside = self._piece(t)
         return b + tau * (2.0 * c + tau * 3.0 * d) if inside else 0.0
 
     def acceleration(self, t: float) -> float:
-        """Second derivative by time; zero outside the table."""
+        """Second derivative with respect to time; zero outside the table."""
         (_, _, c, d), tau, inside = self._piece(t)
         return 2.0 * c + 6.0 * d * tau if inside else 0.0
 
@@ -198,25 +200,25 @@ class Jump(NamedTuple):
 
 
 def jumps(signal: Signal) -> tuple[Jump, ...]:
-    """All jumps of a signal's rate beyond those from the rounding of a table; only tables have any."""
+    """All jumps of a signal's rate that are larger than rounding in a table; only tables have jumps."""
     if not isinstance(signal, Piecewise):
         return ()
     steps = np.diff(signal.times)
     a, b, c, d = np.array(signal.coefficients).T
     before = np.concatenate([[0.0], b + steps * (2.0 * c + steps * 3.0 * d)])
     after = np.concatenate([b, [0.0]])
-    changes = np.diff([*a, signal.value(signal.times[-1])])  # cubics may be at rest at every instant of the table
+    changes = np.diff([*a, signal.value(signal.times[-1])])  # of values, as cubics may have zero rates at all knots
     least = ROUNDING * max(np.abs(before).max(), np.abs(after).max(), np.abs(changes / steps).max())
-    found = zip(signal.times, before.tolist(), after.tolist(), strict=True)
-    return tuple(Jump(*one) for one in found if abs(one[2] - one[1]) > least)
+    at_knots = [Jump(*knot) for knot in zip(signal.times, before.tolist(), after.tolist(), strict=True)]
+    return tuple(jump for jump in at_knots if abs(jump.after - jump.before) > least)
 
 
 @dataclass(frozen=True)
 class Smoothed:
-    """A signal whose rate changes by b^2 (3 - 2 b) over every jump, b from 0 to 1 in `duration` (s) around it.
+    """Signal with smoothed jumps of its rate: by b^2 (3 - 2 b), with b from 0 to 1 over `duration` (s) around a jump.
 
-    Acceleration and rate are continuous; away from the jumps by half the duration the signal is as it was. jumps: in
-    the order of time.
+    Rate and acceleration are continuous. The signal is unchanged at instants that are farther than half the duration
+    from all jumps. jumps: in the order of time.
     """
 
     signal: Signal
@@ -224,32 +226,34 @@ class Smoothed:
     duration: float
 
     def _near(self, t: float) -> list[tuple[float, float, float]]:
-        """Of the jumps that t is near: their height, b, and the time since them (s)."""
+        """Height, b, and time since the jump (s), for all jumps within half the duration of t."""
         first = bisect_right(self.jumps, t - 0.5 * self.duration, key=lambda jump: jump.time)
         last = bisect_right(self.jumps, t + 0.5 * self.duration, key=lambda jump: jump.time)
-        near = self.jumps[first:last]
-        return [(j.after - j.before, (t - j.time) / self.duration + 0.5, t - j.time) for j in near]
+        return [
+            (jump.after - jump.before, (t - jump.time) / self.duration + 0.5, t - jump.time)
+            for jump in self.jumps[first:last]
+        ]
 
     def value(self, t: float) -> float:
         """Value at t (s)."""
-        rounded = sum(h * (self.duration * b**3 * (1.0 - 0.5 * b) - max(since, 0.0)) for h, b, since in self._near(t))
-        return self.signal.value(t) + rounded
+        change = sum(h * (self.duration * b**3 * (1.0 - 0.5 * b) - max(since, 0.0)) for h, b, since in self._near(t))
+        return self.signal.value(t) + change
 
     def rate(self, t: float) -> float:
-        """First derivative by time."""
-        rounded = sum(h * (b**2 * (3.0 - 2.0 * b) - (since >= 0.0)) for h, b, since in self._near(t))
-        return self.signal.rate(t) + rounded
+        """First derivative with respect to time."""
+        change = sum(h * (b**2 * (3.0 - 2.0 * b) - (since >= 0.0)) for h, b, since in self._near(t))
+        return self.signal.rate(t) + change
 
     def acceleration(self, t: float) -> float:
-        """Second derivative by time."""
+        """Second derivative with respect to time."""
         return self.signal.acceleration(t) + sum(h * 6.0 * b * (1.0 - b) / self.duration for h, b, _ in self._near(t))
 
 
 def piecewise(times: NDArray[np.float64], values: NDArray[np.float64], cubic: bool) -> Piecewise:
-    """Signal through values (n,) at times (n,) s, by straight lines or by cubics that do not overshoot.
+    """Interpolate values (n,) at times (n,) s, linearly or by monotone cubics.
 
-    The cubics have the slopes of Fritsch and Butland (`scipy`'s PCHIP) inside, and are at rest at both ends, where the
-    signal stays.
+    The cubics have the slopes of Fritsch and Butland (`scipy`'s PCHIP) inside, and zero slope at both ends, as the
+    signal is constant outside.
     """
     step = np.diff(times)
     secant = np.diff(values) / step
@@ -257,10 +261,10 @@ def piecewise(times: NDArray[np.float64], values: NDArray[np.float64], cubic: bo
         table = np.column_stack([values[:-1], secant, 0.0 * secant, 0.0 * secant])
         return Piecewise(tuple(times.tolist()), tuple(map(tuple, table.tolist())))
     slope = np.zeros_like(values)
-    same = secant[1:] * secant[:-1] > 0.0
+    monotone = secant[1:] * secant[:-1] > 0.0
     w1, w2 = 2.0 * step[1:] + step[:-1], step[1:] + 2.0 * step[:-1]
     with np.errstate(divide="ignore", invalid="ignore"):
-        slope[1:-1] = np.where(same, (w1 + w2) / (w1 / secant[:-1] + w2 / secant[1:]), 0.0)
+        slope[1:-1] = np.where(monotone, (w1 + w2) / (w1 / secant[:-1] + w2 / secant[1:]), 0.0)
     c = (3.0 * secant - 2.0 * slope[:-1] - slope[1:]) / step
     d = (slope[:-1] + slope[1:] - 2.0 * secant) / step**2
     table = np.column_stack([values[:-1], slope[:-1], c, d])

@@ -1,11 +1,11 @@
-"""How long the steps of a run are: as its config says, or by a rule for what the config leaves open.
+"""Step sizes of a run: from the config, or by a default rule if the config gives none.
 
-The rule rests on `validation/default_steps.py`, which compares time at equal error on shipped configs. One body in the
-plane on a hinge or a slider that nothing drives strikes, slows down and stops within some hundred steps of 0.2 ms: to
-choose them costs more than it saves. A body that flies free falls, strikes, topples over and slides on: how short its
-steps have to be changes more, and with the angle at which it strikes. All else takes 2 to 10 times as long with steps
-of 0.2 ms as with chosen ones, at errors far below those that a path is asked for. Longer fixed steps can be faster
-still where a motion is smooth; they are found by trial.
+The rule rests on `validation/default_steps.py`, which compares run times at equal error for the shipped configs. One
+body in the plane on a hinge or a slider without a drive strikes, slows down and stops within some hundred steps of 0.2
+ms; error control of the steps costs more than it saves. A free body falls, strikes, topples over and slides on; the
+step that it needs changes more, and depends on the angle of the impact. All other scenes take 2 to 10 times as long
+with steps of 0.2 ms as with error control, with errors far below those that are asked of a path. Longer fixed steps can
+be still faster where a motion is smooth; they have to be found by trial.
 """
 
 from __future__ import annotations
@@ -13,13 +13,13 @@ from __future__ import annotations
 from granular_contact.config.schema import Scenario, Solver
 
 STEP = 2e-4  # s
-ACCURACY = 1e-3  # with 1e-2, enough for most paths, the energy of a drive's work is off by more than is warned of
+ACCURACY = 1e-3  # 1e-2 is enough for most paths, but the error of the work of a drive then exceeds its warning limit
 
 
 class Steps(Solver):
-    """`solver` of a config with steps that are known; why: a sentence on what they are and where they come from.
+    """`solver` of a config with step sizes filled in; why: what they are and where they come from, for messages.
 
-    named: the accuracy that the config names, None for the default's.
+    named: the accuracy that the config gives, None for the default.
     """
 
     step_s: float = STEP
@@ -28,20 +28,20 @@ class Steps(Solver):
 
 
 def steps(scenario: Scenario) -> Steps:
-    """Steps of a scenario."""
+    """Solver settings of a scenario with its step sizes."""
     solver = scenario.solver
     accuracy, why = _chosen(scenario)
     step = min(STEP, solver.end_time_s) if solver.step_s is None else solver.step_s
     if accuracy is not None:
-        what = f"chosen by their error, with an accuracy of {accuracy:g}"
+        sizes = f"chosen by their error, with an accuracy of {accuracy:g}"
     else:
-        what = f"of at most {1e3 * step:g} ms" if scenario.is_modal else f"of {1e3 * step:g} ms"
+        sizes = f"of at most {1e3 * step:g} ms" if scenario.is_modal else f"of {1e3 * step:g} ms"
     given = {key: getattr(solver, key) for key in Solver.model_fields}
-    return Steps(**given | {"step_s": step, "accuracy": accuracy, "why": f"{what}: {why}", "named": solver.accuracy})
+    return Steps(**given | {"step_s": step, "accuracy": accuracy, "why": f"{sizes}: {why}", "named": solver.accuracy})
 
 
 def _chosen(scenario: Scenario) -> tuple[float | None, str]:
-    """Accuracy by which steps are chosen, None for fixed ones, and the reason."""
+    """Accuracy of the error control of steps, None for fixed steps; and the reason."""
     solver = scenario.solver
     if scenario.is_modal:
         return None, "the method chooses them by its rtol"
@@ -57,6 +57,6 @@ def _chosen(scenario: Scenario) -> tuple[float | None, str]:
 
 
 def _is_held(scenario: Scenario) -> bool:
-    """Whether all that moves is one body in the plane, or several that are welded together, on a hinge or a slider."""
+    """Whether only one body moves (or several welded ones), in the plane, on a hinge or a slider."""
     moving = [joint.type for joint in scenario.model.all_joints.values() if joint.type != "weld"]
     return type(scenario) is Scenario and len(moving) == 1 and moving[0] != "free"

@@ -1,7 +1,8 @@
-"""The scene that the engine gets: bodies, joints, medium and numbers, as frozen plain data.
+"""The scene that an engine gets: bodies, joints, medium and numbers, as frozen plain data.
 
-World frame: x horizontal, y up. A body's frame has its x axis along the body. Angles of bodies turn counter-clockwise
-here; those of hinges turn clockwise, as configs and results have them: on the ground, below the horizontal.
+World frame: x horizontal, y up. The x axis of a body's frame lies along the body. Angles of bodies are positive
+counter-clockwise here. Angles of hinges are positive clockwise, as in configs and results: a positive angle of a hinge
+on the ground is below the horizontal.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-# A run's settings are the scenario's own, as they were validated.
+# The settings of a run are those of the validated scenario.
 from granular_contact.config.schema import AnyMethod, Scenario
 from granular_contact.config.schema import Load as Load
 from granular_contact.config.schema import Minimal as Minimal
@@ -30,20 +31,20 @@ from granular_contact.scene.signals import Signal
 from granular_contact.scene.steps import Steps
 from granular_contact.scene.wheel_test import WheelTest
 
-FASTEST = 1e8  # m/s or rad/s, in any coordinate: from there on a run has run away
+FASTEST = 1e8  # m/s or rad/s, of any coordinate: a run that gets this fast has diverged
 
 
 @dataclass(frozen=True)
 class Joint:
-    """Joint of two bodies at a point of each, (2,) m in their frames; parent None is the ground.
+    """Joint between two bodies at one point of each, (2,) m in the frame of that body; parent None is the ground.
 
-    axis: of a slider, unit vector (2,) in the parent's frame. offset: a hinge's coordinate less the difference of the
-    parent's and the child's angle (rad). start, rate: coordinate of a hinge or slider (rad clockwise, or m) and its
-    rate at the start. closes: whether it closes a loop.
+    axis: of a slider, unit vector (2,) in the parent's frame. offset (rad): coordinate of a hinge minus the angle of
+    the parent, plus the angle of the child. start, rate: coordinate of a hinge or slider (rad clockwise, or m) and its
+    rate at the start. closes: whether the joint closes a loop.
     """
 
     name: str
-    kind: str  # the type of the config
+    kind: str  # the type in the config
     parent: str | None
     parent_point: Vector
     child: str
@@ -57,23 +58,24 @@ class Joint:
 
     @property
     def has_coordinate(self) -> bool:
-        """Whether it is a hinge or a slider."""
+        """Whether the joint is a hinge or a slider."""
         return self.kind in ("hinge", "slider")
 
     @property
     def is_idle(self) -> bool:
-        """Whether nothing acts in it but a drive."""
+        """Whether the joint has no spring, damper, stops or friction; it may have a drive."""
         return self.law.is_idle
 
 
 @dataclass(frozen=True)
 class Drive:
-    """What acts at a hinge or slider over time, in its coordinate: N m, rad, rad/s or N, m, m/s.
+    """Drive of a hinge or slider, in the units of its coordinate: N m, rad, rad/s or N, m, m/s.
 
-    load: the signal is the torque or force. motion: the coordinate follows the signal. control: gain times the error of
-    the coordinate and rate_gain times that of its rate, within the limit; of_rate: the signal is the reference rate.
-    sets: of a drive that is set from outside during the run what is set, as the config names it (`torque_Nm`), and the
-    signal is what acts until then; empty for all others. bounds: between which it can be set.
+    kind: `load`: the signal is the torque or force; `motion`: the coordinate follows the signal; `control`: the torque
+    or force is gain times the error of the coordinate plus rate_gain times the error of its rate, within the limit.
+    of_rate: the signal is the reference rate. sets: key of the config (`torque_Nm`) of a drive that a controller sets
+    during the run, empty for other drives; its signal acts until the controller sets a value. bounds: range of the
+    values that a controller may set.
     """
 
     joint: str
@@ -89,16 +91,16 @@ class Drive:
 
 @dataclass(frozen=True)
 class Scene:
-    """All that a solver needs. gravity m/s2, downward; bed: None in vacuum.
+    """Everything that a solver needs. gravity: m/s2, downward; bed: None in vacuum.
 
-    tip: the farthest end of what is hinged or welded to the ground, the lowest end of what is not, as body and point.
-    load, solver, method: as the scenario has them, but for `auto`; method: None for the engine. settle: find rest
-    first. body_columns: report the motion of every body. stiff: links of the scenario that bend too little to show, and
-    are rigid here. notes: what is doubtful about the model, by the key of the config. wheel_test: of a
-    run of one wheel. travel: unit vector along which distances are reported, without what is upward; None for the path
-    seen from above. scenario: what `build` made the
-    scene of; None of a scene that was put together or changed otherwise, as by `dataclasses.replace`. like: a scene of
-    the same parts, which strike another medium or otherwise, see `again`; None where none is known.
+    tip: body and point (2,) m: the farthest end of a mechanism that is hinged or welded to the ground, the lowest end
+    of any other. load, solver, method: as in the scenario, with `auto` replaced; method: None for Exudyn. settle: find
+    the static equilibrium first. body_columns: report the motion of every body. stiff: names of flexible links of the
+    scenario that are rigid here, as they bend too little to show. notes: doubts about the model, each with its key of
+    the config. wheel_test: of a run of one wheel. travel: horizontal unit vector along which distances are reported;
+    None: the length of the path seen from above. scenario: the scenario that `build` got; None for a scene that was put
+    together or changed in another way, as by `dataclasses.replace`. variant_of: the scene that this one was derived
+    from (`scene.variants`): the same parts, with another medium or another impact; None for all others.
     """
 
     name: str
@@ -120,7 +122,7 @@ class Scene:
     wheel_test: WheelTest | None = None
     travel: tuple[float, ...] | None = (1.0,)
     scenario: Scenario | None = field(default=None, init=False, repr=False, compare=False)
-    like: Scene | None = field(default=None, init=False, repr=False, compare=False)
+    variant_of: Scene | None = field(default=None, init=False, repr=False, compare=False)
 
     in_space: ClassVar[bool] = False
 
@@ -131,7 +133,7 @@ class Scene:
 
     @cached_property
     def surface(self) -> float | None:
-        """Height of the free surface at x = 0 (m), everywhere if it is level; None without one."""
+        """Height (m) of the free surface at x = 0, and everywhere if it is level; None without a surface."""
         return None if self.bed is None else float(self.bed.height(np.zeros(1))[0])
 
     @property
@@ -155,12 +157,12 @@ class Scene:
         return sum(body.mass for body in self.bodies)
 
     def body(self, name: str) -> RigidBody | FlexibleLink:
-        """Body of this name."""
+        """Body with this name."""
         return next(body for body in self.bodies if body.name == name)
 
     @property
     def bends(self) -> bool:
-        """Whether there are links that bend."""
+        """Whether the scene has links that bend."""
         return bool(self.links)
 
     def link_length(self, name: str) -> float:
@@ -168,24 +170,25 @@ class Scene:
         return next(link.length for link in self.links if link.name == name)
 
     def joint(self, name: str) -> Joint:
-        """Joint of this name."""
+        """Joint with this name."""
         return next(joint for joint in self.joints if joint.name == name)
 
     def carried(self, joint: Joint) -> set[str]:
-        """Names of the bodies that move with the child of a joint: it, and all that hangs on it."""
-        found = {joint.child}
+        """Names of the child of a joint and of all bodies outward of it, which move with the child."""
+        bodies = {joint.child}
         for _ in self.joints:
-            found |= {one.child for one in self.joints if one.parent in found}
-        return found
+            bodies |= {outer.child for outer in self.joints if outer.parent in bodies}
+        return bodies
 
     def radius(self, body: RigidBody) -> float:
-        """Distance (m) from a rigid body's centre of mass to the farthest point of its shapes and joints; without such
-        its radius of gyration, so that its turning counts.
+        """Distance (m) from a rigid body's centre of mass to the farthest point of its shapes and joints.
+
+        A body without such points gets its radius of gyration, so that its rotation counts.
         """
-        joints = [c.child_point for c in self.joints if c.child == body.name]
-        joints += [c.parent_point for c in self.joints if c.parent == body.name]
+        joint_points = [joint.child_point for joint in self.joints if joint.child == body.name]
+        joint_points += [joint.parent_point for joint in self.joints if joint.parent == body.name]
         shapes = [float(np.linalg.norm(shape.points, axis=1).max()) + shape.drop for shape in body.shapes]
-        farthest = max([*shapes, *(float(np.linalg.norm(point)) for point in joints)], default=0.0)
+        farthest = max([*shapes, *(float(np.linalg.norm(point)) for point in joint_points)], default=0.0)
         return farthest or math.sqrt(body.inertia / body.mass)
 
     @cached_property
@@ -198,17 +201,17 @@ class Scene:
     def length(self) -> float:
         """Size (m) of the mechanism at the start: from the pivot to the tip, or from the tip to the farthest body.
 
-        At least the radius of every rigid body: the tip of a ball is its centre.
+        It is at least the radius of every rigid body, as the tip of a ball is its centre.
         """
         tip = self.tip_position
-        far = [tip - body.motion.position for body in self.bodies]
+        arms = [tip - body.motion.position for body in self.bodies]
         if self.pivot is not None:
-            far = [tip - self.pivot.parent_point]
-        return max(*(math.hypot(*arm) for arm in far), *map(self.radius, self.rigid), 0.0)
+            arms = [tip - self.pivot.parent_point]
+        return max(*(math.hypot(*arm) for arm in arms), *map(self.radius, self.rigid), 0.0)
 
     @cached_property
     def least_path(self) -> float:
-        """Path length (m) below which nothing counts as moved: 1e-4 of the size, or ten yield displacements.
+        """Path length (m) below which a body counts as not moved: 1e-4 of the size, or ten yield displacements if more.
 
         A body that lies in sand moves by some yield displacements without slipping.
         """
@@ -217,60 +220,61 @@ class Scene:
 
     @cached_property
     def speed(self) -> float:
-        """Greatest speed (m/s) at the start: of the tip, and of bodies that slide or fly."""
+        """Greatest speed (m/s) at the start: of the tip, and without a pivot also of the origins of the bodies."""
         motion = self.body(self.tip[0]).motion
         arm = self.tip_position - motion.position
-        of_tip = math.hypot(*(motion.velocity + motion.rate * np.array([-arm[1], arm[0]])))
+        tip_speed = math.hypot(*(motion.velocity + motion.rate * np.array([-arm[1], arm[0]])))
         if self.pivot is not None:
-            return of_tip
-        return max(of_tip, *(math.hypot(*body.motion.velocity) for body in self.bodies))
+            return tip_speed
+        return max(tip_speed, *(math.hypot(*body.motion.velocity) for body in self.bodies))
 
     @cached_property
     def force_scale(self) -> float:
-        """Scale of the forces (N): the weight, at 1 g at least, and the momentum of the impact.
+        """Scale of the forces (N): the weight, with at least 9.81 m/s2, plus the force that stops the impact.
 
-        A mechanism of mass m that enters at tip speed v, and stops over a depth of its length L, needs m v^2 / L.
+        To stop a mechanism of mass m and tip speed v over a depth equal to its length L takes m v^2 / L.
         """
         return self.mass * (max(abs(self.gravity), 9.81) + self.speed * self.speed / max(self.length, 1e-3))
 
     @property
     def rest_time(self) -> float | None:
-        """Time (s) at rest after which a run ends; None where rest ends none, as of what drives move on."""
+        """Time (s) at rest after which a run ends; None with drives, which may move a resting mechanism again."""
         return None if self.drives else self.solver.rest_time_s
 
     @cached_property
     def pivot(self) -> Joint | None:
-        """First hinge to the ground of a mechanism that hangs on it by hinges and welds alone."""
-        on_ground = [c for c in self.joints if c.parent is None]
-        if any(c.kind not in ("hinge", "weld") for c in on_ground) or any(c.closes for c in self.joints):
+        """First hinge on the ground; None if the ground has other joints than hinges and welds, or with loops."""
+        on_ground = [joint for joint in self.joints if joint.parent is None]
+        others = any(joint.kind not in ("hinge", "weld") for joint in on_ground)
+        if others or any(joint.closes for joint in self.joints):
             return None
-        return next((c for c in on_ground if c.kind == "hinge"), None)
+        return next((joint for joint in on_ground if joint.kind == "hinge"), None)
 
     @cached_property
     def pendulum(self) -> Joint | None:
-        """The pivot of a mechanism that turns about it as one: nothing else of it moves but links that bend."""
+        """The pivot, if it is the only joint that can move; links may bend."""
         moving = [joint for joint in self.joints if joint.kind != "weld"]
         return self.pivot if moving == [self.pivot] else None
 
     @cached_property
     def floating(self) -> Joint | None:
-        """The joint of a mechanism that flies free: its only joint to the ground, with three degrees of freedom."""
-        on_ground = [c for c in self.joints if c.parent is None]
+        """The free joint of a floating mechanism, if it is the only joint on the ground."""
+        on_ground = [joint for joint in self.joints if joint.parent is None]
         return on_ground[0] if len(on_ground) == 1 and on_ground[0].kind == "free" else None
 
     def without_scatter(self) -> Scene:
-        """The same with media that do not scatter."""
+        """The same scene with media that do not scatter."""
         if self.bed is None:
             return self
         none = {"scatter": None}
-        layers = tuple(replace(one, medium=one.medium.model_copy(update=none)) for one in self.bed.layers)
+        layers = tuple(replace(layer, medium=layer.medium.model_copy(update=none)) for layer in self.bed.layers)
         return replace(self, bed=replace(self.bed, layers=layers))
 
     def drive(self, joint: str) -> Drive | None:
-        """Drive of a joint."""
+        """Drive of a joint; None without one."""
         return next((drive for drive in self.drives if drive.joint == joint), None)
 
 
 def link_of(body: str) -> str:
-    """Name under which a body is reported: of an element of a link that bends in space that of the link."""
+    """Name under which a body is reported: an element of a spatial link that bends is reported as the link."""
     return body.split(".")[0]

@@ -1,4 +1,4 @@
-"""A run of one wheel, as its start needs it."""
+"""Data of a run of one wheel that its start needs."""
 
 from __future__ import annotations
 
@@ -7,10 +7,11 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class WheelTest:
-    """A run of one wheel under a load (N), its axle at a speed (m/s, to the right).
+    """Run of one wheel under a load (N), with the speed of its axle (m/s, to the right).
 
-    rate (rad/s, counter-clockwise): of the wheel; None of one that a torque drives. body: the wheel; upright: the joint
-    by which it sinks, whose coordinate grows upward (1) or downward (-1). begins: whether it begins in steady motion.
+    body: the wheel. upright: joint that lets the wheel sink. upward: 1 if the coordinate of that joint grows upward,
+    -1 if it grows downward. rate (rad/s, counter-clockwise): of the wheel; None if a torque drives it. begins: whether
+    the run starts in steady motion, or with a torque in static equilibrium.
     """
 
     body: str

@@ -1,4 +1,4 @@
-"""The run of a wheel -> drives of its rig, and what is doubtful about it."""
+"""Run of one wheel -> drives of its rig, and notes on it."""
 
 from __future__ import annotations
 
@@ -22,39 +22,39 @@ from granular_contact.scene.wheel_test import WheelTest
 
 
 def wheel_drives(scenario: schema.Scenario, faults: list[Fault]) -> tuple[Drive, ...]:
-    """Drives of the rig of a scenario with a `wheel`: of the load, and of the slip or the torque."""
+    """Drives of the rig of a scenario with a `wheel`: for the load, and for the slip or the torque; else none."""
     run, rig = scenario.wheel, None if scenario.wheel is None else rig_of(scenario.model)
-    if run is None or rig is None:  # which the schema refuses
+    if run is None or rig is None:  # the schema refuses a wheel without a rig
         return ()
-    made = []
+    drives = []
     if run.load_N is not None:
         if scenario.gravity_m_s2 <= 0.0:
             words = f"got {run.load_N:g}, but gravity is {scenario.gravity_m_s2:g}: allowed is null"
             faults.append(scene_fault("wheel.load_N", words))
-        more = run.load_N - scenario.gravity_m_s2 * _carried(scenario.model, rig.upright)
-        made.append(Drive(rig.upright, "load", signals.Constant(-rig.upward * more)))
+        force = run.load_N - scenario.gravity_m_s2 * _carried_mass(scenario.model, rig.upright)
+        drives.append(Drive(rig.upright, "load", signals.Constant(-rig.upward * force)))
     if run.slip is None:
-        made.append(Drive(rig.axle, "load", signals.Constant(run.torque_Nm or 0.0)))
+        drives.append(Drive(rig.axle, "load", signals.Constant(run.torque_Nm or 0.0)))
         if run.pull_N != 0.0:
-            made.append(Drive(rig.level, "load", signals.Constant(-rig.ahead * run.pull_N)))
-        return tuple(made)
+            drives.append(Drive(rig.level, "load", signals.Constant(-rig.ahead * run.pull_N)))
+        return tuple(drives)
     assert run.speed_m_s is not None
     rate = run.rate(effective_radius(rig.shape.radius_m, rig.shape.grousers))
-    beyond = 2.0 * scenario.solver.end_time_s
+    last = 2.0 * scenario.solver.end_time_s  # beyond the run, as the rate of a table is 0 after its last instant
     for joint, speed in ((rig.level, rig.ahead * run.speed_m_s), (rig.axle, rate)):
-        steady = signals.piecewise(np.array([0.0, beyond]), np.array([0.0, speed * beyond]), False)
-        made.append(Drive(joint, "motion", steady))
-    return tuple(made)
+        steady = signals.piecewise(np.array([0.0, last]), np.array([0.0, speed * last]), False)
+        drives.append(Drive(joint, "motion", steady))
+    return tuple(drives)
 
 
 def wheel_test(scenario: schema.Scenario) -> WheelTest | None:
-    """What a scenario with a `wheel` is to begin with; None of others."""
+    """Data of the start of a scenario with a `wheel`; None for other scenarios."""
     run, rig = scenario.wheel, rig_of(scenario.model)
     if run is None or rig is None:
         return None
-    load = run.load_N or scenario.gravity_m_s2 * _carried(scenario.model, rig.upright)
+    load = run.load_N or scenario.gravity_m_s2 * _carried_mass(scenario.model, rig.upright)
     body = scenario.model.all_joints[rig.axle].child
-    begins = _begins(scenario, rig.upright)
+    begins = _begins_steadily(scenario, rig.upright)
     if run.slip is None:
         return WheelTest(body, rig.upright, rig.upward, load, begins=begins)
     assert run.speed_m_s is not None
@@ -62,8 +62,12 @@ def wheel_test(scenario: schema.Scenario) -> WheelTest | None:
     return WheelTest(body, rig.upright, rig.upward, load, run.speed_m_s, rate, begins)
 
 
-def _begins(scenario: schema.Scenario, upright: str) -> bool:
-    """Whether a wheel begins in steady motion: not where the run says how deep, nor where something else holds it."""
+def _begins_steadily(scenario: schema.Scenario, upright: str) -> bool:
+    """Whether a wheel starts in steady motion, or with a torque in static equilibrium.
+
+    It does not without a medium or gravity, if the run gives its height, if a spring, stops or friction act in its
+    upright joint, or if the surface is not level.
+    """
     joint, bed = scenario.model.all_joints[upright], scenario.bed
     held = isinstance(joint, schema.Slider) and (joint.spring or joint.stops or joint.friction)
     uneven = bed is not None and (bed.profile_m is not None or bed.slope_deg != 0.0)
@@ -72,8 +76,8 @@ def _begins(scenario: schema.Scenario, upright: str) -> bool:
 
 
 def wheel_notes(scenario: schema.Scenario) -> Iterator[Fault]:
-    """Media whose shear is there at once, where a wheel is driven."""
-    if not _drives_a_wheel(scenario):
+    """Notes on media whose shear stress does not grow with the slip path, if a wheel is driven."""
+    if not _has_driven_wheel(scenario):
         return
     for medium, key, *_ in places(scenario):
         if isinstance(medium, SurfacePressure) and not medium.shear_grows:
@@ -82,21 +86,21 @@ def wheel_notes(scenario: schema.Scenario) -> Iterator[Fault]:
             yield scene_fault(f"{key}.shear_deformation_modulus_m", words)
 
 
-def _drives_a_wheel(scenario: schema.Scenario) -> bool:
+def _has_driven_wheel(scenario: schema.Scenario) -> bool:
     """Whether the rim of a wheel is driven: by a torque, a positive slip, or a drive of its axle."""
     run, bodies = scenario.wheel, scenario.model.all_bodies
     if run is not None:
         return bool(run.torque_Nm) or (run.slip or 0.0) > 0.0
     driven = (bodies[joint.child] for name, joint in scenario.model.all_joints.items() if name in scenario.drives)
-    return any(isinstance(s, WheelShape) for body in driven if isinstance(body, Rigid) for s in body.shapes)
+    return any(isinstance(shape, WheelShape) for body in driven if isinstance(body, Rigid) for shape in body.shapes)
 
 
-def _carried(model: schema.Model, joint: str) -> float:
-    """Mass (kg) of all that hangs on a joint of the tree."""
+def _carried_mass(model: schema.Model, joint: str) -> float:
+    """Mass (kg) of all bodies outward of a joint of the tree; 0 if it overflows, which is refused elsewhere."""
     joints, bodies = model.all_joints, model.all_bodies
-    on, mass = [joints[joint].child], 0.0
-    while on:
-        name = on.pop()
+    remaining, mass = [joints[joint].child], 0.0
+    while remaining:
+        name = remaining.pop()
         mass += mass_of(name, bodies[name])
-        on += [one.child for one in joints.values() if one.parent == name]
+        remaining += [outer.child for outer in joints.values() if outer.parent == name]
     return mass if math.isfinite(mass) else 0.0

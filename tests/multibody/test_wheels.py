@@ -19,7 +19,7 @@ from granular_contact.results import Results
 from granular_contact.sand.contact_lines import Body, outline
 from granular_contact.sand.kernels.wheels import ROUND
 from granular_contact.sand.load import GranularLoad
-from granular_contact.scene.shapes import made
+from granular_contact.scene.shapes import build_shape
 
 # Shapes, surfaces, scatter and numbers of the summary, which methods share; `test_a_wheel_begins_and_stays_steady` and
 # those of drives run by both.
@@ -44,7 +44,7 @@ QUICK = ("load.strips_per_rigid_part=12", "solver={step_s: 4e-3, end_time_s: 1.2
 def test_a_smooth_wheel_is_a_disc() -> None:
     wheel = shapes.WheelShape(type="wheel", radius_m=0.05, width_m=0.04, center_m=(0.01, 0.0))
     disc = shapes.DiscShape(type="disc", diameter_m=0.1, thickness_m=0.04, center_m=(0.01, 0.0))
-    (one, mass), (other, of_disc) = made("part", wheel, 16), made("part", disc, 16)
+    (one, mass), (other, of_disc) = build_shape("part", wheel, 16), build_shape("part", disc, 16)
     np.testing.assert_allclose(one.points, other.points, atol=1e-15)
     np.testing.assert_allclose(one.turns, other.turns)
     assert (mass.mass, mass.inertia) == pytest.approx((of_disc.mass, of_disc.inertia))
@@ -52,7 +52,7 @@ def test_a_smooth_wheel_is_a_disc() -> None:
 
 def test_grousers_are_teeth() -> None:
     teeth = Grousers(count=9, height_m=0.012, thickness_m=0.004)
-    shape, mass = made("part", shapes.WheelShape(type="wheel", radius_m=0.05, width_m=0.04, grousers=teeth), 32)
+    shape, mass = build_shape("part", shapes.WheelShape(type="wheel", radius_m=0.05, width_m=0.04, grousers=teeth), 32)
     sides = [tuple(point) for point in shape.points[:-1]]
     assert crossing(sides) is None
     assert len(shape.turns) == len(shape.points) - 1

@@ -14,7 +14,7 @@ from granular_contact.engines.modal.model import Model
 from granular_contact.errors import GranularContactError
 from granular_contact.run import summaries_of, summary_of
 from granular_contact.scene import Scene, build
-from granular_contact.scene.again import Builder
+from granular_contact.scene.variants import Builder
 from granular_contact.studies.sweep import Journal, WorkerPool, run, runner, worker
 
 ROOT = Path(__file__).parents[2]

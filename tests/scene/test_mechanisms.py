@@ -13,7 +13,7 @@ from granular_contact.cli import main
 from granular_contact.config import load
 from granular_contact.errors import Fault, SceneError
 from granular_contact.scene import build
-from granular_contact.scene.homes import FoundHome
+from granular_contact.scene.homes import HomeNote
 from granular_contact.scene.types import Scene
 
 BAR = "length_m: 0.1, diameter_m: 0.01, density_kg_m3: 7700"
@@ -225,7 +225,7 @@ HOMES = [("a", -90.0), ("b", 90.0), ("d", -90.0)]
 def test_a_gaping_loop_is_closed_with_the_least_change_and_told() -> None:
     """Against the sum of squares over the one freedom of a four-bar, searched through by the angle of its crank."""
     scene = scene_of(FOUR_BAR, "model.joints.d.parent_point_m=[0.31, -0.2]")
-    found = {note.key.split(".")[2]: note.home for note in scene.notes if isinstance(note, FoundHome)}
+    found = {note.key.split(".")[2]: note.home for note in scene.notes if isinstance(note, HomeNote)}
 
     def others(crank: float) -> tuple[float, float]:
         """Of coupler and rocker the angles of their joints (deg), from the triangle of the pins."""

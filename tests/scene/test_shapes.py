@@ -13,7 +13,7 @@ from matplotlib.path import Path
 
 from granular_contact.config import schema
 from granular_contact.errors import SceneError
-from granular_contact.scene.shapes import made
+from granular_contact.scene.shapes import build_shape
 
 STRIPS = 400  # chords of curves: their polygon is the curve to 1e-4
 
@@ -62,7 +62,7 @@ SOLIDS: dict[str, dict[str, Any]] = {
 @pytest.mark.slow
 @pytest.mark.parametrize("keys", SOLIDS.values(), ids=list(SOLIDS))
 def test_solids_have_the_mass_of_their_outline(keys: dict[str, Any]) -> None:
-    solid, lump = made("part", shape(**keys), STRIPS)
+    solid, lump = build_shape("part", shape(**keys), STRIPS)
     assert solid.kind == "outline"
     np.testing.assert_array_equal(solid.points[0], solid.points[-1])
     area, center, gyration = counted(Path(solid.points).contains_points, 0.12)
@@ -85,7 +85,7 @@ BARS: dict[str, dict[str, Any]] = {
 @pytest.mark.slow
 @pytest.mark.parametrize("keys", BARS.values(), ids=list(BARS))
 def test_flat_bars_have_the_mass_of_their_band(keys: dict[str, Any]) -> None:
-    bar, lump = made("part", shape(**keys), STRIPS)
+    bar, lump = build_shape("part", shape(**keys), STRIPS)
     assert bar.kind == "flat"
     area, center, gyration = counted(near_line(bar.points, keys["thickness_m"] / 2), 0.1)
     # As above, with squares of 0.25 mm along bands of 2 to 10 mm, and half a square of thickness at the corners.
@@ -95,13 +95,13 @@ def test_flat_bars_have_the_mass_of_their_band(keys: dict[str, Any]) -> None:
 
 
 def test_round_bars_and_balls_by_hand() -> None:
-    arc, lump = made("part", shape(**{**ARC, "from_deg": 0, "to_deg": -180}, diameter_m=0.004), STRIPS)
+    arc, lump = build_shape("part", shape(**{**ARC, "from_deg": 0, "to_deg": -180}, diameter_m=0.004), STRIPS)
     assert arc.kind == "round"
     # Half a ring of radius R: length pi R, centre 2 R / pi from that of the circle; round-off.
     assert lump.mass == pytest.approx(np.pi * 0.002**2 * np.pi * 0.05, rel=1e-13)
     np.testing.assert_allclose(lump.center, [0.01, -0.02 + 2 * 0.05 / np.pi], rtol=1e-13)
     assert lump.inertia / lump.mass == pytest.approx(0.05**2 - (2 * 0.05 / np.pi) ** 2 + 0.004**2 / 16, rel=1e-13)
-    ball, lump = made("part", shape(type="sphere", diameter_m=0.02, center_m=[0.1, 0.2]), STRIPS)
+    ball, lump = build_shape("part", shape(type="sphere", diameter_m=0.02, center_m=[0.1, 0.2]), STRIPS)
     assert (ball.kind, ball.drop) == ("ball", 0.01)
     assert lump.mass == pytest.approx(4 / 3 * np.pi * 0.01**3, rel=1e-14)
     assert lump.inertia / lump.mass == pytest.approx(0.4 * 0.01**2, rel=1e-14)
@@ -141,7 +141,7 @@ def test_what_the_schema_calls_a_solid_the_bed_can_lay_out() -> None:
     sliver = shape(type="polygon", width_m=0.5, points_m=[[0, 0], [1e5, 0], [1e5, 1e-6]])
     sole = shape(type="foot", width_m=0.5, length_m=1e3, height_m=1e-3)
     for spec in (sliver, sole):
-        outline = made("body", spec, 4)[0].points
+        outline = build_shape("body", spec, 4)[0].points
         (x, y), (u, w) = outline.T, np.roll(outline, -1, axis=0).T
         assert abs(np.sum(x * w - u * y)) > 2e-13 * np.ptp(outline, axis=0).max() ** 2
     with pytest.raises(pydantic.ValidationError, match="allowed is at most 1e"):

@@ -16,9 +16,9 @@ from granular_contact.config.schema.space import shapes as specs
 from granular_contact.errors import ConfigError, SceneError
 from granular_contact.geometry import rotations
 from granular_contact.scene import build
-from granular_contact.scene.homes import FoundHome
+from granular_contact.scene.homes import HomeNote
 from granular_contact.scene.space.mass_properties import of_surface
-from granular_contact.scene.space.shapes import _made
+from granular_contact.scene.space.shapes import build_shape
 from granular_contact.scene.space.types import SpatialScene
 
 BOX = {"type": "box", "size_m": [0.06, 0.04, 0.03]}
@@ -164,7 +164,7 @@ SHAPES = [
 
 @pytest.mark.parametrize("spec", SHAPES, ids=lambda spec: spec.type)
 def test_mass_properties_are_those_of_the_surface(spec: Any) -> None:
-    shape, own = _made(spec)
+    shape, own = build_shape(spec)
     seen = of_surface(shape.corners(0.01))  # round ones are many-sided, with as much area in every section
     np.testing.assert_allclose(own.mass, seen.mass, rtol=5e-4)
     np.testing.assert_allclose(own.center, seen.center, atol=1e-9)
@@ -243,7 +243,7 @@ def test_a_loop_in_space_is_closed_from_rough_homes_with_the_least_change() -> N
     scene = scene_of(four_bar(80, -85, -85))
     shear = sum((10.0, 5.0, -5.0)) / 3.0  # the mean of what each of the three asks for
     expected = [90.0 - shear, shear - 90.0, -90.0 - shear]
-    found = {note.key.split(".")[2]: note.home for note in scene.notes if isinstance(note, FoundHome)}
+    found = {note.key.split(".")[2]: note.home for note in scene.notes if isinstance(note, HomeNote)}
     np.testing.assert_allclose([found[name] for name in ("one", "two", "three")], expected, atol=1e-4)
     a, _, c = scene.rigid
     np.testing.assert_allclose(a.motion.rate, c.motion.rate, atol=1e-9)

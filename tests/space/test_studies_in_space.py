@@ -9,7 +9,7 @@ import pytest
 
 from granular_contact import load, simulate
 from granular_contact.config import load_sweep
-from granular_contact.scene.again import Builder
+from granular_contact.scene.variants import Builder
 from granular_contact.studies import sweep
 
 BALL = """\

@@ -75,7 +75,7 @@ class _Descent:
         self.size, self.gravity = max(scene.length, 1e-3), max(abs(scene.gravity), 0.1)
         self.lever = recorder.lever.copy()
         for rigid in system.rigid.values():
-            angles = np.array(system.mbs.systemData.GetNodeLTGODE2(rigid.node))[list(rigid.body.turning_places)]
+            angles = np.array(system.mbs.systemData.GetNodeLTGODE2(rigid.node))[list(rigid.body.rotation_indices)]
             self.lever[angles] = np.maximum(self.lever[angles], 0.5 * self.size)  # so that nothing turns far, either
         self.share, self.steps, self.rests = FIRST_WEIGHT, 0, False
         self.goals = [1.0 + OVERLOAD, 1.0] if scene.in_space and system.bed is not None else [1.0]

@@ -208,7 +208,7 @@ def model(scene: Scene, method: Reduced) -> Model:
 
 
 class Models:
-    """Models of scenes, each from that of the scene that its own is like, see `scene.again`."""
+    """Models of scenes, each derived from the model of the scene that its own is a variant of, see `scene.variants`."""
 
     def __init__(self) -> None:
         self._known: list[tuple[Scene, Model]] = []
@@ -216,18 +216,18 @@ class Models:
     def __call__(self, scene: Scene) -> Model:
         """The model; raises SceneError as `model`."""
         assert isinstance(scene.method, Reduced)
-        if scene.like is None:
+        if scene.variant_of is None:
             return model(scene, scene.method)
-        like = next((made for known, made in self._known if known is scene.like), None)
+        like = next((made for known, made in self._known if known is scene.variant_of), None)
         if like is None:
-            assert isinstance(scene.like.method, Reduced)
-            like = model(scene.like, scene.like.method)
-            self._known.append((scene.like, like))
+            assert isinstance(scene.variant_of.method, Reduced)
+            like = model(scene.variant_of, scene.variant_of.method)
+            self._known.append((scene.variant_of, like))
         return struck(like, scene)
 
 
 def struck(like: Model, scene: Scene) -> Model:
-    """The model of a scene that differs from another one's in its medium and in how it strikes, see `scene.again`."""
+    """The model of a scene that differs from another one in its medium and in its impact, see `scene.variants`."""
     root, link = scene.rigid[0], scene.links[0] if scene.links else None
     view = View((root if link is None else link).motion.angle, like.view.pivot)
     speed, start = _begun(scene, like.method, like.reach)

@@ -1,11 +1,13 @@
-"""Links that bend, in space: rigid elements joined by springs of bending and torsion (rigid finite elements).
+"""Links that bend, in space: rigid elements joined by springs of bending and torsion (rigid finite element method).
 
-A link of length L with n elements of l = L / n is cut at their middles: two rigid pieces of l / 2 at its ends and n - 1
-of l between them, joined at n points, where the rotation vector theta from one piece to the next (twist about the axis,
-bending about y and z) stores the energy sum_k K_k theta_k^2 / 2 with K = (G J, E I_y, E I_z) / l, and a damper takes
-D_k of its rate (Kruszewski 1975, Wittbrodt et al. 2006; as lumped beams of other multibody programs). The error of
-deflections and frequencies goes with l^2. A link has a constant length and no shear: its bending line is Kirchhoff's.
-As every piece is a rigid body, what acts on bodies acts on a link: laws of bars, facets, joints at any place of it.
+A link of length L with n elements of length l = L / n is cut at the middles of the elements. This gives two rigid
+pieces of length l / 2 at its ends and n - 1 pieces of length l between them, joined at n points. At each joint, the
+rotation vector theta from one piece to the next (twist about the axis, bending about y and z) stores the energy
+sum_k K_k theta_k^2 / 2 with K = (G J, E I_y, E I_z) / l, and a damper gives the moment D_k times its rate (Kruszewski
+1975, Wittbrodt et al. 2006; like the lumped beams of other multibody programs). The error of deflections and
+frequencies is proportional to l^2. A link has no shear and, without axial_stiffness_N, a constant length: it is a
+Kirchhoff rod. As every piece is a rigid body, laws of bars and facets act on a link as on other bodies, and joints can
+be at any place along it.
 """
 
 from __future__ import annotations
@@ -27,7 +29,7 @@ from granular_contact.scene.types import link_of
 
 @dataclass(frozen=True)
 class ElasticJoint:
-    """Between neighbouring elements of a link; its frame is that of the link. The parent is nearer to the ground."""
+    """Joint between neighbouring elements of a link, with the frame of the link; the parent is nearer to the ground."""
 
     parent: str
     child: str
@@ -38,62 +40,59 @@ class ElasticJoint:
 
     @property
     def type(self) -> Literal["elastic", "stretching"]:
-        """As of `SpatialJoint`."""
+        """Kind of the joint, as of `SpatialJoint`."""
         return "elastic" if self.elastic.axial is None else "stretching"
 
     @property
     def child_point_m(self) -> Point3:
-        """As on the parent: the frames of both are those of the link where it is straight."""
+        """The same point as on the parent, as both frames are the frame of the straight link."""
         return self.parent_point_m
 
 
 def bending_links(model: schema.SpatialModel) -> dict[str, schema.SpatialLink]:
     """Links of a model that bend, by name."""
-    found = model.all_bodies.items()
-    return {name: one for name, one in found if isinstance(one, schema.SpatialLink) and one.flexible is not None}
+    links = {name: body for name, body in model.all_bodies.items() if isinstance(body, schema.SpatialLink)}
+    return {name: link for name, link in links.items() if link.flexible is not None}
 
 
-def cut(model: schema.SpatialModel) -> schema.SpatialModel:
-    """A model with the elements of its links that bend in their places, `NAME.0` to `NAME.n`, and joints between them.
+def with_elements(model: schema.SpatialModel) -> schema.SpatialModel:
+    """Replace each link that bends by its elements, `NAME.0` to `NAME.n`, and joints between them.
 
-    What was joined to a link at some place along it is joined to the element that is there.
+    A joint at some place along a link then joins the element at this place.
     """
     links = bending_links(model)
     if not links:
         return model
-    joints, closures = ({name: _on_elements(joint, links) for name, joint in some.items()} for some in _all(model))
+    joints: dict[str, Any] = {name: _on_elements(joint, links) for name, joint in model.all_joints.items()}
+    closures = {name: _on_elements(closure, links) for name, closure in model.closures.items()}
     bodies: dict[str, Any] = {}
     for name, body in model.all_bodies.items():
         if name not in links:
             bodies[name] = body
             continue
         held = next(joint.child for joint in joints.values() if link_of(joint.child) == name)
-        bodies |= {f"{name}.{k}": one for k, one in enumerate(_elements(links[name]))}
+        bodies |= {f"{name}.{k}": element for k, element in enumerate(_elements(links[name]))}
         joints |= _elastic_joints(name, links[name], int(held.split(".")[1]))
     return schema.SpatialModel.model_construct(
         in_space=True, name=model.name, bodies=bodies, joints=joints, closures=closures, chain=None
     )
 
 
-def _all(model: schema.SpatialModel) -> tuple[dict[str, Any], dict[str, Any]]:
-    return model.all_joints, model.closures
-
-
 def _cuts(link: schema.SpatialLink) -> Vector:
-    """Places (n,) m at which a link is cut."""
+    """Coordinates (n,) m along a link at which it is cut."""
     assert link.flexible is not None
     n = link.flexible.elements
     return (np.arange(n) + 0.5) * link.length_m / n
 
 
 def _elements(link: schema.SpatialLink) -> list[Element]:
-    at = [0.0, *_cuts(link).tolist(), link.length_m]
-    last = len(at) - 2
-    return [Element(link, *ends, 0.5 if k in (0, last) else 1.0) for k, ends in enumerate(pairwise(at))]
+    bounds = [0.0, *_cuts(link).tolist(), link.length_m]
+    last = len(bounds) - 2
+    return [Element(link, *ends, 0.5 if k in (0, last) else 1.0) for k, ends in enumerate(pairwise(bounds))]
 
 
 def _on_elements(joint: Any, links: dict[str, schema.SpatialLink]) -> Any:
-    """A joint whose ends are on elements in place of links."""
+    """The same joint or closure on the elements of links instead of the links."""
     ends = {}
     for end in ("parent", "child"):
         name = getattr(joint, end)
@@ -104,13 +103,13 @@ def _on_elements(joint: Any, links: dict[str, schema.SpatialLink]) -> Any:
 
 
 def _elastic_joints(name: str, link: schema.SpatialLink, held: int) -> dict[str, ElasticJoint]:
-    """Joints between the elements of a link, outward from the one by which it is held."""
+    """Joints between the elements of a link, outward from the element by which it is held (its index)."""
     flexible = link.flexible
     assert flexible is not None
     piece = link.length_m / flexible.elements
     damping = np.array([flexible.torsion_damping_N_m2_s, *[flexible.bending_damping_N_m2_s] * 2])
-    stretch, loss = flexible.axial_stiffness_N, flexible.axial_damping_N_s
-    axial = None if stretch is None else (stretch / piece, loss / piece)
+    stretch, stretch_damping = flexible.axial_stiffness_N, flexible.axial_damping_N_s
+    axial = None if stretch is None else (stretch / piece, stretch_damping / piece)
     law = Elastic(stiffness(link) / piece, damping / piece, axial)
     joints = {}
     for k, x in enumerate(_cuts(link).tolist()):
@@ -120,31 +119,34 @@ def _elastic_joints(name: str, link: schema.SpatialLink, held: int) -> dict[str,
 
 
 def beams(model: schema.SpatialModel, placed: Pose, rigid: tuple[SpatialRigidBody, ...]) -> Iterator[SpatialBeam]:
-    """Links that bend, once their elements are bodies; model: before it was cut; placed: all elements."""
-    homes = {name: body for body in rigid for name in body.members}
+    """Links that bend, from the bodies of their elements.
+
+    model: with links, as before `with_elements`; placed: poses of all elements; rigid: bodies with elements.
+    """
+    body_of = {name: body for body in rigid for name in body.members}
     for name, link in bending_links(model).items():
-        own, flexible, pieces = section(link), link.flexible, []
+        cross_section, flexible, pieces = section(link), link.flexible, []
         assert flexible is not None
         stretch = flexible.axial_stiffness_N
         for k, element in enumerate(_elements(link)):
-            frame = _frame(homes.get(f"{name}.{k}"), placed[f"{name}.{k}"])
-            mass = link.density_kg_m3 * own.area * (element.end - element.start)
+            frame = _frame(body_of.get(f"{name}.{k}"), placed[f"{name}.{k}"])
+            mass = link.density_kg_m3 * cross_section.area * (element.end - element.start)
             pieces.append((frame, 0.5 * (element.start + element.end), mass))
         yield SpatialBeam(
             name=name,
             length=link.length_m,
-            section=(own.width, own.thickness),
-            round=own.diameter is not None,
+            section=(cross_section.width, cross_section.thickness),
+            round=cross_section.diameter is not None,
             stiffness=(K := stiffness(link)),
             moduli=(
-                float(K[1] / own.second_moments[0]),
-                float(K[0] / own.torsion_constant),
-                (stretch or 0.0) / own.area,
+                float(K[1] / cross_section.second_moments[0]),
+                float(K[0] / cross_section.torsion_constant),
+                (stretch or 0.0) / cross_section.area,
             ),
             stretches=stretch is not None,
             yield_stress=flexible.yield_stress_Pa,
             elements=len(pieces) - 1,
-            pieces=tuple((body, at + x * axes[:, 0], mass) for (body, at, axes), x, mass in pieces),
+            pieces=tuple((body, origin + x * axes[:, 0], mass) for (body, origin, axes), x, mass in pieces),
             joints=tuple(f"{name}.{k}-{k + 1}" for k in range(len(pieces) - 1)),
             root=pieces[0][0],
             tip=pieces[-1][0],
@@ -152,7 +154,7 @@ def beams(model: schema.SpatialModel, placed: Pose, rigid: tuple[SpatialRigidBod
 
 
 def _frame(body: SpatialRigidBody | None, placed: Any) -> tuple[str | None, Vector, Vector]:
-    """A body, None of the ground, with the origin (3,) m and the axes (3, 3) of a link's frame in it."""
+    """Name of a body (None for the ground), and origin (3,) m and axes (3, 3) of a link's frame in its frame."""
     if body is None:
         return None, placed.position, placed.rotation
     motion = body.motion

@@ -1,6 +1,6 @@
-"""Where the media lie in space: a level or sloped surface or a map of heights, layers, floor and container.
+"""Bed of a scene in space: a level or sloped surface or a map of heights, layers, floor and container.
 
-A map of heights comes from its file, a table or a picture.
+A map of heights is read from a table or a picture.
 """
 
 from __future__ import annotations
@@ -21,19 +21,19 @@ from granular_contact.laws.floor import Floor
 from granular_contact.laws.law import Law
 from granular_contact.laws.layer import Layer
 from granular_contact.sand.space.heights import Heights
-from granular_contact.scene.bed import ROUND_OFF, idle, layers_of, walls_of
+from granular_contact.scene.bed import ROUND_OFF, faults_without_medium, layers_of, walls_of
 from granular_contact.scene.space.types import Part, SpatialRigidBody
 
 Vector = NDArray[np.float64]
 STEEPEST_RISE = math.tan(math.radians(STEEPEST))
 KEY = "bed.height_map.file"
 PICTURES = (".png", ".tif", ".tiff", ".bmp", ".pgm", ".jpg", ".jpeg")
-GREY = ("1", "L", "I", "F", "I;16", "I;16B", "I;16L")  # modes of Pillow
-MOST_REPORTED = 4  # lines of a table that are reported
+GREY = ("1", "L", "I", "F", "I;16", "I;16B", "I;16L")  # image modes of Pillow
+MOST_REPORTED = 4  # reading of a table stops at the first fault after so many
 
 
 def heights_of(spec: schema.HeightMap, faults: list[Fault]) -> Heights | None:
-    """Heights of a file; None, with faults."""
+    """Map of heights from its file; None if it has faults, which are appended."""
     path, words = Path(spec.file), list[str]()
     try:
         values = _picture(path, words) if path.suffix.lower() in PICTURES else _table(path, words)
@@ -43,7 +43,7 @@ def heights_of(spec: schema.HeightMap, faults: list[Fault]) -> Heights | None:
     if not words and min(values.shape) < 2:
         words.append(f"{path}: got {len(values)} rows; allowed are 2 or more rows and columns")
     if words:
-        faults += [scene_fault(KEY, one) for one in words]
+        faults += [scene_fault(KEY, sentence) for sentence in words]
         return None
     heights = Heights(spec.scale * values, spec.corner_m, spec.cell_m)
     if not heights.steepest < STEEPEST_RISE:
@@ -54,7 +54,7 @@ def heights_of(spec: schema.HeightMap, faults: list[Fault]) -> Heights | None:
 
 
 def _picture(path: Path, faults: list[str]) -> Vector:
-    """Grey levels (rows upward, columns) of a picture, whose upper edge is farthest to the left in the world."""
+    """Grey levels (rows, columns) of a picture, bottom row first, as the upper edge has the greatest y."""
     from PIL import Image
 
     with Image.open(path) as image:
@@ -70,7 +70,7 @@ def _picture(path: Path, faults: list[str]) -> Vector:
 
 
 def _table(path: Path, faults: list[str]) -> Vector:
-    """Numbers (rows, columns) of a CSV file, between commas or semicolons, else between spaces as NumPy writes them."""
+    """Numbers (rows, columns) of a CSV file, separated by commas or semicolons, or by spaces as NumPy writes them."""
     rows: list[list[float]] = []
     for i, line in enumerate(path.read_text(encoding="utf-8-sig").splitlines(), 1):
         if not line.strip():
@@ -92,8 +92,10 @@ def _table(path: Path, faults: list[str]) -> Vector:
 
 @dataclass(frozen=True)
 class SpatialBed:
-    """origin: height (m) of the surface at the world's origin, or of the zero of a map; rise (2,) per length along x
-    and y; container: of each of x and y the places (m) of two walls, or None.
+    """Bed of granular media in space.
+
+    origin: height (m) of the surface at x = y = 0, or of the zero level of a map. rise: slopes along x and y.
+    container: coordinates (m) of the two walls across x and of the two across y; None without these walls.
     """
 
     origin: float
@@ -110,10 +112,10 @@ class SpatialBed:
 
     @property
     def walls(self) -> list[tuple[str, int, float, float]]:
-        """As of `scene.bed.Bed`."""
+        """Walls of the container, as of `scene.bed.Bed`."""
         names = ("rear", "front"), ("right", "left")
-        found = zip(names, (0, 1), self.container, strict=True)
-        return [wall for both, axis, at in found if at is not None for wall in walls_of(both, axis, at)]
+        pairs = zip(names, (0, 1), self.container, strict=True)
+        return [wall for both, axis, at in pairs if at is not None for wall in walls_of(both, axis, at)]
 
     @property
     def level(self) -> bool:
@@ -121,77 +123,76 @@ class SpatialBed:
         return self.rise == (0.0, 0.0) and self.heights is None
 
     def height(self, x: Vector, y: Vector) -> Vector:
-        """Height of the surface (m) at x, y (m), of any shape."""
+        """Height of the surface (m) at x, y (m), arrays of any shape."""
         level: Vector = self.origin + self.rise[0] * np.asarray(x) + self.rise[1] * np.asarray(y)
         return level if self.heights is None else level + self.heights.at(x, y)
 
     def slope(self, x: Vector, y: Vector) -> tuple[Vector, Vector]:
-        """Rise of the surface per length along x and y, at x, y (m)."""
-        nothing = np.zeros_like(np.asarray(x, float))
+        """Slope of the surface along x and along y, at x, y (m)."""
+        zeros = np.zeros_like(np.asarray(x, float))
         if self.heights is None:
-            return nothing + self.rise[0], nothing + self.rise[1]
+            return zeros + self.rise[0], zeros + self.rise[1]
         h = 1e-3 * self.heights.cell
         along = (self.height(x + h, y) - self.height(x - h, y)) / (2.0 * h)
         return along, (self.height(x, y + h) - self.height(x, y - h)) / (2.0 * h)
 
     def pieces(self) -> Iterator[tuple[float, float]]:
-        """Rise per length, and area (m2), of the cells of a map of heights."""
+        """Slope (rise per length) and area (m2) of the cells of a map of heights."""
         yield from () if self.heights is None else self.heights.pieces()
 
     @property
     def corners(self) -> Vector:
-        """Corners (k, 2) m, x and z, of the section through the surface at y = 0, its first and last pieces without
-        end.
-        """
+        """Corners (k, 2) m, x and z, of the section of the surface at y = 0; its first and last pieces are endless."""
         x = np.array([0.0, 1.0])
         if self.heights is not None:
             x = self.heights.corner[0] + self.heights.cell * np.arange(-1, self.heights.values.shape[1] + 1)
         return np.column_stack([x, self.height(x, np.zeros_like(x))])
 
 
-def bed(
+def bed_of(
     scenario: schema.SpatialScenario, rigid: tuple[SpatialRigidBody, ...], faults: list[Fault]
 ) -> SpatialBed | None:
-    """Bed of a scene; None without a medium and without a surface. Faults are appended."""
+    """Bed of a scenario; None without a medium and without a surface. Faults are appended."""
     spec = scenario.bed or schema.SpatialBed()
     if not scenario.media and scenario.surface_height_m is None and scenario.bed is None:
         return None
     walls = {"container_x_m": spec.container_x_m, "container_y_m": spec.container_y_m}
-    faults += idle(scenario, {"depth_m": spec.depth_m, **walls})
+    faults += faults_without_medium(scenario, {"depth_m": spec.depth_m, **walls})
     slope, toward = math.tan(math.radians(spec.slope_deg)), math.radians(spec.slope_direction_deg)
     rise = (slope * math.cos(toward), slope * math.sin(toward)) if slope else (0.0, 0.0)
     heights = None if spec.height_map is None else heights_of(spec.height_map, faults)
     layers, container = tuple(layers_of(scenario, faults, in_space=True)), (spec.container_x_m, spec.container_y_m)
-    placed = SpatialBed(0.0, rise, layers, heights, container=container)
+    bed = SpatialBed(0.0, rise, layers, heights, container=container)
     height = scenario.surface_height
     parts = [(body, part) for body in rigid for part in body.parts if part.in_sand]
     if height is None:
-        height = min((_above(placed, *one) for one in parts), default=0.0)
-    placed = replace(placed, origin=height)
+        height = min((_clearance(bed, body, part) for body, part in parts), default=0.0)
+    bed = replace(bed, origin=height)
     if spec.depth_m is None:
-        return placed
+        return bed
     contact = spec.floor
-    given = () if contact is None else (contact.stiffness_N_m3, contact.damping_s_m)
-    floor = Floor(float(placed.height(np.zeros(1), np.zeros(1))[0]) - spec.depth_m, *given)
-    faults += _out_of_place(placed, floor, spec.depth_m, parts)
-    return replace(placed, floor=floor)
+    contact_law = () if contact is None else (contact.stiffness_N_m3, contact.damping_s_m)
+    floor = Floor(float(bed.height(np.zeros(1), np.zeros(1))[0]) - spec.depth_m, *contact_law)
+    faults += _floor_faults(bed, floor, spec.depth_m, parts)
+    return replace(bed, floor=floor)
 
 
-def _out_of_place(
-    placed: SpatialBed, floor: Floor, depth: float, parts: list[tuple[SpatialRigidBody, Part]]
+def _floor_faults(
+    bed: SpatialBed, floor: Floor, depth: float, parts: list[tuple[SpatialRigidBody, Part]]
 ) -> Iterator[Fault]:
-    """A floor above the lowest place of a map, or above what starts in the sand."""
+    """Faults of a floor that is above the lowest height of a map, or above a part at the start."""
     why = f"got {depth:g} m, so the floor is at {floor.height:.6g} m, but "
-    if placed.heights is not None and (low := placed.origin + float(placed.heights.values.min())) <= floor.height:
+    if bed.heights is not None and (low := bed.origin + float(bed.heights.values.min())) <= floor.height:
         words = f"{why}the map of heights goes down to {low:.6g} m: allowed is a floor below it"
         yield scene_fault("bed.depth_m", words)
-    lowest = min((float((body.motion.world(p.points)[:, 2] - p.drop).min()) for body, p in parts), default=math.inf)
+    bottoms = (float((body.motion.world(part.points)[:, 2] - part.drop).min()) for body, part in parts)
+    lowest = min(bottoms, default=math.inf)
     if lowest < floor.height - ROUND_OFF:
         words = f"{why}at the start the lowest point is at {lowest:.6g} m: allowed is a floor below it"
         yield scene_fault("bed.depth_m", words)
 
 
-def _above(placed: SpatialBed, body: SpatialRigidBody, part: Part) -> float:
-    """How high (m) the lowest point of a part is above a surface."""
+def _clearance(bed: SpatialBed, body: SpatialRigidBody, part: Part) -> float:
+    """Least height (m) of a part above the surface, negative if it is below."""
     x, y, z = body.motion.world(part.points).T
-    return float((z - part.reach(*placed.slope(x, y)) - placed.height(x, y)).min())
+    return float((z - part.reach(*bed.slope(x, y)) - bed.height(x, y)).min())

@@ -1,7 +1,7 @@
-"""Kinematic loops in space: whether they close, states of dependent joints, and which constraints are needed.
+"""Kinematic loops in space: closing them at the start, and the independent constraints of their closures.
 
-Most loops in space hold more than they need: a four-bar of four hinges has three constraints too many. Of each closure
-those that the joints before it hold already are left out, by the rank of the constraints' Jacobian at the start.
+Most loops in space are overconstrained: a four-bar of four hinges has three redundant constraints. Constraints of a
+closure that the joints before it satisfy already are left out, by the rank of the constraint Jacobian at the start.
 """
 
 from __future__ import annotations
@@ -23,18 +23,18 @@ from granular_contact.scene.types import Drive
 
 
 class SpatialLoops(Loops):
-    """The loops of a model in space."""
+    """Loop-closure equations of a model in space."""
 
     def __init__(self, model: schema.SpatialModel, *, bending: bool = False) -> None:
-        """bending: whether links that bend do, and stretch; to close loops they do not."""
+        """bending: give elements of links freedom to bend and stretch; loops are closed with straight links."""
         super().__init__(model, FREEDOMS | BENDING if bending else FREEDOMS)
 
     def pose(self, states: Mapping[str, JointState]) -> Pose:
         """Pose of the mechanism."""
         return pose(self.model, states)
 
-    def gaps(self, name: str, placed: Pose) -> Vector:
-        """Residual (6,) of a closure along and about the axes of its frame: m, rad; what it leaves free is zero."""
+    def residual(self, name: str, placed: Pose) -> Vector:
+        """Residual (6,) of a closure along and about the axes of its frame (m, rad); 0 for free components."""
         joint = self.model.closures[name]
         frame, at_child = joint_frame(joint, placed)
         at_parent = placed[joint.parent].world(np.array(joint.parent_point_m))
@@ -42,29 +42,32 @@ class SpatialLoops(Loops):
         gap = np.concatenate([frame.T @ (at_child - at_parent), _misaligned(joint, turn)])
         return np.where(CONSTRAINED[joint.type], gap, 0.0)
 
-    def gap_rates(self, name: str, placed: Pose) -> Vector:
+    def residual_rates(self, name: str, placed: Pose) -> Vector:
         """Rates (6,) of a closed loop's residual."""
         joint = self.model.closures[name]
         frame, at_child = joint_frame(joint, placed)
         parent, child = placed[joint.parent], placed[joint.child]
-        apart, spin = child.speed_at(at_child) - parent.speed_at(at_child), child.rate - parent.rate
-        return np.where(CONSTRAINED[joint.type], np.concatenate([frame.T @ apart, frame.T @ spin]), 0.0)
+        velocity, spin = child.speed_at(at_child) - parent.speed_at(at_child), child.rate - parent.rate
+        return np.where(CONSTRAINED[joint.type], np.concatenate([frame.T @ velocity, frame.T @ spin]), 0.0)
 
-    def apart(self, name: str, gap: Vector) -> tuple[float, float]:  # noqa: ARG002
+    def gap(self, name: str, residual: Vector) -> tuple[float, float]:  # noqa: ARG002
         """Distance (m) and angle (rad) in the residual of a closure."""
-        return float(np.linalg.norm(gap[:3])), float(np.linalg.norm(gap[3:]))
+        return float(np.linalg.norm(residual[:3])), float(np.linalg.norm(residual[3:]))
 
 
 def joint_frame(joint: AnyJoint | AnyClosure, placed: Pose) -> tuple[Vector, Vector]:
-    """Axes (3, 3) of a joint's frame on its parent, in the world, and the joint's point (3,) m on its child."""
+    """Axes (3, 3) of a joint's frame on its parent, and the joint's point (3,) m on its child, in the world frame."""
     turn = placed[joint.parent].rotation @ orientation(joint)
-    if getattr(joint, "elastic", None) is None:  # else it is that of the link
+    if getattr(joint, "elastic", None) is None:  # an elastic joint has the frame of its link
         turn = turn @ rotations.to_axis(axis_of(joint))
     return turn, placed[joint.child].world(np.array(joint.child_point_m))
 
 
 def _misaligned(joint: AnyClosure, turn: Vector) -> Vector:
-    """Rotation vector (3,) rad by which a closure's frames differ, apart from a turn about its axis that is free."""
+    """Rotation vector (3,) rad between the frames of a closure, without the rotation about its axis if that is free.
+
+    turn (3, 3): axes of the child's frame in the parent's frame.
+    """
     if not turns(joint):
         return rotations.vector_of(turn)
     z = turn[:, 2]
@@ -73,52 +76,54 @@ def _misaligned(joint: AnyClosure, turn: Vector) -> Vector:
     return sine * (math.atan2(size, float(z[2])) / size) if size > 0.0 else sine
 
 
-def needed(
+def independent_constraints(
     model: schema.SpatialModel, states: Mapping[str, JointState], drives: tuple[Drive, ...], faults: list[Fault]
 ) -> dict[str, tuple[bool, ...]]:
-    """Of each closure which of its six constraints the joints before it do not hold already.
+    """Independent constraints of each closure, a mask (6,): those that the joints before it do not satisfy already.
 
-    A fault is appended for a closure of which none is left, for one that would hold the length of a straight link that
-    can't change, and for a prescribed motion that the loops do not allow.
+    A fault is appended for a closure without independent constraints, for a closure that needs a change of the length
+    of a straight link that can't stretch, and for a prescribed motion that the loops do not allow.
     """
     if not model.closures:
         return {}
     loops = SpatialLoops(model, bending=True)
     links = {name: joint for name, joint in loops.joints.items() if joint.type in BENDING}
     straight = {name: JointState(np.zeros(4)) for name in links}
-    slopes, moves = loops.jacobian({**states, **straight}), np.ones(loops.size, bool)
-    freer = _kept(model, slopes)[0]
-    moves[[loops.places[name].start for name, joint in links.items() if joint.type == "elastic"]] = False
-    found, held = _kept(model, {name: slope[:, moves] for name, slope in slopes.items()})
-    for name, keep in found.items():
-        if keep != freer[name]:
+    jacobians, movable = loops.jacobian({**states, **straight}), np.ones(loops.size, bool)
+    with_stretch = _independent(model, jacobians)[0]
+    movable[[loops.slices[name].start for name, joint in links.items() if joint.type == "elastic"]] = False
+    constraints, rows = _independent(model, {name: jacobian[:, movable] for name, jacobian in jacobians.items()})
+    for name, mask in constraints.items():
+        if mask != with_stretch[name]:
             words = "holds a straight link by both of its ends, which keeps its length: give axial_stiffness_N of links"
             faults.append(scene_fault(f"model.closures.{name}", f"{name} {words}"))
-        elif not any(keep):
+        elif not any(mask):
             words = f"all that {name} holds is held by the other joints: leave it out"
             faults.append(scene_fault(f"model.closures.{name}", words))
-    rank = len(held)
+    rank = len(rows)
     for drive in drives:
-        if drive.kind == "motion" and drive.joint in loops.places:
-            tried = np.vstack([held, np.eye(loops.size)[loops.places[drive.joint]][:, moves]])
-            if _rank(tried) == rank:
+        if drive.kind == "motion" and drive.joint in loops.slices:
+            rows = np.vstack([rows, np.eye(loops.size)[loops.slices[drive.joint]][:, movable]])
+            if _rank(rows) == rank:
                 words = f"the motion of {drive.joint} is redundant with the other joints: leave it out"
                 faults.append(scene_fault(f"drives.{drive.joint}", words))
-            held, rank = tried, _rank(tried)
-    return found
+            rank = _rank(rows)
+    return constraints
 
 
-def _kept(model: schema.SpatialModel, slopes: Mapping[str, Vector]) -> tuple[dict[str, tuple[bool, ...]], Vector]:
-    """Of each closure which constraints are not held by those before it, and these rows of the Jacobian."""
-    found, held = {}, np.zeros((0, next(iter(slopes.values())).shape[1]))
-    for name, slope in slopes.items():
-        keep = [False] * 6
-        for row in np.flatnonzero(CONSTRAINED[model.closures[name].type]):
-            tried = np.vstack([held, slope[row]])
-            if _rank(tried) > len(held):
-                held, keep[row] = tried, True
-        found[name] = tuple(keep)
-    return found, held
+def _independent(
+    model: schema.SpatialModel, jacobians: Mapping[str, Vector]
+) -> tuple[dict[str, tuple[bool, ...]], Vector]:
+    """Mask (6,) of the independent constraints of each closure, and their rows of the Jacobian."""
+    constraints, rows = {}, np.zeros((0, next(iter(jacobians.values())).shape[1]))
+    for name, jacobian in jacobians.items():
+        mask = [False] * 6
+        for i in np.flatnonzero(CONSTRAINED[model.closures[name].type]):
+            stacked = np.vstack([rows, jacobian[i]])
+            if _rank(stacked) > len(rows):
+                rows, mask[i] = stacked, True
+        constraints[name] = tuple(mask)
+    return constraints, rows
 
 
 def _rank(rows: Vector) -> int:

@@ -1,18 +1,20 @@
-"""Links that bend in a few of their natural modes: which links can, and the shapes of the modes (Rayleigh and Ritz).
+"""Links that bend in a few of their natural modes (Rayleigh-Ritz): which links can, and the mode shapes.
 
-A link is clamped where it is held, and its frame floats with that element. With t_k the rotation vector between two
-elements (`scene.space.beams`), modes are t_k(t) = sum_i S_ki a_i(t). S is found for each axis of the frame alone, from
-the straight link with all that is welded to its elements,
+A link is clamped where it is held, and its frame moves with the element there (floating frame of reference). With the
+rotation vector t_k between two elements (`scene.space.beams`), the modal coordinates a_i give t_k(t) = sum_i S_ki
+a_i(t). S is computed separately for each axis of the frame, from the straight link with everything that is welded to
+its elements,
 
     K S = omega^2 M S,    K = diag(K_k),    M = sum over its bodies of m Jx^T Jx + Jw^T I Jw,
 
-the lowest `modes` of torsion, of bending about y and about z. Turns are finite, and a bent axis is as
-long as a straight one. What differs from a cantilever's modes goes with l^2.
+for the lowest `modes` modes of torsion, of bending about y, and of bending about z. Rotations are finite, and a bent
+axis has the length of the straight one. The difference from the modes of a cantilever is proportional to l^2.
 
-Modes that are left out would bend by what is out of balance along them: R_k, the moments that the joints between
-elements lack, over K_k (the static correction of mode acceleration methods; Craig 1981). Phi^T R = 0 makes it
-orthogonal to the modes that are there. Under a load that comes at once they swing twice as far, so that twice its
-greatest deflection at the tip is told as the error: 0.5 to 1.2 times the true one in `validation/oblique_modes.py`.
+The error of the truncation is estimated by the static deflection of the omitted modes: R_k / K_k, with the residual
+moments R_k of the joints between elements (static correction of the mode acceleration method; Craig 1981). Phi^T R = 0
+makes this deflection orthogonal to the modes that are kept. Under a step load the omitted modes swing twice as far, so
+twice the greatest deflection at the tip is the estimated error: 0.5 to 1.2 times the true error in
+`validation/oblique_modes.py`.
 """
 
 from __future__ import annotations
@@ -30,12 +32,12 @@ KEY = "method.reduced.modes"
 
 
 def check(scene: SpatialScene) -> None:
-    """Refuse a scene whose links can't be in so many modes.
+    """Refuse a scene whose links can't bend in so many modes.
 
     Raises
     ------
     SceneError
-        With its key, every obstacle, and what is supported.
+        With the key, all obstacles, and what is supported.
     """
     if scene.modes is None:
         return
@@ -55,13 +57,15 @@ def check(scene: SpatialScene) -> None:
 
 
 def _obstacles(scene: SpatialScene, beam: SpatialBeam) -> Iterator[str]:
-    """What keeps a link from being in modes."""
+    """Properties of a link that modes do not support, in words."""
     if beam.stretches:
         yield "stretches"
     if len({scene.joint(name).child for name in beam.joints} & {beam.root[0], beam.tip[0]}) > 1:
         yield "is held between its ends"
-    moved = {joint.child for joint in outward(scene, beam)}
-    carried = [link_of(one.child) for one in scene.joints if one.parent in moved and one.name not in beam.joints]
+    outer = {joint.child for joint in outward(scene, beam)}
+    carried = [
+        link_of(joint.child) for joint in scene.joints if joint.parent in outer and joint.name not in beam.joints
+    ]
     if carried:
         yield f"carries {carried[0]}, which moves against it"
 
@@ -73,39 +77,42 @@ def outward(scene: SpatialScene, beam: SpatialBeam) -> list[SpatialJoint]:
 
 
 def shapes(scene: SpatialScene, beam: SpatialBeam) -> tuple[list[SpatialJoint], Vector]:
-    """Joints from where a link is held outward, and S (joints, 3, modes) of their rotation vectors, by kg m2 of 1."""
+    """Joints of a link from where it is held outward, and mode shapes S (joints, 3, 3 modes) of their rotation vectors.
+
+    Modes have a modal mass of 1 kg m2: first those of torsion, then of bending about y and about z.
+    """
     joints, modes = outward(scene, beam), scene.modes or 0
-    root = scene.body(joints[0].child).motion.rotation @ joints[0].child_turn  # axes of the link's frame
-    found = [np.zeros((len(joints), 3, 0))]
+    axes = scene.body(joints[0].child).motion.rotation @ joints[0].child_turn  # of the link's frame, in the world
+    blocks = [np.zeros((len(joints), 3, 0))]
     for axis in range(3):
-        M = _mass(scene, joints, root[:, axis])
+        M = _mass_matrix(scene, joints, axes[:, axis])
         stiffness = np.sqrt([joint.elastic.stiffness[axis] for joint in joints if joint.elastic is not None])
-        squares, vectors = np.linalg.eigh(M / np.outer(stiffness, stiffness))  # 1 / omega^2 in ascending order
-        lowest = vectors[:, ::-1][:, :modes] / stiffness[:, None] / np.sqrt(squares[::-1][:modes])
-        own = np.zeros((len(joints), 3, modes))
-        own[:, axis] = lowest
-        found.append(own)
-    return joints, np.concatenate(found, axis=2)
+        inverse_squares, vectors = np.linalg.eigh(M / np.outer(stiffness, stiffness))  # 1 / omega^2, ascending
+        lowest = vectors[:, ::-1][:, :modes] / stiffness[:, None] / np.sqrt(inverse_squares[::-1][:modes])
+        block = np.zeros((len(joints), 3, modes))
+        block[:, axis] = lowest
+        blocks.append(block)
+    return joints, np.concatenate(blocks, axis=2)
 
 
-def error(joints: list[SpatialJoint], length: float, lacks: Vector) -> float:
-    """Estimated error (m) of the tip's deflection by the modes that are left out, the greatest over the instants.
+def error(joints: list[SpatialJoint], length: float, residual: Vector) -> float:
+    """Estimated truncation error (m) of the tip's deflection by the omitted modes, the greatest over the instants.
 
-    lacks (n, joints, 3) N m: R_k, in the coordinates of the joints, which are those that `shapes` gives.
+    joints: as `shapes` returns them. residual (n, joints, 3) N m: R_k, in the coordinates of the joints.
     """
     stiffness = np.array([joint.elastic.stiffness for joint in joints if joint.elastic is not None])
-    turns = np.stack([lacks[:, k] @ joint.parent_turn for k, joint in enumerate(joints)], axis=1) / stiffness
+    turns = np.stack([residual[:, k] @ joint.parent_turn for k, joint in enumerate(joints)], axis=1) / stiffness
     arm = length * (np.arange(len(joints))[::-1] + 0.5) / len(joints)  # from each joint to the free end
     return 2.0 * float(np.linalg.norm(np.einsum("nkj,k->nj", turns[:, :, 1:], arm), axis=1).max())
 
 
-def _mass(scene: SpatialScene, joints: list[SpatialJoint], axis: Vector) -> Vector:
-    """M (joints, joints) of turns about an axis (3,) of the world, for the mechanism as it starts."""
+def _mass_matrix(scene: SpatialScene, joints: list[SpatialJoint], axis: Vector) -> Vector:
+    """Mass matrix M (joints, joints) for rotations about an axis (3,) of the world, in the initial configuration."""
     bodies = [scene.body(joint.child) for joint in joints]
-    at = np.array([body.motion.world(joint.child_point) for body, joint in zip(bodies, joints, strict=True)])
+    points = np.array([body.motion.world(joint.child_point) for body, joint in zip(bodies, joints, strict=True)])
     M = np.zeros((len(joints), len(joints)))
     for k, body in enumerate(bodies):
-        x = np.cross(axis, body.motion.position - at[: k + 1])
+        x = np.cross(axis, body.motion.position - points[: k + 1])
         turning = body.motion.rotation.T @ axis
         M[: k + 1, : k + 1] += body.mass * x @ x.T + turning @ body.inertia @ turning
     return M

@@ -13,7 +13,7 @@ from granular_contact.scene.space.types import Vector
 
 @dataclass(frozen=True)
 class Section:
-    """Of a link, round with a diameter, or rectangular, its width along y and its thickness along z (m)."""
+    """Section of a link (m): round with a diameter, or rectangular with its width along y and its thickness along z."""
 
     diameter: float | None
     width: float
@@ -34,7 +34,7 @@ class Section:
 
     @property
     def torsion_constant(self) -> float:
-        """J (m4) of Saint-Venant: of a rectangle the series of its warping function, to round-off."""
+        """Torsion constant J (m4) of Saint-Venant, for a rectangle by the series of its warping function."""
         if self.diameter is not None:
             return math.pi / 32.0 * self.diameter**4
         a, b = max(self.width, self.thickness), min(self.width, self.thickness)
@@ -47,30 +47,30 @@ def section(link: schema.SpatialLink) -> Section:
     """Section of a link."""
     if link.diameter_m is not None:
         return Section(link.diameter_m, link.diameter_m, link.diameter_m)
-    assert link.width_m is not None  # the schema takes one or the other
+    assert link.width_m is not None  # the schema requires a diameter, or width and thickness
     assert link.thickness_m is not None
     return Section(None, link.width_m, link.thickness_m)
 
 
 def stiffness(link: schema.SpatialLink) -> Vector:
     """G J, E I_y and E I_z (3,) N m2 of a link that bends."""
-    flexible, own = link.flexible, section(link)
+    flexible, cross_section = link.flexible, section(link)
     assert flexible is not None
-    moments = own.second_moments
+    moments = cross_section.second_moments
     bending = moments * (flexible.youngs_modulus_Pa or 0.0)
     if flexible.bending_stiffness_N_m2 is not None:
         bending = np.full(2, flexible.bending_stiffness_N_m2)
     torsion = flexible.torsion_stiffness_N_m2
     if torsion is None:
-        torsion = bending[0] / moments[0] / (2.0 * (1.0 + flexible.poissons_ratio)) * own.torsion_constant
+        torsion = bending[0] / moments[0] / (2.0 * (1.0 + flexible.poissons_ratio)) * cross_section.torsion_constant
     return np.array([torsion, *bending])
 
 
 @dataclass(frozen=True)
 class Element:
-    """A rigid piece of a link from one place along it to another (m), in the frame of the link.
+    """Rigid piece of a link from start to end (m) along it, in the frame of the link.
 
-    share: of the length of an element of the link.
+    share: its length relative to the length of an element of the link: 0.5 at the ends of the link, else 1.
     """
 
     link: schema.SpatialLink
@@ -80,10 +80,10 @@ class Element:
 
     @property
     def density_kg_m3(self) -> float:
-        """As of the link."""
+        """Density (kg/m3) of the link."""
         return self.link.density_kg_m3
 
     @property
     def ends(self) -> tuple[bool, bool]:
-        """Whether the root and the tip of the link belong to it."""
+        """Whether the element contains the root of the link, and whether it contains the tip."""
         return self.start == 0.0, self.end == self.link.length_m

@@ -1,6 +1,7 @@
-"""The scene in space: bodies, joints and bed, as frozen plain data. World: x ahead, y left, z up; SI units.
+"""The scene in space: bodies, joints and bed, as frozen plain data, in SI units.
 
-A body's frame has its origin at the centre of mass of all that is welded together. Angles are right-handed.
+World frame: x ahead, y left, z up. The origin of a body's frame is the common centre of mass of all bodies of the
+config that are welded together. Angles are right-handed.
 """
 
 from __future__ import annotations
@@ -27,8 +28,11 @@ Meets = Literal["surface", "bar", "ball"]
 
 @dataclass(frozen=True)
 class SpatialWheel:
-    """Of a shape that is a wheel: a point (3,) m and the direction (3,) of its axle in the body's frame, to the left of
-    where it rolls as it turns about it; radius (m) that counts for slip, and of the rim; pitch as of `Wheel`.
+    """Wheel of a shape, in the body's frame.
+
+    axle: a point (3,) m on its axle. axis: direction (3,) of the axle, to the left of the direction in which the wheel
+    rolls when it turns about the axis in the positive sense. radius: for slip (m); rim: radius of the rim (m); pitch:
+    as of `Wheel`.
     """
 
     axle: Vector
@@ -40,12 +44,13 @@ class SpatialWheel:
 
 @dataclass(frozen=True)
 class Part:
-    """A shape of a body as the medium meets it and as it is drawn, in the frame of the merged body.
+    """Shape of a body, for the forces of the medium and for drawings, in the frame of the merged body.
 
-    name: of the body in the config; shape: of `sand.space.shapes`, at a position (3,) m, turned by (3, 3); in_sand:
-    whether the medium acts on it; facet_size (m): greatest edge of its facets, None for the usual; triangles (k, 3, 3)
-    m: to be drawn; points (n, 3) m: the outermost of what the medium meets, which reaches `drop` (m) around them;
-    notes: what makes its forces uncertain as a surface, in sentences. wheel: of a wheel.
+    name: of the body in the config. shape: of `sand.space.shapes`. meets: kinds of shape that it can be for a law.
+    position (3,) m, rotation (3, 3): of the shape's frame. in_sand: whether the medium acts on it. facet_size (m):
+    greatest edge of its facets, None for the default. triangles (k, 3, 3) m: to draw. points (n, 3) m: outermost points
+    of the shape, which reaches `drop` (m) around them. notes: sentences on what makes its forces uncertain as a
+    surface. wheel: of a wheel.
     """
 
     name: str
@@ -62,22 +67,23 @@ class Part:
     wheel: SpatialWheel | None = None
 
     def reach(self, rise_x: Vector, rise_y: Vector) -> Vector:
-        """How much deeper (m) than its points it is below a surface that rises so much per length."""
+        """How much deeper (m) than its points the part is below a surface with these slopes along x and y."""
         return reach(self.drop, self.meets == ("ball",), rise_x, rise_y)
 
 
 def reach(drop: Vector | float, as_ball: Any, rise_x: Vector, rise_y: Vector) -> Vector:
-    """How much deeper (m) than points is what reaches `drop` (m) around them, below a surface that rises so.
+    """How much deeper (m) than its points a part is below a surface with these slopes along x and y.
 
-    What is met as a ball counts its depth straight down.
+    The part reaches `drop` (m) around its points in all directions; a ball for a law of balls only straight down.
     """
     return np.asarray(drop * np.where(as_ball, 1.0, np.sqrt(1.0 + rise_x**2 + rise_y**2)))
 
 
 @dataclass(frozen=True)
 class SpatialMotion:
-    """Initial pose and velocity of a body's frame: position (3,) m, rotation (3, 3), velocity (3,) m/s of its origin,
-    rate (3,) rad/s, all in the world frame.
+    """Initial pose and velocity of a body's frame, in the world frame.
+
+    position (3,) m and velocity (3,) m/s of its origin; rotation (3, 3); angular velocity `rate` (3,) rad/s.
     """
 
     position: Vector
@@ -103,9 +109,10 @@ class SpatialMotion:
 
 @dataclass(frozen=True)
 class SpatialRigidBody:
-    """Parts that are welded together. Mass kg; inertia (3, 3) kg m2 about the centre of mass, its frame's origin.
+    """Bodies of the config that are welded together; the origin of its frame is the common centre of mass.
 
-    members: names of the bodies of the config, and of elements of links that bend, that it is made of.
+    mass: kg. inertia: (3, 3) kg m2 about the centre of mass. members: names of its bodies of the config and of its
+    elements of links that bend.
     """
 
     name: str
@@ -117,25 +124,28 @@ class SpatialRigidBody:
 
     @property
     def is_element(self) -> bool:
-        """Whether it is nothing but an element of a link that bends."""
+        """Whether all its members are elements of links that bend."""
         return all("." in name for name in self.members)
 
     @property
     def wheel(self) -> SpatialWheel | None:
-        """The first of its wheels."""
+        """The first wheel of the body; None without one."""
         return next((part.wheel for part in self.parts if part.wheel is not None), None)
 
     @property
-    def turning_places(self) -> tuple[int, ...]:
-        """Which of its coordinates, its position and four Euler parameters, turn it."""
+    def rotation_indices(self) -> tuple[int, ...]:
+        """Indices of the coordinates (position and four Euler parameters) that are rotations."""
         return 3, 4, 5, 6
 
     def levers(self, radius: float) -> tuple[float, ...]:
-        """Factors from the rates of its coordinates to speeds of points within a radius (m): it turns by w = 2 e'."""
+        """Factors from the rates of the coordinates to greatest speeds (m/s) of points within a radius (m).
+
+        The angular speed is at most 2 |e'|, with the rates e' of the Euler parameters.
+        """
         return (1.0,) * 3 + (2.0 * radius,) * 4
 
     def mass_matrix(self) -> Vector:
-        """Measure of the coordinates' rates, near enough to the mass matrix where inertia plays no part."""
+        """Mass matrix (7, 7) with the greatest moment of inertia for all rotations, for uses without inertia forces."""
         turning = 4.0 * float(np.linalg.eigvalsh(self.inertia).max())
         return np.diag([self.mass] * 3 + [turning] * 4)
 
@@ -146,11 +156,11 @@ class SpatialRigidBody:
 
 @dataclass(frozen=True)
 class Elastic:
-    """Moments (N m) about x, y, z of a joint's frame, by the rotation vector theta (rad) from parent to child.
+    """Elastic law of a joint between elements of a link: moments (N m) about x, y, z of the joint's frame.
 
-    stiffness (3,) N m/rad, damping (3,) N m s/rad: its energy is sum(stiffness theta^2) / 2, and dampers take
-    sum(damping theta'^2). axial: stiffness (N/m) and damping (N s/m) of one that slides along x of the frame as well,
-    None of one that does not.
+    They are functions of the rotation vector theta (rad) from parent to child: with stiffness (3,) N m/rad and damping
+    (3,) N m s/rad, the energy is sum(stiffness theta^2) / 2 and the dissipated power sum(damping theta'^2). axial:
+    stiffness (N/m) and damping (N s/m) of a joint that also slides along x of the frame, else None.
     """
 
     stiffness: Vector
@@ -160,14 +170,14 @@ class Elastic:
 
 @dataclass(frozen=True)
 class SpatialBeam:
-    """A link that bends, made of rigid elements, see `scene.space.beams`; its frame's x axis is along it. m, N m2.
+    """Link that bends, made of rigid elements, see `scene.space.beams`; the x axis of its frame is along it.
 
-    section: width along y and thickness along z, of a round one its diameter twice; stiffness (3,): G J, E I_y, E I_z;
-    moduli (Pa): E of the bending stiffness, G of the torsion, and of what stretches it; yield_stress (Pa): None where
-    it is not looked at; stretches: whether it does;
-    pieces: its elements from root to tip, each with its body (None: fixed to the ground), its centre of mass (3,) m in
-    that and its mass (kg); joints: between these. root, tip: the body of its first and its last element, with the
-    origin (3,) m and the axes (3, 3) of the link's frame in it.
+    length: m. section (m): width along y and thickness along z, for a round section twice the diameter. stiffness (3,)
+    N m2: G J, E I_y, E I_z. moduli (Pa): E for bending, G for torsion, E for stretch. yield_stress (Pa): None if
+    stresses are not compared with it. stretches: whether it has an axial stiffness. elements: their number. pieces: the
+    rigid pieces from root to tip, each with its body (None: the ground), its centre of mass (3,) m in the frame of that
+    body, and its mass (kg). joints: names of the joints between the pieces. root, tip: body of the first and of the
+    last piece, with origin (3,) m and axes (3, 3) of the link's frame in it.
     """
 
     name: str
@@ -187,19 +197,19 @@ class SpatialBeam:
 
 @dataclass(frozen=True)
 class SpatialJoint:
-    """Joint of two bodies; parent None is the ground. Its frame is at a point (3,) m of each, turned by (3, 3) in it.
+    """Joint between two bodies; parent None is the ground.
 
-    law: what acts along the coordinate; in a ball joint along the angle of the rotation from home (rad), its damper on
-    the whole relative angular velocity. elastic: of one between two elements of a link that bends; a joint of the kind
-    `stretching` slides along x of its frame as well.
-
-    z of the joint's frame is the axis of a hinge or slider; at coordinate 0 both frames coincide. constrained: which of
-    the displacements along x, y, z of the joint's frame and rotations about them are held. start, rate: coordinate of a
-    hinge or slider (rad, right-handed, or m) and its rate at the start. closes: whether it closes a loop.
+    parent_point, parent_turn: origin (3,) m and axes (3, 3) of the joint's frame on the parent, in the frame of the
+    parent; child_point, child_turn: the same on the child. z of the joint's frame is the axis of a hinge or slider; at
+    coordinate 0 both frames coincide. constrained (6,): whether the displacements along x, y, z of the joint's frame
+    and the rotations about them are constrained. start, rate: coordinate of a hinge or slider (rad, right-handed, or m)
+    and its rate at the start. closes: whether the joint closes a loop. law: of the coordinate; in a ball joint of the
+    angle of the rotation from home (rad), with its damper on the whole relative angular velocity. elastic: law of a
+    joint between two elements of a link that bends; a joint of the kind `stretching` also slides along x of its frame.
     """
 
     name: str
-    kind: str  # the type of the config; of one between elements of a link `elastic` or `stretching`
+    kind: str  # the type in the config; between elements of a link `elastic` or `stretching`
     parent: str | None
     parent_point: Vector
     parent_turn: Vector
@@ -215,36 +225,38 @@ class SpatialJoint:
 
     @property
     def has_coordinate(self) -> bool:
-        """Whether it is a hinge or a slider."""
+        """Whether the joint is a hinge or a slider."""
         return self.kind in ("hinge", "slider")
 
     @property
     def is_idle(self) -> bool:
-        """As of `Joint`."""
+        """Whether the joint has no spring, damper, stops, friction or elastic law; it may have a drive."""
         return self.law.is_idle and self.elastic is None
 
     @property
     def is_sprung(self) -> bool:
-        """Whether it is a ball joint in which something acts."""
+        """Whether the joint is a ball joint with a law that is not idle."""
         return self.kind == "ball" and not self.law.is_idle
 
     @property
     def acts(self) -> bool:
-        """Whether it is a ball joint in which something acts, or one between elements of a link that bends."""
+        """Whether the joint is a ball joint with a law that is not idle, or one between elements of a link."""
         return self.is_sprung or self.elastic is not None
 
     @property
     def axis(self) -> Vector | None:
-        """Direction (3,) of a slider in the frame of its parent."""
+        """Unit vector (3,) along the axis of a slider in the frame of its parent; None for other joints."""
         return self.parent_turn[:, 2] if self.kind == "slider" else None
 
 
 @dataclass(frozen=True, repr=False)
 class SpatialScene(Scene):
-    """A scene in space; fields as of `Scene`. tip: body and point (3,) m of what is lowest, or farthest from the joint
-    on the ground. beams: the links that bend, whose elements are among the rigid bodies. facet_shares: by body, of
-    the size of facets that its parts have, which is taken; 1 unless it is named. modes: in how many a plane the links
-    bend; None: in all that their elements have.
+    """Scene in space; fields as of `Scene`.
+
+    tip: body and point (3,) m, the lowest one or the farthest from the joint on the ground. beams: the links that bend;
+    their elements are among the rigid bodies. facet_shares: factor on the facet size of all parts of a body, by name; 1
+    for other bodies. modes: number of modes of a link for torsion and for each plane of bending; None: elements are not
+    reduced to modes.
     """
 
     rigid: tuple[SpatialRigidBody, ...]  # type: ignore[assignment]
@@ -263,41 +275,41 @@ class SpatialScene(Scene):
 
     @cached_property
     def surface(self) -> float | None:
-        """Height of the free surface at the origin (m); None without one."""
+        """Height (m) of the free surface at x = y = 0; None without a surface."""
         return None if self.bed is None else float(self.bed.height(np.zeros(1), np.zeros(1))[0])
 
     @cached_property
     def mechanisms(self) -> dict[str, str]:
-        """By body the mechanism that it is of: bodies that joints connect, by the name of the first."""
-        found = {body.name: body.name for body in self.rigid}
+        """The mechanism of each body, by name: bodies connected by joints, with the name of one of them."""
+        mechanism_of = {body.name: body.name for body in self.rigid}
         for joint in self.joints:
             if joint.parent is not None:
-                one, other = found[joint.parent], found[joint.child]
-                found = {body: one if of == other else of for body, of in found.items()}
-        return found
+                kept, joined = mechanism_of[joint.parent], mechanism_of[joint.child]
+                mechanism_of = {body: kept if name == joined else name for body, name in mechanism_of.items()}
+        return mechanism_of
 
     @cached_property
     def in_sand(self) -> dict[str, int]:
-        """By mechanism how many of its bodies the medium can meet; a link that bends is one."""
-        met = {
-            link_of(body.name): self.mechanisms[body.name] for body in self.rigid if any(p.in_sand for p in body.parts)
-        }
-        return dict(Counter(met.values()))
+        """Number of bodies of each mechanism that the medium can act on; a link that bends counts as one."""
+        in_sand = [body for body in self.rigid if any(part.in_sand for part in body.parts)]
+        mechanism_of = {link_of(body.name): self.mechanisms[body.name] for body in in_sand}
+        return dict(Counter(mechanism_of.values()))
 
     def with_facets(self, share: float) -> SpatialScene:
-        """The same with a share of the size of all facets."""
+        """The same scene with the size of all facets multiplied by a factor."""
         shares = {body.name: share * self.facet_shares.get(body.name, 1.0) for body in self.rigid}
         return replace(self, facet_shares=shares)
 
     def radius(self, body: SpatialRigidBody) -> float:  # type: ignore[override]
-        """Distance (m) from a body's centre of mass to the farthest point of its parts and joints; without such its
-        radius of gyration, so that its turning counts.
+        """Distance (m) from a body's centre of mass to the farthest point of its parts and joints.
+
+        A body without such points gets its radius of gyration, so that its rotation counts.
         """
-        joints = [c.child_point for c in self.joints if c.child == body.name and c.kind != "free"]
-        joints += [c.parent_point for c in self.joints if c.parent == body.name]
-        far = [float(np.linalg.norm(point)) for point in joints]
-        far += [float(np.linalg.norm(part.points, axis=1).max()) + part.drop for part in body.parts]
-        return max(far, default=0.0) or math.sqrt(float(np.linalg.norm(body.inertia, 2)) / body.mass)
+        points = [joint.child_point for joint in self.joints if joint.child == body.name and joint.kind != "free"]
+        points += [joint.parent_point for joint in self.joints if joint.parent == body.name]
+        distances = [float(np.linalg.norm(point)) for point in points]
+        distances += [float(np.linalg.norm(part.points, axis=1).max()) + part.drop for part in body.parts]
+        return max(distances, default=0.0) or math.sqrt(float(np.linalg.norm(body.inertia, 2)) / body.mass)
 
     @property
     def bends(self) -> bool:
@@ -318,17 +330,17 @@ class SpatialScene(Scene):
 
     @cached_property
     def reported(self) -> tuple[str, ...]:
-        """Names under which bodies are reported: of what is rigid its own, then of links that bend, as wholes."""
-        return tuple(body.name for body in self.rigid if not body.is_element) + tuple(one.name for one in self.beams)
+        """Names under which bodies are reported: those of rigid bodies, then those of links that bend."""
+        return tuple(body.name for body in self.rigid if not body.is_element) + tuple(beam.name for beam in self.beams)
 
     @cached_property
     def speed(self) -> float:
-        """Greatest speed (m/s) of a point at the start, a bound."""
+        """Upper bound of the speed (m/s) of all points at the start."""
         return max(
             math.hypot(*body.motion.velocity) + math.hypot(*body.motion.rate) * self.radius(body) for body in self.rigid
         )
 
     @property
     def pivot(self) -> None:
-        """There is none in space: nothing is reported of one hinge on the ground alone."""
+        """None: in space, a single hinge on the ground has no reports of its own."""
         return

@@ -9,7 +9,7 @@ from granular_contact.config import Given, Scenario, Sweep, scenario_given
 from granular_contact.config.sweep import case_faults, sweep_of
 from granular_contact.errors import ConfigError, Fault, of_type
 from granular_contact.laws.scatter import SEEDS
-from granular_contact.scene.again import Builder
+from granular_contact.scene.variants import Builder
 from granular_contact.studies.ensemble.runs import observed
 from granular_contact.studies.ensemble.statistics import Summary, of_rows
 from granular_contact.studies.sweep.calls import file_of

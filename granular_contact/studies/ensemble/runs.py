@@ -20,9 +20,9 @@ _ENDS = ("_drawbar_pull_N", "_sinkage_m")
 def observed(scenario: Scenario) -> dict[str, Any]:
     """Run a scenario: its key numbers, and under `series` histories by column at evenly spaced times."""
     from granular_contact.run import summary_of
-    from granular_contact.scene.build import built
+    from granular_contact.scene.build import build_checked
 
-    return summary_of(built(scenario), _histories)
+    return summary_of(build_checked(scenario), _histories)
 
 
 def _histories(seen: Observation) -> dict[str, Any]:

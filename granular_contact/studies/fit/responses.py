@@ -15,8 +15,8 @@ from granular_contact.config.tree import Position, Scalar
 from granular_contact.errors import ConfigError, SceneError, SolveError
 from granular_contact.results import FINISHED, Results
 from granular_contact.run import run
-from granular_contact.scene.again import Builder
 from granular_contact.scene.steps import steps
+from granular_contact.scene.variants import Builder
 from granular_contact.values.arrays import Vector
 
 Key = tuple[str, ...]

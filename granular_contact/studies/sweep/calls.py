@@ -9,7 +9,7 @@ from typing import Any
 from granular_contact.config import Given, scenario_given, scenario_to_dict, tree
 from granular_contact.config.given import plain_data
 from granular_contact.config.sweep import sweep_of
-from granular_contact.scene.again import Builder
+from granular_contact.scene.variants import Builder
 from granular_contact.studies.sweep.executor import WorkerPool
 from granular_contact.studies.sweep.runner import run
 

@@ -19,7 +19,7 @@ from granular_contact.results import Results
 from granular_contact.studies.sweep.journal import Journal, Row, Writer
 
 if TYPE_CHECKING:
-    from granular_contact.scene.again import Builder
+    from granular_contact.scene.variants import Builder
 
 
 # What a case goes through: to its summary, or to all its results.
@@ -62,7 +62,7 @@ class Job:
     @cached_property
     def builder(self) -> Builder:
         """What builds the scenes of tasks that march together."""
-        from granular_contact.scene.again import Builder
+        from granular_contact.scene.variants import Builder
 
         return Builder(self.sweep.base)
 
@@ -80,9 +80,9 @@ def _unpacked(job: bytes) -> Job:
 def simulate(scenario: Scenario) -> dict[str, Any]:
     """One run, as the command line does it, of a scenario that comes straight from a config."""
     from granular_contact.run import summary_of
-    from granular_contact.scene.build import built
+    from granular_contact.scene.build import build_checked
 
-    return summary_of(built(scenario))  # which was checked as it was made of its case
+    return summary_of(build_checked(scenario))  # which was checked as it was made of its case
 
 
 def simulate_with_pictures(scenario: Scenario) -> Results:
