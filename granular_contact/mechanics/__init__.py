@@ -11,6 +11,7 @@ what is seen    observe, mechanism, wheels, depths    Trajectory -> Observation
                 joint_history, beam_energy            energies and works
                 strains                               strains and stresses of links that bend
                 accuracy, drive_error, strip_error    warnings about steps, drives and strips
+                creep                                 what motion is left when a run ends at rest
                 departure, strip_departure            what strips of another length would change
                 omissions                             what a run leaves out
 kernels   compiled code

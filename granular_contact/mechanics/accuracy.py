@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from granular_contact.mechanics.beam_energy import curvatures
+from granular_contact.mechanics.creep import motion_left
 from granular_contact.mechanics.kinematics import Kinematics
 from granular_contact.mechanics.strip_error import strip_warnings
 from granular_contact.results.accuracy import AccuracyWarning, remedy
@@ -27,6 +28,7 @@ from granular_contact.scene.stiff import LEAST_BOW
 from granular_contact.scene.types import Vector
 
 STEP_ERROR = 5e-3  # of the path length
+CREEP = 5e-3  # of the path length: what is still to come when a run ends at rest
 UNKNOWN = 0.1  # of the energy: beyond it the motion itself is another
 FEWEST_STEPS = 8  # steps from the touch to the stop
 ROUGH_BEAM = 0.05  # of the path length: jumps of curvature times the square of an element; errors are smaller
@@ -44,6 +46,7 @@ def accuracy_warnings(motion: Kinematics) -> Iterator[AccuracyWarning]:
     yield from _steps(motion)
     yield from _entry(motion)
     yield from _signals(motion)
+    yield from _creep(motion)
     yield from strip_warnings(motion)
     for name in motion.system.links:
         yield from _beam(motion, name)
@@ -116,6 +119,18 @@ def _steps(motion: Kinematics) -> Iterator[AccuracyWarning]:
     if error > STEP_ERROR:
         said = f"the steps are too long: the error of the motion is about {error:.1%} of its path, {error * path:.2g} m"
         yield AccuracyWarning(f"{said}; {remedy(motion.scene)}", error)
+
+
+def _creep(motion: Kinematics) -> Iterator[AccuracyWarning]:
+    """Whether the run ended at rest while the mechanism still crept."""
+    left = motion_left(motion)
+    error = left / max(motion.path_length + left, motion.scene.least_path)
+    if error > CREEP:
+        said = (
+            f"the mechanism still creeps: about {left:.2g} m, {error:.1%} of its motion, are left before the end time"
+        )
+        slower = f"a smaller solver.rest_speed_m_s (now {motion.scene.solver.rest_speed_m_s:g})"
+        yield AccuracyWarning(f"{said}; take {slower}, or solver.rest_time_s: null", error)
 
 
 def _unknown_energy(motion: Kinematics) -> float:
