@@ -30,7 +30,7 @@ from granular_contact.geometry import rotations
 from granular_contact.mujoco import MujocoBed
 from granular_contact.results.interpolation import at_times
 from granular_contact.run import begin
-from granular_contact.sand.space.of_scene import add_part
+from granular_contact.sand.space.from_scene import add_part
 from granular_contact.scene import build
 from validation.peers import mujoco_hexapod, mujoco_native
 from validation.peers.mujoco_scene import Laws, controls_of

@@ -14,7 +14,7 @@ from granular_contact.mechanics.system import System, Trajectory
 from granular_contact.results import Outline
 from granular_contact.results.energy import accumulate
 from granular_contact.results.interpolation import Track
-from granular_contact.sand.work import beyond
+from granular_contact.sand.work import work_correction
 from granular_contact.scene.types import Joint, Vector
 
 
@@ -172,11 +172,11 @@ class Kinematics:
 
     @cached_property
     def work_beyond(self) -> Vector:
-        """What the media and the floor did (n,) J beyond what the history has, see `sand.work.beyond`."""
+        """What the media and the floor did (n,) J beyond what the history has, see `sand.work.work_correction`."""
         load = self.trajectory.load
         if load is None:
             return np.zeros(1)
-        return beyond(load, {name: (*self.center(name), self.mean_spin(name)) for name in load.body_names})
+        return work_correction(load, {name: (*self.center(name), self.mean_spin(name)) for name in load.body_names})
 
     def lifted(self) -> Vector:
         """First moment of the masses (n,) kg m about the height of the origin."""

@@ -15,8 +15,8 @@ from granular_contact.mechanics.departure import Flat, Instant, departures, piec
 from granular_contact.mechanics.freedoms import freedoms
 from granular_contact.mechanics.kinematics import Kinematics
 from granular_contact.sand.contact_lines import ELEMENTS_PER_LINE, Body, ContactLine, beam, coarser
+from granular_contact.sand.from_scene import lines_from_shape, load_from_scene, section_size
 from granular_contact.sand.load import GranularLoad
-from granular_contact.sand.of_scene import lines_of, load_of, section
 from granular_contact.scene.workspace import immersible, immersible_elements
 
 OF_JOINED, OF_HALVED = 1.0 / 3.0, 4.0 / 3.0
@@ -53,7 +53,7 @@ def _load(observer: Kinematics, split: int = 1) -> GranularLoad:
     lines: list[ContactLine] = []
     for body, shape in immersible(scene.bed, scene.rigid):
         on = Body(body.name, system.places(body.name, np.zeros(2)))
-        lines += lines_of(on, shape, strips.strips_per_rigid_part, split)
+        lines += lines_from_shape(on, shape, strips.strips_per_rigid_part, split)
     for name, handle in system.links.items():
         link, nodes = handle.link, np.array(observer.nodes(name), np.int64)
         reaching = immersible_elements(scene.bed, link)
@@ -64,14 +64,14 @@ def _load(observer: Kinematics, split: int = 1) -> GranularLoad:
             strips_per_element=split * strips.strips_per_element,
             free_end=link.free,
             elements_per_line=link.elements if whole else ELEMENTS_PER_LINE,
-            **section(link),
+            **section_size(link),
         )
     return _of_lines(observer, lines)
 
 
 def _of_lines(observer: Kinematics, lines: list[ContactLine]) -> GranularLoad:
     """A load on lines, without what scatters: each strip has a draw of its own."""
-    load = load_of(observer.scene)
+    load = load_from_scene(observer.scene)
     load.add(lines)
     load.close()
     for batch in load.batches:

@@ -1,7 +1,7 @@
-"""The granular load without an engine: poses and velocities of bodies in, wrenches out, steps accepted, a history kept.
+"""Granular load without an engine: poses and velocities of bodies in, wrenches out, accepted steps, a history.
 
-Doors to engines stand on it (`multibody`, `minimal`), and a script may use it as it is. A plate of 0.1 m by
-0.1 m, pressed 20 mm deep into poppy seeds at 0.1 m/s:
+All engines use it, and a script may use it by itself. In this example a plate of 0.1 m by 0.1 m is pressed 20 mm deep
+into poppy seeds at 0.1 m/s:
 
     >>> import numpy as np
     >>> from granular_contact import preset
@@ -20,13 +20,15 @@ Doors to engines stand on it (`multibody`, `minimal`), and a script may use it a
     >>> print(f"force {wrench[1]:.2f} N, work {load.history.work[-1]:.4f} J")
     force 50.80 N, work -0.5080 J
 
-contact_lines   shapes -> stations along what the medium meets; a new shape is a function here
-batch           lines of one kind in one compiled call; other elements (facets in space) would be batches of their own
-load            all batches: force, tangent, accepted steps
-history, state  what was done, step by step; all that a later step depends on
-work            what steps leave open, from a history and the motion
-given, of_scene     what a bed is made of, from arguments and from a scene
-steady          the force on a body that moves steadily, without a run
-rolling         the start of a single-wheel test, in steady motion
+contact_lines   stations along the boundaries of shapes in the plane; a new shape is a function here
+line_checks     checks of sizes and points
+batch           contact lines in one medium, evaluated in one compiled call
+load            all batches: forces, tangent, accepted steps; compiled_load: the functions that it calls
+history, state  rows of accepted steps; everything on which a later step depends
+work            correction of the work of a history, from the motion
+bed_arguments   checks of the arguments of a bed
+from_scene      the load of a scene
+steady          force on a body in steady motion, without a run
+rolling         start of a single-wheel test, in steady rolling
 space           bodies in space
 """

@@ -19,17 +19,36 @@ from granular_contact.sand.kernels.planar_sand import LINES
 from granular_contact.sand.kernels.proximity import DEEPEST, EVER
 
 Vector = NDArray[np.float64]
-# Those of its arrays that kernels know by the same names.
-OWN = "reference", "active", "ends", "places", "geometry", "profile", "medium", "anchors", "columns", "proximity"
+# Attributes of a batch that are arrays of `planar_sand.LINES` of the same name.
+ARRAYS = "reference", "active", "ends", "places", "geometry", "profile", "medium", "anchors", "columns", "proximity"
 
 
 class Batch:
-    """Lines in one medium, computed in one call.
+    """Contact lines in one medium, evaluated in one compiled call.
 
-    records: of each line, with the layer that the medium lies in; profile: surface (k, 2) m of the medium; columns: for
-    each line, where its numbers stand in a history row, see `history.HistoryTable`; paths: whether path lengths of the
-    stations are counted, see `kernels.path_length`. anchors (stations, 2 or 6) m: the friction state; active (lines,):
-    the lines that may touch the surface in this step; proximity: see `kernels.batches`.
+    Parameters
+    ----------
+    lines : sequence of ContactLine
+        The lines.
+    records : sequence of (1,) array
+        Record of each line (`kernels.law.LINE`), with the layer of the medium.
+    profile : (k, 2) array
+        Corners of the surface of the medium (m).
+    medium : (1,) array
+        Record of the law.
+    columns : sequence of (3,) array
+        Columns of each line in a row of the history, see `history.HistoryTable`.
+    paths : bool
+        Whether path lengths of the stations are counted, see `kernels.path_length`.
+
+    Attributes
+    ----------
+    anchors : (stations, 2 or 6) array
+        Friction state (m).
+    active : (lines,) array of bool
+        Whether a line can touch the surface in this step.
+    proximity : (lines, 3) array
+        See `kernels.proximity`.
     """
 
     def __init__(
@@ -42,72 +61,94 @@ class Batch:
         paths: bool = False,
     ) -> None:
         self.lines = lines
-        self.profile, self._own = profile, medium
+        self.profile, self._law_record = profile, medium
         self.columns = np.array(columns)
-        # The type is said, or numpy compares the records of every two lines field by field.
+        # With a dtype, NumPy does not compare the record types of every two lines field by field.
         self.geometry = np.concatenate([line.stations for line in lines], dtype=lines[0].stations.dtype)
         self.records = np.concatenate(list(records), dtype=records[0].dtype)
         sizes = [(len(line.stations), len(line.body.coordinates)) for line in lines]
         self.ends = np.concatenate([np.zeros((1, 2), np.int64), np.cumsum(sizes, axis=0)])
         self.anchors = np.zeros((len(self.geometry), COLUMNS if paths else 2))
         self.work = kernels.work(self.ends, self.anchors)
-        self._forces = self.work[1][len(self.work[1]) - kernels.KEPT * len(lines) :]  # those found last
+        self._forces = self.work[1][len(self.work[1]) - kernels.KEPT * len(lines) :]  # kept forces of the lines
         self.proximity = np.zeros((len(lines), 3))
         self.active = np.ones(len(lines), dtype=bool)
-        self.entries = sum(len(line.body.coordinates) ** 2 for line in lines)  # most that a tangent has
+        self.entries = sum(len(line.body.coordinates) ** 2 for line in lines)  # upper bound of entries of a tangent
         coordinates = np.concatenate([np.asarray(line.body.coordinates, np.int64) for line in lines])
         self.places = np.column_stack([coordinates, coordinates])
         spatial = self.ends[:-1][self.geometry["kind"][self.ends[:-1, 0]] == SPATIAL, 1]
         self._euler = spatial[:, None] + np.arange(3, 7)  # places of the Euler parameters of spatial bodies
-        self.reference: Vector = np.zeros(0)  # values that are added to the coordinates of the system
+        self.reference: Vector = np.zeros(0)  # reference values, which are added to the coordinates of the system
 
     @cached_property
     def medium(self) -> NDArray[np.void]:
-        """The medium as kernels read it; its law is compiled, the first time on a machine."""
-        return medium_record(self._own, self.records, self.anchors.shape[1] > 2, spatial=self.leans)
+        """The medium as the kernels read it. The law is compiled when it is first used on a machine."""
+        return medium_record(self._law_record, self.records, self.anchors.shape[1] > 2, spatial=self.has_spatial_bodies)
 
     def renew(self, own: NDArray[np.void]) -> None:
-        """Take other coefficients of the same law, as its own record (1,); what is compiled and placed stays."""
-        self._own = own
+        """Take other coefficients of the same law; compiled functions and addresses stay.
+
+        Parameters
+        ----------
+        own : (1,) array
+            Record of the law.
+        """
+        self._law_record = own
         self.medium["own"].view(np.uint8).ravel()[: own.nbytes] = own.view(np.uint8)
         self.forget()
 
     def start(self, where: NDArray[np.int64] | None, reference: Vector) -> NDArray[np.int64]:
-        """Begin anew, with arguments as of `GranularLoad.start`; return the addresses of all arrays, for kernels."""
+        """Begin a new history; arguments as of `GranularLoad.start`.
+
+        Returns
+        -------
+        (addresses,) array
+            Addresses of all arrays, for the kernels.
+        """
         if where is not None:
             self.places[:, 0] = where[self.places[:, 1]]
         self.active[:] = True
         self.reference = reference
         self._forces[:] = np.nan
         room, body = self.work
-        own = {name: getattr(self, name) for name in OWN}
+        own = {name: getattr(self, name) for name in ARRAYS}
         return LINES.addresses(own | {"lines": self.records, "room": room, "body": body})
 
     @property
-    def leans(self) -> bool:
-        """Whether any of its bodies is a spatial one, which may lean out of the plane."""
+    def has_spatial_bodies(self) -> bool:
+        """Whether a body of the batch is a spatial one, which may lean out of the plane."""
         return len(self._euler) > 0
 
-    def leaning(self, q: Vector) -> float:
-        """Sine of the greatest angle between the z axis of a spatial body and that of the world."""
+    def lean(self, q: Vector) -> float:
+        """Sine of the greatest angle between the z axis of a spatial body and the z axis of the world.
+
+        Parameters
+        ----------
+        q : (m,) array
+            Coordinates of the system, without reference values.
+
+        Returns
+        -------
+        float
+        """
         e = (q + self.reference)[self.places[:, 0][self._euler]].T
         return float(2.0 * np.max(np.hypot(e[1], e[2]) * np.hypot(e[0], e[3])))
 
     def immersed(self) -> set[tuple[str, Kind, float]]:
-        """Body, kind and width (m) of the lines that were ever immersed."""
-        ever = [line for line, depth in zip(self.lines, self.proximity[:, EVER], strict=True) if depth > 0.0]
-        return {(line.body.name, line.kind, float(line.record["width"][0])) for line in ever}
+        """Name of the body, kind and width (m) of each line that has ever been immersed."""
+        lines = [line for line, depth in zip(self.lines, self.proximity[:, EVER], strict=True) if depth > 0.0]
+        return {(line.body.name, line.kind, float(line.record["width"][0])) for line in lines}
 
     def forget(self) -> None:
-        """Forces found so far are those of another state, of which kernels cannot know."""
+        """Mark the kept forces as invalid, because the state was changed from outside of the kernels."""
         self._forces[:: kernels.KEPT] = np.nan
 
     def state(self) -> tuple[NDArray[Any], ...]:
-        """What accepted steps change, and the rates at which forces were asked for, which tangents look back to."""
-        rates, before = (self._forces[row :: kernels.KEPT] for row in (kernels.RATES, kernels.BEFORE))
-        return self.anchors, self.proximity, self.active, rates, before
+        """Arrays that accepted steps change, and the rates of the last force evaluations, which tangents use."""
+        rates, previous = (self._forces[row :: kernels.KEPT] for row in (kernels.RATES, kernels.BEFORE))
+        return self.anchors, self.proximity, self.active, rates, previous
 
     @property
     def depths(self) -> Vector:
-        """Depth (lines,) m of the deepest station of each line where it was accepted last."""
+        """Depth (lines,) m of the deepest station of each line at the last accepted step."""
         return self.proximity[:, DEEPEST]

@@ -1,4 +1,4 @@
-"""What a granular load did, step by step, and the table that it is kept in while it grows."""
+"""History of a granular load, a row for each accepted step, and the table in which it grows."""
 
 from __future__ import annotations
 
@@ -16,26 +16,45 @@ from granular_contact.sand.kernels.law import TERMS
 from granular_contact.sand.kernels.lines import DEPTH, LEFT, LOWEST, SPEED, TIME
 
 Vector = NDArray[np.float64]
-REACHED = LEFT  # first of the columns of how far it reaches; those before are the same in the plane and in space
-SPACE = 6  # numbers of a wrench in space
+REACHED = LEFT  # first column of the range; the columns before it are the same in the plane and in space
+SPACE = 6  # size of a wrench in space
 
 
 @dataclass(frozen=True, kw_only=True)
 class LoadHistory:
-    """What a load did at each accepted step, the start included; all its arrays have a row a step.
+    """History of a load. All arrays have a row for each accepted step, and one for the start.
 
-    time (n,) s; work (n,) J done by all media on the bodies so far, negative when they lose energy; power (n,) W;
-    floor_work (n,) J: of the floor's contact alone, which is not in the two before; depth (n,) m of the deepest point,
-    negative above the surface, in space a bound while all is far above; of what is immersed speed (n,) m/s of the
-    fastest and lowest (n,) m, the height of the lowest point (in space along `up`), infinite while nothing is; reached
-    m, infinite likewise: the least and the greatest x (n, 2), in space the least x and y and then the greatest, frame
-    of the bed, (n, 4), or (n, 0) unless the load watches it.
+    In the plane a wrench has the size 3: force x, y (N) and moment (N m), right-handed about z, so counter-clockwise
+    (tables of runs have it clockwise). In space it has the size 6: force and moment. Moments are about the world
+    origin.
 
-    terms (n, terms, size): for each of `term_names` its resultant force (N) and its moment about the world origin
-    (N m); bodies (n, bodies, size): the same of all terms together, for each of `body_names`. In the plane the size is
-    3, x, y and the moment, right-handed about z, so counter-clockwise (tables of runs have it clockwise); in space 6.
-
-    immersed: body, kind and width (m) of all that ever was.
+    Parameters
+    ----------
+    time : (n,) array
+        Time (s).
+    work : (n,) array
+        Work (J) of all media on the bodies since the start, negative when the bodies lose energy.
+    power : (n,) array
+        Power (W) of all media.
+    floor_work : (n,) array
+        Work (J) of the contact of the floor, which `work` and `power` do not contain.
+    depth : (n,) array
+        Depth (m) of the deepest point, negative above the surface; in space a bound while everything is far above.
+    speed : (n,) array
+        Greatest speed (m/s) of what is immersed.
+    lowest : (n,) array
+        Height (m) of the lowest immersed point (in space along `up`), infinite while nothing is immersed.
+    reached : (n, 2), (n, 4) or (n, 0) array
+        Range (m) of what is immersed, infinite while nothing is: least and greatest x; in space least x and y and then
+        greatest x and y, in the frame of the bed, or no columns unless the load watches it.
+    terms : (n, terms, size) array
+        Resultant wrench of each term, see `term_names`.
+    bodies : (n, bodies, size) array
+        Wrench of all terms on each body, see `body_names`.
+    term_names, body_names : tuple of str
+        Names of terms and bodies.
+    immersed : frozenset
+        Name of the body, kind and width (m) of all that has ever been immersed.
     """
 
     time: Vector
@@ -52,12 +71,22 @@ class LoadHistory:
     body_names: tuple[str, ...]
     immersed: frozenset[tuple[str, Kind, float]] = frozenset()
 
-    def at_end(self) -> LoadHistory:
-        """The last entry alone, if there is one."""
+    def last_entry(self) -> LoadHistory:
+        """History of the last row alone, if there is one."""
         return replace(self, **self._rows(slice(-1, None)))
 
     def since(self, start: float) -> LoadHistory:
-        """The entries from a time (s) on, with works counted from there."""
+        """History of the rows from a time on, with works counted from there.
+
+        Parameters
+        ----------
+        start : float
+            Time (s).
+
+        Returns
+        -------
+        LoadHistory
+        """
         first = int(np.searchsorted(self.time, start))
         if first == 0:
             return self
@@ -65,14 +94,38 @@ class LoadHistory:
         return replace(self, **later | {n: v - v[:1] for n, v in later.items() if n in ("work", "floor_work")})
 
     def _rows(self, rows: slice) -> dict[str, Any]:
+        """Arrays with some of the rows, by the names of the fields."""
         return {name: values[rows] for name, values in vars(self).items() if isinstance(values, np.ndarray)}
 
 
 class HistoryTable:
-    """Rows that grow: first columns as in `kernels.lines`, then the power of each medium, its terms, and bodies.
+    """Table of a history that grows by rows.
 
-    In space there is nothing of strips among the first, and how far it reaches only if that is watched. blank: a row
-    before anything is added to it; length: number of rows.
+    Its first columns are those of `kernels.lines`; then come the power of each medium, the wrenches of its terms, and
+    the wrenches on bodies. In space the first columns have no range of strips, and the range of what is immersed only
+    if it is watched.
+
+    Parameters
+    ----------
+    terms : sequence of int
+        Number of terms of each medium.
+    term_names : sequence of str
+        Names of all terms.
+    bodies : sequence of str
+        Names of the bodies.
+    floor : bool
+        Whether the last medium is the contact of the floor.
+    size : int
+        Size of a wrench: 3 in the plane, 6 in space.
+    reached : sequence of float
+        Range (m) while nothing is immersed.
+
+    Attributes
+    ----------
+    blank : (columns,) array
+        A row before anything is added to it.
+    length : int
+        Number of rows.
     """
 
     def __init__(
@@ -84,10 +137,7 @@ class HistoryTable:
         size: int = 3,
         reached: Sequence[float] = (math.inf, -math.inf),
     ) -> None:
-        """Terms of each medium, their names, names of bodies; floor: whether the last medium is the floor's contact.
-
-        size: numbers of a wrench; reached: how far it reaches while nothing is immersed.
-        """
+        """Make an empty table; parameters as of the class."""
         self.media, self._size, self._terms, self._floor = len(terms), size, tuple(terms), floor
         self._names = tuple(term_names), tuple(bodies)
         first = np.concatenate([np.zeros(REACHED), reached])
@@ -97,17 +147,41 @@ class HistoryTable:
         self._first_body = self._first_term + size * TERMS * self.media
         self.blank = np.concatenate([first, np.zeros(self._first_body - self._first + size * len(bodies))])
         self._rows = np.zeros((256, len(self.blank)))
-        self._summed = 0, 0.0  # a row, and the work up to it
+        self._summed = 0, 0.0  # number of a row, and the work up to it
         self.length = 0
 
     def columns(self, medium: int, body: str) -> NDArray[Any]:
-        """Where kernels add the power of a medium, its terms and the wrench on a body."""
+        """Columns of a medium and a body, for the kernels.
+
+        Parameters
+        ----------
+        medium : int
+            Number of the medium.
+        body : str
+            Name of the body.
+
+        Returns
+        -------
+        (3,) array of int
+            First columns of the power of the medium, of the wrenches of its terms, and of the wrench on the body.
+        """
         place = self._first_body + self._size * self._names[1].index(body)
         term = self._first_term + self._size * TERMS * medium
         return np.array([self._first + medium, term, place], dtype=np.int64)
 
     def new_row(self, time: float) -> Vector:
-        """A blank row at the end, for this time (s)."""
+        """Append a blank row.
+
+        Parameters
+        ----------
+        time : float
+            Time (s).
+
+        Returns
+        -------
+        (columns,) array
+            View of the row, which the kernels fill.
+        """
         if self.length == len(self._rows):
             self._rows = np.vstack([self._rows, np.zeros_like(self._rows)])
         if self.length == 0:
@@ -120,42 +194,53 @@ class HistoryTable:
 
     @property
     def bodies(self) -> tuple[str, ...]:
-        """Names of the bodies that it has columns of."""
+        """Names of the bodies that have columns."""
         return self._names[1]
 
     @property
     def row(self) -> Vector:
-        """The last row."""
+        """View of the last row."""
         row: Vector = self._rows[self.length - 1]
         return row
 
     def wrenches(self, row: Vector) -> Vector:
-        """Forces and moments (bodies, size) of a row."""
+        """Wrenches (bodies, size) of a row (columns,)."""
         return row[self._first_body :].reshape(-1, self._size).copy()
 
-    def kept(self) -> tuple[Vector, tuple[int, float]]:
-        """A copy of all rows so far, and what is summed up of them."""
+    def snapshot(self) -> tuple[Vector, tuple[int, float]]:
+        """Copy of all rows, and the state of the running sum of work."""
         return self._rows[: self.length].copy(), self._summed
 
     def restore(self, rows: Vector, summed: tuple[int, float]) -> None:
-        """Take rows and sums that were kept for its own."""
+        """Restore rows and sum as returned by `snapshot`.
+
+        Parameters
+        ----------
+        rows : (n, columns) array
+            Rows.
+        summed : tuple
+            Number of the row up to which work is summed, and that work (J).
+        """
         self.length = len(rows)
         if self.length > len(self._rows):
             self._rows = np.zeros((2 * self.length, len(self.blank)))
         self._rows[: self.length], self._summed = rows, summed
 
     def last(self) -> LoadHistory:
-        """The last row alone, with the work up to it; none where there is none. Does not read the others again."""
+        """History of the last row alone, with the work up to it; without a row, an empty one.
+
+        Earlier rows are not read again.
+        """
         if self.length < 3:
-            return self.history().at_end()
-        first, before = self._summed
-        rows = self._rows[first : self.length]
-        work = before + accumulate(rows[:, TIME], self._power(rows))
+            return self.history().last_entry()
+        row, summed = self._summed
+        rows = self._rows[row : self.length]
+        work = summed + accumulate(rows[:, TIME], self._power(rows))
         self._summed = self.length - 2, float(work[-2])  # the last row may be taken back
         return replace(self._read(self._rows[self.length - 1 : self.length]), work=work[-1:])
 
     def history(self) -> LoadHistory:
-        """All rows so far; works are integrals of the power by the trapezoidal rule."""
+        """History of all rows. Works are integrals of the power by the trapezoidal rule."""
         return self._read(self._rows[: self.length].copy())
 
     def _power(self, rows: Vector) -> Vector:
@@ -164,6 +249,7 @@ class HistoryTable:
         return power
 
     def _read(self, rows: Vector) -> LoadHistory:
+        """History of rows (n, columns)."""
         time, power = rows[:, TIME], self._power(rows)
         floor = rows[:, self._first_term - self._floor : self._first_term].sum(axis=1)
         used = [TERMS * i + k for i, number in enumerate(self._terms) for k in range(number)]
@@ -183,6 +269,6 @@ class HistoryTable:
             body_names=self._names[1],
         )
 
-    def adopt(self, rows: Vector) -> None:
-        """Take on rows that were filled elsewhere."""
+    def replace_rows(self, rows: Vector) -> None:
+        """Use rows (n, columns) that were filled elsewhere, as the table's own."""
         self._rows, self.length = rows, len(rows)

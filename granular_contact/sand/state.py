@@ -1,4 +1,4 @@
-"""State of a granular load after an accepted step: all that its future and its history so far depend on."""
+"""State of a granular load after an accepted step: everything on which its future and its history depend."""
 
 from __future__ import annotations
 
@@ -16,12 +16,26 @@ if TYPE_CHECKING:
 Vector = NDArray[np.float64]
 
 
-BatchState = tuple[NDArray[Any], ...]  # of `Batch.state`
+BatchState = tuple[NDArray[Any], ...]  # copies of the arrays of `Batch.state`
 
 
 @dataclass(frozen=True)
 class LoadState:
-    """Of a load: time (s) of the last accepted state, `active`, rows of its history with what is summed up of them."""
+    """State of a load.
+
+    Parameters
+    ----------
+    time : float or None
+        Time (s) of the last accepted state.
+    active : bool
+        Whether anything can touch the surface in this step.
+    rows : (n, columns) array
+        Rows of the history.
+    summed : tuple
+        Running sum of work, see `HistoryTable.restore`.
+    batches : tuple of BatchState
+        States of the batches.
+    """
 
     time: float | None
     active: bool
@@ -31,25 +45,61 @@ class LoadState:
 
 
 def state(load: GranularLoad) -> LoadState:
-    """A copy of the state of a load."""
-    return LoadState(load.time, load.active, *load.table.kept(), batch_states(load.batches))
+    """Copy of the state of a load.
+
+    Parameters
+    ----------
+    load : GranularLoad
+        The load.
+
+    Returns
+    -------
+    LoadState
+    """
+    return LoadState(load.time, load.active, *load.table.snapshot(), batch_states(load.batches))
 
 
 def restore(load: GranularLoad, kept: LoadState) -> None:
-    """Bring a load of the same lines in the same media to a state; it has been started before."""
+    """Bring a load to a state.
+
+    Parameters
+    ----------
+    load : GranularLoad
+        A load of the same lines in the same media, which has been started.
+    kept : LoadState
+        The state.
+    """
     load.time, load.active = kept.time, kept.active
     load.table.restore(kept.rows, kept.summed)
     restore_batches(load.batches, kept.batches)
 
 
 def batch_states(batches: Sequence[Batch]) -> tuple[BatchState, ...]:
-    """Copies of the states of batches."""
+    """Copies of the states of batches.
+
+    Parameters
+    ----------
+    batches : sequence of Batch
+        The batches.
+
+    Returns
+    -------
+    tuple of BatchState
+    """
     return tuple(tuple(array.copy() for array in batch.state()) for batch in batches)
 
 
 def restore_batches(batches: Sequence[Batch], states: Sequence[BatchState]) -> None:
-    """Bring batches to their states, in the arrays that they have."""
-    for batch, kept in zip(batches, states, strict=True):
-        for array, old in zip(batch.state(), kept, strict=True):
-            array[:] = old
+    """Copy states into the arrays of batches.
+
+    Parameters
+    ----------
+    batches : sequence of Batch
+        The batches.
+    states : sequence of BatchState
+        Their states, see `batch_states`.
+    """
+    for batch, batch_state in zip(batches, states, strict=True):
+        for array, values in zip(batch.state(), batch_state, strict=True):
+            array[:] = values
         batch.forget()

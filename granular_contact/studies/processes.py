@@ -40,7 +40,7 @@ _NUMBA = ["np.arraymath", "np.linalg", "np.polynomial", "np.random.generator_met
 _NUMBA += ["cpython.heapq", "cpython.charseq", "typed.typeddict", "typed.setobject", "misc.cffiimpl", "core.ccallback"]
 _PRELOADED = ["numpy", "exudyn", "numba", "pydantic.json_schema", "yaml", *(f"numba.{name}" for name in _NUMBA)]
 _OURS = ["studies.sweep.worker", "scene", "engines.exudyn.build", "engines.exudyn.solve", "engines.tree.solve"]
-_OURS += ["mechanics.observe", "sand.of_scene", "run", "jit.loaded"]
+_OURS += ["mechanics.observe", "sand.from_scene", "run", "jit.loaded"]
 _PACKAGE, _FOLDER = __name__.partition(".")[0], str(Path(__file__).parents[2])
 _HAS_SERVER = "forkserver" in multiprocessing.get_all_start_methods()
 # Without PYTHONSAFEPATH the server imports from the working folder first, where a checkout may contain another version

@@ -19,7 +19,7 @@ from granular_contact.mechanics.joint_loads import fill
 from granular_contact.mechanics.kernels.joint_laws import follow, total
 from granular_contact.mechanics.kernels.joint_loads import JOINT
 from granular_contact.mujoco import MujocoBed
-from granular_contact.sand.of_scene import lines_of
+from granular_contact.sand.from_scene import lines_from_shape
 from granular_contact.scene import Scene
 from granular_contact.scene.parts import RigidBody, rotation
 from granular_contact.scene.types import Drive, Joint
@@ -153,7 +153,7 @@ def bed_of(scene: Scene, model: Any, **options: Any) -> MujocoBed:
     for body in scene.rigid:
         for shape in body.shapes:
             if shape.in_sand:
-                bed.add_lines(lines_of(bed.body(body.name), shape, scene.load.strips_per_rigid_part))
+                bed.add_lines(lines_from_shape(bed.body(body.name), shape, scene.load.strips_per_rigid_part))
     return bed
 
 

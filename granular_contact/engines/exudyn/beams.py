@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 from granular_contact.engines.exudyn.bodies import NODES_IN_SPACE, refused
 from granular_contact.errors import scene_error
 from granular_contact.geometry import rotations
-from granular_contact.sand.contact_lines import Body, ContactLine, beam, count, polyline, positive
+from granular_contact.sand.contact_lines import Body, ContactLine, beam, polyline
+from granular_contact.sand.line_checks import count, positive
 from granular_contact.sand.load import GranularLoad
 
 if TYPE_CHECKING:

@@ -21,8 +21,9 @@ from granular_contact.laws.floor import Floor
 from granular_contact.laws.law import Law
 from granular_contact.laws.layer import Layer
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
-from granular_contact.sand.contact_lines import ball, outline, planar, polyline
-from granular_contact.sand.given import told
+from granular_contact.sand.bed_arguments import with_warnings
+from granular_contact.sand.contact_lines import ball, outline, polyline
+from granular_contact.sand.line_checks import planar
 from granular_contact.sand.load import GranularLoad
 
 if TYPE_CHECKING:
@@ -101,7 +102,7 @@ class GranularBed(Attached):
             from granular_contact.sand.space.load import SpatialLoad
 
             self.load = SpatialLoad(medium, np.asarray(surface), **options, up=up, floor=floor)
-        self.mbs, self.coupling = mbs, Coupling(mbs, told(self.load))
+        self.mbs, self.coupling = mbs, Coupling(mbs, with_warnings(self.load))
 
     def add_rigid(
         self,

@@ -30,9 +30,9 @@ AnySystem = TypeVar("AnySystem", bound=System)
 def build(scene: Scene) -> System:
     """Set the scene up in Exudyn and assemble it, once."""
     if scene.wheel_test is not None:
-        from granular_contact.sand.rolling import sunk
+        from granular_contact.sand.rolling import at_steady_sinkage
 
-        scene = sunk(scene)
+        scene = at_steady_sinkage(scene)
     container = exu.SystemContainer()
     mbs = container.AddSystem()
     ground = mbs.AddObject(items.ObjectGround())
@@ -140,17 +140,17 @@ def _granular_load(system: System) -> Coupling | None:
     if not shapes and not any(reaching for _, reaching in cables):
         return None
     from granular_contact.engines.exudyn.coupling import Coupling
-    from granular_contact.sand.of_scene import lines_of, load_of, section
-    from granular_contact.sand.rolling import roll_in
+    from granular_contact.sand.from_scene import lines_from_shape, load_from_scene, section_size
+    from granular_contact.sand.rolling import take_rolled_state
 
-    coupling = Coupling(system.mbs, load_of(scene), system.origin)
-    coupling.roll_in = partial(roll_in, scene)
+    coupling = Coupling(system.mbs, load_from_scene(scene), system.origin)
+    coupling.roll_in = partial(take_rolled_state, scene)
     load, strips = coupling.load, scene.load
     for body, shape in shapes:
-        load.add(lines_of(coupling.body(system.rigid[body.name].object), shape, strips.strips_per_rigid_part))
+        load.add(lines_from_shape(coupling.body(system.rigid[body.name].object), shape, strips.strips_per_rigid_part))
     for handle, reaching in cables:
         if reaching:
             link, each = handle.link, strips.strips_per_element
             elements = handle.elements[reaching.start : reaching.stop]
-            coupling.cables(elements, link.name, each, link.free, in_space=False, **section(link))
+            coupling.cables(elements, link.name, each, link.free, in_space=False, **section_size(link))
     return coupling

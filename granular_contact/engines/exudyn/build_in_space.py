@@ -18,7 +18,7 @@ from granular_contact.geometry import rotations
 from granular_contact.mechanics.space.coordinates import coordinate
 from granular_contact.mechanics.space.system import SpatialSystem
 from granular_contact.mechanics.system import RigidHandle
-from granular_contact.sand.space.of_scene import add_part, load_of
+from granular_contact.sand.space.from_scene import add_part, load_from_scene
 from granular_contact.scene.space.layout import CONSTRAINED
 from granular_contact.scene.space.types import SpatialJoint, SpatialRigidBody, SpatialScene
 
@@ -91,7 +91,7 @@ def _granular_load(system: SpatialSystem) -> Coupling | None:
     parts = [(h, part) for h in system.rigid.values() for part in h.body.parts if part.in_sand]
     if scene.bed is None or not scene.media or not parts:
         return None
-    load = load_of(scene)
+    load = load_from_scene(scene)
     coupling = Coupling(system.mbs, load)
     for handle, part in parts:
         add_part(load, coupling.body(handle.object, in_space=True), part, scene, handle.body.mass)

@@ -26,7 +26,7 @@ from granular_contact.errors import scene_error
 from granular_contact.sand import state
 from granular_contact.sand.contact_lines import Body
 from granular_contact.sand.kernels.lines import DEPTH
-from granular_contact.sand.load import AHEAD, TOUCHES, GranularLoad
+from granular_contact.sand.load import TOUCH_DISTANCE, TOUCH_TIME, GranularLoad
 
 if TYPE_CHECKING:
     from granular_contact.engines.exudyn.joint_actions import JointActions
@@ -190,7 +190,7 @@ class Coupling:
         elif start_time != self.load.time or self.load.table.length == 1:
             # Bodies may have been moved between the first evaluation of a solve and its first step.
             self.accept_state(start_time, views.q_before, views.v_before, anew=start_time == self.load.time)
-        if self.load.leaning(self._q) > MOST_TILT:
+        if self.load.lean(self._q) > MOST_TILT:
             raise scene_error("bed", f"at {t:.6g} s a body has left the x-y plane, where alone its resistance is known")
         self.load.update_active(t - start_time)
         self._within_step = self._is_within_step(t)
@@ -223,16 +223,16 @@ class Coupling:
     def _start_at(self, t: float, q: Vector, v: Vector) -> None:
         """Start the load in a state, with an empty history.
 
-        If the deepest point lies at the surface within TOUCHES, the state AHEAD (s) later is taken: whether the body
-        touches the medium then follows from its velocity.
+        If the deepest point lies at the surface within TOUCH_DISTANCE, the state TOUCH_TIME (s) later is taken: whether
+        the body touches the medium then follows from its velocity.
         """
-        for shift in (np.zeros_like(v), AHEAD * v):
+        for shift in (np.zeros_like(v), TOUCH_TIME * v):
             self._start_shift = shift
             self.load.start(q + shift, *self._places())
             if self.roll_in is not None:
                 self.roll_in(self.load)
             self.load.accept(t, q + shift, v)
-            if abs(self.load.table.row[DEPTH]) > TOUCHES:
+            if abs(self.load.table.row[DEPTH]) > TOUCH_DISTANCE:
                 return
 
     # ---- saved states ----

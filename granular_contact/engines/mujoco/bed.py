@@ -25,8 +25,8 @@ from granular_contact.laws.floor import Floor
 from granular_contact.laws.law import Law
 from granular_contact.laws.layer import Layer
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
+from granular_contact.sand.bed_arguments import direction, with_warnings
 from granular_contact.sand.contact_lines import Body, ContactLine
-from granular_contact.sand.given import direction, told
 
 Vector = NDArray[np.float64]
 
@@ -92,7 +92,7 @@ class MujocoBed:
         options["gravity"] = float(np.linalg.norm(pull)) if gravity is None else gravity
         self._bed = BedLoad(medium, surface, self.up, plane, form, options)
         self.load, self.turn = self._bed.load, self._bed.turn
-        told(self.load)
+        with_warnings(self.load)
         self._names, self._geoms = dict[int, Body](), list[int]()
         self._options = {"record": record, "lenient": lenient}
         self._shared: Shared | None = None

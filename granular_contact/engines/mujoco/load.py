@@ -11,8 +11,8 @@ from granular_contact.engines.mujoco import geoms
 from granular_contact.engines.mujoco.engine import mujoco
 from granular_contact.laws.static_friction import Smooth
 from granular_contact.sand import contact_lines
+from granular_contact.sand.bed_arguments import direction
 from granular_contact.sand.contact_lines import Body
-from granular_contact.sand.given import direction
 from granular_contact.sand.load import GranularLoad
 
 Vector = NDArray[np.float64]

@@ -73,8 +73,9 @@ class SpatialSand(Sand):
     """Elements of a `SpatialLoad` whose bodies have seven coordinates each, one after another."""
 
     def __init__(self, load: Any, static: Elastoplastic | Smooth) -> None:
-        self.met = load.met
-        parts = [_part(batch, bristle_of(static, m, batch)) for m, batch in zip(load.met, load.batches, strict=True)]
+        self.met = load.batch_media
+        pairs = zip(load.batch_media, load.batches, strict=True)
+        parts = [_part(batch, bristle_of(static, m, batch)) for m, batch in pairs]
         super().__init__(parts, 1 + max(int(part.of_bed.max()) for part in parts))
 
     def calls(self, state: State, held: Any, bed: Any) -> list[Callable[[], None]]:
@@ -111,7 +112,7 @@ class PlanarSand(Sand):
     """Lines of a `GranularLoad` whose bodies have three coordinates each, one after another; facings as of kernels."""
 
     def __init__(self, load: GranularLoad, static: Elastoplastic | Smooth, facings: Vector) -> None:
-        met = zip(load.met, load.batches, strict=True)
+        met = zip(load.batch_media, load.batches, strict=True)
         parts = [_line_part(batch, bristle_of(static, m, batch)) for m, batch in met]
         super().__init__(parts, len(facings))
         self.facings = facings

@@ -37,8 +37,8 @@ from granular_contact.mechanics.scheme import spectral_radius, tolerance_by_accu
 from granular_contact.mechanics.stepping import choice, learn, most_steps, usual_step
 from granular_contact.sand.history import HistoryTable
 from granular_contact.sand.kernels.lines import DEPTH
-from granular_contact.sand.load import AHEAD, TOUCHES
-from granular_contact.sand.rolling import roll_in
+from granular_contact.sand.load import TOUCH_DISTANCE, TOUCH_TIME
+from granular_contact.sand.rolling import take_rolled_state
 from granular_contact.scene.types import FASTEST, Scene, Vector
 
 SHARE = 1024  # steps between two updates of the progress bar
@@ -78,15 +78,15 @@ class March:
     def begin(self) -> None:
         """Find the accelerations of the start, and write the first row; of what just touches as it will be at once."""
         self._start(True, self._addresses)
-        if abs(self.rows[0, DEPTH]) <= TOUCHES:
+        if abs(self.rows[0, DEPTH]) <= TOUCH_DISTANCE:
             placed, poses = self._placed(), self.states[0, : self.arrays["pose"].size].copy()
-            self.arrays["s"] += AHEAD * self.arrays["rates"]
+            self.arrays["s"] += TOUCH_TIME * self.arrays["rates"]
             self._start(True, self._addresses)
             for now, before in zip(self._placed(copied=False), placed, strict=True):
                 now[:] = before
             self.states[0, : len(poses)] = poses
         if self.tree.load is not None and (test := self.tree.scene.wheel_test) is not None and test.begins:
-            roll_in(self.tree.scene, self.tree.load)
+            take_rolled_state(self.tree.scene, self.tree.load)
             self._start(False, self._addresses)
 
     def _placed(self, *, copied: bool = True) -> list[NDArray[Any]]:

@@ -136,7 +136,7 @@ class Solve:
         q, v, a = (self._coordinates(rows, derivative) for derivative in range(3))
         efforts, wanted = np.split(march.states[rows, self._efforts :], 2, axis=1)
         if tree.load is not None:
-            tree.load.table.adopt(march.rows[rows])
+            tree.load.table.replace_rows(march.rows[rows])
         return Trajectory(
             status=self.status(),
             cost=self._cost(),

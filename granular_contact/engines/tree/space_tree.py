@@ -20,8 +20,8 @@ from granular_contact.mechanics.space.sensors import SpatialSensors
 from granular_contact.mechanics.space.system import SpatialSystem
 from granular_contact.mechanics.system import RigidHandle
 from granular_contact.sand.contact_lines import Body
+from granular_contact.sand.space.from_scene import add_part, load_from_scene
 from granular_contact.sand.space.load import SpatialLoad
-from granular_contact.sand.space.of_scene import add_part, load_of
 from granular_contact.scene.joint_law import JointLaw
 from granular_contact.scene.space import modes
 from granular_contact.scene.space.types import SpatialJoint, SpatialMotion, SpatialRigidBody, SpatialScene, Vector
@@ -167,7 +167,7 @@ def _granular_load(scene: SpatialScene, places: dict[str, int]) -> SpatialLoad |
     parts = [(body, part) for body in scene.rigid for part in body.parts if part.in_sand]
     if scene.bed is None or not scene.media or not parts:
         return None
-    load = load_of(scene)
+    load = load_from_scene(scene)
     for body, part in parts:
         add_part(load, Body(body.name, POSE * places[body.name] + np.arange(POSE)), part, scene, body.mass)
     load.close()

@@ -19,9 +19,9 @@ from granular_contact.mechanics.sensors import Sensors
 from granular_contact.mechanics.stepping import signals_of
 from granular_contact.mechanics.system import RigidHandle, System
 from granular_contact.sand.contact_lines import Body
+from granular_contact.sand.from_scene import lines_from_shape, load_from_scene
 from granular_contact.sand.load import GranularLoad
-from granular_contact.sand.of_scene import lines_of, load_of
-from granular_contact.sand.rolling import sunk
+from granular_contact.sand.rolling import at_steady_sinkage
 from granular_contact.scene.parts import RigidBody
 from granular_contact.scene.signal_tables import tabulate
 from granular_contact.scene.types import Joint, Scene, Vector
@@ -118,7 +118,7 @@ class _Node:
 
 def tree(scene: Scene) -> Tree:
     """Set up a scene that `scene.methods` allows."""
-    scene = sunk(scene)
+    scene = at_steady_sinkage(scene)
     nodes = _nodes(scene)
     places = {node.body.name: i for i, node in enumerate(nodes) if node.body is not None}
     joints = {node.joint.name: i for i, node in enumerate(nodes) if node.joint.has_coordinate}
@@ -139,9 +139,9 @@ def _granular_load(scene: Scene, places: dict[str, int]) -> GranularLoad | None:
     """Load on all shapes that can reach the surface, of bodies with their nodes; None when there are none."""
     if scene.bed is None or not scene.media:
         return None
-    load, strips = load_of(scene), scene.load.strips_per_rigid_part
+    load, strips = load_from_scene(scene), scene.load.strips_per_rigid_part
     for body, shape in immersible(scene.bed, scene.rigid):
-        load.add(lines_of(Body(body.name, 3 * places[body.name] + np.arange(3)), shape, strips))
+        load.add(lines_from_shape(Body(body.name, 3 * places[body.name] + np.arange(3)), shape, strips))
     load.close()
     return load if load.lines else None
 

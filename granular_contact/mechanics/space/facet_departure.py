@@ -25,8 +25,8 @@ from granular_contact.mechanics.space.kinematics import SpatialKinematics
 from granular_contact.mechanics.space.system import SpatialSystem
 from granular_contact.sand.contact_lines import Body
 from granular_contact.sand.load import GranularLoad
+from granular_contact.sand.space.from_scene import add_part, load_from_scene
 from granular_contact.sand.space.load import SpatialLoad
-from granular_contact.sand.space.of_scene import add_part, load_of
 from granular_contact.sand.space.other_facets import SHARES, Others, differing, numbers, others, part
 from granular_contact.scene.space.types import Vector
 
@@ -175,7 +175,7 @@ def load_with(system: SpatialSystem, share: float) -> SpatialLoad:
     Its bodies have seven coordinates, one body after another.
     """
     scene = system.scene
-    load = load_of(scene)
+    load = load_from_scene(scene)
     for i, handle in enumerate(system.rigid.values()):
         on = Body(handle.body.name, range(7 * i, 7 * i + 7))
         for one in (one for one in handle.body.parts if one.in_sand):

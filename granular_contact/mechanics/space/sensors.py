@@ -14,7 +14,7 @@ from granular_contact.mechanics.space.kinematics import angular
 from granular_contact.mechanics.space.system import SpatialSystem
 from granular_contact.results.in_space import SpatialSeen
 from granular_contact.results.observed import Instant, Observations
-from granular_contact.sand.work import about
+from granular_contact.sand.work import wrenches_about
 from granular_contact.scene.space.types import SpatialBeam, reach
 from granular_contact.scene.types import Vector, link_of
 
@@ -116,7 +116,7 @@ class SpatialSensors(Sensors):
         wrenches = np.zeros((len(self._met), 6))
         for (i, _), wrench in zip(self._loaded, self.load.table.wrenches(row), strict=True):
             wrenches[i] += wrench
-        return about(wrenches, poses[self._met, :3])
+        return wrenches_about(wrenches, poses[self._met, :3])
 
     def _find_points(self) -> None:
         """Outermost points of what the medium meets: their bodies, places and reach, what is reported as one together.

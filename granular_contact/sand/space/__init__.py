@@ -1,6 +1,6 @@
-"""The granular load on bodies that move in space: surfaces of triangles, bars and balls on rigid bodies.
+"""Granular load on bodies that move in space: surfaces, bars and balls on rigid bodies.
 
-A cube of 0.1 m of steel, pressed 30 mm deep into sand at 0.1 m/s:
+In this example a cube of 0.1 m is pressed 30 mm deep into sand at 0.1 m/s:
 
     >>> import numpy as np
     >>> from granular_contact import Rft3d
@@ -19,13 +19,14 @@ A cube of 0.1 m of steel, pressed 30 mm deep into sand at 0.1 m/s:
     >>> print(f"force {load.force(pose, velocity, np.zeros(7))[2]:.2f} N, work {load.history.work[-1]:.4f} J")
     force 246.19 N, work -3.6929 J
 
-shapes      what all shapes give: triangles, facets; box, plate, bar; a new shape is a class here. round_shapes:
-            cylinder, sphere, capsule, cone; mesh_shape: meshes
-beam_shape  pieces of links that bend; cables: of an engine's beams
-facets      triangles, parallelograms, patches of round surfaces, and how large they are; other_facets: the error of
-            a load by them
-triangles   cutting triangles; clusters of neighbours (what is wrong with a mesh, and mesh files: `geometry`)
-batch       all elements of a kind in one medium, in one compiled call
-heights     a surface given by a map of heights
-load        as in `bed`, with vectors in space; of_scene: that of a scene
+shapes      base class of shapes; box, plate, bar; a new shape is a class here. round_shapes: cylinder, sphere, capsule,
+            cone; mesh_shape: meshes
+beam_shape  pieces of links that bend; cables: pieces of the beams of an engine
+elements    rows and clusters of the elements of a shape, as the kernels read them
+facets      triangles, parallelograms and patches of round surfaces, and their size; other_facets: estimate of the error
+            of a load by its facets
+triangles   cutting of triangles; clusters of neighbours (checks of meshes, and mesh files: `geometry`)
+batch       elements of one kind in one medium, evaluated in one compiled call
+heights     map of heights of the surface
+load        as `sand.load`, in space; from_scene: the load of a scene
 """

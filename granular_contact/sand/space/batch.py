@@ -53,9 +53,9 @@ class SpatialBatch:
         grouped: dict[Any, list[Elements]] = {}
         of_bodies = []
         for one, at in zip(sets, columns, strict=True):
-            if one.body.which not in grouped:
+            if one.body.identity not in grouped:
                 of_bodies.append(at)
-            grouped.setdefault(one.body.which, []).append(one)
+            grouped.setdefault(one.body.identity, []).append(one)
         self.columns = np.array(of_bodies)
         self._groups = list(grouped.values())
         ordered = [one for group in self._groups for one in group]

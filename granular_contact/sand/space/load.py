@@ -17,8 +17,8 @@ from granular_contact.laws.floor import Floor, InSpace
 from granular_contact.laws.law import Law
 from granular_contact.laws.layer import Layer
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
+from granular_contact.sand.bed_arguments import check_floor, check_slope, direction, layers_from
 from granular_contact.sand.contact_lines import Body
-from granular_contact.sand.given import check_floor, check_slope, direction, layers_of
 from granular_contact.sand.history import SPACE, HistoryTable
 from granular_contact.sand.kernels import facet_paths, space_sand
 from granular_contact.sand.kernels.facets import SIDE
@@ -76,14 +76,14 @@ class SpatialLoad(GranularLoad):
         spread: float = 1.0,
     ) -> None:
         self.watch = watch
-        layers = layers_of(medium, "distributed")
+        layers = layers_from(medium, "distributed")
         for one in (layer.medium for layer in layers):
             if one.scatters and kinds(one) != ["surface"]:
                 words = "has scatter, which in space is for laws of surfaces; allowed is none"
                 raise ValueError(f"medium: {one.name} {words}")
             for key in one.lacking_in_space:
                 raise ValueError(f"medium: {one.name} has no {key}, but in space a number is needed there")
-        self._take(layers, static, gravity, floor)
+        self._set_common(layers, static, gravity, floor)
         for record in self.records:
             record["pressed"] *= spread
         self.turn = turn_to(up)
@@ -220,7 +220,7 @@ class SpatialLoad(GranularLoad):
         if medium is not None and medium.scatters:
             medium.fill_scatter(batch.clusters, in_space=True)
         self.batches.append(batch)
-        self.met.append(medium)
+        self.batch_media.append(medium)
 
     def _new_table(self, **of_rows: Any) -> HistoryTable:
         reached = (math.inf, math.inf, -math.inf, -math.inf) if self.watch else ()

@@ -1,4 +1,4 @@
-"""Scene -> granular load: its media and surface, and contact lines for the shapes of its rigid bodies."""
+"""Granular load of a scene: its media and surface, and contact lines for the shapes of its rigid bodies."""
 
 from __future__ import annotations
 
@@ -8,8 +8,18 @@ from granular_contact.scene.parts import FlexibleLink, Shape
 from granular_contact.scene.types import Scene
 
 
-def load_of(scene: Scene) -> GranularLoad:
-    """The load of a scene with a bed, without any lines yet."""
+def load_from_scene(scene: Scene) -> GranularLoad:
+    """Load of a scene that has a bed, still without contact lines.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+
+    Returns
+    -------
+    GranularLoad
+    """
     bed, options = scene.bed, scene.load
     assert bed is not None
     return GranularLoad(
@@ -24,10 +34,23 @@ def load_of(scene: Scene) -> GranularLoad:
     )
 
 
-def lines_of(body: Body, shape: Shape, strips: int, split: int = 1) -> list[ContactLine]:
-    """Lines of a shape, on so many strips; an outline, which goes round and back, on twice as many.
+def lines_from_shape(body: Body, shape: Shape, strips: int, split: int = 1) -> list[ContactLine]:
+    """Contact lines of a shape.
 
-    split: into how many each of these strips is divided.
+    Parameters
+    ----------
+    body : Body
+        The body.
+    shape : Shape
+        The shape.
+    strips : int
+        Number of strips; an outline, which goes out and back, has twice as many.
+    split : int
+        Number of parts into which each strip is divided.
+
+    Returns
+    -------
+    list of ContactLine
     """
     if shape.kind == "ball":
         return ball(body, shape.points[0], shape.width, shape.mass)
@@ -47,6 +70,16 @@ def lines_of(body: Body, shape: Shape, strips: int, split: int = 1) -> list[Cont
     )
 
 
-def section(part: Shape | FlexibleLink) -> dict[str, float]:
-    """Diameter or width (m), by its name."""
+def section_size(part: Shape | FlexibleLink) -> dict[str, float]:
+    """Diameter or width (m) of a part, by the name of the argument of `contact_lines.beam`.
+
+    Parameters
+    ----------
+    part : Shape or FlexibleLink
+        The part.
+
+    Returns
+    -------
+    dict of str to float
+    """
     return {"diameter" if part.kind == "round" else "width": part.width}

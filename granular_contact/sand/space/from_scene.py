@@ -14,7 +14,7 @@ from granular_contact.scene.space.types import Part, SpatialScene
 TOGETHER = 0.25
 
 
-def load_of(scene: SpatialScene) -> SpatialLoad:
+def load_from_scene(scene: SpatialScene) -> SpatialLoad:
     """The load of a scene with a bed, without anything on it yet.
 
     Raises
