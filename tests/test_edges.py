@@ -154,7 +154,7 @@ def struck(monkeypatch: pytest.MonkeyPatch, kind: type, name: str) -> None:
 def test_ctrl_c_ends_a_comparison(
     command: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    struck(monkeypatch, Recorder, "_count")
+    struck(monkeypatch, Recorder, "_count_shortened")
     config, out = str(ROOT / "configs" / "pendulum.yaml"), tmp_path / "out"
     assert main([command[0], config, *command[1:], "--out", str(out), "--no-plots"]) == 130
     assert "interrupted; nothing was saved" in capsys.readouterr().err

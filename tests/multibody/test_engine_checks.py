@@ -204,7 +204,7 @@ def test_with_copies_of_vectors_it_is_stepped_and_goes_back(monkeypatch: PATCH) 
 
 def test_a_jacobian_that_is_not_computed_where_it_was_is_made_anew(monkeypatch: PATCH) -> None:
     """The engine ignores where it is led: told, and the same within what Newton's method leaves."""
-    monkeypatch.setattr("granular_contact.engines.exudyn.tangent._leading_to", lambda _: lambda *_: None)
+    monkeypatch.setattr("granular_contact.engines.exudyn.tangent._starting_at", lambda _: lambda *_: None)
     told: list[str] = []
     changed = _after_a_detour(told)
     assert any("did not go back to the Jacobian" in words for words in told)

@@ -1,4 +1,4 @@
-"""What is called after every accepted step: keeps the states, and decides when to stop."""
+"""Post-step function of a solve: it records the accepted states and decides when to stop."""
 
 from __future__ import annotations
 
@@ -18,9 +18,18 @@ from granular_contact.results import Progress, Status
 from granular_contact.results.stopping import ended, paused
 from granular_contact.scene.types import FASTEST, Vector
 
+SAVED = "rows", "resting_since", "reason", "shortened"  # attributes that belong to a saved state, beside the rows
+
 
 class Recorder:
-    """Post-step function. `reason`: why it stopped the run, "" while it has not."""
+    """Post-step function of the engine: records each accepted state and stops the run.
+
+    states (rows, 1 + 2 m): time (s), coordinates without their reference values, and rates; only the first `rows` rows
+    are filled. reason: code of what stopped the run, "" while nothing did. lever (m,): factors from rates of
+    coordinates to speeds (m/s). multipliers, accelerations: of systems with prescribed motions, one entry per row.
+    set_to: values of the drives that are set from outside, one entry per row. shortened: number of fixed steps that the
+    engine shortened. time: of the last row (s).
+    """
 
     def __init__(self, system: System, progress: Progress | None) -> None:
         self.system = system
@@ -32,45 +41,46 @@ class Recorder:
         self.rows = 0
         self.states = np.empty((512, 1 + 2 * self.size))
         self.lever = system.levers
-        self.motions = [data.GetObjectLTGAE(item)[0] for item in system.motions.values()]
-        self.multipliers: list[Vector] = []  # of prescribed motions
-        self.accelerations: list[Vector] = []  # that belong to them
+        self.multiplier_places = [data.GetObjectLTGAE(item)[0] for item in system.motions.values()]
+        self.multipliers: list[Vector] = []
+        self.accelerations: list[Vector] = []
         set_from_outside = {drive.joint for drive in system.scene.drives if drive.sets}
-        self.external = {name: load for name, load in system.loads.items() if name in set_from_outside}
+        self.external_loads = {name: load for name, load in system.loads.items() if name in set_from_outside}
         self.set_to: list[list[float]] = []
         self.resting_since: float | None = None
         self.reason = ""
         self.control: StepControl | None = None
         self.shortened = 0
-        self.asked = self.solver.step_s  # s: fixed steps, which divide the way to the next pause evenly
+        self.fixed_step = self.solver.step_s  # s: fixed steps divide the time to the next pause evenly
         self._rest_time = system.scene.rest_time
-        self._moving = self.size * self.solver.rest_speed_m_s**2  # m2/s2, see `_rests`
-        self.most = most_steps(system.scene)
+        self._rest_speeds_squared = self.size * self.solver.rest_speed_m_s**2  # m2/s2, see `_rests`
+        self.most_rows = most_steps(system.scene)
         self.deadline = math.inf
-        self.time = 0.0  # of the last step recorded (s)
-        self._paused, self._outdated = False, False
+        self.time = 0.0
+        self._resumes, self._jacobian_outdated = False, False
 
     def __call__(self, _mbs: Any, t: float) -> bool:
-        """After a step accepted at t (s): whether to go on."""
-        if self._paused:
-            self._go_on(t)
+        """Record the state of a step accepted at t (s); returns whether the solve goes on."""
+        if self._resumes:
+            self._resume_engine(t)
             return True
         q, v = self.views.q, self.views.v
-        if not v.dot(v) < FASTEST**2 and not np.abs(v).max(initial=0.0) < FASTEST:  # not a number, too
+        # Comparisons with NaN are false, so that NaN stops the run, too.
+        if not v.dot(v) < FASTEST**2 and not np.abs(v).max(initial=0.0) < FASTEST:
             self.reason = "away"
             return False
         if self.rows == len(self.states):
             self.states = np.concatenate([self.states, np.empty_like(self.states)])
         row, size = self.states[self.rows], self.size
         row[0], row[1 : 1 + size], row[1 + size :] = t, q, v
-        self._count(t)
+        self._count_shortened(t)
         self.time = t
         self.rows += 1
-        if self.motions:
-            self.multipliers.append(self.views.multipliers[self.motions])
+        if self.multiplier_places:
+            self.multipliers.append(self.views.multipliers[self.multiplier_places])
             self.accelerations.append(self.views.a.copy())
-        if self.external:
-            self.set_to.append([load.set_to for load in self.external.values()])
+        if self.external_loads:
+            self.set_to.append([load.set_to for load in self.external_loads.values()])
         system = self.system
         if system.joints is not None:
             system.joints.accept(q, v)
@@ -83,39 +93,41 @@ class Recorder:
         return not self._is_over(t, v)
 
     def resume(self, conv: Any, spent: float) -> None:
-        """Get ready to go on from the last state recorded, in a solve that has taken so many seconds.
+        """Prepare to continue from the last recorded state; spent: wall time (s) of the solve so far.
 
-        The engine begins as if for the first time: it reports that state once more, and then gets what it has
-        forgotten, the step to come and whether its Jacobian serves.
+        The engine starts each part of a solve as if it were the first: it reports the present state once more. In that
+        call the recorder sets what the engine has lost: the next step, and whether its Jacobian is still valid.
         """
         if self.solver.max_wall_s is not None:
             self.deadline = time.perf_counter() + self.solver.max_wall_s - spent
-        self._paused, self._conv, self._outdated = True, conv, conv.jacobianUpdateRequested
+        self._resumes, self._conv, self._jacobian_outdated = True, conv, conv.jacobianUpdateRequested
 
-    def _go_on(self, t: float) -> None:
-        self._paused = False
-        if not self._outdated:  # as the engine takes it to be
+    def _resume_engine(self, t: float) -> None:
+        """Set step and Jacobian as they were before the pause at t (s)."""
+        self._resumes = False
+        if not self._jacobian_outdated:  # the engine has set the request at the start of this part
             self._conv.jacobianUpdateRequested = False
         if self.control is not None:
             self.control.resume(t)
 
     def clear(self) -> None:
-        """Forget the state at the start, which is reported once more."""
+        """Remove the initial state, which a restarted engine reports once more."""
         self.rows = 0
-        for kept in self._lists().values():
-            kept.clear()
+        for values in self._lists().values():
+            values.clear()
 
     def _lists(self) -> dict[str, list[Any]]:
+        """Lists with one entry per row."""
         return {name: getattr(self, name) for name in ("multipliers", "accelerations", "set_to")}
 
     def kept(self) -> dict[str, Any]:
-        """All that was recorded so far."""
-        held: dict[str, Any] = {name: getattr(self, name) for name in ("rows", "resting_since", "reason", "shortened")}
+        """Copy of all that was recorded so far."""
+        record: dict[str, Any] = {name: getattr(self, name) for name in SAVED}
         lists = {name: list(values) for name, values in self._lists().items()}
-        return held | lists | {"states": self.states[: self.rows].copy()}
+        return record | lists | {"states": self.states[: self.rows].copy()}
 
     def restore(self, kept: dict[str, Any]) -> None:
-        """Go back to what was recorded by an earlier time."""
+        """Return to a record that `kept` gave."""
         rows = kept["rows"]
         vars(self).update({name: value for name, value in kept.items() if name != "states"})
         self.time = float(kept["states"][-1, 0])
@@ -125,35 +137,38 @@ class Recorder:
         self.states[:rows] = kept["states"]
 
     def interrupt(self, _signal: int, _frame: FrameType | None) -> None:
-        """Signal handler: stop after the step under way; asked again, at once."""
+        """Signal handler of Ctrl-C: stop after the present step; a second Ctrl-C stops at once."""
         if self.reason == "interrupted":
             raise KeyboardInterrupt
         self.reason = "interrupted"
 
-    def _count(self, t: float) -> None:
-        """Count the steps that the engine made shorter than asked for; the last one only fills up the time."""
+    def _count_shortened(self, t: float) -> None:
+        """Count a step to t (s) that the engine made shorter than set; the last step of the run may be shorter."""
         if self.control is None and self.rows > 0 and t < self.solver.end_time_s * (1.0 - 1e-9):
-            self.shortened += t - self.time < 0.99 * self.asked
+            self.shortened += t - self.time < 0.99 * self.fixed_step
 
     def _is_over(self, t: float, v: Vector) -> bool:
+        """Whether the run stops after the step to t (s) with the rates v (m,); sets `reason`."""
         if self.reason == "":
             if self._rests(t, v):
                 self.reason = "rest"
             elif self.deadline < math.inf and time.perf_counter() > self.deadline and not self.at_end(t):
                 self.reason = "time_limit"
-            elif self.rows > self.most:
+            elif self.rows > self.most_rows:
                 self.reason = "crowd"
         return self.reason != ""
 
     def at_end(self, t: float) -> bool:
-        """Whether a time (s) is the end of the run."""
+        """Whether a time (s) is the end time of the run."""
         return t >= self.solver.end_time_s - END
 
     def _rests(self, t: float, v: Vector) -> bool:
+        """Whether all speeds have been below the rest speed for the rest time."""
         if self._rest_time is None:
             return False
-        speeds = self.lever * v  # the mean square decides most of the time, at a fifth of the cost of the greatest
-        if speeds.dot(speeds) > self._moving or np.abs(speeds).max() > self.solver.rest_speed_m_s:
+        speeds = self.lever * v
+        # The sum of squares is tested first: it decides in most steps, at a fifth of the cost of the greatest speed.
+        if speeds.dot(speeds) > self._rest_speeds_squared or np.abs(speeds).max() > self.solver.rest_speed_m_s:
             self.resting_since = None
             return False
         if self.resting_since is None:
@@ -162,7 +177,10 @@ class Recorder:
 
 
 def status(recorder: Recorder, success: bool, problem: str, step: float) -> Status:
-    """Status of a solve; problem: what the engine said, if anything; step (s): the last one tried."""
+    """Status of a solve.
+
+    success: whether the engine solved all steps. problem: its error message, or "". step: the last step tried (s).
+    """
     scene, t = recorder.system.scene, float(recorder.states[recorder.rows - 1, 0])
     match recorder.reason:
         case "time_limit":

@@ -1,4 +1,4 @@
-"""Integrate an assembled system in time and keep every accepted step."""
+"""Time integration of an assembled Exudyn system; every accepted step is kept."""
 
 from __future__ import annotations
 
@@ -32,46 +32,45 @@ if TYPE_CHECKING:
     from granular_contact.engines.exudyn.state import Keeper, SolveState
     from granular_contact.mechanics.sensors import Sensors
 
-KEPT = "seconds", "_success", "_problem", "_restarts"  # fields of a solve that a state has
+SAVED = "seconds", "_success", "_problem", "_restarts"  # attributes of a solve that belong to its state
 
 
-class _Guarded:
-    """Within it a handler takes Ctrl-C, which only the main thread may, and the engine does not print.
+class _Guard:
+    """Context in which a handler receives Ctrl-C and the engine does not print.
 
-    Every pause of a solve leaves and enters it: so by the function below `signal.signal`, which makes an enum of all
-    that it is given and gives, ten times slower.
+    Python allows handlers of signals in the main thread alone; in other threads Ctrl-C is left as it is.
     """
 
     def __init__(self, handler: Callable[[int, FrameType | None], None]) -> None:
-        self._handler, self._main = handler, threading.main_thread().ident
+        self._handler, self._main_thread = handler, threading.main_thread().ident
 
     def __enter__(self) -> None:
-        self._prints, self._takes = exu.config.printToConsole, threading.get_ident() == self._main
-        if self._prints:  # how a run ended is reported by its status
+        self._printed, self._is_main = exu.config.printToConsole, threading.get_ident() == self._main_thread
+        if self._printed:  # the status reports how a run ended
             exu.config.printToConsole = False
-        if self._takes:
-            self._before = signal.signal(signal.SIGINT, self._handler)
+        if self._is_main:
+            self._old_handler = signal.signal(signal.SIGINT, self._handler)
 
     def __exit__(self, *_: object) -> None:
-        if self._takes:
-            signal.signal(signal.SIGINT, self._before)
-        if self._prints:
+        if self._is_main:
+            signal.signal(signal.SIGINT, self._old_handler)
+        if self._printed:
             exu.config.printToConsole = True
 
 
 class Solve:
-    """A solve under way, in one go or from pause to pause, by the same steps of the engine.
+    """Solve of a system by Exudyn's generalised-alpha method; implements `run.Solving`.
 
-    time (s): what it has reached; over: whether there is nothing to come, as it is at rest, at its end or has failed.
+    A solve in one call of `advance` and a solve with pauses make the same steps of the engine.
     """
 
     def __init__(
         self, system: System, progress: Progress | None = None, simulation: Any = None, *, pauses: bool = False
     ) -> None:
-        """Find rest, if the scene is to, and record the state at the start; raises as `settle` does.
+        """Find static equilibrium if the scene asks for it, and record the initial state.
 
-        simulation: Exudyn's settings, those of `settings` unless given. pauses: whether it may be looked at and brought
-        back to its states on the way.
+        simulation: Exudyn's settings, those of `settings.settings` unless given. pauses: whether `observe`, `state` and
+        `restore` will be called. Errors: those of `settle`, and SolveError if the engine cannot start.
         """
         self.system, mbs, scene = system, system.mbs, system.scene
         self.simulation = settings(scene) if simulation is None else simulation
@@ -80,16 +79,16 @@ class Solve:
         if (why := refusal(self._able, pauses=pauses, turns=bool(system.turning))) is not None:
             raise SolveError(why)
         self.solver = exu.MainSolverImplicitSecondOrder()
-        self._it, self._conv = self.solver.it, self.solver.conv  # the solver's own, no copies
-        self.seconds, self._problem, self._success = 0.0, "", True
-        self._restarts = False  # with other accelerations
+        self._it, self._conv = self.solver.it, self.solver.conv  # handles of the solver's own numbers, no copies
+        self.seconds, self._problem, self._success = 0.0, "", True  # wall time, the engine's error, whether it goes on
+        self._restarts = False  # whether drives were set at the start, which changes the initial accelerations
         self._end = scene.solver.end_time_s
         self._reference = reference(mbs, system.nodes, system.origin)
         self._views: Views | None = None
         self._sensors: Sensors | None = None
         self._keeper: Keeper | None = None
-        self._guarded = _Guarded(self.recorder.interrupt)
-        with self._guarded:
+        self._guard = _Guard(self.recorder.interrupt)
+        with self._guard:
             if scene.settle:
                 settle(system, self.recorder)
             if scene.solver.accuracy is not None:
@@ -97,7 +96,7 @@ class Solve:
             mbs.SetPostStepUserFunction(self.recorder)
             self._predictor = self._make_predictor()
             mbs.SetPreNewtonResidualUserFunction(self._predictor or 0)
-            # Kernels are loaded here, which is no part of the solve.
+            # Kernels are loaded here, so that the wall time of the solve does not include loading.
             if system.bed is not None:
                 system.bed.accept()
             if self._predictor is not None:
@@ -107,22 +106,23 @@ class Solve:
 
                 self._sensors = system.sensors()
                 self._keeper = Keeper(system, self.solver, self.recorder, self.simulation, self._predictor)
-            self._run(self._begin)
+            self._run(self._start)
         if self.recorder.rows == 0:
-            raise SolveError(f"the engine could not begin: {self._problem or self._too_fast()}")
+            raise SolveError(f"the engine could not begin: {self._problem or self._start_fault()}")
 
     def _choose_steps(self, accuracy: float) -> None:
-        """Let a step control choose the steps."""
-        sets = self._able.controls
-        control = StepControl(self.system, self.solver, self.recorder.lever, accuracy, sets=sets)
+        """Let a step control choose the steps by their error."""
+        sets_steps = self._able.controls
+        control = StepControl(self.system, self.solver, self.recorder.lever, accuracy, sets_steps=sets_steps)
         self.recorder.control = control
         self.system.mbs.SetPostNewtonUserFunction(control)
         control_steps(self.simulation, control)
 
     def _make_predictor(self) -> Predictor | None:
-        """What Newton's method begins with; None where accelerations are nothing but round-off.
+        """Predictor of Newton's method.
 
-        None, too, where the engine takes no changes of its solver or its vectors.
+        None if the accelerations are mere round-off, or if the engine does not let us change its solver and its
+        vectors.
         """
         if unresolved(self.system.scene) or not (self._able.controls and self._able.views):
             return None
@@ -132,7 +132,7 @@ class Solve:
         return Predictor(self.solver, lever, None if bed is None else bed.apply, allowed)
 
     def _run(self, part: Callable[[], bool]) -> None:
-        """Do a part of the solve and keep how it ended, with the time that it took."""
+        """Run a part of the solve; record its success or error, and add its wall time."""
         start = time.perf_counter()
         try:
             self._success = part()
@@ -140,19 +140,20 @@ class Solve:
             self._success, self._problem = False, str(error).strip().splitlines()[0]
         self.seconds += time.perf_counter() - start
 
-    def _begin(self) -> bool:
+    def _start(self) -> bool:
+        """Initialise the engine's solver and record the initial state; returns whether the engine succeeded."""
         it, mbs, self._restarts = self.solver.it, self.system.mbs, False
         if not self.solver.InitializeSolver(mbs, self.simulation):
             return False
-        it.currentStepSize = it.maxStepSize  # as the engine begins
+        it.currentStepSize = it.maxStepSize  # the engine's own start does the same
         self.solver.conv.jacobianUpdateRequested = True
         self._views = None
-        self._look()
+        self._bind_views()
         self.recorder(mbs, mbs.systemData.GetTime())
         return True
 
-    def _look(self) -> None:
-        """Tell all that is called in steps where the engine keeps its vectors, if that is not where they were."""
+    def _bind_views(self) -> None:
+        """Pass views of the engine's vectors to all objects that steps call, if the vectors have moved."""
         views = Views(self.system.mbs)
         if self._views is not None and views.memory == self._views.memory:
             return
@@ -167,16 +168,16 @@ class Solve:
             self._keeper.tangent.views = views
 
     def advance(self, until: float = math.inf) -> None:
-        """Go on to a time (s), the scene's end at the latest; does nothing when it is over.
+        """Integrate to a time (s), at most to the scene's end time; do nothing if the solve is over.
 
-        Where steps are fixed they divide the time to go evenly, none longer than the scene's.
+        Fixed steps divide the time to integrate evenly; they are not longer than the step of the scene.
         """
         if self.over:
             return
-        with self._guarded:
+        with self._guard:
             if self._restarts:
                 self.recorder.clear()
-                self._run(self._begin)
+                self._run(self._start)
             self._plan(min(until, self._end))
             before = self.recorder.rows
             self._run(self._steps)
@@ -190,83 +191,88 @@ class Solve:
             return bool(self.solver.SolveSteps(self.system.mbs, self.simulation))
 
     def _plan(self, until: float) -> None:
-        """Tell the engine where to stop next, and how to go on to there from where it is."""
-        it, recorder, now = self._it, self.recorder, self.recorder.time
-        self._look()
+        """Set the engine's end time and step for the part of the solve from the present time to `until` (s)."""
+        it, recorder, time_reached = self._it, self.recorder, self.recorder.time
+        self._bind_views()
         it.endTime = until
         if recorder.control is not None:
-            whole = now == 0.0 and until == self._end
-            recorder.control.until = math.inf if whole else until
+            is_whole_run = time_reached == 0.0 and until == self._end
+            recorder.control.until = math.inf if is_whole_run else until
         else:
-            count = max(1, math.ceil((until - now) / self.system.scene.solver.step_s - 1e-9))
-            it.maxStepSize = recorder.asked = (until - now) / count
+            count = max(1, math.ceil((until - time_reached) / self.system.scene.solver.step_s - 1e-9))
+            it.maxStepSize = recorder.fixed_step = (until - time_reached) / count
         recorder.resume(self._conv, self.spent)
 
-    def _too_fast(self) -> str:
+    def _start_fault(self) -> str:
+        """Reason why the initial state was not recorded."""
         if self.recorder.reason == "away":
             return f"a speed at the start is not below {FASTEST:g} m/s (or rad/s): give a slower one"
         return "it gave no reason"
 
     @property
     def time(self) -> float:
-        """Time reached (s)."""
+        """Time (s) of the present state."""
         return self.recorder.time
 
     @property
     def spent(self) -> float:
-        """Wall time (s) so far: of the solve, and of making what the medium meets."""
+        """Wall time (s) spent so far: of the solve, and of making the shapes that the medium acts on."""
         return self.seconds + self.system.building_s
 
     @property
     def over(self) -> bool:
-        """Whether there is nothing to come."""
+        """Whether the solve has ended: at the end time, at rest, by a limit, by Ctrl-C or by a failure."""
         return not self._success or self.recorder.reason != "" or self.recorder.at_end(self.recorder.time)
 
-    # ---- of a solve that pauses ----
+    # ---- solves with pauses ----
 
     def observe(self) -> Observations:
-        """What is seen of the present state."""
-        assert self._sensors is not None  # of one that pauses
+        """Observed quantities at the present state, by name, in SI units."""
+        assert self._sensors is not None  # the solve was made with `pauses`
         recorder, bed = self.recorder, self.system.bed
         row, count = recorder.states[recorder.rows - 1], recorder.size
         q = row[1 : 1 + count] + self._reference
         return self._sensors.read(recorder.time, q, row[1 + count :], None if bed is None else bed.load.table.row)
 
     def outlines(self) -> tuple[Outline, ...]:
-        """The mechanism as it is drawn, at the present state."""
+        """Outlines of the mechanism at the present state, for drawings."""
         recorder = self.recorder
         row, count = recorder.states[recorder.rows - 1 : recorder.rows], recorder.size
         q, v = row[:, 1 : 1 + count] + self._reference, row[:, 1 + count :]
         return self.system.kinematics(at_one(self.system, row[:, 0], q, v)).outlines(0)
 
     def set_to(self, joint: str, value: float) -> None:
-        """Set the drive of a joint, in SI units, from now on; at the start the accelerations follow."""
-        load = self.recorder.external[joint]
+        """Set the drive of a joint (SI units) from the present time on; at t = 0 the initial accelerations follow."""
+        load = self.recorder.external_loads[joint]
         self._restarts |= self.recorder.rows == 1 and load.set_to != value
         load.set_to = value
 
     def state(self) -> SolveState:
-        """The present state."""
-        assert self._keeper is not None  # of one that pauses
-        return self._keeper.state({name: getattr(self, name) for name in KEPT})
+        """Copy of the present state: all that later steps and the results depend on."""
+        assert self._keeper is not None  # the solve was made with `pauses`
+        return self._keeper.state({name: getattr(self, name) for name in SAVED})
 
     def restore(self, kept: SolveState) -> None:
-        """Go back to a state of this solve or another one of the same scene."""
-        assert self._keeper is not None  # of one that pauses
-        with self._guarded:
+        """Return to a state that `state` gave, in this solve or in another one of the same scene."""
+        assert self._keeper is not None  # the solve was made with `pauses`
+        with self._guard:
             self._keeper.restore(kept)
         vars(self).update(kept.solve)
 
     def close(self) -> None:
-        """Let go of the engine's system. Its functions hold this solve and are held by it, so Python never would."""
+        """Release the engine's system.
+
+        The system holds user functions that hold this solve, and the solve holds the system; Python cannot collect such
+        a cycle through the engine.
+        """
         self.system.container.Reset()
 
     def status(self) -> Status:
-        """How it ended."""
+        """How the solve ended, or that it pauses."""
         return status(self.recorder, self._success, self._problem, self.solver.it.currentStepSize)
 
     def trajectory(self) -> Trajectory:
-        """All steps so far."""
+        """All accepted steps so far, in the engine's coordinates; positions are in the world frame."""
         system, recorder, it = self.system, self.recorder, self.solver.it
         states, count = recorder.states[: recorder.rows], recorder.size
         return Trajectory(
@@ -288,16 +294,16 @@ class Solve:
             mass=mass_matrix(system),
             multipliers=dict(zip(system.motions, np.transpose(recorder.multipliers), strict=True)),
             a=np.array(recorder.accelerations) if system.motions else None,
-            set_to=dict(zip(recorder.external, np.transpose(recorder.set_to), strict=True)),
+            set_to=dict(zip(recorder.external_loads, np.transpose(recorder.set_to), strict=True)),
             notices=(*notices(self._able), *(() if self._keeper is None else self._keeper.notices())),
         )
 
 
 def solve(system: System, progress: Progress | None = None, simulation: Any = None) -> Trajectory:
-    """Run the scene to its end time, to rest, to a limit, to a failure or to Ctrl-C; what was reached by then is kept.
+    """Trajectory of a system to its end time, to rest, to a limit, to a failure or to Ctrl-C.
 
-    simulation: Exudyn's settings, those of `settings` unless given.
+    simulation: Exudyn's settings, those of `settings.settings` unless given.
     """
-    under_way = Solve(system, progress, simulation)
-    under_way.advance()
-    return under_way.trajectory()
+    solving = Solve(system, progress, simulation)
+    solving.advance()
+    return solving.trajectory()

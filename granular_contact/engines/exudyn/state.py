@@ -1,7 +1,8 @@
-"""State of a solve between two steps: all that its future and its results depend on, to go back to it later.
+"""Saved state of a solve between two steps: all that later steps and the results depend on.
 
-The future is the same bit for bit: beside the motion there are the friction state of bed and joints, the algorithmic
-acceleration of the scheme, the choice of steps, and the Jacobian that Newton's method goes on with (see `tangent`).
+A restored solve continues bit for bit as the first time. So the state has, beside the motion, the friction state of bed
+and joints, the algorithmic accelerations of the time scheme, the choice of steps, and the Jacobian that Newton's method
+reuses (see `tangent`).
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from numpy.typing import NDArray
 from granular_contact.engines.exudyn.engine_checks import restore_notice
 from granular_contact.engines.exudyn.predictor import Predictor
 from granular_contact.engines.exudyn.recorder import Recorder
-from granular_contact.engines.exudyn.tangent import Place, Tangent
+from granular_contact.engines.exudyn.tangent import LinearisationPoint, Tangent
 from granular_contact.mechanics.system import System
 from granular_contact.scene.types import Vector
 
@@ -29,12 +30,14 @@ COUNTS = ("newtonStepsCount", "newtonJacobiCount", "rejectedModifiedNewtonSteps"
 
 @dataclass(frozen=True)
 class SolveState:
-    """Of the engine, of what follows its steps, and of the granular load.
+    """State of the engine, of the objects that its steps call, and of the granular load.
 
-    time (s); q, v, a, algorithmic (m,): coordinates, rates, accelerations and those of the scheme; multipliers: of
-    constraints. outdated, place: whether the Jacobian no longer serves, and where it was computed. joints: as
-    `System.held`. recorded, control: fields of the recorder and of the choice of steps. iterations: of `predictor`.
-    bed: None without one. solve: fields of the solve itself.
+    time (s). q, v, a (m,): coordinates, rates and accelerations; algorithmic (m,): accelerations of the time scheme.
+    multipliers: Lagrange multipliers of the constraints. step: next step (s). jacobian_outdated: whether the Jacobian
+    has to be computed anew. linearised_at: state at which the Jacobian was computed, None if none was. counts: COUNTS
+    of the solver. joints: `System.held`. first_anchors: initial anchors of the friction in joints. recorded, control:
+    attributes of the recorder and of the step control, which is None with fixed steps. iterations: arrays of the
+    predictor. bed: None without a bed. solve: attributes of the solve itself.
     """
 
     time: float
@@ -44,8 +47,8 @@ class SolveState:
     algorithmic: Vector
     multipliers: Vector
     step: float
-    outdated: bool
-    place: Place | None
+    jacobian_outdated: bool
+    linearised_at: LinearisationPoint | None
     counts: tuple[int, ...]
     joints: tuple[Vector, ...]
     first_anchors: tuple[float, ...]
@@ -57,7 +60,7 @@ class SolveState:
 
 
 class Keeper:
-    """Takes states of a solve, and goes back to them; made before its first step."""
+    """Saves and restores states of a solve; made before the first step of the solve."""
 
     def __init__(
         self, system: System, solver: Any, recorder: Recorder, simulation: Any, predictor: Predictor | None
@@ -65,15 +68,15 @@ class Keeper:
         self.predictor = predictor
         self.system, self.solver, self.recorder, self.simulation = system, solver, recorder, simulation
         self.tangent = Tangent(system, solver, simulation)
-        self.tangent.before = predictor
-        self._anew = False  # whether the engine once did not go back to a Jacobian or to accelerations
+        self.tangent.pre_residual = predictor
+        self._inexact = False  # whether the engine once failed to restore a Jacobian or accelerations
 
     def notices(self) -> list[str]:
-        """Of states that it went back to, a sentence where what followed is not the same bit for bit."""
-        return [restore_notice()] if self._anew else []
+        """Notice for the results if the steps after a restored state differ from the first time; else empty."""
+        return [restore_notice()] if self._inexact else []
 
     def state(self, solve: dict[str, Any]) -> SolveState:
-        """The present state; solve: fields of the solve itself."""
+        """Copy of the present state; solve: attributes of the solve itself."""
         system, solver, data = self.system, self.solver, self.system.mbs.systemData
         control = self.recorder.control
         return SolveState(
@@ -84,8 +87,8 @@ class Keeper:
             algorithmic=solver.GetAAlgorithmic(),
             multipliers=data.GetAECoordinates(),
             step=solver.it.currentStepSize,
-            outdated=solver.conv.jacobianUpdateRequested,
-            place=self.tangent.place,
+            jacobian_outdated=solver.conv.jacobianUpdateRequested,
+            linearised_at=self.tangent.point,
             counts=tuple(getattr(solver.it, name) for name in COUNTS),
             joints=tuple(array.copy() for array in system.held),
             first_anchors=tuple(load.first_anchor for load in system.loads.values()),
@@ -97,23 +100,23 @@ class Keeper:
         )
 
     def restore(self, kept: SolveState) -> None:
-        """Go back to a state of a solve of the same scene."""
+        """Return to a state of this solve, or of another solve of the same scene."""
         system, solver, recorder, data = self.system, self.solver, self.recorder, self.system.mbs.systemData
-        system.mbs.SetRenderEngineStopFlag(False)  # what a finished solve left
-        outdated = kept.outdated
-        if kept.place is not None and not outdated:
-            outdated = not self.tangent.recompute(kept.place)
-            self._anew |= outdated
-        self.tangent.place = kept.place
+        system.mbs.SetRenderEngineStopFlag(False)  # a finished solve leaves it set
+        outdated = kept.jacobian_outdated
+        if kept.linearised_at is not None and not outdated:
+            outdated = not self.tangent.recompute(kept.linearised_at)
+            self._inexact |= outdated
+        self.tangent.point = kept.linearised_at
         self._set_engine(kept, data)
         solver.conv.jacobianUpdateRequested = outdated
-        self._anew |= not np.array_equal(solver.GetAAlgorithmic(), kept.algorithmic)
+        self._inexact |= not np.array_equal(solver.GetAAlgorithmic(), kept.algorithmic)
         for name, count in zip(COUNTS, kept.counts, strict=True):
             setattr(solver.it, name, count)
-        for array, old in zip(system.held, kept.joints, strict=True):
-            array[:] = old
+        for array, saved in zip(system.held, kept.joints, strict=True):
+            array[:] = saved
         if system.joints is not None:
-            system.joints.time = math.nan  # what drives want is asked for anew
+            system.joints.time = math.nan  # so that the setpoints of drives are evaluated anew
         for load, anchor in zip(system.loads.values(), kept.first_anchors, strict=True):
             load.first_anchor = anchor
         recorder.restore(kept.recorded)
@@ -125,11 +128,15 @@ class Keeper:
             system.bed.restore(kept.bed)
 
     def _set_engine(self, kept: SolveState, data: Any) -> None:
-        """Bring the engine's own state back; its scheme takes the accelerations of an initial state for its own."""
-        start, scheme = exu.ConfigurationType.Initial, self.simulation.timeIntegration.generalizedAlpha
-        data.SetODE2Coordinates(kept.q, start)
-        data.SetODE2Coordinates_t(kept.v, start)
-        data.SetODE2Coordinates_tt(kept.algorithmic, start)
+        """Restore the engine's own state.
+
+        The engine has no function that sets the algorithmic accelerations. But its initialisation copies the
+        accelerations of the initial state to them, if it neither computes nor resets accelerations.
+        """
+        initial, scheme = exu.ConfigurationType.Initial, self.simulation.timeIntegration.generalizedAlpha
+        data.SetODE2Coordinates(kept.q, initial)
+        data.SetODE2Coordinates_t(kept.v, initial)
+        data.SetODE2Coordinates_tt(kept.algorithmic, initial)
         computes, resets = scheme.computeInitialAccelerations, scheme.resetAccelerations
         scheme.computeInitialAccelerations = scheme.resetAccelerations = False
         self.solver.InitializeSolverInitialConditions(self.system.mbs, self.simulation)

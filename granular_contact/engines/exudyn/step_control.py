@@ -1,6 +1,6 @@
-"""Step-size control by an error estimate, in a solve by the engine: how it is made to refuse steps and to set them.
+"""Step-size control by an error estimate in solves by Exudyn: refusing steps, and setting the length of the next one.
 
-The choice itself: `mechanics.stepping`.
+`mechanics.stepping` derives the estimate and the choice of the length.
 """
 
 from __future__ import annotations
@@ -17,40 +17,40 @@ from granular_contact.mechanics.system import System
 from granular_contact.scene.signal_tables import tabulate
 from granular_contact.scene.types import Vector
 
-# What of a control its future depends on, and arrays of it.
-KEPT = ("speed", "next", "last", "chosen", "begun", "now", "refused")
-OF_STEP = "start", "change", "slope"
-NO_ERROR = [0.0, -1.0]  # as the engine takes a step for good
-REFUSED = 2.0  # what the engine takes for a step to be repeated: above its tolerance of 1
+# Attributes on which later steps depend: numbers, and arrays.
+SAVED = ("top_speed", "next_step", "last_step", "chosen_step", "started", "speed", "refused")
+SAVED_ARRAYS = "start", "change", "slope"
+NO_ERROR = [0.0, -1.0]  # value with which the engine accepts a step
+REFUSED = 2.0  # error with which the engine repeats a step: above its tolerance of 1
 
 
 class StepControl:
-    """Post-Newton function that refuses steps, and the choice of the next one; `refused` counts.
+    """Post-Newton function that refuses steps by their error, and the choice of the next step.
 
-    lever (m,): factors from coordinate rates to speeds (m/s). sets: whether it can set steps; else it refuses those
-    whose error is too large, and the engine lengthens them.
+    lever (m,): factors from rates of coordinates to speeds (m/s). sets_steps: whether it may set the engine's steps;
+    otherwise it refuses steps whose error is too large, and the engine itself lengthens later steps. refused: number of
+    refused steps. start, change, slope (m,): see `mechanics.kernels.step_error`.
     """
 
-    def __init__(self, system: System, solver: Any, lever: Vector, accuracy: float, *, sets: bool = True) -> None:
+    def __init__(self, system: System, solver: Any, lever: Vector, accuracy: float, *, sets_steps: bool = True) -> None:
         from granular_contact.jit.compiled import ready
         from granular_contact.mechanics.kernels import step_choice, step_error  # here, as fixed steps need no numba
         from granular_contact.mechanics.kernels.signal_tables import SIGNAL
 
         scene = system.scene
-        self.system, self.solver, self.lever, self.sets = system, solver, lever, sets
-        self._record, self.speed, bends, followed, arms = choice(scene, accuracy)
+        self.system, self.solver, self.lever, self.sets_steps = system, solver, lever, sets_steps
+        self._record, self.top_speed, bends, followed, arms = choice(scene, accuracy)
         self.longest = float(self._record["longest"][0])
-        self.next = min(scene.solver.step_s, self.longest)
+        self.next_step = min(scene.solver.step_s, self.longest)  # s
         self.group, means = _groups(system, len(lever))
-        # Accelerations at the start of the step, how they have changed, and by the time in the step before.
         self.start, self.change, self.slope = np.zeros((3, len(lever)))
-        of_step = {
+        arrays = {
             "start": self.start,
             "change": self.change,
             "slope": self.slope,
             "means": np.zeros(means, step_error.MEAN),
         }
-        self._arrays = {"lever": self.lever, "group": self.group} | of_step
+        self._arrays = {"lever": self.lever, "group": self.group} | arrays
         self._addresses, self._addresses_of = np.zeros(0, np.int64), step_error.CHANGES.addresses
         signals = signals_of(scene) if len(followed) else []
         tables = tabulate(signals, scene.solver.end_time_s) if signals else NO_TABLE
@@ -59,122 +59,124 @@ class StepControl:
         self._judge = ready(step_choice.judge, self._addresses, 1.0, self._record, 1.0, 1.0)
         self._choose = ready(step_choice.choose, 1.0, 1.0, 1.0, self._record, 1.0, 1.0, self._prescribed)
         self._start = ready(step_error.begin, self._addresses, 1.0)
-        self._kept = step_choice.SHORTER, step_choice.LONGER
-        self.until = math.inf  # time (s) that a step has to end at
-        self.last = self.next  # step taken last
-        self.chosen = self.next  # step to come, but for where it has to end
-        self.begun = False  # whether a step was accepted, or the start
-        self.now = 0.0
+        self._same_jacobian = step_choice.SHORTER, step_choice.LONGER  # factors of the step with which it stays valid
+        self.until = math.inf  # time (s) at which a step has to end
+        self.last_step = self.next_step  # s
+        self.chosen_step = self.next_step  # next step (s) before it is fitted to `until`
+        self.started = False  # whether the initial state was accepted
+        self.speed = 0.0  # m/s, greatest speed at the start of the step; top_speed: in all steps so far
         self.refused = 0
-        self.least = 0.0  # s, see `_begin`
-        self.tried: tuple[float, float] | None = None  # step and need of the attempt before, from the same start
+        self.shortest = 0.0  # s, see `_begin`
+        self.refused_attempt: tuple[float, float] | None = None  # its length (s) and excess, from the same state
 
     def __call__(self, mbs: Any, t: float) -> list[float]:  # noqa: ARG002
-        """Error of the step just solved, as the engine wants it, and a step to take instead."""
-        if not self.begun:
+        """Judge the step just solved: the engine's error value, and the step (s) with which to repeat it."""
+        if not self.started:
             return NO_ERROR
         step = self._it.currentStepSize
-        self._read()
-        need, factor = self._judge(self._addresses, step, self._record, self.speed, self.now)
-        in_vain = self._in_vain(step, need)
-        if need > 1.0 and step > self.least and not in_vain:
+        self._read_vectors()
+        # excess: length of the step over the length that the accuracy allows.
+        excess, factor = self._judge(self._addresses, step, self._record, self.top_speed, self.speed)
+        is_in_vain = self._is_in_vain(step, excess)
+        if excess > 1.0 and step > self.shortest and not is_in_vain:
             self.refused += 1
-            self.tried = step, need
+            self.refused_attempt = step, excess
             self.solver.conv.jacobianUpdateRequested = True
             return [REFUSED, factor * step]
-        if need <= 1.0 or self.tried is None:
-            self.next = min(factor * step, self.longest)
+        if excess <= 1.0 or self.refused_attempt is None:
+            self.next_step = min(factor * step, self.longest)
         else:
-            self.next = self.tried[0] if in_vain else step
+            self.next_step = self.refused_attempt[0] if is_in_vain else step
         return NO_ERROR
 
-    def _in_vain(self, step: float, need: float) -> bool:
-        """Whether a shorter step was of no use, in space.
+    def _is_in_vain(self, step: float, excess: float) -> bool:
+        """Whether shortening the step has hardly reduced the estimate; in space alone.
 
-        What is wrong with the positions of constrained bodies, round-off or the rest that Newton's method leaves, is
-        put right within one step by a force that grows as steps shrink: the estimate then hardly falls, and would lead
-        to the shortest step there is, where that force is all that is left. An error of the motion falls as the step.
+        Round-off and the residual of Newton's method leave errors in the positions of constrained bodies. The next step
+        corrects them by a force that grows as the step shrinks. The estimate of such an error hardly falls with the
+        step. It would lead to the shortest step, in which nothing but that force is left. The estimate of an error of
+        the motion falls in proportion to the step.
         """
-        if self.tried is None or not self.system.scene.in_space:
+        if self.refused_attempt is None or not self.system.scene.in_space:
             return False
-        return need > self.tried[1] * math.sqrt(step / self.tried[0])
+        return excess > self.refused_attempt[1] * math.sqrt(step / self.refused_attempt[0])
 
     def _begin(self) -> None:
-        """Learn from the engine, once it has begun, what stays the same for all steps."""
-        self.least = self._it.minStepSize
-        learn(self._record, self.system.scene, float(self.solver.newmarkBeta), self.least)
+        """Take over from the engine's initialised solver what is constant in all steps: shortest step and scheme."""
+        self.shortest = self._it.minStepSize
+        learn(self._record, self.system.scene, float(self.solver.newmarkBeta), self.shortest)
 
     def accept(self, t: float) -> None:
-        """Set the step to come; after the step accepted at t (s)."""
-        if not self.begun:
+        """Choose and set the next step, after a step was accepted at t (s)."""
+        if not self.started:
             self._begin()
-        self.tried = None
-        self.last = self._it.currentStepSize or self.last  # 0 before the engine has chosen the first
-        self._read()
-        self.now = self._start(self._addresses, self.last)
-        self.begun = True
-        self.speed = max(self.speed, self.now)
-        bed, speeds = self.system.bed, (self.speed, self.now)
+        self.refused_attempt = None
+        self.last_step = self._it.currentStepSize or self.last_step  # the engine's is 0 before the first step
+        self._read_vectors()
+        self.speed = self._start(self._addresses, self.last_step)
+        self.started = True
+        self.top_speed = max(self.top_speed, self.speed)
+        bed, speeds = self.system.bed, (self.top_speed, self.speed)
         soonest = math.inf if bed is None else bed.load.soonest()
-        self.chosen = self._choose(t, self.next, soonest, self._record, *speeds, self._prescribed)
-        self._take(t)
+        self.chosen_step = self._choose(t, self.next_step, soonest, self._record, *speeds, self._prescribed)
+        self._set_step(t)
 
     def bind(self, views: Views) -> None:
-        """Learn where the engine keeps its vectors in the part of the solve that begins."""
-        self._views, self._own = views, (views.a, views.v)
-        self._addresses = self._addresses_of({"a": self._own[0], "v": self._own[1]} | self._arrays)
+        """Take the engine's vectors for the part of the solve that starts."""
+        self._views, self._vectors = views, (views.a, views.v)
+        self._addresses = self._addresses_of({"a": self._vectors[0], "v": self._vectors[1]} | self._arrays)
 
-    def _read(self) -> None:
-        """Read accelerations and rates anew where they do not stay in one place."""
+    def _read_vectors(self) -> None:
+        """Copy accelerations and rates anew if they are not views of the engine's memory."""
         if not self._views.live:
-            for own, now in zip(self._own, (self._views.a, self._views.v), strict=True):
-                own[:] = now
+            for array, values in zip(self._vectors, (self._views.a, self._views.v), strict=True):
+                array[:] = values
 
     @property
     def _it(self) -> Any:
-        """What the solver tells of its steps, and may be told; asked for each time, as it may be a copy."""
+        """The solver's numbers of steps and iterations; fetched at each use, as the engine may return a copy."""
         return self.solver.it
 
     def kept(self) -> dict[str, Any]:
-        """All that its future depends on."""
-        arrays = {name: getattr(self, name).copy() for name in OF_STEP}
-        return {name: getattr(self, name) for name in KEPT} | arrays
+        """Copy of all that later steps depend on."""
+        arrays = {name: getattr(self, name).copy() for name in SAVED_ARRAYS}
+        return {name: getattr(self, name) for name in SAVED} | arrays
 
     def restore(self, kept: dict[str, Any]) -> None:
-        """Go back to what was kept."""
+        """Return to what `kept` gave."""
         for name, value in kept.items():
-            if name in OF_STEP:
+            if name in SAVED_ARRAYS:
                 getattr(self, name)[:] = value
             else:
                 setattr(self, name, value)
 
     def resume(self, t: float) -> None:
-        """Set the step to come where a solve goes on from t (s) after a pause."""
-        self._it.currentStepSize = self.last
-        if self.begun:
-            self._take(t)
+        """Set the next step where a solve continues from t (s) after a pause."""
+        self._it.currentStepSize = self.last_step
+        if self.started:
+            self._set_step(t)
 
-    def _take(self, t: float) -> None:
-        """Set the step chosen, shortened so that some of its like end where they have to."""
-        if not self.sets:
+    def _set_step(self, t: float) -> None:
+        """Set the chosen step, shortened so that a whole number of equal steps ends at `until`."""
+        if not self.sets_steps:
             return
-        it, step = self._it, self.chosen
-        fitted = math.isfinite(self.until)
-        if fitted:
+        it, step = self._it, self.chosen_step
+        is_fitted = math.isfinite(self.until)
+        if is_fitted:
             left = self.until - t
-            if left < END:  # a pause comes first
+            if left < END:  # the solve pauses here
                 return
             step = left / math.ceil(left / step - 1e-9)
-        factor = step / self.last
-        shorter, longer = self._kept
-        if fitted or factor < 1.0 or factor > longer or step == self.longest:
+        factor = step / self.last_step
+        shorter, longer = self._same_jacobian
+        if is_fitted or factor < 1.0 or factor > longer or step == self.longest:
             it.currentStepSize = step
         if not shorter < factor < longer:
             self.solver.conv.jacobianUpdateRequested = True
 
 
 def _groups(system: System, size: int) -> tuple[NDArray[np.int64], int]:
-    """Group of each coordinate (size,) as of `step_error`, and how many means there are: two for each link."""
+    """Group (size,) of each coordinate, see `step_error`, and the number of means: two for each link."""
     from granular_contact.mechanics.kernels import step_error
 
     coordinates = system.coordinates

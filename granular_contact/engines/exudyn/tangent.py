@@ -1,7 +1,8 @@
-"""Jacobian of modified Newton in a saved state: the place where it was computed last, so that it can be recomputed.
+"""Jacobian of the modified Newton method in a saved state: the state at which it was computed, to recompute it there.
 
-Modified Newton keeps a factorised Jacobian over many steps, and what an iteration leaves below its tolerance depends on
-it. The engine hands no factors out. So the place where it was computed is kept, and an iteration is led back to it.
+Modified Newton reuses a factorised Jacobian over many steps, and the residual that it leaves within its tolerance
+depends on that Jacobian. The engine does not give access to the factors. So the state of the last factorisation is
+saved, and an iteration of Newton's method is started at that state again.
 """
 
 from __future__ import annotations
@@ -23,11 +24,11 @@ Arrays = tuple[NDArray[Any], ...]
 
 
 @dataclass(frozen=True)
-class Place:
-    """All that a Jacobian depends on.
+class LinearisationPoint:
+    """State at which a Jacobian was computed: all that the Jacobian depends on.
 
-    time, step (s); q, v (m,), multipliers: of the engine; held: what Python keeps of joints and of the granular load;
-    active: whether anything may touch the medium.
+    time, step (s). q, v (m,), multipliers: of the engine. held: arrays of the joints and of the granular load. active:
+    whether anything could touch the medium in that step.
     """
 
     time: float
@@ -40,88 +41,90 @@ class Place:
 
 
 class Tangent:
-    """Watches where a solver computes its Jacobian, every few iterations; so the arrays of one place are written over.
+    """Keeps the state at which a solver computed its Jacobian last, and recomputes it there.
 
-    views: where the engine keeps its vectors, None where that is not known.
+    The engine computes a Jacobian every few iterations; so one set of arrays is overwritten each time. views: the
+    engine's vectors in the present part of the solve. pre_residual: function that the engine calls before residuals of
+    the solve.
     """
 
     def __init__(self, system: System, solver: Any, simulation: Any) -> None:
         self.system, self.solver, self.simulation = system, solver, simulation
         self.views: Views | None = None
-        self.before: Callable[..., None] | None = None  # what the engine calls before residuals of the solve
+        self.pre_residual: Callable[..., None] | None = None
         self._it = solver.it
         batches = () if system.bed is None else system.bed.load.batches
         self._held = [*system.held, *(array for batch in batches for array in batch.state())]
         data = system.mbs.systemData
         size, multipliers = data.ODE2Size(), len(data.GetAECoordinates())
         self._time, self._step, self._active = math.nan, 0.0, False
-        self._at = np.zeros(size), np.zeros(size), np.zeros(multipliers)
-        self._pairs = [(array.copy(), array) for array in self._held]
-        self._nothing = exu.MatrixContainer()
-        self._nothing.SetWithSparseMatrix(np.zeros((0, 3)), size, size)
-        # Full Newton computes it anew for each iteration, and keeps none.
+        self._vectors = np.zeros(size), np.zeros(size), np.zeros(multipliers)  # q, v and multipliers
+        self._copies = [(array.copy(), array) for array in self._held]  # each copy with its original
+        self._zero_matrix = exu.MatrixContainer()
+        self._zero_matrix.SetWithSparseMatrix(np.zeros((0, 3)), size, size)
+        # Full Newton computes a Jacobian in each iteration and reuses none.
         if simulation.timeIntegration.newton.useModifiedNewton:
-            system.mbs.SetSystemJacobianUserFunction(self._watch)
+            system.mbs.SetSystemJacobianUserFunction(self._note_state)
 
     @property
-    def place(self) -> Place | None:
-        """The last one, None before the first."""
+    def point(self) -> LinearisationPoint | None:
+        """State of the last Jacobian (a copy), None before the first Jacobian."""
         if math.isnan(self._time):
             return None
-        (q, v, multipliers), held = self._at, tuple(kept.copy() for kept, _ in self._pairs)
-        return Place(self._time, self._step, q.copy(), v.copy(), multipliers.copy(), held, self._active)
+        (q, v, multipliers), held = self._vectors, tuple(copy.copy() for copy, _ in self._copies)
+        return LinearisationPoint(self._time, self._step, q.copy(), v.copy(), multipliers.copy(), held, self._active)
 
-    @place.setter
-    def place(self, place: Place | None) -> None:
+    @point.setter
+    def point(self, point: LinearisationPoint | None) -> None:
         self._time = math.nan
-        if place is not None:
-            self._time, self._step, self._active = place.time, place.step, place.active
-            for array, kept in zip(self._at, (place.q, place.v, place.multipliers), strict=True):
-                array[:] = kept
-            for (array, _), kept in zip(self._pairs, place.held, strict=True):
-                array[:] = kept
+        if point is not None:
+            self._time, self._step, self._active = point.time, point.step, point.active
+            for array, values in zip(self._vectors, (point.q, point.v, point.multipliers), strict=True):
+                array[:] = values
+            for (copy, _), values in zip(self._copies, point.held, strict=True):
+                copy[:] = values
 
-    def _watch(self, mbs: Any, t: float, *_: float) -> Any:
-        """Called by the engine with each Jacobian; adds nothing to it."""
-        views, (q, v, multipliers), bed = self.views or Views(mbs), self._at, self.system.bed
+    def _note_state(self, mbs: Any, t: float, *_: float) -> Any:
+        """Jacobian function of the engine: note the present state, and add nothing to the Jacobian."""
+        views, (q, v, multipliers), bed = self.views or Views(mbs), self._vectors, self.system.bed
         self._time, self._step = t, self._it.currentStepSize
         q[:], v[:], multipliers[:] = views.q, views.v, views.multipliers
-        for kept, now in self._pairs:
-            kept[:] = now
+        for copy, array in self._copies:
+            copy[:] = array
         self._active = bed is not None and bed.load.active
-        return self._nothing
+        return self._zero_matrix
 
-    def recompute(self, place: Place) -> bool:
-        """Compute the Jacobian of another time. Leaves state and bed of the system where it was computed.
+    def recompute(self, point: LinearisationPoint) -> bool:
+        """Let the engine compute the Jacobian at a point; state and bed of the system stay there.
 
-        Returns whether the engine has computed it there, last.
+        Returns whether the last Jacobian that the engine computed is the one at that point.
         """
         mbs, solver, bed = self.system.mbs, self.solver, self.system.bed
-        for now, kept in zip(self._held, place.held, strict=True):
-            now[:] = kept
+        for array, values in zip(self._held, point.held, strict=True):
+            array[:] = values
         if bed is not None:
-            bed.evaluate_again(place.time, place.active)
-        mbs.systemData.SetTime(place.time)
-        solver.it.currentTime, solver.it.currentStepSize = place.time, place.step
+            bed.evaluate_again(point.time, point.active)
+        mbs.systemData.SetTime(point.time)
+        solver.it.currentTime, solver.it.currentStepSize = point.time, point.step
         iterations, solver.newton.maxIterations = solver.newton.maxIterations, 1
         solver.conv.jacobianUpdateRequested = True
-        mbs.SetPreNewtonResidualUserFunction(_leading_to(place))
+        mbs.SetPreNewtonResidualUserFunction(_starting_at(point))
         self._time = math.nan
         solver.Newton(mbs, self.simulation)
-        mbs.SetPreNewtonResidualUserFunction(self.before or 0)
+        mbs.SetPreNewtonResidualUserFunction(self.pre_residual or 0)
         solver.newton.maxIterations = iterations
-        there = zip(self._at, (place.q, place.v, place.multipliers), strict=True)
-        at_its_time = (self._time, self._step) == (place.time, place.step)
-        return at_its_time and all(np.array_equal(now, kept) for now, kept in there)
+        same_time = (self._time, self._step) == (point.time, point.step)
+        vectors = zip(self._vectors, (point.q, point.v, point.multipliers), strict=True)
+        return same_time and all(np.array_equal(noted, saved) for noted, saved in vectors)
 
 
-def _leading_to(place: Place) -> Callable[..., None]:
-    """Function that the engine calls before each residual of an iteration, the first of which it makes at a place."""
+def _starting_at(point: LinearisationPoint) -> Callable[..., None]:
+    """Function for the engine to call before residuals: it starts Newton's method at a point."""
 
-    def lead(mbs: Any, t: float, iteration: int, discontinuous: int) -> None:  # noqa: ARG001
+    def pre_residual(mbs: Any, t: float, iteration: int, discontinuous: int) -> None:  # noqa: ARG001
         if iteration == 0:
-            mbs.systemData.SetODE2Coordinates(place.q)
-            mbs.systemData.SetODE2Coordinates_t(place.v)
-            mbs.systemData.SetAECoordinates(place.multipliers)
+            mbs.systemData.SetODE2Coordinates(point.q)
+            mbs.systemData.SetODE2Coordinates_t(point.v)
+            mbs.systemData.SetAECoordinates(point.multipliers)
 
-    return lead
+    return pre_residual
