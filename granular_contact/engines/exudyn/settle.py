@@ -1,24 +1,25 @@
-"""Static equilibrium under gravity before t = 0: the mechanism is set down on the sand slowly.
+"""Static equilibrium under gravity before t = 0: the mechanism is lowered slowly onto the sand.
 
-Sand keeps every overshoot, so nothing is dropped. The mechanism is lowered with a hundredth of its weight until it
-stands; then the weight rises to its full value, in small steps. The supporting parts only ever penetrate deeper, and
-static resistance is fully mobilised at the end, as under a body that is lowered at vanishing speed. Torques and forces
-of drives rise with the weight; springs, stops and controls act in full, and time stands still.
+A body that overshoots its equilibrium stays too deep in sand, so nothing is dropped. The mechanism is lowered with a
+hundredth of its weight until it stands. Then the weight rises to its full value in small steps. The supporting parts
+only ever penetrate deeper, and static resistance is fully mobilised at the end, as under a body that is lowered at
+vanishing speed. Torques and forces of drives rise with the weight; springs, stops and controls act in full; time does
+not advance.
 
-In space the weight rises by OVERLOAD above its value before it comes back to it. A body that stands with all its
-bristles exactly at their yield meets no stiffness downward and that of all bristles upward, and which of the two is
-decided by round-off: Newton's method goes to and fro between them in every step of the run that follows, and what it
-leaves adds up. After the overload the bristles are inside their yield by that share, where the body rests on springs.
-It stands deeper by about that share of its depth.
+In space the weight rises to 1 + OVERLOAD of its value and then returns to it. If all bristles under a body are exactly
+at their yield, the tangent stiffness is zero downward, and that of all bristles upward; round-off decides which of the
+two applies. Newton's method would alternate between them in every step of the following run, and its residuals would
+add up. After the overload the bristles are below their yield by that share, and the body rests on their springs. It
+stands deeper by about that share of its depth.
 
-Inertia plays no part. In a step from q to q + d every body is held back by its mass,
+Inertial forces do not act. In a step from q to q + d the mass of each body resists the displacement d,
 
     M d / s = F(q + d) + G^T mu,    g(q + d) = 0,
 
-F: all forces at rest (see `balance`); g: constraints of the joints. This is the implicit Euler step of an overdamped
-motion, which never overshoots its equilibrium. s (s^2) is the pace: a free body moves by its acceleration times s. The
-pace is chosen so that nothing moves far in a step, and grows without bound once the mechanism stands: the last steps
-are those of Newton's method.
+with all forces at rest F (see `balance`), the constraints of the joints g, their gradients G and their multipliers mu.
+This is the implicit Euler step of an overdamped motion, which does not overshoot its equilibrium. s (s^2) is the pace:
+a free body moves by its acceleration times s. The pace is chosen so that nothing moves far in a step. It grows without
+bound once the mechanism stands, so that the last steps are those of Newton's method for equilibrium.
 """
 
 from __future__ import annotations
@@ -38,23 +39,23 @@ from granular_contact.mechanics.mass_and_gravity import SPARSE_FROM, mass_matrix
 from granular_contact.mechanics.system import System
 from granular_contact.scene.types import Vector
 
-MOST_STEPS = 4000  # a mechanism that needs more is taken to find no rest
+MOST_STEPS = 4000  # a mechanism that needs more steps has no equilibrium
 FIRST_WEIGHT = 0.01  # share of the weight with which the mechanism is lowered
-GROWTH, RISE = 1.25, 0.05  # of the weight in a step: largest factor, largest increase of its share
-OVERLOAD = 1e-3  # of the weight, put on and taken off again: a tenth as much is within what differences step over
-LONGEST_STEP = 0.05  # of the mechanism's length; a body may turn by twice that, in radians
-STANDING_ACCELERATION = 0.02  # of gravity: with less the mechanism stands and can take more weight
-RESTING_ACCELERATION = 1e-6  # of gravity: with less it rests
+GROWTH, RISE = 1.25, 0.05  # largest factor of the weight in a step, and largest increase of its share
+OVERLOAD = 1e-3  # share of the weight; a tenth of it is too small for tangents that are found by finite differences
+LONGEST_STEP = 0.05  # largest displacement in a step, over the mechanism's length; a body may turn by twice that (rad)
+STANDING_ACCELERATION = 0.02  # of gravity: with a smaller one the mechanism stands, and the weight may rise
+RESTING_ACCELERATION = 1e-6  # of gravity: with a smaller one the mechanism rests
 RESIDUAL_AT_REST = 1e-10  # of the mechanism's length: correction at which Newton's method has converged
 RESIDUAL_OF_STEP = 1e-4  # of the distance moved in the step: the same
-MOST_ITERATIONS, FEW_ITERATIONS = 25, 5  # of a step: more have failed, with fewer the pace may grow
+MOST_ITERATIONS, FEW_ITERATIONS = 25, 5  # of a step: it fails with more; with at most FEW the pace may grow
 CREEPS = "smooth friction creeps under any load: take load.friction: {type: elastoplastic}"
 SLOWEST_PACE = 1e-12  # of the first pace: below it the descent has failed
-FASTEST_PACE = 1e6  # of a swing's time squared: only what nothing holds moves far at this pace
+FASTEST_PACE = 1e6  # of the square of a pendulum's time: at this pace only a body without support moves far
 
 
 @dataclass(frozen=True)
-class _Found:
+class _StepEnd:
     """End of a step: coordinates, forces there, multipliers of the joints, number of iterations."""
 
     q: Vector
@@ -64,7 +65,13 @@ class _Found:
 
 
 class _Descent:
-    """Descent of a system to its rest; `share` of the weight, `pace` (s^2), `steps` so far, `rests` once there."""
+    """Descent of a system to its static equilibrium.
+
+    share: share of the weight that acts. pace (s^2): see above; pace_taken: that of the last accepted step. steps:
+    number of steps so far. rests: whether equilibrium is reached. goals: shares of the weight to reach one after
+    another. q (m,): coordinates; force (m,): generalised forces there. turning (m, m): derivatives of the forces of
+    joints, see `Balance.turning`.
+    """
 
     def __init__(self, system: System, recorder: Recorder) -> None:
         scene = system.scene
@@ -76,111 +83,115 @@ class _Descent:
         self.lever = recorder.lever.copy()
         for rigid in system.rigid.values():
             angles = np.array(system.mbs.systemData.GetNodeLTGODE2(rigid.node))[list(rigid.body.rotation_indices)]
-            self.lever[angles] = np.maximum(self.lever[angles], 0.5 * self.size)  # so that nothing turns far, either
+            self.lever[angles] = np.maximum(self.lever[angles], 0.5 * self.size)  # so that small bodies do not turn far
         self.share, self.steps, self.rests = FIRST_WEIGHT, 0, False
         self.goals = [1.0 + OVERLOAD, 1.0] if scene.in_space and system.bed is not None else [1.0]
         self.pace = self.pace_taken = 0.25 * LONGEST_STEP * self.size / (FIRST_WEIGHT * self.gravity)
         self.q: Vector = system.mbs.systemData.GetODE2Coordinates()
-        self.last = np.zeros_like(self.q)  # displacement of the last step
-        self.turning = np.zeros_like(self.mass)  # of the forces of joints, see `Balance.turning`
+        self.last_step = np.zeros_like(self.q)  # displacement of the last step
+        self.turning = np.zeros_like(self.mass)
         self.force, _ = self.balance.at(self.q, self.share)
         wall = scene.solver.max_wall_s
         self.deadline = math.inf if wall is None else time.perf_counter() + wall - system.building_s
 
     def run(self) -> None:
-        """Go on to rest, or as far as one gets."""
-        left, shortest = math.inf, SLOWEST_PACE * self.pace
+        """Take steps until the mechanism rests, a step fails at the slowest pace, or a limit is reached."""
+        acceleration, slowest_pace = math.inf, SLOWEST_PACE * self.pace
         goals = iter(self.goals)
         goal = next(goals)
-        while not self.rests and self.steps < MOST_STEPS and self.pace > shortest:
+        while not self.rests and self.steps < MOST_STEPS and self.pace > slowest_pace:
             if self.recorder.reason or time.perf_counter() > self.deadline:
                 return
             share = self.share
-            if left <= STANDING_ACCELERATION * share * self.gravity:
+            if acceleration <= STANDING_ACCELERATION * share * self.gravity:
                 share = min(goal, GROWTH * share, share + RISE)
-            moved = self._step(share)
+            distance = self._step(share)
             self.steps += 1
-            if moved is None:
+            if distance is None:
                 self.pace *= 0.25
                 continue
-            left = moved / self.pace_taken
-            if self.share == goal and left <= RESTING_ACCELERATION * self.gravity:
+            acceleration = distance / self.pace_taken
+            if self.share == goal and acceleration <= RESTING_ACCELERATION * self.gravity:
                 goal = next(goals, goal)
                 self.rests = self.share == goal
 
     def _step(self, share: float) -> float | None:
-        """One step with a share of the weight; greatest displacement (m) of any point; None: too long."""
-        found = self._newton(share)
-        if found is None:
-            return None
-        step = found.q - self.q
-        moved = float(np.abs(self.lever * step).max())
-        downhill = float((self.force + (share - self.share) * self.balance.rising(self.q)) @ step)
-        if moved > LONGEST_STEP * self.size or (moved > 1e-6 * self.size and downhill < 0.0):
-            return None
-        self.q, self.force, self.last, self.share = found.q, found.force, step, share
-        self.balance.accept(found.q)
-        self.pace_taken = self.pace
-        if found.iterations > FEW_ITERATIONS:
-            self.turning = self.balance.turning(found.q, found.multipliers)
-        if found.iterations <= FEW_ITERATIONS and moved < 0.4 * LONGEST_STEP * self.size:
-            self.pace = min(2.0 * self.pace, FASTEST_PACE * self.size / self.gravity)
-        return moved
+        """Take a step with a share of the weight; returns the greatest displacement (m) of any point.
 
-    def _newton(self, share: float) -> _Found | None:
-        """Where a step ends; None if Newton's method does not converge."""
-        n, before, factor = len(self.q), math.inf, 1.0
-        q = self.q + min(1.0, self.pace / self.pace_taken) * self.last  # extrapolated from the last step
+        None, and no step, if Newton's method fails, the displacement is too large, or it does work against the forces.
+        """
+        end = self._newton(share)
+        if end is None:
+            return None
+        step = end.q - self.q
+        distance = float(np.abs(self.lever * step).max())
+        work = float((self.force + (share - self.share) * self.balance.rising(self.q)) @ step)
+        if distance > LONGEST_STEP * self.size or (distance > 1e-6 * self.size and work < 0.0):
+            return None
+        self.q, self.force, self.last_step, self.share = end.q, end.force, step, share
+        self.balance.accept(end.q)
+        self.pace_taken = self.pace
+        if end.iterations > FEW_ITERATIONS:
+            self.turning = self.balance.turning(end.q, end.multipliers)
+        if end.iterations <= FEW_ITERATIONS and distance < 0.4 * LONGEST_STEP * self.size:
+            self.pace = min(2.0 * self.pace, FASTEST_PACE * self.size / self.gravity)
+        return distance
+
+    def _newton(self, share: float) -> _StepEnd | None:
+        """End of a step with a share of the weight; None if Newton's method does not converge."""
+        n, last_size, factor = len(self.q), math.inf, 1.0
+        q = self.q + min(1.0, self.pace / self.pace_taken) * self.last_step  # extrapolated from the last step
         for iteration in range(1, MOST_ITERATIONS + 1):
             force, gap = self.balance.at(q, share)
             matrix = self.balance.tangent()
             residual = np.concatenate([force - self.mass @ (q - self.q) / self.pace, gap])
-            # The multipliers themselves are unknowns, not their changes: the engine's stay zero.
+            # The unknowns are the multipliers themselves, not their corrections: the multipliers in the engine are
+            # zero.
             matrix[:n, :n] += self.turning - self.mass / self.pace
-            found = _solution(matrix, -residual)
-            if found is None:
+            solution = _solution(matrix, -residual)
+            if solution is None:
                 return None
-            change, multipliers = found[:n], found[n:]
-            size = float(np.abs(self.lever * change).max())
+            correction, multipliers = solution[:n], solution[n:]
+            size = float(np.abs(self.lever * correction).max())
             if not size < 1e3 * self.size:
                 return None
-            # Between elastic and yielding friction full steps can oscillate.
-            factor = max(0.25, 0.5 * factor) if size > 0.7 * before and iteration > 4 else 1.0
-            q = q + min(factor, LONGEST_STEP * self.size / max(size, 1e-300)) * change
-            moved = float(np.abs(self.lever * (q - self.q)).max())
-            if size <= max(RESIDUAL_AT_REST * self.size, RESIDUAL_OF_STEP * moved):
-                return _Found(q, force, multipliers, iteration)
-            before = size
+            # Full corrections can oscillate between elastic and yielding friction.
+            factor = max(0.25, 0.5 * factor) if size > 0.7 * last_size and iteration > 4 else 1.0
+            q = q + min(factor, LONGEST_STEP * self.size / max(size, 1e-300)) * correction
+            distance = float(np.abs(self.lever * (q - self.q)).max())
+            if size <= max(RESIDUAL_AT_REST * self.size, RESIDUAL_OF_STEP * distance):
+                return _StepEnd(q, force, multipliers, iteration)
+            last_size = size
         return None
 
 
-def _solution(matrix: Vector, right: Vector) -> Vector | None:
-    """Solution of linear equations, None where there is none; what is large is sparse."""
-    if len(right) <= SPARSE_FROM:
+def _solution(matrix: Vector, right_side: Vector) -> Vector | None:
+    """Solution of linear equations, None for a singular matrix; large matrices are solved as sparse ones."""
+    if len(right_side) <= SPARSE_FROM:
         try:
-            return np.asarray(np.linalg.solve(matrix, right), float)
+            return np.asarray(np.linalg.solve(matrix, right_side), float)
         except np.linalg.LinAlgError:
             return None
     from scipy import sparse
     from scipy.sparse import linalg
 
     try:
-        return np.asarray(linalg.splu(sparse.csc_matrix(matrix)).solve(right), float)
-    except RuntimeError:  # is exactly singular
+        return np.asarray(linalg.splu(sparse.csc_matrix(matrix)).solve(right_side), float)
+    except RuntimeError:  # the matrix is exactly singular
         return None
 
 
 def settle(system: System, recorder: Recorder) -> None:
-    """Bring an assembled system to rest, and make that its initial state at t = 0.
+    """Find the static equilibrium of an assembled system, and make it the initial state at t = 0.
 
-    recorder: that of the run, which hears of Ctrl-C.
+    recorder: that of the run, whose `reason` tells of Ctrl-C.
 
     Raises
     ------
     SolveError
-        It does not come to rest; OutOfTimeError where it is not given the time.
+        The system has no equilibrium; OutOfTimeError if `solver.max_wall_s` is too short to find it.
     KeyboardInterrupt
-        It was asked for; there is nothing to keep.
+        Ctrl-C was pressed; there are no results to keep.
     """
     descent = _Descent(system, recorder)
     descent.run()
@@ -200,7 +211,7 @@ def settle(system: System, recorder: Recorder) -> None:
 
 
 def _begin(system: System, q: Vector) -> None:
-    """Make a place the system's initial state, at rest."""
+    """Make q (m,) the system's initial coordinates, with all rates zero."""
     data, initial = system.mbs.systemData, exu.ConfigurationType.Initial
     data.SetODE2Coordinates(q, configuration=initial)
     data.SetODE2Coordinates_t(np.zeros_like(q), configuration=initial)
