@@ -271,7 +271,7 @@ def test_the_command_its_folder_and_its_page(tmp_path, capsys):
     assert {path: path.read_bytes() for path in before} == before
     (tmp_path / "search.yaml").write_text(text.replace("seed: 1", "seed: 2"), encoding="utf-8")
     assert main(command) == 2
-    assert "is of another search (seed is 1 there and 2 here)" in capsys.readouterr().err
+    assert "contains another search (seed is 1 there, but 2 is requested)" in capsys.readouterr().err
     assert main(["check", str(tmp_path / "search.yaml")]) == 0
     assert main(["schema", "--of", "optimise"]) == 0
     assert {"parameters", "objective"} <= json.loads(capsys.readouterr().out.partition("\n")[2])["properties"].keys()

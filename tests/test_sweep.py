@@ -329,7 +329,9 @@ def test_plots_give_each_case_its_results(tmp_path, capsys):
     assert ended("sweep", path, "--out", tmp_path / "out", "--quiet", "--restart") == 0
     assert sorted(entry.name for entry in (tmp_path / "out").iterdir()) == ["sweep.yaml", "table.csv"]
     assert ended("sweep", path, "--out", tmp_path / "out", "--plots") == 2
-    assert capsys.readouterr().err == f"{tmp_path / 'out'} holds this sweep without --plots: --restart runs it again\n"
+    assert (
+        capsys.readouterr().err == f"{tmp_path / 'out'} contains this sweep without --plots; --restart runs it again\n"
+    )
 
 
 @pytest.mark.parametrize(
@@ -423,7 +425,7 @@ def test_ctrl_c_keeps_what_is_finished(under_way, tmp_path):
     until(lambda: is_gone(under_way.pid), 10)
 
 
-@pytest.mark.skipif(not processes._HAS_SERVER or not processes._CAN_TELL, reason="nothing is imported in advance")
+@pytest.mark.skipif(not processes._HAS_SERVER or not processes._HAS_SAFE_PATH, reason="nothing is imported in advance")
 def test_workers_begin_with_all_modules_that_are_to_be_imported_in_advance():
     """The server passes over what it can't import, and says nothing."""
     wanted = [*processes._PRELOADED, *(f"granular_contact.{name}" for name in processes._OURS)]

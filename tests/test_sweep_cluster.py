@@ -169,9 +169,9 @@ def test_a_case_that_crashes_its_worker_is_a_failed_row(workers, numbered, tmp_p
     ("package", "version", "said"),
     [
         ("exudyn", "0.1", "has exudyn 1"),
-        ("granular-contact", "0.0", f"has granular-contact {__version__}, and here is 0.0"),
+        ("granular-contact", "0.0", f"has granular-contact {__version__}, but this process has 0.0"),
         ("python", "2.7", "has python 3"),
-        ("nothing-like-this", "1", "has no nothing-like-this, and here is 1"),
+        ("nothing-like-this", "1", "has no nothing-like-this, but this process has 1"),
     ],
 )
 def test_workers_that_are_not_like_this_process_are_refused(workers, monkeypatch, package, version, said):

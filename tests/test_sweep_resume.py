@@ -164,9 +164,9 @@ def state(folder: Path) -> dict[str, str]:
 @pytest.mark.parametrize(
     ("cases", "said"),
     [
-        ("  a: {}\n  b: {gravity_m_s2: 9.5}\n", "cases.b.gravity_m_s2 is 9 there and 9.5 here"),
-        ("  a: {}\n  c: {gravity_m_s2: 9}\n", "cases.c is only here"),
-        ("  a: {}\n", "cases.b is only there"),
+        ("  a: {}\n  b: {gravity_m_s2: 9.5}\n", "cases.b.gravity_m_s2 is 9 there, but 9.5 is requested"),
+        ("  a: {}\n  c: {gravity_m_s2: 9}\n", "cases.c is not in that folder"),
+        ("  a: {}\n", "cases.b is in that folder alone"),
     ],
 )
 def test_a_finished_folder_of_another_sweep_is_refused(tmp_path, capsys, cases, said):
@@ -177,7 +177,7 @@ def test_a_finished_folder_of_another_sweep_is_refused(tmp_path, capsys, cases, 
     for more in ([], ["--restart"]):
         assert main(["sweep", str(tmp_path / "many.yaml"), "--out", out, *more]) == 2
         seen = capsys.readouterr()
-        assert seen.err == f"{out} is of another sweep ({said}): give another --out, or remove it\n"
+        assert seen.err == f"{out} contains another sweep ({said}); give another --out, or remove the folder\n"
         assert state(tmp_path) == before
 
 
@@ -187,7 +187,7 @@ def test_a_config_that_changed_is_another_sweep(tmp_path, capsys):
     text = (tmp_path / "many.yaml").read_text()
     (tmp_path / "many.yaml").write_text(text.replace("set: {", "set: {medium.eta_h: 9, "))
     assert main(["sweep", str(tmp_path / "many.yaml"), "--out", out]) == 2
-    assert "config.medium.eta_h is 8.0 there and 9.0 here" in capsys.readouterr().err
+    assert "config.medium.eta_h is 8.0 there, but 9.0 is requested" in capsys.readouterr().err
 
 
 def test_a_finished_sweep_is_not_run_again_unless_asked(tmp_path, capsys):
@@ -228,7 +228,8 @@ def test_an_unfinished_folder_of_another_sweep_is_refused(tmp_path, capsys, monk
     path.write_text(path.read_text().replace("count: 8", "count: 9"))
     before = state(tmp_path)
     assert main(["sweep", str(path), "--out", out]) == 2
-    words = f"{out}.part is of another sweep (sample.count is 8 there and 9 here): --restart throws it away\n"
+    difference = "(sample.count is 8 there, but 9 is requested)"
+    words = f"{out}.part contains another sweep {difference}; --restart discards it and starts again\n"
     assert capsys.readouterr().err == words
     assert state(tmp_path) == before
     assert main(["sweep", str(path), "--out", out, "--restart", "--quiet"]) == 0
@@ -241,7 +242,7 @@ def test_other_versions_and_options_do_not_go_on(tmp_path, capsys, monkeypatch):
     interrupted(tmp_path, monkeypatch)
     capsys.readouterr()
     assert main(["sweep", str(path), "--out", out, "--plots"]) == 2
-    assert "was begun without --plots: go on without it" in capsys.readouterr().err
+    assert "was begun without --plots; continue without --plots" in capsys.readouterr().err
     begun = tmp_path / "out.part" / "journal" / "begun.json"
     text = begun.read_text()
     begun.write_text(text.replace('"exudyn": "1', '"exudyn": "0'))
@@ -250,7 +251,7 @@ def test_other_versions_and_options_do_not_go_on(tmp_path, capsys, monkeypatch):
     begun.write_text(text)
     with held(tmp_path / "out.part" / "journal"):
         assert main(["sweep", str(path), "--out", out]) == 2
-        assert "another process is at work on this sweep" in capsys.readouterr().err
+        assert "another process is working on this sweep" in capsys.readouterr().err
     assert main(["sweep", str(path), "--out", out, "--quiet"]) == 0
 
 

@@ -182,7 +182,9 @@ def test_as_users_run_it(tmp_path, capsys):
     none = "64 of 64 cases have no max_deflection_m (case_01, case_02, case_03, ...)"
     # 16 points are too few for this, and it is said.
     vague, refused = (line for line in err.splitlines() if " of 64 cases, " not in line)
-    assert vague.startswith(f"warning: Sobol indices of stopping_time_s to {SPEED}: too few points, an interval")
+    assert vague.startswith(
+        f"warning: Sobol indices of stopping_time_s with respect to {SPEED}: too few points, a confidence"
+    )
     assert refused == f"no Sobol indices of max_deflection_m: {none}"
     assert "Sobol indices of stopping_time_s" in out
     names = sorted(str(p.relative_to(tmp_path / "out")) for p in (tmp_path / "out").rglob("*"))

@@ -1,15 +1,15 @@
-"""Many runs of one config: Sweep -> rows, on all cores or a cluster, and their table.
+"""Run the cases of a sweep on all cores or a Dask cluster, and write their table.
 
-worker       one case, or a few, in a process of their own: tasks in, rows out
-journal      rows on the disk as they come
+worker       one or several cases in a worker process: tasks in, rows out
+journal      rows on the disk, stored as soon as they are computed
 cluster      workers of a Dask cluster
-executor     the pool of either kind of worker, made when needed
-runner       which case goes where, and what happens when one kills its process
-checkpoint   the folder from which a killed sweep goes on
+executor     pool of workers of either kind, created when needed
+runner       distribution of cases to workers; handling of a case that kills its process
+checkpoint   work folder from which an interrupted sweep continues
 calls        a sweep from Python
-table        rows -> table.csv, and sweep.yaml
-sensitivity  rows -> Sobol indices
-slip         rows of a wheel -> its forces against slip
+table        table.csv and sweep.yaml
+sensitivity  Sobol indices
+slip         figure of the forces of a wheel against its slip
 """
 
 from granular_contact.errors import WorkerPoolError

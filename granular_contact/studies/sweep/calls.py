@@ -1,4 +1,4 @@
-"""A sweep from Python: a scenario and values -> rows."""
+"""Run a sweep from Python."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from granular_contact.studies.sweep.runner import run
 
 
 def file_of(scenario: Given, name: str, **keys: Any) -> tree.Mapping:
-    """The tree of a file of many runs of a scenario, with those of its other keys that are not None."""
+    """Tree of a study file with the scenario as its config, and the given keys that are not None."""
     config = scenario_to_dict(scenario_given(scenario))
-    given = {key: one for key, one in {"config": config, **keys}.items() if one is not None}
+    given = {key: value for key, value in {"config": config, **keys}.items() if value is not None}
     at = tree.Position(name, None)
-    return tree.mapping({key: tree.made(plain_data(one), at) for key, one in given.items()}, at)
+    return tree.mapping({key: tree.made(plain_data(value), at) for key, value in given.items()}, at)
 
 
 def sweep(
@@ -35,36 +35,36 @@ def sweep(
     Parameters
     ----------
     scenario : Scenario, Loaded, str, path or mapping
-        What all cases start from: what `load` gave, or takes.
+        Result or argument of `load`; the basis of all cases.
     vary : mapping, optional
         Values by dotted key: a list or an array, or a range `{"from": 1, "to": 9, "count": 5, "scale": "log"}`.
     sample : mapping, optional
-        In place of `vary`: how cases are drawn, as under `sample` in a sweep file.
+        In place of `vary`: a random sample of cases, as under `sample` in a sweep file.
     combine : str, optional
-        grid, all combinations of the values (unless given), or zip, the values side by side.
+        grid (the default), all combinations of the values, or zip, the values side by side.
     workers : int, optional
-        Processes, one a core unless given.
+        Number of processes, by default one per core.
 
     Returns
     -------
     list of dict
-        A row for each case, in order: `case`, the values that vary, and the summary by dotted key. A case that failed
-        has the `status` failed or error, and a `message`.
+        A row for each case, in order: `case`, the varied values, and the summary by dotted key. A failed case has the
+        `status` failed or error, and a `message`.
 
     Raises
     ------
     ConfigError
-        With every fault of the values, before anything runs.
+        With every fault of the values, before the first run.
 
     Examples
     --------
-    In a script these lines stand below `if __name__ == "__main__":`, since the processes import it.
+    In a script these lines stand below `if __name__ == "__main__":`, because every process imports the script.
 
     >>> rows = sweep(load("pendulum"), {"medium.eta_d": [4, 5, 6]})
     >>> [row["stopping_time_s"] for row in rows]
 
-    Many runs of the reduced model, with values and key numbers as arrays; they are marched together by compiled calls,
-    and a few hundred of them in threads of this process.
+    Many runs of the reduced model, with values and key numbers as arrays. A compiled call integrates many of them
+    together; a few hundred runs are computed in threads of this process.
 
     >>> speeds, angles = np.random.default_rng(0).uniform([[2], [22]], [[9], [60]], (2, 10_000))
     >>> values = {"initial.impact_speed_rad_s": speeds, "initial.impact_angle_deg": angles}
@@ -72,7 +72,7 @@ def sweep(
     >>> depths = np.array([row["max_depth_m"] for row in rows])
     """
     root = file_of(scenario, "sweep", vary=vary, sample=sample, combine=combine)
-    found = sweep_of(root, Path("sweep"), [], Builder())
+    cases = sweep_of(root, Path("sweep"), [], Builder())
     with WorkerPool(workers) as pool:
-        rows = sorted(run(found, pool), key=lambda row: row.index)
+        rows = sorted(run(cases, pool), key=lambda row: row.index)
     return [{"case": row.name, **row.values, **row.summary} for row in rows]

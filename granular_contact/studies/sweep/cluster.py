@@ -1,6 +1,6 @@
-"""Workers on a Dask cluster (extra `[cluster]`): distributed's own scheduler and workers.
+"""Workers on a Dask cluster (extra `[cluster]`): the scheduler and workers of the package distributed.
 
-Workers are started by the user, one process for each core, as runs hold the interpreter:
+The user starts the workers, one process for each core, because a run holds the lock of the interpreter:
 
     dask scheduler
     dask worker tcp://HOST:8786 --nworkers auto --nthreads 1
@@ -24,19 +24,20 @@ from granular_contact.errors import WorkerPoolError
 from granular_contact.results.summary import versions
 from granular_contact.studies.sweep.executor import WorkerPool
 
-ANSWER_SECONDS = 8.0  # until a scheduler counts as silent
+ANSWER_SECONDS = 8.0  # timeout of the scheduler
 MISSING = "--scheduler needs distributed: pip install 'granular-contact[cluster]'"
 
 
 def cluster_pool(address: str, folder: Path | None = None) -> WorkerPool:
-    """The workers of the cluster whose scheduler is at `address`, as tcp://host:8786.
+    """Return a pool of the workers of a cluster; address: of its scheduler, as tcp://host:8786.
 
-    folder: one that they must see, for the results of each case.
+    folder: for the results of each case; all workers must see it.
 
     Raises
     ------
     WorkerPoolError
-        The scheduler does not answer, or has no workers, or such that would not compute what this process would.
+        The scheduler does not answer or has no workers, or a worker has several threads or other versions than this
+        process.
     """
     try:
         distributed: Any = importlib.import_module("distributed")
@@ -45,14 +46,14 @@ def cluster_pool(address: str, folder: Path | None = None) -> WorkerPool:
     _silence()
     begin = time.monotonic()
     try:
-        # A client that finds nobody takes as long again to give up; so one plain question comes first.
+        # A client without a scheduler waits twice as long before it gives up, so a plain request comes first.
         asyncio.run(_identity(address))
         client = distributed.Client(address, timeout=ANSWER_SECONDS, set_as_default=False)
-    except Exception as error:  # what speaks there may be anything
-        said = " ".join(str(error).split()) if isinstance(error, ValueError) else "no Dask scheduler answers"
-        raise WorkerPoolError(f"--scheduler {address}: {said} ({time.monotonic() - begin:.0f} s waited)") from None
+    except Exception as error:  # any server may listen at the address
+        fault = " ".join(str(error).split()) if isinstance(error, ValueError) else "no Dask scheduler answers"
+        raise WorkerPoolError(f"--scheduler {address}: {fault} ({time.monotonic() - begin:.0f} s waited)") from None
     try:
-        workers = _fit(client, address, folder)
+        workers = _checked_workers(client, address, folder)
     except BaseException:
         client.close()
         raise
@@ -60,15 +61,17 @@ def cluster_pool(address: str, folder: Path | None = None) -> WorkerPool:
 
 
 def _silence() -> None:
-    """Silence distributed's loggers, as every problem comes as an exception. Some child loggers have a level of their
-    own, which is set, too.
+    """Silence all loggers of distributed, because every problem also raises an exception.
+
+    Child loggers are included, since some have their own level.
     """
-    for name in ("distributed", *(n for n in logging.root.manager.loggerDict if n.startswith("distributed."))):
+    children = (name for name in logging.root.manager.loggerDict if name.startswith("distributed."))
+    for name in ("distributed", *children):
         logging.getLogger(name).setLevel(logging.CRITICAL)
 
 
 async def _identity(address: str) -> None:
-    """Ask a scheduler who it is; raises if there is no answer in time."""
+    """Ask a scheduler for its identity; raises if there is no answer in time."""
     core: Any = importlib.import_module("distributed.core")
 
     async def ask() -> None:
@@ -84,7 +87,7 @@ async def _identity(address: str) -> None:
 
 
 class _ClusterPool(WorkerPool):
-    """Workers of one client, which is closed at the end."""
+    """Pool of the workers of one client, which is closed at the end."""
 
     def __init__(self, client: Any, address: str, workers: int) -> None:
         super().__init__(workers, lambda _: _ClusterExecutor(client, address), local=False)
@@ -96,10 +99,10 @@ class _ClusterPool(WorkerPool):
 
 
 class _ClusterExecutor(Executor):
-    """distributed's futures as those of an executor of this machine.
+    """Executor that returns futures of `concurrent.futures` for tasks of distributed.
 
-    Its own executor leaves a future without an answer for ever where a worker dies after a task has ended and before
-    its result was fetched.
+    With distributed's own executor a future never ends if its worker dies after the end of the task and before the
+    result is fetched.
     """
 
     def __init__(self, client: Any, address: str) -> None:
@@ -107,18 +110,18 @@ class _ClusterExecutor(Executor):
         self._pending: set[Any] = set()
 
     def submit(self, function: Callable[..., Any], /, *arguments: Any, **keywords: Any) -> Future[Any]:
-        """As of any executor."""
+        """`Executor.submit`."""
         outcome: Future[Any] = Future()
         try:
             inner = self._client.submit(function, *arguments, pure=False, **keywords)
         except (RuntimeError, OSError) as error:
-            raise self._gone() from error
+            raise self._lost() from error
         self._pending.add(inner)
         inner.add_done_callback(partial(self._settle, outcome))
         return outcome
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:  # noqa: ARG002
-        """Cancel what has not ended; the workers stay."""
+        """Cancel unfinished tasks; the workers keep running."""
         self._client.cancel(list(self._pending))
 
     def _settle(self, outcome: Future[Any], inner: Any) -> None:
@@ -128,17 +131,20 @@ class _ClusterExecutor(Executor):
         except distributed.KilledWorker as error:
             outcome.set_exception(BrokenExecutor(str(error)))
         except (CancelledError, distributed.comm.CommClosedError):  # the latter while a result is fetched
-            outcome.set_exception(self._gone())
+            outcome.set_exception(self._lost())
         except BaseException as error:
             outcome.set_exception(error)
         self._pending.discard(inner)
 
-    def _gone(self) -> WorkerPoolError:
+    def _lost(self) -> WorkerPoolError:
         return WorkerPoolError(f"--scheduler {self._address}: the connection is lost")
 
 
-def _fit(client: Any, address: str, folder: Path | None) -> int:
-    """Number of workers; each must have the versions of this process, so that it gives the same rows."""
+def _checked_workers(client: Any, address: str, folder: Path | None) -> int:
+    """Check all workers and return their number.
+
+    Each must have one thread, the versions of this process (so that it computes the same rows), and see the folder.
+    """
     try:
         client.wait_for_workers(1, timeout=2.0)
     except TimeoutError:
@@ -149,23 +155,23 @@ def _fit(client: Any, address: str, folder: Path | None) -> int:
         if threads != 1:
             message = f"the worker {worker} has {threads} threads; start workers with --nthreads 1"
             raise WorkerPoolError(f"--scheduler {address}: {message}")
-    pythons = client.get_versions()["workers"]
-    here = versions()
-    for package, version in here.items():
+    environments = client.get_versions()["workers"]
+    for package, version in versions().items():
         if package == "python":
-            found = {worker: about["host"]["python"] for worker, about in pythons.items()}
-            found = {worker: there.split(".final")[0] for worker, there in found.items()}
-        elif package == "granular-contact":  # functions of Python itself, which every worker has
-            found = client.run(eval, "__import__('granular_contact').__version__", on_error="return")
+            installed = {worker: about["host"]["python"].split(".final")[0] for worker, about in environments.items()}
+        elif package == "granular-contact":  # by functions of Python itself, which every worker has
+            installed = client.run(eval, "__import__('granular_contact').__version__", on_error="return")
         else:
-            found = client.run(metadata.version, package, on_error="return")
-        for worker, there in found.items():
-            if there != version:
-                has = f"has {package} {there}" if isinstance(there, str) else f"has no {package}"
-                raise WorkerPoolError(f"--scheduler {address}: the worker {worker} {has}, and here is {version}")
+            installed = client.run(metadata.version, package, on_error="return")
+        for worker, other in installed.items():
+            if other != version:
+                has = f"has {package} {other}" if isinstance(other, str) else f"has no {package}"
+                message = f"the worker {worker} {has}, but this process has {version}"
+                raise WorkerPoolError(f"--scheduler {address}: {message}")
     if folder is not None:
-        seen = client.run(os.path.isdir, str(folder))
-        blind = next((worker for worker, sees in seen.items() if not sees), None)
+        visible = client.run(os.path.isdir, str(folder))
+        blind = next((worker for worker, sees in visible.items() if not sees), None)
         if blind is not None:
-            raise WorkerPoolError(f"--scheduler {address}: the worker {blind} does not see {folder}, where --plots go")
+            message = f"the worker {blind} does not see {folder}, the folder for the results of --plots"
+            raise WorkerPoolError(f"--scheduler {address}: {message}")
     return len(client.nthreads())

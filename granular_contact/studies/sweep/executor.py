@@ -1,4 +1,4 @@
-"""The workers of a sweep: an executor that is made when it is needed, and made anew after a shutdown."""
+"""Pool of the workers of a sweep: an executor that is created when needed, and again after a shutdown."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ ExecutorFactory = Callable[[int], Executor]
 
 
 class WorkerPool:
-    """A number of workers of one kind; leaving the `with` block ends them and the tasks they are working on.
+    """A number of workers of one kind; leaving the `with` block ends them, with the tasks that they work on.
 
     Parameters
     ----------
     workers : int, optional
-        How many; one per core unless given.
+        Number of workers, by default one per core.
     factory : callable, optional
-        Makes an executor of that many workers; processes of this machine unless given.
+        Function from the number of workers to an executor, by default of processes on this machine.
     local : bool, optional
-        Whether workers write to the disk of this machine, and so can keep their rows themselves.
+        Whether workers write to the disk of this machine, so that they can store their rows themselves.
     """
 
     def __init__(
@@ -33,13 +33,13 @@ class WorkerPool:
         self._executor: Executor | None = None
 
     def executor(self) -> Executor:
-        """The executor, ready for tasks."""
+        """Return the executor, ready for tasks."""
         if self._executor is None:
             self._executor = self._factory(self.count)
         return self._executor
 
     def shutdown(self) -> None:
-        """End the executor at once; the next call of `executor` makes a new one."""
+        """End the executor at once; the next call of `executor` creates a new one."""
         executor, self._executor = self._executor, None
         if executor is not None:
             executor.shutdown(wait=False, cancel_futures=True)

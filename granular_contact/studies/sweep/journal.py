@@ -1,7 +1,7 @@
-"""Rows on the disk as soon as they are computed: JSON lines, one file per writing process.
+"""Journal of a sweep: rows stored on the disk as soon as they are computed, as JSON lines, one file per process.
 
-A row is one write to the system, so a killed process leaves complete rows and at most one incomplete line, which is
-ignored. A power failure may cost the last seconds.
+A row is written by one system call. So a killed process leaves complete rows and at most one incomplete line, which is
+ignored when the journal is read. A power failure can lose the rows of the last seconds.
 """
 
 from __future__ import annotations
@@ -19,14 +19,14 @@ from typing import Any
 
 from granular_contact.results import FINISHED
 
-SYNC_SECONDS = 2.0  # a sync takes milliseconds, as long as a case
+SYNC_SECONDS = 2.0  # interval between syncs; a sync takes milliseconds, about as long as a case
 _ENDING = ".jsonl"
 _START = re.compile(rb'{"index": (\d+), ')
 
 
 @dataclass(frozen=True)
 class Row:
-    """Result of a case. summary: flat, by dotted key; at least `status` and `message`."""
+    """Result of a case. values: of the varied keys; summary: flat, by dotted key, at least `status` and `message`."""
 
     index: int
     name: str
@@ -44,12 +44,12 @@ class Row:
         return not self.failed and self.summary.get("usable") is False
 
     def line(self) -> bytes:
-        """The row as JSON; raises TypeError for what is not plain data."""
+        """The row as a line of JSON; raises TypeError for values that are not plain data."""
         return (json.dumps(vars(self), ensure_ascii=False, default=_plain) + "\n").encode()
 
     @staticmethod
     def of(line: bytes) -> Row:
-        """The row of a whole line."""
+        """The row of a complete line."""
         return Row(**json.loads(line))
 
 
@@ -63,12 +63,12 @@ class Writer:
         self._lock = threading.Lock()
 
     def append(self, line: bytes) -> None:
-        """Write the line of a row, whole.
+        """Write the complete line of a row.
 
         Raises
         ------
         OSError
-            The disk refuses; the file ends with the row before.
+            The line cannot be written; the file then ends with the row before it.
         """
         with self._lock:
             try:
@@ -85,18 +85,18 @@ class Writer:
                 self._synced = time.monotonic()
 
     def close(self) -> None:
-        """No more rows."""
+        """Close the file."""
         os.close(self._file)
 
 
 class Journal:
-    """The rows in a folder of such files, in the order of the sweep, read anew each time; one for each case."""
+    """The rows in a folder of journal files, one per case, in the order of the sweep; read again at each iteration."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
 
     def writer(self) -> Writer:
-        """A writer for this process."""
+        """Return a writer for this process."""
         return Writer(self.folder)
 
     def done(self) -> set[int]:
@@ -119,7 +119,7 @@ class Journal:
                 file.close()
 
     def _places(self) -> dict[int, tuple[Path, int]]:
-        """File of each row, by index of its case, and where it begins there."""
+        """File and offset of each row, by index of its case."""
         places: dict[int, tuple[Path, int]] = {}
         for path in sorted(self.folder.glob(f"*{_ENDING}")):
             offset = 0
@@ -132,13 +132,13 @@ class Journal:
 
 
 def _index(line: bytes) -> int | None:
-    """Index of the row of a line, which is its first entry; None for an incomplete line."""
-    found = _START.match(line)
-    return int(found[1]) if found and line.endswith(b"}\n") else None
+    """Index of the case of a line, which is the first entry of its row; None for an incomplete line."""
+    start = _START.match(line)
+    return int(start[1]) if start and line.endswith(b"}\n") else None
 
 
 def _plain(value: Any) -> Any:
-    """NumPy's scalars as Python's."""
+    """Convert scalars of NumPy to those of Python."""
     if hasattr(value, "item"):
         return value.item()
     raise TypeError(f"{type(value).__name__} is not plain data")

@@ -1,4 +1,4 @@
-"""Sweeps of a wheel over its slip: the figure of what it pulls and how deep it sinks."""
+"""Figure of drawbar pull, torque and sinkage of a wheel against its slip, for sweeps that vary the slip."""
 
 from __future__ import annotations
 
@@ -12,21 +12,24 @@ from granular_contact.report import FIGURES
 from granular_contact.studies.sweep.journal import Row
 
 SLIP = "wheel.slip"
-FOUND = ("wheel.slip", "wheel.drawbar_pull_N", "wheel.torque_Nm", "wheel.sinkage_m")
+COLUMNS = ("wheel.slip", "wheel.drawbar_pull_N", "wheel.torque_Nm", "wheel.sinkage_m")
 FIGURE = "wheel_over_slip.png"
-MOST = 6  # curves
+MOST = 6  # greatest number of curves
 
 
 def write(sweep: Sweep, rows: Iterable[Row], folder: Path) -> None:
-    """Draw the figure of a sweep that varies the slip, a curve for each of the other values; raises OSError."""
+    """Draw the figure of a sweep that varies the slip, a curve for each combination of the other values.
+
+    Raises OSError.
+    """
     if SLIP not in sweep.keys or not sweep.base.output.figures:
         return
     curves: dict[str, list[list[float]]] = {}
     for row in rows:
-        if row.failed or any(row.summary.get(key) is None for key in FOUND):
+        if row.failed or any(row.summary.get(key) is None for key in COLUMNS):
             continue
         others = (f"{key.rsplit('.', 1)[-1]} {row.values[key]}" for key in sweep.keys if key != SLIP)
-        curves.setdefault(", ".join(others), []).append([row.summary[key] for key in FOUND])
+        curves.setdefault(", ".join(others), []).append([row.summary[key] for key in COLUMNS])
     shown = {label: np.array(sorted(points)).T for label, points in list(curves.items())[:MOST] if len(points) > 1}
     if not shown:
         return

@@ -1,4 +1,4 @@
-"""Rows of a sweep -> table.csv, and the sweep itself -> sweep.yaml, from which it can be run again."""
+"""Write the rows of a sweep to table.csv, and the sweep itself to sweep.yaml, from which it can be run again."""
 
 from __future__ import annotations
 
@@ -18,32 +18,35 @@ CASE = "case"
 
 
 def write(sweep: Sweep, rows: Iterable[Row], folder: Path) -> None:
-    """Write table.csv; rows are gone through twice, and come in the order of the sweep.
+    """Write table.csv; rows, in the order of the sweep, are iterated over twice.
 
     Raises
     ------
     OSError
-        The disk refuses.
+        The file cannot be written.
     """
-    found = ({**row.summary, **row.values, CASE: row.name} for row in rows)
-    write_cells(folder / TABLE, columns(sweep, rows), found)
+    entries = ({**row.summary, **row.values, CASE: row.name} for row in rows)
+    write_cells(folder / TABLE, columns(sweep, rows), entries)
 
 
 def write_cells(path: Path, names: list[str], rows: Iterable[Mapping[str, Any]]) -> None:
-    """Write a table of rows by the names of its columns; what a row does not have stays empty. Raises OSError."""
+    """Write a table of rows by the names of its columns; missing entries stay empty. Raises OSError."""
     write_table(path, names, ([cell(row.get(name)) for name in names] for row in rows))
 
 
 def columns(sweep: Sweep, rows: Iterable[Row]) -> list[str]:
-    """Names of the columns: the case, what varies, then all that any run has; rows of crashes know less."""
-    keys_by_success: tuple[dict[str, None], dict[str, None]] = {}, {}
+    """Names of the columns: the case, the varied keys, then the key numbers of all rows.
+
+    Rows of errors have few key numbers, so theirs come last.
+    """
+    keys_by_error: tuple[dict[str, None], dict[str, None]] = {}, {}
     for row in rows:
-        keys_by_success[row.summary["status"] == "error"].update(dict.fromkeys(row.summary))
-    return list(dict.fromkeys([CASE, *sweep.keys, *keys_by_success[0], *keys_by_success[1]]))
+        keys_by_error[row.summary["status"] == "error"].update(dict.fromkeys(row.summary))
+    return list(dict.fromkeys([CASE, *sweep.keys, *keys_by_error[0], *keys_by_error[1]]))
 
 
 def cell(value: Any) -> str:
-    """A value as the text of a cell; nothing for what is not known."""
+    """Format a value as the text of a cell; empty for None, NaN and infinity."""
     if value is None or (isinstance(value, float) and not math.isfinite(value)):
         return ""
     if isinstance(value, bool):
@@ -56,12 +59,12 @@ def cell(value: Any) -> str:
 
 
 def work_of(sweep: Sweep, noun: str = "sweep", runs: str = "cases") -> Contents:
-    """What its folder is of; noun, runs: what messages call it and its runs."""
+    """Contents of the results folder of a sweep; noun, runs: names of the sweep and of its runs in messages."""
     return Contents("sweep", SWEEP, sweep_text(sweep), TABLE, lambda index: sweep.cases[index].name, noun, runs)
 
 
 def sweep_text(sweep: Sweep) -> str:
-    """A self-contained sweep file: the config with every default, and how cases are drawn, or a line for each."""
+    """Self-contained sweep file: the config with every default, and the sample or a line for each case."""
     return "".join(_lines(sweep))
 
 
@@ -72,8 +75,9 @@ def _lines(sweep: Sweep) -> Iterator[str]:
         yield yaml_text({"sample": sweep.sample.plain()})
         changes = (json.dumps(sweep.changes(case)).encode() for case in sweep.cases)
         digest = hashlib.sha256(b"\n".join(changes)).hexdigest()[:16]
-        yield f"# {len(sweep.cases)} cases, {digest}\n"  # another version of the sampler may draw others
+        # The digest tells whether another version of the sampler draws other cases.
+        yield f"# {len(sweep.cases)} cases, {digest}\n"
         return
     yield "cases:\n"
-    for case in sweep.cases:  # JSON is YAML, and written a hundred times as fast
+    for case in sweep.cases:  # JSON is valid YAML, and is written a hundred times as fast
         yield f"  {case.name}: {json.dumps(sweep.changes(case), ensure_ascii=False)}\n"

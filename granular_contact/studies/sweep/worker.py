@@ -1,4 +1,4 @@
-"""Work on a case in any process: Case -> Scenario -> Results -> Row."""
+"""Functions that workers call: make the scenario of a case, run it, and return its row."""
 
 from __future__ import annotations
 
@@ -22,13 +22,16 @@ if TYPE_CHECKING:
     from granular_contact.scene.variants import Builder
 
 
-# What a case goes through: to its summary, or to all its results.
+# Function that runs the scenario of a case; it returns the summary or complete results.
 Simulate = Callable[[Scenario], dict[str, Any] | Results]
 
 
 @dataclass(frozen=True)
 class Task:
-    """A case to run: its place in the sweep (from 0); and its scenario, where that can't be made anywhere."""
+    """A case to run.
+
+    index: in the sweep, from 0; scenario: None unless the case refers to files, which a worker may not be able to read.
+    """
 
     index: int
     case: Case
@@ -37,10 +40,11 @@ class Task:
 
 @dataclass(frozen=True)
 class Job:
-    """What the tasks of a sweep have in common; sent with each of them, and read once in each process.
+    """Data common to all tasks of a sweep; sent with every chunk of tasks, and unpickled once in each process.
 
-    sweep: without its cases. folder: for the results of each case, None to keep no more than a row. journal: where the
-    process writes its rows, None to leave that to whoever gets them. token: of this run, as a process may see several.
+    sweep: without its cases when packed. folder: for the results of each case, None to keep rows alone. journal: folder
+    in which the worker stores its rows, None if the receiver stores them. token: identifies this run of the sweep,
+    because a process may work for several.
     """
 
     sweep: Sweep
@@ -51,42 +55,42 @@ class Job:
 
     @property
     def marches(self) -> bool:
-        """Whether several of its tasks are marched by one compiled call."""
+        """Whether one compiled call integrates several tasks together."""
         return self.sweep.base.is_modal and self.function is simulate and self.folder is None
 
     @cached_property
     def writer(self) -> Writer | None:
-        """Where this process writes its rows."""
+        """Writer for the rows of this process; None if the receiver stores them."""
         return None if self.journal is None else Journal(self.journal).writer()
 
     @cached_property
     def builder(self) -> Builder:
-        """What builds the scenes of tasks that march together."""
+        """Builder of the scenes of tasks that are integrated together."""
         from granular_contact.scene.variants import Builder
 
         return Builder(self.sweep.base)
 
     def packed(self) -> bytes:
-        """As `work` and `check` take it."""
+        """Pickle the job for `work` and `check`, without the cases of the sweep."""
         return pickle.dumps(replace(self, sweep=self.sweep.without_cases()))
 
 
 @lru_cache(maxsize=2)
 def _unpacked(job: bytes) -> Job:
-    held: Job = pickle.loads(job)
-    return held
+    unpacked: Job = pickle.loads(job)
+    return unpacked
 
 
 def simulate(scenario: Scenario) -> dict[str, Any]:
-    """One run, as the command line does it, of a scenario that comes straight from a config."""
+    """Run a scenario and return its summary."""
     from granular_contact.run import summary_of
     from granular_contact.scene.build import build_checked
 
-    return summary_of(build_checked(scenario))  # which was checked as it was made of its case
+    return summary_of(build_checked(scenario))  # `build_checked` skips checks, which were made for every case of the sweep
 
 
 def simulate_with_pictures(scenario: Scenario) -> Results:
-    """The same with all that results hold, and what the player of its page needs."""
+    """Run a scenario and return complete results, with the pictures for the player of its page."""
     from granular_contact import scene
     from granular_contact.results.frames import MOST
     from granular_contact.run import run
@@ -95,17 +99,17 @@ def simulate_with_pictures(scenario: Scenario) -> Results:
 
 
 def work(job: bytes, tasks: Sequence[Task]) -> tuple[list[bytes], float]:
-    """Lines of the tasks' rows, and the seconds that they took; an exception of a case becomes its row.
+    """Run tasks; return the lines of their rows and the seconds taken. An exception of a case becomes its row.
 
     Raises
     ------
     OSError
-        The results can't be saved.
+        The results cannot be saved.
     """
-    held = _unpacked(job)
-    writer, begin = held.writer, time.perf_counter()
+    unpacked = _unpacked(job)
+    writer, begin = unpacked.writer, time.perf_counter()
     lines = []
-    for line in _marched(tasks, held) if held.marches else (_line(task, held) for task in tasks):
+    for line in _marched(tasks, unpacked) if unpacked.marches else (_line(task, unpacked) for task in tasks):
         lines.append(line)
         if writer is not None:
             writer.append(line)
@@ -113,35 +117,35 @@ def work(job: bytes, tasks: Sequence[Task]) -> tuple[list[bytes], float]:
 
 
 def check(job: bytes, cases: Sequence[Case], probe: Probe | None) -> list[Fault]:
-    """Faults of some cases."""
+    """Return the faults of cases."""
     return case_faults(_unpacked(job).sweep, cases, probe)
 
 
 def _line(task: Task, job: Job) -> bytes:
     try:
         scenario = _scenario(task, job)
-        kept = job.folder is not None and job.function is simulate
-        found = (simulate_with_pictures if kept else job.function)(scenario)
-        if job.folder is None or not isinstance(found, Results):
-            return _row(task, job, scenario, found.summary if isinstance(found, Results) else found)
+        keeps_results = job.folder is not None and job.function is simulate
+        results = (simulate_with_pictures if keeps_results else job.function)(scenario)
+        if job.folder is None or not isinstance(results, Results):
+            return _row(task, job, scenario, results.summary if isinstance(results, Results) else results)
     except Exception as error:
         return error_row(task, job.sweep, error).line()
     try:
-        missing = _saved(found, job.folder / task.case.name, scenario.output.figures)
-    except OSError:  # no matter of the case
+        missing = _saved(results, job.folder / task.case.name, scenario.output.figures)
+    except OSError:  # a fault of the disk, not of the case
         raise
     except Exception as error:
         return error_row(task, job.sweep, error).line()
-    return _row(task, job, scenario, {**found.summary, "warnings": [*found.summary["warnings"], *missing]})
+    return _row(task, job, scenario, {**results.summary, "warnings": [*results.summary["warnings"], *missing]})
 
 
-def _saved(found: Results, folder: Path, figures: bool) -> list[str]:
-    """Save the results of a case; a sentence for each figure that could not be drawn."""
+def _saved(results: Results, folder: Path, figures: bool) -> list[str]:
+    """Save the results of a case; return a sentence for each figure that could not be drawn."""
     from granular_contact import report
 
     missing = list[str]()
     with missing_figures(missing.append):
-        report.write(found, folder, figures=figures)
+        report.write(results, folder, figures=figures)
     return missing
 
 
@@ -150,23 +154,26 @@ def _row(task: Task, job: Job, scenario: Scenario, summary: dict[str, Any]) -> b
 
 
 def _marched(tasks: Sequence[Task], job: Job) -> list[bytes]:
-    """Lines of tasks that are solved together; up to round-off each is what it would be alone, but for its times."""
+    """Lines of tasks that are integrated together.
+
+    Except for its run time each row is the same, up to round-off, as if its task ran alone.
+    """
     from granular_contact.run import summaries_of, tried
 
     scenarios, scenes = [], []
     for task in tasks:
-        made = tried(_scenario, task, job)
-        scenarios.append(made)
-        scenes.append(made if isinstance(made, Exception) else tried(job.builder, made))
-    fine = [one for one in scenes if not isinstance(one, Exception)]
-    summaries = iter(summaries_of(fine))
+        scenario = tried(_scenario, task, job)
+        scenarios.append(scenario)
+        scenes.append(scenario if isinstance(scenario, Exception) else tried(job.builder, scenario))
+    valid = [scene for scene in scenes if not isinstance(scene, Exception)]
+    summaries = iter(summaries_of(valid))
     lines = []
     for task, scenario, scene in zip(tasks, scenarios, scenes, strict=True):
-        found = scene if isinstance(scene, Exception) else next(summaries)
-        if isinstance(found, Exception):
-            lines.append(error_row(task, job.sweep, found).line())
-        elif not isinstance(scenario, Exception):  # or its scene would be one
-            lines.append(_row(task, job, scenario, found))
+        summary = scene if isinstance(scene, Exception) else next(summaries)
+        if isinstance(summary, Exception):
+            lines.append(error_row(task, job.sweep, summary).line())
+        elif not isinstance(scenario, Exception):  # always, since the scene is none
+            lines.append(_row(task, job, scenario, summary))
     return lines
 
 
@@ -175,17 +182,17 @@ def _scenario(task: Task, job: Job) -> Scenario:
 
 
 def error_row(task: Task, sweep: Sweep, error: BaseException) -> Row:
-    """The row of a case that did not come to an end, with the exception in one line."""
+    """Row of a case that raised an exception, with the exception as a message of one line."""
     try:
         values = sweep.values(task.case, task.scenario or sweep.scenario(task.case))
-    except ConfigError:  # was not checked
+    except ConfigError:  # the case was not checked
         values = task.case.values
     message = " ".join(traceback.format_exception_only(error)[-1].split())
     return Row(task.index, task.case.name, values, {"status": "error", "message": message})
 
 
 def _flat(summary: dict[str, Any], above: str = "") -> list[tuple[str, Any]]:
-    """Entries of nested mappings by dotted key."""
+    """Flatten nested mappings to entries with dotted keys."""
     flat: list[tuple[str, Any]] = []
     for key, value in summary.items():
         if isinstance(value, dict):
