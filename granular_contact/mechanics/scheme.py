@@ -1,4 +1,4 @@
-"""Spectral radius of generalised-alpha at infinite frequency, tolerance of Newton's method: what a scene decides."""
+"""Spectral radius of generalised-alpha at infinite frequency, and tolerance of Newton's method, for a scene."""
 
 from __future__ import annotations
 
@@ -7,11 +7,12 @@ from granular_contact.scene.types import Scene
 
 
 def spectral_radius(scene: Scene) -> float:
-    """Of a scene whose config names none: lower where steps change or a signal prescribes a motion.
+    """Default spectral radius: lower where the step size is controlled or a signal prescribes a motion.
 
-    Not of a single body in space that flies free, in which nothing oscillates: at 0.5 a thrown body's energy is out of
-    balance by 2 to 3e-4 of it, at 0.9 by 1e-5. On a hinge what constraints leave of accelerations goes to and fro from
-    step to step, and grows where steps shrink: at 0.9 steps went down to the shortest there is.
+    A single free-flying body in space keeps the high one, because nothing in it oscillates: the relative energy
+    imbalance of a thrown body is 2 to 3e-4 at 0.5, and 1e-5 at 0.9. A body on a hinge gets the low one: the errors of
+    constraints make its accelerations alternate from step to step, the more the shorter the steps are. At 0.9 the steps
+    went down to the shortest one.
     """
     alone = scene.in_space and [joint.kind for joint in scene.joints if joint.kind != "weld"] == ["free"]
     damped = (scene.solver.accuracy is not None and not alone) or prescribed(scene)
@@ -19,18 +20,18 @@ def spectral_radius(scene: Scene) -> float:
 
 
 def prescribed(scene: Scene) -> bool:
-    """Whether signals say how something moves."""
+    """Whether signals prescribe motions of joints."""
     return any(drive.kind == "motion" for drive in scene.drives)
 
 
 def tolerance(scene: Scene) -> float:
-    """What a step may leave of a residual, over the forces of the scene, whatever the accuracy."""
-    named = scene.solver.tolerance
-    return TOLERANCE if named is None else named
+    """Residual allowed at the end of a step over the forces of the scene: `solver.tolerance`, or the default."""
+    given = scene.solver.tolerance
+    return TOLERANCE if given is None else given
 
 
 def tolerance_by_accuracy(scene: Scene) -> float:
-    """`tolerance`, where the config names none by the accuracy for which steps are chosen."""
+    """As `tolerance`, but proportional to the accuracy of step-size control where the config gives no tolerance."""
     solver = scene.solver
     if solver.tolerance is not None or solver.accuracy is None:
         return tolerance(scene)

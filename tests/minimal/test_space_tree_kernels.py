@@ -183,11 +183,11 @@ def test_chart_of_rotation_vectors(angle: float) -> None:
         S = change @ Rotation.from_rotvec(v).as_matrix().T
         return np.array([S[2, 1], S[0, 2], S[1, 0]])
 
-    of = space_rotations.chart(tuple(u))
-    np.testing.assert_allclose(space_rotations.spin_of(tuple(u), tuple(rate), of), spin(u), atol=1e-10)
+    of = space_rotations.jacobian_coefficients(tuple(u))
+    np.testing.assert_allclose(space_rotations.jacobian_times(tuple(u), tuple(rate), of), spin(u), atol=1e-10)
     drift = (spin(u + h * rate) - spin(u - h * rate)) / (2.0 * h)
-    np.testing.assert_allclose(space_rotations.drift_of(tuple(u), tuple(rate), of), drift, atol=1e-6)
-    turned = rotations.of_quaternion(np.array([space_rotations.by_vector(tuple(u))]))[0]
+    np.testing.assert_allclose(space_rotations.jacobian_rate_times(tuple(u), tuple(rate), of), drift, atol=1e-6)
+    turned = rotations.of_quaternion(np.array([space_rotations.exponential(tuple(u))]))[0]
     np.testing.assert_allclose(turned, Rotation.from_rotvec(u).as_matrix(), atol=1e-14)
 
 
@@ -199,7 +199,7 @@ def test_coefficients_of_the_chart_are_those_of_their_power_series(square: float
     values = [sum(c * square**k for k, c in enumerate(of)) for of in (a, b)]
     slopes = [sum(2.0 * k * c * square ** (k - 1) for k, c in enumerate(of) if k > 0) for of in (a, b)]
     # Closed forms lose what cancels in 1 - cos and the like: 1e-16 over x^2 or less.
-    found = space_rotations.chart((np.sqrt(square), 0.0, 0.0))
+    found = space_rotations.jacobian_coefficients((np.sqrt(square), 0.0, 0.0))
     np.testing.assert_allclose(found, values + slopes, rtol=0.0, atol=2e-15 if square < 0.1 else 1e-13)
 
 

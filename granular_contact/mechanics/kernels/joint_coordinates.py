@@ -1,14 +1,17 @@
-"""Coordinates of hinges and sliders as functions of the coordinates of the nodes that they join.
+"""Joint coordinates of hinges and sliders in the plane, as functions of the coordinates of their two nodes.
 
     hinge   s = phi_P - phi_C + offset                  clockwise from parent to child
     slider  s = u . (r_C + arm_C - r_P) - u . arm_P     u: axis, turns with the parent
 
-r: position of a node, phi: its angle, of a cable's node that of its slope; arm: from the node to the joint's point. A
-torque or force tau along s is tau ds/dq on the nodes. Arguments that the functions share:
+r: position of a node; phi: its angle, for the node of a cable the angle of its slope vector; arm: vector from the node
+to the joint's point. A torque or force tau along s has the generalised forces tau ds/dq. Arguments that the functions
+share:
 
-    joint   record with the fields COORDINATE, see `joint_loads.JOINT`
-    turns   (2,) angles (rad) of the ends of parent and child found last, by which the turns of a slope are counted
-    q, v    coordinates of the parent's node, then of the child's, without reference values, and their rates
+    joint        record with the fields COORDINATE, see `joint_loads.JOINT`
+    last_angles  (2,) angles (rad) of the parent's and the child's end at the last evaluation, by which whole turns of a
+                 slope vector are counted; they are updated
+    q, v         coordinates of the parent's node, then of the child's, without reference values, and their rates
+    gradient     (MOST,) ds/dq, which is filled
 """
 
 from __future__ import annotations
@@ -20,10 +23,10 @@ from granular_contact.jit.memory import clear
 from granular_contact.jit.records import fields
 
 HINGE, SLIDER = 0, 1
-RIGID, CABLE = 3, 4  # coordinates of a node; the ground has none
+RIGID, CABLE = 3, 4  # number of coordinates of a node; the ground has none
 
-# parent, child: how many coordinates their nodes have. axis: of a slider, in the parent's frame; seat (m): where along
-# it the joint's point on the parent is. arm (2,) m: from the child's node to the joint's point, in its frame.
+# kind: HINGE or SLIDER; parent, child: numbers of coordinates of their nodes; offset (rad): of a hinge; axis: of a
+# slider, in the parent's frame; seat (m): u . arm_P; arm (2,) m: arm_C in the child's frame.
 COORDINATE = [
     *fields("i8", "kind", "parent", "child"),
     *fields("f8", "offset", "seat"),
@@ -36,7 +39,10 @@ COORDINATE = [
 
 @part
 def _angle(size, reference, q, v, first, last):
-    """Angle of a node whose coordinates begin at `first`, its rate, and its derivatives by the third and fourth."""
+    """Angle (rad) of a node whose coordinates begin at `first`, its rate, its derivatives by coordinates 3 and 4.
+
+    last (rad): angle of a slope vector at the last evaluation.
+    """
     if size == 0:
         return 0.0, 0.0, 0.0, 0.0
     if size == RIGID:
@@ -49,24 +55,25 @@ def _angle(size, reference, q, v, first, last):
 
 
 @part
-def _hinge(joint, turns, q, v, slope):
+def _hinge(joint, last_angles, q, v, gradient):
+    """`coordinate` of a hinge (rad)."""
     n = joint.parent
-    one, one_rate, by_x, by_y = _angle(n, joint.parent_reference, q, v, 0, turns[0])
+    phi_P, rate_P, by_x, by_y = _angle(n, joint.parent_reference, q, v, 0, last_angles[0])
     if n > 0:
-        slope[2] = by_x
+        gradient[2] = by_x
     if n == CABLE:
-        slope[3] = by_y
-    two, two_rate, by_x, by_y = _angle(joint.child, joint.child_reference, q, v, n, turns[1])
-    slope[n + 2] = -by_x
+        gradient[3] = by_y
+    phi_C, rate_C, by_x, by_y = _angle(joint.child, joint.child_reference, q, v, n, last_angles[1])
+    gradient[n + 2] = -by_x
     if joint.child == CABLE:
-        slope[n + 3] = -by_y
-    turns[0], turns[1] = one, two
-    return one - two + joint.offset, one_rate - two_rate
+        gradient[n + 3] = -by_y
+    last_angles[0], last_angles[1] = phi_P, phi_C
+    return phi_P - phi_C + joint.offset, rate_P - rate_C
 
 
 @part
 def _vectors(joint, q):
-    """Axis u, vector D from the parent's node to the joint's point on the child, arm of the child (x, y each)."""
+    """Components of the axis u, of r_C + arm_C - r_P (m) and of arm_C (m), in the world frame."""
     n, x, y, c, s = joint.parent, 0.0, 0.0, 1.0, 0.0
     if n > 0:
         x, y = joint.parent_reference[0] + q[0], joint.parent_reference[1] + q[1]
@@ -83,24 +90,25 @@ def _vectors(joint, q):
 
 
 @part
-def _slider(joint, q, v, slope):
+def _slider(joint, q, v, gradient):
+    """`coordinate` of a slider (m)."""
     n = joint.parent
     ux, uy, dx, dy, ax, ay = _vectors(joint, q)
     if n > 0:
-        slope[0], slope[1], slope[2] = -ux, -uy, ux * dy - uy * dx
-    slope[n], slope[n + 1] = ux, uy
+        gradient[0], gradient[1], gradient[2] = -ux, -uy, ux * dy - uy * dx
+    gradient[n], gradient[n + 1] = ux, uy
     if joint.child == RIGID:
-        slope[n + 2] = uy * ax - ux * ay
+        gradient[n + 2] = uy * ax - ux * ay
     rate = 0.0
     for i in range(n + joint.child):
-        rate += slope[i] * v[i]
+        rate += gradient[i] * v[i]
     return ux * dx + uy * dy - joint.seat, rate
 
 
 @part
-def coordinate(joint, turns, q, v, slope):
-    """Coordinate and its rate; slope is filled with its gradient. Turns become those found here."""
-    clear(slope)
+def coordinate(joint, last_angles, q, v, gradient):
+    """Coordinate s (rad or m) and its rate; fills the gradient and updates last_angles."""
+    clear(gradient)
     if joint.kind == HINGE:
-        return _hinge(joint, turns, q, v, slope)
-    return _slider(joint, q, v, slope)
+        return _hinge(joint, last_angles, q, v, gradient)
+    return _slider(joint, q, v, gradient)

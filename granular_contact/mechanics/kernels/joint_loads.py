@@ -1,14 +1,14 @@
-"""What acts in all joints of a system, in one call: springs, dampers, stops, dry friction, drives.
+"""Generalised forces of all joints of a system in one call: springs, dampers, stops, dry friction, drives.
 
-In the plane and in space: a joint's record type, JOINT or `space_joints.JOINT`, chooses its `coordinate` and `act`.
+The record type of a joint, JOINT in the plane and `space_joints.JOINT` in space, selects its `coordinate` and `act`.
 
 Arguments that the functions share:
 
     system_q, system_v  coordinates (without reference values) and rates of the whole system
     joints              (k,) records
     states              (k,) records of STATE
-    places              (k, n, 2) place of each coordinate of a joint's nodes, those of the parent first, in the system
-                        and in the overlay
+    places              (k, n, 2) indices of the coordinates of a joint's nodes, the parent's first, in the system and
+                        in the overlay
 """
 
 from __future__ import annotations
@@ -29,12 +29,12 @@ JOINT = record_dtype([*COORDINATE, ("drive", "i8"), *fields("f8", *LAW, *DRIVE)]
 # anchor: of the bristle of dry friction; target, target_rate: coordinate and rate that a control aims at, target of a
 # load: its force; last_angles (2,) rad: of the joint's ends at the last evaluation, see `joint_coordinates`.
 STATE = record_dtype([*fields("f8", "anchor", "target", "target_rate"), ("last_angles", "f8", (2,))])
-MOST = 14  # coordinates of two nodes; of the plane 8
+MOST = 14  # coordinates of two nodes in space; in the plane at most 8
 
 
 @chosen_by("joint")
-def coordinate(joint, turns, q, v, slope):
-    """Coordinate of a joint and its rate; slope (MOST,) is filled with its gradient, turns (2,) become those here."""
+def coordinate(joint, last_angles, q, v, gradient):
+    """Coordinate of a joint (rad or m) and its rate; fills gradient (MOST,) and updates last_angles (2,)."""
 
 
 @chosen_by("joint")
@@ -53,14 +53,14 @@ def gather(system_q, system_v, places, count, q, v):
 def _act(joint, state, q, v, out):
     """`act` in the plane."""
     s, rate = joint_coordinates.coordinate(joint, flat(state.last_angles), q, v, out)
-    along = total(joint, s, rate, state.anchor, state.target, state.target_rate)
+    tau = total(joint, s, rate, state.anchor, state.target, state.target_rate)
     for i in range(MOST):
-        out[i] *= along
+        out[i] *= tau
 
 
 @kernel
 def force(joints, states, places, system_q, system_v, out):
-    """Add the generalised forces to out, the coordinates of the overlay."""
+    """Add the generalised forces of all joints to out, which is numbered as the overlay."""
     q, v, f = room1(MOST), room1(MOST), room1(MOST)
     for k in range(joints.shape[0]):
         joint = joints[k]
@@ -73,49 +73,48 @@ def force(joints, states, places, system_q, system_v, out):
 
 @kernel
 def tangent(system_q, system_v, joints, states, places, fq, fv, triplets):
-    """Fill triplets with the entries of fq df/dq + fv df/dv as rows (row, column, value), and return their number.
+    """Fill triplets with the tangent fq df/dq + fv df/dv as rows (row, column, value), and return their number.
 
-    By differences, see `lines.differences`. Rows and columns are coordinates of the overlay; entries of zero are left
-    out.
+    By finite differences, see `lines.differences`. Rows and columns are coordinates of the overlay; zeros are left out.
     """
-    q, v, here, moved = room1(MOST), room1(MOST), room1(MOST), room1(MOST)
+    q, v, f, f_moved = room1(MOST), room1(MOST), room1(MOST), room1(MOST)
     number = 0
     for k in range(joints.shape[0]):
         joint = joints[k]
         count = joint.parent + joint.child
         gather(system_q, system_v, places[k], count, q, v)
-        act(joint, states[k], q, v, here)
+        act(joint, states[k], q, v, f)
         d = difference(rows(q, 0, count), fq, fv)
         for j in range(count):
-            at_q, at_v = q[j], v[j]
+            q_j, v_j = q[j], v[j]
             q[j] += d * fq
             v[j] += d * fv
-            act(joint, states[k], q, v, moved)
-            q[j], v[j] = at_q, at_v
+            act(joint, states[k], q, v, f_moved)
+            q[j], v[j] = q_j, v_j
             for i in range(count):
-                if moved[i] != here[i]:
+                if f_moved[i] != f[i]:
                     triplets[number, 0], triplets[number, 1] = places[k, i, 1], places[k, j, 1]
-                    triplets[number, 2] = (moved[i] - here[i]) / d
+                    triplets[number, 2] = (f_moved[i] - f[i]) / d
                     number += 1
     return number
 
 
 @kernel
 def accept(system_q, system_v, joints, states, places):
-    """End of a step: the anchors follow."""
-    q, v, slope = room1(MOST), room1(MOST), room1(MOST)
+    """Update the anchors of dry friction at the end of a step, by `joint_laws.follow`."""
+    q, v, gradient = room1(MOST), room1(MOST), room1(MOST)
     for k in range(joints.shape[0]):
         joint, state = joints[k], states[k]
         if joint.friction > 0.0:
             gather(system_q, system_v, places[k], joint.parent + joint.child, q, v)
-            s, _ = coordinate(joint, flat(state.last_angles), q, v, slope)
+            s, _ = coordinate(joint, flat(state.last_angles), q, v, gradient)
             state.anchor = follow(joint, s, state.anchor)
 
 
 @kernel
-def single(joint, turns, q, v, slope):
-    """`coordinate` of one joint, record (1,)."""
-    return coordinate(joint[0], turns, q, v, slope)
+def single(joint, last_angles, q, v, gradient):
+    """Result of `coordinate` for one joint, record (1,), for callers in Python."""
+    return coordinate(joint[0], last_angles, q, v, gradient)
 
 
 provide(coordinate, JOINT, joint_coordinates.coordinate)

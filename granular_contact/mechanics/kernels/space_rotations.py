@@ -1,12 +1,12 @@
-"""Rotations in space for compiled code: quaternions, and rotation vectors as a chart of them. Vectors are tuples.
+"""Rotations in space for compiled code: unit quaternions, rotation vectors and the left Jacobian of SO(3).
 
-A rotation vector u is the rotation exp(u) about u by its length. With the rate u' it turns at the angular velocity
-J(u) u' (the left Jacobian of SO(3), see Sola et al. 2018),
+Vectors are tuples. A rotation vector u means the rotation exp(u) about u by the angle |u|. If u has the rate u', the
+angular velocity is J(u) u' with the left Jacobian J (Sola et al. 2018),
 
     J u' = u' + a u x u' + b u x (u x u'),    a = (1 - cos |u|) / |u|^2,    b = (|u| - sin |u|) / |u|^3,
 
-both in the frame that exp(u) turns from. J is regular below a whole turn; near 0 its coefficients are taken from series
-in |u|^2, whose first term left out is below 2e-15.
+in the frame before the rotation exp(u). J is regular below a whole turn. Near 0 its coefficients are computed by series
+in |u|^2; the first neglected term is below 2e-15.
 """
 
 from __future__ import annotations
@@ -18,24 +18,24 @@ from granular_contact.sand.kernels.vectors import cross, dot, plus, times
 
 UNTURNED = (1.0, 0.0, 0.0, 0.0)
 ALONG_WORLD = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
-SERIES = 0.1  # rad^2: squares of the angle below which coefficients are taken from series
+SERIES = 0.1  # rad^2: square of the angle below which series are used
 
 
 @part
 def quaternion(array, i, first):
-    """Four numbers of row i, from one on."""
+    """Quaternion in row i of an array, which begins at column `first`."""
     return array[i, first], array[i, first + 1], array[i, first + 2], array[i, first + 3]
 
 
 @part
-def four(q):
-    """A quaternion of a record."""
+def as_quaternion(q):
+    """Quaternion as a tuple, from a field (4,) of a record."""
     return q[0], q[1], q[2], q[3]
 
 
 @part
 def product(p, q):
-    """Quaternion of the rotation q and then p."""
+    """Quaternion of the rotation q followed by p."""
     return (
         p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3],
         p[0] * q[1] + p[1] * q[0] + p[2] * q[3] - p[3] * q[2],
@@ -46,7 +46,7 @@ def product(p, q):
 
 @part
 def matrix_of(q):
-    """Matrix (9,), row by row, of a quaternion (4,)."""
+    """Rotation matrix (9,), row by row, of a unit quaternion (4,)."""
     a, b, c, d = q[0], q[1], q[2], q[3]
     return (
         a * a + b * b - c * c - d * d, 2.0 * (b * c - a * d), 2.0 * (b * d + a * c),
@@ -57,21 +57,21 @@ def matrix_of(q):
 
 @part
 def rates_of(q, w):
-    """Rates (4,) of a quaternion whose frame turns at the angular velocity w, as seen from outside."""
+    """Rates (4,) of the quaternion of a frame with angular velocity w (3,), in the frame outside."""
     x, y, z = plus(times(q[0], w), cross(w, (q[1], q[2], q[3])))
     return -0.5 * (w[0] * q[1] + w[1] * q[2] + w[2] * q[3]), 0.5 * x, 0.5 * y, 0.5 * z
 
 
 @part
 def spin_by(q, f, g):
-    """Angular velocity (3,) of a frame whose quaternion q has the rates f and g (3,)."""
+    """Angular velocity (3,) of a frame, from its quaternion q and the rates f of q[0] and g (3,) of q[1:]."""
     e = q[1], q[2], q[3]
     return times(2.0, plus(plus(times(-f, e), times(q[0], g)), cross(e, g)))
 
 
 @part
-def by_vector(u):
-    """Quaternion of exp(u)."""
+def exponential(u):
+    """Quaternion of the rotation exp(u), the exponential map."""
     square = dot(u, u)
     half = 0.5 * math.sqrt(square)
     share = 0.5 - square / 48.0 if half < 1e-3 else math.sin(half) / (2.0 * half)
@@ -79,8 +79,8 @@ def by_vector(u):
 
 
 @part
-def chart(u):
-    """Coefficients a and b of J(u), and what they change by with u . u' in a unit of time."""
+def jacobian_coefficients(u):
+    """Coefficients a and b of J(u), and their rates divided by u . u'."""
     x = dot(u, u)
     if x < SERIES:
         return (
@@ -100,15 +100,16 @@ def chart(u):
 
 
 @part
-def spin_of(u, rate, of):
-    """J(u) times a rate; of: `chart`."""
+def jacobian_times(u, rate, coefficients):
+    """Product J(u) u'; coefficients: of `jacobian_coefficients`."""
     v = cross(u, rate)
-    return plus(rate, plus(times(of[0], v), times(of[1], cross(u, v))))
+    return plus(rate, plus(times(coefficients[0], v), times(coefficients[1], cross(u, v))))
 
 
 @part
-def drift_of(u, rate, of):
-    """What the rate of J(u) does to it, J' u': the angular acceleration without u''; of: `chart`."""
+def jacobian_rate_times(u, rate, coefficients):
+    """Product J' u', the angular acceleration without u''; coefficients: of `jacobian_coefficients`."""
+    _, b, a_rate, b_rate = coefficients
     v, along = cross(u, rate), dot(u, rate)
-    more = plus(times(of[2] * along, v), times(of[3] * along, cross(u, v)))
-    return plus(more, times(of[1], cross(rate, v)))
+    by_coefficients = plus(times(a_rate * along, v), times(b_rate * along, cross(u, v)))
+    return plus(by_coefficients, times(b, cross(rate, v)))

@@ -35,7 +35,7 @@ class SpatialCoordinate(Coordinate):
         self.record, self.last_angles = np.zeros(1, space_joints.JOINT), np.array([joint.start, 0.0])
         record = self.record[0]
         kind = KINDS[joint.kind]
-        record["kind"], record["find"] = kind, space_joints.found_by(kind)
+        record["kind"], record["find"] = kind, space_joints.coordinate_address(kind)
         record["parent"], record["child"] = len(references) - 7, 7
         for name in ("parent_point", "parent_turn", "child_point", "child_turn"):
             record[name] = getattr(joint, name)

@@ -22,13 +22,13 @@ from granular_contact.jit.memory import rows as rows_of
 from granular_contact.mechanics.kernels.bending import moment
 from granular_contact.mechanics.kernels.joint_laws import total
 from granular_contact.mechanics.kernels.space_rotations import (
-    by_vector,
-    chart,
-    four,
+    as_quaternion,
+    exponential,
+    jacobian_coefficients,
+    jacobian_times,
     matrix_of,
     product,
     quaternion,
-    spin_of,
 )
 from granular_contact.sand.kernels.lines import difference
 from granular_contact.sand.kernels.vectors import dot, fill, plus, seen, times, turned, vector
@@ -39,8 +39,8 @@ SPRUNG, ELASTIC = 1, 2  # of a node's `acts`: what its ball joint has
 @part
 def torques(u, rate, home, node, law):
     """Tau (3,) at u with the rate u'; home: H, a quaternion."""
-    of, q = chart(u), product(product(by_vector(u), home), four(node.after))
-    w, sine = spin_of(u, rate, of), math.sqrt(q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
+    coefficients, q = jacobian_coefficients(u), product(product(exponential(u), home), as_quaternion(node.after))
+    w, sine = jacobian_times(u, rate, coefficients), math.sqrt(q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
     a = times(math.copysign(1.0, q[0]) / sine if sine > 0.0 else 0.0, (q[1], q[2], q[3]))
     s = 2.0 * math.atan2(sine, abs(q[0]))
     if node.acts == ELASTIC:
@@ -49,13 +49,13 @@ def torques(u, rate, home, node, law):
         along = dot(a, w)
         force = total(law, s, along, 0.0, 0.0, 0.0)
         M = plus(times(force + law.damping * along, a), times(-law.damping, w))
-    return spin_of(times(-1.0, u), M, of)  # J(-u) = J^T
+    return jacobian_times(times(-1.0, u), M, coefficients)  # J(-u) = J^T
 
 
 @part
 def elastic(turn, w, node):
     """Moment between two elements of a link; turn: rotation vector from home, w: rad/s, all in the parent's frame."""
-    P = matrix_of(four(node.before))
+    P = matrix_of(as_quaternion(node.before))
     return turned(P, moment(seen(P, turn), seen(P, w), node))
 
 

@@ -28,15 +28,15 @@ from granular_contact.jit.compiled import part
 from granular_contact.mechanics.kernels.space_rotations import (
     ALONG_WORLD,
     UNTURNED,
-    by_vector,
-    chart,
-    drift_of,
-    four,
+    as_quaternion,
+    exponential,
+    jacobian_coefficients,
+    jacobian_rate_times,
+    jacobian_times,
     matrix_of,
     product,
     quaternion,
     rates_of,
-    spin_of,
 )
 from granular_contact.sand.kernels.vectors import at, cross, fill, plus, put, seen, times, turned, unit, vector
 
@@ -84,13 +84,13 @@ def _place(i, w):
         v_p, w_p = at(twists, p, 0), at(twists, p, 3)
     e, spin, drift, q = turned(R_p, vector(node.on_parent, 0)), w_p, NONE, q_p
     if node.kind == SLIDER:
-        u, q = turned(R_p, vector(node.axis, 0)), product(q_p, four(node.before))
+        u, q = turned(R_p, vector(node.axis, 0)), product(q_p, as_quaternion(node.before))
         e, speed = plus(e, times(w.s[i], u)), times(w.rates[i], u)
     elif node.kind == HINGE:
         u = turned(R_p, vector(node.axis, 0))
         more, half = times(w.rates[i], u), 0.5 * w.s[i]
-        q = product(product(q_p, four(node.before)), (math.cos(half), 0.0, 0.0, math.sin(half)))
-        q = product(q, four(node.after))
+        q = product(product(q_p, as_quaternion(node.before)), (math.cos(half), 0.0, 0.0, math.sin(half)))
+        q = product(q, as_quaternion(node.after))
         spin, drift = plus(w_p, more), cross(w_p, more)
     elif node.which == LAST:
         spin, drift, q = _of_ball(i, q_p, R_p, w_p, w)
@@ -142,13 +142,13 @@ def _of_ball(i, q_p, R_p, w_p, w):
     """Angular velocity, what of its rate is not u'', and orientation of the body on a ball joint; its axes."""
     s, rates, along, first = w.s, w.rates, w.along, i - LAST
     u, rate = vector(s, first), vector(rates, first)
-    of = chart(u)
+    coefficients = jacobian_coefficients(u)
     for k in range(3):
-        axis = turned(R_p, spin_of(u, unit(k), of))
+        axis = turned(R_p, jacobian_times(u, unit(k), coefficients))
         put(axis, along, first + k, 3)
-    more = turned(R_p, spin_of(u, rate, of))
-    drift = plus(turned(R_p, drift_of(u, rate, of)), cross(w_p, more))
-    return plus(w_p, more), drift, product(q_p, product(by_vector(u), quaternion(w.home, i, 0)))
+    more = turned(R_p, jacobian_times(u, rate, coefficients))
+    drift = plus(turned(R_p, jacobian_rate_times(u, rate, coefficients)), cross(w_p, more))
+    return plus(w_p, more), drift, product(q_p, product(exponential(u), quaternion(w.home, i, 0)))
 
 
 @part
@@ -160,13 +160,13 @@ def recentre(w):
             continue
         first = i - LAST
         u, rate = vector(s, first), vector(rates, first)
-        of = chart(u)
-        drift = drift_of(u, rate, of)
-        fill(plus(spin_of(u, vector(s2, first), of), drift), s2, first)
-        fill(plus(spin_of(u, vector(lagged, first), of), drift), lagged, first)
-        fill(spin_of(u, rate, of), rates, first)
+        coefficients = jacobian_coefficients(u)
+        drift = jacobian_rate_times(u, rate, coefficients)
+        fill(plus(jacobian_times(u, vector(s2, first), coefficients), drift), s2, first)
+        fill(plus(jacobian_times(u, vector(lagged, first), coefficients), drift), lagged, first)
+        fill(jacobian_times(u, rate, coefficients), rates, first)
         fill(NONE, s, first)
-        q = product(by_vector(u), quaternion(home, i, 0))
+        q = product(exponential(u), quaternion(home, i, 0))
         size = math.sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
         for k in range(4):
             home[i, k] = q[k] / size

@@ -20,7 +20,7 @@ from granular_contact.engines.tree.kernels.tree_newton import finish, go_back, s
 from granular_contact.jit.compiled import kernel, part
 from granular_contact.jit.memory import copy, flat, piece
 from granular_contact.mechanics.kernels import step_error
-from granular_contact.mechanics.kernels.step_choice import LONGER, Prescribed, ahead, factor, needed
+from granular_contact.mechanics.kernels.step_choice import LONGER, Prescribed, factor, limit_step, needed
 from granular_contact.sand.kernels.lines import TIME
 
 # Why `march` came back: its share of steps is done, everything rests, the end, no step is small enough, the motion
@@ -135,7 +135,7 @@ def next_step(w):
         return left if h > left * (1.0 - 1e-9) else h
     tables = w.knots, w.pieces, w.wanted
     prescribed = Prescribed(w.bends, w.followed, w.arms, *tables)
-    h = ahead(t, h, soonest(w), choice, clock[FASTEST], clock[SPEED], prescribed)
+    h = limit_step(t, h, soonest(w), choice, clock[FASTEST], clock[SPEED], prescribed)
     return left if h > 0.99 * left else min(h, 0.5 * left) if h > 0.5 * left else h
 
 
