@@ -10,7 +10,7 @@ x: position of a body's node; arm: from the node to the joint's point. A torque 
 forces tau ds/dq. For hinges and balls ds/dt = a . (w_C - w_P), with w = G e' of the Euler parameters e (G: see
 `sand.kernels.space_coordinates`). The spring of a ball has the moment -k s a, k times the rotation vector. It is smooth
 at s = 0 and jumps at s = pi, where the shortest way back changes. The damper of a ball acts on the whole of w_C - w_P:
-its part normal to a adds -c (w_C - w_P - a ds/dt). `joint_laws` gives the forces along s. Arguments as in `joint_loads`,
+its part normal to a adds -c (w_C - w_P - a ds/dt). `joint_laws` gives forces along s. Arguments as in `joint_loads`,
 with records of JOINT. Two more kinds connect the rigid elements of a flexible link:
 
     elastic      link that bends: the moment of `bending` for the rotation vector s a
