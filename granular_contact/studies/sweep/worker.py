@@ -86,7 +86,7 @@ def simulate(scenario: Scenario) -> dict[str, Any]:
     from granular_contact.run import summary_of
     from granular_contact.scene.build import build_checked
 
-    return summary_of(build_checked(scenario))  # `build_checked` skips checks, which were made for every case of the sweep
+    return summary_of(build_checked(scenario))  # without checks: they were made for every case of the sweep
 
 
 def simulate_with_pictures(scenario: Scenario) -> Results:
