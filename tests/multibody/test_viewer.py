@@ -54,7 +54,7 @@ def test_a_reduced_model_is_refused(tmp_path: Path, capsys: pytest.CaptureFixtur
 
 def test_what_is_played_is_the_trajectory(solved: tuple[System, Trajectory]) -> None:
     system, trajectory = solved
-    solution = viewer.playable(system, trajectory.time, trajectory.q, trajectory.v)
+    solution = viewer.solution_data(system, trajectory.time, trajectory.q, trajectory.v)
     observer = Kinematics(system, trajectory)
     tip = system.links["link"].nodes[-1]
     for row in (0, 100, len(trajectory.time) - 1):
@@ -73,7 +73,7 @@ def test_bodies_and_medium_get_a_look(solved: tuple[System, Trajectory]) -> None
     system, trajectory = solved
     (body,) = system.rigid.values()
     assert not looks(system, body.object)  # lean until it is looked at
-    viewer.dress(system, Kinematics(system, trajectory))
+    viewer.add_graphics(system, Kinematics(system, trajectory))
     points = np.concatenate(looks(system, body.object))  # in the body's frame, along the link
     # From the rim of the disc, of 48 tiles (0.2 %), to the end of the collar.
     assert np.ptp(points[:, 0]) == pytest.approx(0.01905 / 2 + 0.024765, rel=5e-3)

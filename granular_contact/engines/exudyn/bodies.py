@@ -1,4 +1,4 @@
-"""Rigid bodies of an Exudyn system that can carry contact lines; beams: `beams`."""
+"""Checks of rigid bodies of an Exudyn system on which a bed shall act; those of beams are in `beams`."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ import numpy as np
 from granular_contact.errors import SceneError, scene_error
 from granular_contact.sand.kernels.spatial import SIZE
 
-NODES_IN_SPACE = {"RigidBodyEP": SIZE, "RigidBodyRxyz": 6}
-OUT_OF_PLANE = 1e-6  # sine of an angle, or m/s and 1/s: round-off of what a script computes
+NODES_IN_SPACE = {"RigidBodyEP": SIZE, "RigidBodyRxyz": 6}  # number of coordinates by the type of the node
+OUT_OF_PLANE = 1e-6  # sine of an angle, or m/s and 1/s: round-off that scripts leave
 
 
 def rigid_node(mbs: Any, body: Any) -> tuple[int, int]:
-    """Node of a rigid body and its number of coordinates, in the plane or with Euler parameters.
+    """Node of a planar rigid body, or of a spatial one with Euler parameters, and its number of coordinates.
 
     Raises
     ------
@@ -52,7 +52,7 @@ def spatial_node(mbs: Any, body: Any) -> tuple[int, int]:
 
 
 def refused(item: Any, allowed: str) -> SceneError:
-    """What is wrong with an object of another kind, and what to do with a link of a tree."""
+    """Error for an object of a kind that is not allowed; for a tree it says how to let the medium act on its links."""
     kind = item["objectType"]
     if kind == "KinematicTree":
         allowed += "; weld a rigid body to a MarkerKinematicTreeRigid on its link, see docs/tutorials/exudyn.md"
@@ -60,10 +60,13 @@ def refused(item: Any, allowed: str) -> SceneError:
 
 
 def _stays_in_plane(name: str, node: Any) -> None:
-    """Refuse a spatial body whose frame leans out of the plane at the start, or begins to."""
+    """Raise SceneError for a spatial body whose z axis leans out of the world's z axis initially, or starts to.
+
+    The axis may also point downward: the frame of the body is then upside down.
+    """
     e = np.add(node["referenceCoordinates"], node["initialCoordinates"])[3:]
-    leaning = 2.0 * float(np.hypot(e[1], e[2]) * np.hypot(e[0], e[3]))  # sine of the angle between its z axis and ours
-    upright = np.hypot(e[1], e[2]) < np.hypot(e[0], e[3])  # or upside down
-    rates = np.abs(np.asarray(node["initialVelocities"])[[2, 4, 5] if upright else [2, 3, 6]])
-    if leaning > OUT_OF_PLANE or rates.max() > OUT_OF_PLANE:
+    tilt = 2.0 * float(np.hypot(e[1], e[2]) * np.hypot(e[0], e[3]))  # sine of the angle between the z axes
+    is_upright = np.hypot(e[1], e[2]) < np.hypot(e[0], e[3])
+    rates = np.abs(np.asarray(node["initialVelocities"])[[2, 4, 5] if is_upright else [2, 3, 6]])
+    if tilt > OUT_OF_PLANE or rates.max() > OUT_OF_PLANE:
         raise scene_error("bed", f"{name} does not move in the x-y plane: its z axis leans or it has a speed out of it")

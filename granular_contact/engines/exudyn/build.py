@@ -1,4 +1,4 @@
-"""Scene -> System: the mechanism in Exudyn, with the granular load on what can reach the surface."""
+"""Scene -> System: the mechanism in Exudyn, with the granular load on all shapes that can reach the surface."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ AnySystem = TypeVar("AnySystem", bound=System)
 
 
 def build(scene: Scene) -> System:
-    """Set the scene up in Exudyn and assemble it, once."""
+    """Build the mechanism of a scene in the plane in a new Exudyn system, and assemble it."""
     if scene.wheel_test is not None:
         from granular_contact.sand.rolling import at_steady_sinkage
 
@@ -53,7 +53,7 @@ def build(scene: Scene) -> System:
 
 
 def assembled(system: AnySystem) -> AnySystem:
-    """The system with weights, bed and what joints do in it, through one overlay, and ready to be solved."""
+    """Add weights, bed and actions of joints to a system, through one overlay, and assemble it for a solve."""
     system = _attach(system)
     system.mbs.Assemble()
     if system.joints is not None:
@@ -62,14 +62,15 @@ def assembled(system: AnySystem) -> AnySystem:
 
 
 def _attach(system: AnySystem) -> AnySystem:
+    """Attach bed, joints and weights to the system."""
     mbs, bed, weights = system.mbs, system.bed, gravity_loads(system)
     overlay = Overlay(mbs) if bed is None else bed.overlay
-    act = system.loads or system.turning
-    joints = JointActions(overlay, list(system.loads.values()), system.turning) if act else None
+    has_actions = system.loads or system.turning
+    joints = JointActions(overlay, list(system.loads.values()), system.turning) if has_actions else None
     if bed is not None:
         bed.attach(weights, joints)
     elif joints is not None:
-        overlay.coordinates(*_any_node(system))  # what has a place in the overlay is asked for forces
+        overlay.coordinates(*_any_node(system))  # the engine calls the trigger only if the overlay has a node
         joints.attach(weights)
     elif weights:
         overlay.attach(weights)
@@ -77,13 +78,14 @@ def _attach(system: AnySystem) -> AnySystem:
 
 
 def _any_node(system: AnySystem) -> tuple[list[int], int]:
-    """A node of the system, and how many coordinates it has."""
-    for some in system.rigid.values():
-        return [some.node], len(some.body.levers(0.0))
+    """Any node of the system, in a list, and its number of coordinates."""
+    for rigid in system.rigid.values():
+        return [rigid.node], len(rigid.body.levers(0.0))
     return [next(iter(system.links.values())).nodes[0]], 4
 
 
 def _add_rigid(mbs: Any, body: RigidBody, origin: Vector) -> RigidHandle[RigidBody]:
+    """Add a rigid body; origin (2,) m: origin of the engine's coordinates in the world frame."""
     motion = body.motion
     node = mbs.AddNode(
         items.NodeRigidBody2D(
@@ -96,7 +98,7 @@ def _add_rigid(mbs: Any, body: RigidBody, origin: Vector) -> RigidHandle[RigidBo
 
 
 def _add_link(mbs: Any, link: FlexibleLink, origin: Vector) -> LinkHandle:
-    """Straight row of ANCF cable elements that starts like a rigid body."""
+    """Add a flexible link: a straight row of ANCF cable elements, with the initial velocities of a rigid body."""
     motion = link.motion
     axis = rotation(motion.angle)[:, 0]
     nodes = []
@@ -131,7 +133,7 @@ def _add_link(mbs: Any, link: FlexibleLink, origin: Vector) -> LinkHandle:
 
 
 def _granular_load(system: System) -> Coupling | None:
-    """Load on all parts that can reach the surface of the bed, to be attached; None when there are none."""
+    """Load on all parts that can reach the surface of the bed, not yet attached; None if no part can."""
     scene = system.scene
     if scene.bed is None or not scene.media:
         return None

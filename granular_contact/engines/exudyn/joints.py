@@ -1,4 +1,4 @@
-"""Joints, what acts in them, and prescribed motions, in Exudyn."""
+"""Joints in Exudyn: constraints, springs and dampers, forces of laws and drives, and prescribed motions."""
 
 from __future__ import annotations
 
@@ -24,59 +24,65 @@ if TYPE_CHECKING:
 
 
 def add_joint(system: System, ground: Any, joint: Joint) -> None:
-    """Put a joint into the system, with its spring, damper, stops, friction and drive."""
+    """Add a joint in the plane to the system, with its spring, damper, stops, friction and drive.
+
+    ground: number of the ground object.
+    """
     _constrain(system, ground, joint)
     if not joint.has_coordinate:
         return
     drive = system.scene.drive(joint.name)
-    turns = joint.kind == "hinge" and not {joint.parent, joint.child} & system.links.keys()
-    if turns and drive is not None and drive.kind == "motion":
-        _add_turning(system, joint, drive)
+    is_rigid_hinge = joint.kind == "hinge" and not {joint.parent, joint.child} & system.links.keys()
+    if is_rigid_hinge and drive is not None and drive.kind == "motion":
+        _add_hinge_motion(system, joint, drive)
         drive = None
     if drive is None and joint.law.is_idle:
         return
-    if turns and drive is None and joint.law.is_linear:
+    if is_rigid_hinge and drive is None and joint.law.is_linear:
         _add_spring(system, joint)
         return
     from granular_contact.mechanics.coordinates import coordinate
 
-    let_act(system, joint, drive, partial(coordinate, system, joint, system.origin))
+    add_actions(system, joint, drive, partial(coordinate, system, joint, system.origin))
 
 
-def let_act(system: System, joint: Any, drive: Drive | None, coordinate: Callable[..., Coordinate]) -> None:
-    """Let a drive, spring, damper, stops and friction act along a coordinate, in the plane or in space.
+def add_actions(system: System, joint: Any, drive: Drive | None, coordinate: Callable[..., Coordinate]) -> None:
+    """Add what acts along the coordinate of a joint, in the plane or in space: drive, spring, damper, stops, friction.
 
-    coordinate: makes one, as of `mechanics.coordinates`.
+    A prescribed motion becomes a constraint in `system.motions`, all else a load in `system.loads`. coordinate: makes
+    the coordinate, as `mechanics.coordinates.coordinate` does.
     """
     from granular_contact.mechanics.joint_loads import JointLoad
 
     if drive is not None and drive.kind == "motion":
-        # Markers of nodes have the reference values already.
+        # The coordinates at markers of nodes include the reference values.
         system.motions[joint.name] = _add_motion(system, coordinate(), system.nodes_of(joint), drive)
         drive = None
     if drive is not None or not joint.is_idle:
-        made = coordinate(reference=EngineCoordinates(system.mbs).reference)
-        system.loads[joint.name] = JointLoad(made, system.nodes_of(joint), joint.law, drive)
+        joint_coordinate = coordinate(reference=EngineCoordinates(system.mbs).reference)
+        system.loads[joint.name] = JointLoad(joint_coordinate, system.nodes_of(joint), joint.law, drive)
 
 
 def _constrain(system: System, ground: Any, joint: Joint) -> None:
+    """Add the constraint of a joint in the plane; a free joint has none."""
     if joint.kind == "free":
         return
     mbs = system.mbs
     ends = (
-        _seat(system, ground, joint.parent, joint.parent_point),
-        _seat(system, ground, joint.child, joint.child_point),
+        _joint_end(system, ground, joint.parent, joint.parent_point),
+        _joint_end(system, ground, joint.child, joint.child_point),
     )
     if joint.kind == "hinge":
         markers = [mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=n, localPosition=p)) for n, p in ends]
         mbs.AddObject(items.ObjectJointRevolute2D(markerNumbers=markers))
         return
-    # Both bodies must see the joint along the same direction: it keeps the angle that they start with.
+    # The markers on both bodies must have the same axes in the initial state: the joint keeps the initial angle between
+    # the bodies.
     angles = (_angle(system, joint.child) - _angle(system, joint.parent), 0.0)
-    turns = [np.eye(3), np.eye(3)]
-    for turn, angle in zip(turns, angles, strict=True):
-        turn[:2, :2] = rotation(angle)
-    markers = [rigid_marker(mbs, *end, turn) for end, turn in zip(ends, turns, strict=True)]
+    marker_axes = [np.eye(3), np.eye(3)]
+    for axes, angle in zip(marker_axes, angles, strict=True):
+        axes[:2, :2] = rotation(angle)
+    markers = [rigid_marker(mbs, *end, axes) for end, axes in zip(ends, marker_axes, strict=True)]
     if joint.kind == "weld":
         mbs.AddObject(items.ObjectJointGeneric(markerNumbers=markers, constrainedAxes=[1, 1, 0, 0, 0, 1]))
         return
@@ -89,13 +95,13 @@ def _constrain(system: System, ground: Any, joint: Joint) -> None:
     )
 
 
-def rigid_marker(mbs: Any, body: Any, point: ArrayLike, turn: Vector) -> Any:
-    """Marker of a frame of a body: its place (3,) m and axes (3, 3) in the body's."""
-    return mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=body, localHT=exu.HT(rotation=turn, translation=point)))
+def rigid_marker(mbs: Any, body: Any, point: ArrayLike, axes: Vector) -> Any:
+    """Add a marker to a body; point (3,) m and axes (3, 3), as columns: its origin and axes in the body's frame."""
+    return mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=body, localHT=exu.HT(rotation=axes, translation=point)))
 
 
-def _seat(system: System, ground: Any, name: str | None, point: Vector) -> tuple[Any, list[float]]:
-    """Exudyn body and local position of a joint's end."""
+def _joint_end(system: System, ground: Any, name: str | None, point: Vector) -> tuple[Any, list[float]]:
+    """Object of a body and local position (3,) m of an end of a joint; name: None for the ground."""
     if name is None:
         return ground, [*(point - system.origin), 0.0]
     if name in system.rigid:
@@ -107,14 +113,15 @@ def _seat(system: System, ground: Any, name: str | None, point: Vector) -> tuple
 
 
 def _angle(system: System, name: str | None) -> float:
+    """Initial angle (rad) of a body; name: None for the ground."""
     return 0.0 if name is None else system.scene.body(name).motion.angle
 
 
-# ---- what acts in them ----
+# ---- springs, dampers and prescribed motions ----
 
 
 def _add_spring(system: System, joint: Joint) -> None:
-    """Linear spring and damper of a hinge of rigid bodies: the engine's own, between their angles."""
+    """Add linear spring and damper of a hinge of rigid bodies, as the engine's connector between their angles."""
     mbs, law = system.mbs, joint.law
     ends = [_angle_marker(system, body) for body in (joint.child, joint.parent)]
     mbs.AddObject(
@@ -122,21 +129,21 @@ def _add_spring(system: System, joint: Joint) -> None:
             markerNumbers=ends,
             stiffness=law.stiffness,
             damping=law.damping,
-            # The engine counts angles from the start.
+            # The engine counts angles from the initial state.
             offset=law.rest - joint.start,
         )
     )
 
 
 def _angle_marker(system: System, body: str | None) -> Any:
-    """Marker of the angle of a rigid body, or of the ground's."""
+    """Add a marker of the angle of a rigid body; body: its name, None for the ground."""
     mbs = system.mbs
     node = mbs.AddNode(items.NodePointGround()) if body is None else system.rigid[body].node
     return mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=0 if body is None else 2))
 
 
-def _add_turning(system: System, joint: Joint, drive: Drive) -> None:
-    """Motion of a hinge of rigid bodies: the engine's own constraint between their angles."""
+def _add_hinge_motion(system: System, joint: Joint, drive: Drive) -> None:
+    """Add the prescribed motion of a hinge of rigid bodies, as the engine's constraint between their angles."""
     ends = [_angle_marker(system, body) for body in (joint.child, joint.parent)]
     number = int(system.mbs.AddObject(items.ObjectConnectorCoordinate(markerNumbers=ends)))
     system.turning.append(HingeMotion(number, drive.signal, joint.start))
@@ -144,7 +151,10 @@ def _add_turning(system: System, joint: Joint, drive: Drive) -> None:
 
 
 def _add_motion(system: System, s: Coordinate, nodes: list[int], drive: Drive) -> int:
-    """Constraint s(q) = signal(t) of a coordinate; nodes: of parent and child, without the ground's."""
+    """Add the constraint s(q) = signal(t) of a coordinate s; returns its object number.
+
+    nodes: those of parent and child, or of the child alone if the parent is the ground.
+    """
     system.turns.append(s.last_angles)
     mbs = system.mbs
     sizes = [int(s.record[end][0]) for end in ("parent", "child")]
@@ -156,7 +166,7 @@ def _add_motion(system: System, s: Coordinate, nodes: list[int], drive: Drive) -
         mbs.AddObject(
             items.ObjectConnectorCoordinateVector(
                 markerNumbers=markers,
-                # One row each: how the engine learns the number of equations.
+                # From the number of rows the engine takes the number of equations.
                 scalingMarker0=np.zeros((1, sizes[0] or 3)),
                 scalingMarker1=np.zeros((1, sizes[1])),
                 constraintUserFunction=constraint,
@@ -166,48 +176,49 @@ def _add_motion(system: System, s: Coordinate, nodes: list[int], drive: Drive) -
     )
 
 
-class _Last:
-    """A coordinate that remembers its last state, and a signal its last instant: the engine asks for each twice.
+class _CachedCoordinate:
+    """Coordinate s of a joint and setpoint of its drive, evaluated once per state: the engine calls for each twice.
 
-    row (1, n): its gradient by all coordinates that the engine hands over.
+    gradient (1, n): ds/dq by all coordinates that the engine passes.
     """
 
     def __init__(self, s: Coordinate) -> None:
         from granular_contact.mechanics.kernels.joint_loads import MOST
 
-        self._s, self._q, self._v, self._found = s, [math.nan], [math.nan], (0.0, 0.0)
+        self._s, self._q, self._v, self._value_and_rate = s, [math.nan], [math.nan], (0.0, 0.0)
         self._t, self._setpoint = math.nan, (0.0, 0.0)
-        self._slope, self.row = np.zeros(MOST), np.zeros((1, 0))
+        self._ds_dq, self.gradient = np.zeros(MOST), np.zeros((1, 0))
 
     def __call__(self, q: Numbers, v: Numbers) -> tuple[float, float]:
-        """Coordinate and rate; the coordinates of a ground node come first, and are not asked for."""
+        """Value and rate of the coordinate; coordinates of a ground node come first in q and v, and have no effect."""
         if q != self._q or v != self._v:
             count, size = len(q), self._s.size
-            if self.row.shape[1] != count:
-                self.row = np.zeros((1, count))
-            self._found = self._s.now(q[count - size :], v[count - size :], self._slope)
-            self.row[0, count - size :] = self._slope[:size]
+            if self.gradient.shape[1] != count:
+                self.gradient = np.zeros((1, count))
+            self._value_and_rate = self._s.now(q[count - size :], v[count - size :], self._ds_dq)
+            self.gradient[0, count - size :] = self._ds_dq[:size]
             self._q, self._v = q, v
-        return self._found
+        return self._value_and_rate
 
     def setpoint(self, signal: Signal, t: float) -> tuple[float, float]:
-        """Value and rate of a signal; before the start it is held."""
+        """Value and rate of a signal; before t = 0 the signal is constant."""
         if t != self._t:
             self._t, self._setpoint = t, (signal.value(max(t, 0.0)), signal.rate(t) if t >= 0.0 else 0.0)
         return self._setpoint
 
 
 def _motion_functions(s: Coordinate, drive: Drive) -> tuple[Callable[..., Numbers], Callable[..., Any]]:
-    signal, at, container = drive.signal, _Last(s), exu.MatrixContainer()
+    """User functions of a constraint s(q) = signal(t): its residual, by position or by velocity, and its Jacobian."""
+    signal, coordinate, container = drive.signal, _CachedCoordinate(s), exu.MatrixContainer()
 
     def constraint(mbs: Any, t: float, item: int, q: Numbers, v: Numbers, by_velocity: bool) -> Numbers:  # noqa: ARG001
-        value, rate = at(q, v)
-        setpoint, rate_asked = at.setpoint(signal, t)
-        return [rate - rate_asked] if by_velocity else [value - setpoint]
+        value, rate = coordinate(q, v)
+        setpoint, setpoint_rate = coordinate.setpoint(signal, t)
+        return [rate - setpoint_rate] if by_velocity else [value - setpoint]
 
     def jacobian(mbs: Any, t: float, item: int, q: Numbers, v: Numbers, by_velocity: bool) -> Any:  # noqa: ARG001
-        at(q, v)
-        container.SetWithDenseMatrix(at.row, useDenseMatrix=True)
+        coordinate(q, v)
+        container.SetWithDenseMatrix(coordinate.gradient, useDenseMatrix=True)
         return container
 
     return constraint, jacobian

@@ -1,4 +1,4 @@
-"""A solved system in the engine's own viewer, played in slow motion until its window is closed."""
+"""Playback of a solved system in the engine's own viewer, until its window is closed."""
 
 from __future__ import annotations
 
@@ -20,12 +20,15 @@ from granular_contact.results.frames import instants, resample
 from granular_contact.scene.parts import InitialMotion, rotation
 from granular_contact.scene.types import Vector
 
-MOST_FRAMES, PERIOD = 501, 0.04  # s
+MOST_FRAMES, PERIOD = 501, 0.04  # number of frames, and time (s) between two frames
 STEEL, SAND = [0.56, 0.70, 0.80, 1.0], [0.85, 0.75, 0.55, 0.6]
 
 
 def problem() -> str | None:
-    """Why there can be no viewer here, or None: the engine ends the whole process where there is no display."""
+    """Reason why the viewer cannot be used on this machine, or None.
+
+    It is checked beforehand because the engine ends the whole process if there is no display.
+    """
     if sys.platform.startswith("linux") and not os.environ.get("DISPLAY"):
         return "there is no display here (DISPLAY is not set)"
     try:
@@ -41,36 +44,36 @@ def problem() -> str | None:
 
 def show(system: System, trajectory: Trajectory) -> None:
     """Play a trajectory; returns when the viewer is closed. `problem` must have returned None."""
-    at = instants(float(trajectory.time[0]), float(trajectory.time[-1]), MOST_FRAMES)
-    q, v = (resample(trajectory.time, values, at) for values in (trajectory.q, trajectory.v))
-    dress(system, Kinematics(system, replace(trajectory, time=at, q=q, v=v)))
+    times = instants(float(trajectory.time[0]), float(trajectory.time[-1]), MOST_FRAMES)
+    q, v = (resample(trajectory.time, values, times) for values in (trajectory.q, trajectory.v))
+    add_graphics(system, Kinematics(system, replace(trajectory, time=times, q=q, v=v)))
     settings = system.container.visualizationSettings
     settings.window.renderWindowSize = [1100, 800]
     settings.nodes.show = settings.markers.show = settings.loads.show = settings.connectors.show = False
     settings.general.drawCoordinateSystem = False
-    solution = playable(system, at, q, v)
+    solution = solution_data(system, times, q, v)
     system.mbs.SolutionViewer(solution, timeout=PERIOD, runMode=0, title=system.scene.name)
 
 
-def playable(system: System, at: Vector, q: Vector, v: Vector) -> dict[str, Any]:
-    """States at times (k,), q and v (k, m), as the engine reads them from a solution file."""
-    moved = q - reference(system.mbs, system.nodes, system.origin)
-    data = np.column_stack([at, moved, v])
+def solution_data(system: System, times: Vector, q: Vector, v: Vector) -> dict[str, Any]:
+    """States in the form in which the engine reads a solution file; times (k,) s, q and v (k, m)."""
+    displacements = q - reference(system.mbs, system.nodes, system.origin)
+    data = np.column_stack([times, displacements, v])
     return {
         "data": data,
-        "columnsExported": [q.shape[1], v.shape[1], 0, 0, 0, 0, 0],  # coordinates, velocities, and what is not kept
+        "columnsExported": [q.shape[1], v.shape[1], 0, 0, 0, 0, 0],  # numbers of coordinates and rates; no others
         "nColumns": data.shape[1] - 1,
         "nRows": len(data),
     }
 
 
-def dress(system: System, motion: Kinematics) -> None:
-    """Give bodies, beams and the medium a look."""
+def add_graphics(system: System, motion: Kinematics) -> None:
+    """Add graphics of bodies, beams and the medium to the objects of the system."""
     outlines = motion.outlines(0)
     for name, handle in system.rigid.items():
-        own = [outline for outline in outlines if outline.part in name.split("+")]
-        shapes = [part for outline in own for part in _solids(outline, handle.body.motion)]
-        system.mbs.SetObjectParameter(handle.object, "VgraphicsData", shapes)
+        body_outlines = [outline for outline in outlines if outline.part in name.split("+")]
+        solids = [solid for outline in body_outlines for solid in _solids(outline, handle.body.motion)]
+        system.mbs.SetObjectParameter(handle.object, "VgraphicsData", solids)
     for link in system.links.values():
         for element in link.elements:
             system.mbs.SetObjectParameter(element, "VdrawHeight", link.link.thickness)
@@ -82,7 +85,7 @@ def dress(system: System, motion: Kinematics) -> None:
 
 
 def _solids(outline: Outline, motion: InitialMotion) -> list[Any]:
-    """Solids of an outline in space, in the frame of the body that had this pose."""
+    """Graphics of an outline, in the frame of its body; motion: pose of the body at the outline's instant."""
     points = (outline.points - motion.position) @ rotation(motion.angle)
     radius = outline.diameter / 2
     if len(points) == 1:
@@ -98,7 +101,7 @@ def _solids(outline: Outline, motion: InitialMotion) -> list[Any]:
 
 
 def _medium(system: System, motion: Kinematics) -> list[Any]:
-    """The medium as a sheet behind the mechanism, over the range of its motion."""
+    """Graphics of the medium: a sheet behind the mechanism, as wide as the range of its motion."""
     assert system.scene.bed is not None
     times = np.unique(np.linspace(0, len(motion.trajectory.time) - 1, 9).astype(int))
     points = np.concatenate([outline.points for i in times for outline in motion.outlines(int(i))])
