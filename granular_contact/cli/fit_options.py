@@ -51,7 +51,7 @@ def _nodes(chosen: argparse.Namespace, faults: list[Fault]) -> dict[str, tree.No
             found = {
                 name: read_text(value, here, faults, (name,), numbered=False)
                 if key != "columns"
-                else tree.made(value, tree.Position(here, None))
+                else tree.from_plain(value, tree.Position(here, None))
                 for name, (value, here) in pairs.items()
             }
             nodes[key] = tree.mapping(found, tree.Position(option, None))
@@ -61,7 +61,7 @@ def _nodes(chosen: argparse.Namespace, faults: list[Fault]) -> dict[str, tree.No
         if text is not None:
             nodes[key] = read_text(text, f"--{option.replace('_', '-')}", faults, (), numbered=False)
     if chosen.scatter:
-        nodes["scatter"] = tree.made(True, tree.Position("--scatter", None))
+        nodes["scatter"] = tree.from_plain(True, tree.Position("--scatter", None))
     return nodes
 
 
@@ -84,7 +84,7 @@ def _runs(files: Sequence[str], faults: list[Fault]) -> tree.Node:
     runs = [(config, name) for config, data in groups for name in data]
     if not runs:
         return tree.Broken(_HERE)
-    return tree.Items(_HERE, tuple(tree.made({"config": c, "data": d}, tree.Position(d, None)) for c, d in runs))
+    return tree.Items(_HERE, tuple(tree.from_plain({"config": c, "data": d}, tree.Position(d, None)) for c, d in runs))
 
 
 def _parameters(chosen: argparse.Namespace, faults: list[Fault]) -> tree.Node:

@@ -1,17 +1,17 @@
-"""First stage: YAML -> `Scenario`, strict and frozen, with every fault at its line. Imports nothing heavy.
+"""First stage of a run: YAML to a `Scenario`, strict and frozen, with every fault at its line. Imports nothing heavy.
 
-reading    yaml_source, tree                    text -> tree with positions
-           file_kind                            a run, a sweep, a search or a fit; in space or not
-resolving  references, overrides, given         names, `from`, provenance; --set and values from Python -> one tree
-           urdf, urdf_corrections               robot files, and what is put right of them
+reading    yaml_source, tree                    text to a tree with positions
+           file_kind                            run, sweep, optimisation or fit; in the plane or in space
+resolving  references, overrides, given         names, `from`, provenance; `--set` and values from Python; to one tree
+           urdf, urdf_corrections               robot files, and the keys that replace their values
            columns, csv_table                   CSV files that a config names
-checking   schema, load, template               one tree -> Scenario
-           allowed, messages, structure_errors  or faults in sentences
-changing   changed, differences, add_law        a scenario from Python; how two differ; a law from outside
+checking   schema, load, template               one tree to a Scenario
+           allowed, messages, structure_errors  or to faults in sentences
+changing   changed, differences, add_law        changes from Python, differences of scenarios, laws of users
 writing    export                               plain data, JSON Schema
-           written_numbers                      numbers into the files they were read from
-many       sweep, sweep_cases                   a config and what to replace in it -> cases
-           optimise                             a config, what may change in it and what is best
+           written_numbers                      numbers into the files that contain their keys
+many runs  sweep, sweep_cases                   a config and values that cases replace
+           optimise                             a config, its parameters and an objective
 """
 
 from granular_contact.config import schema

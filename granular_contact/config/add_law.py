@@ -1,4 +1,4 @@
-"""A law from outside the package, in YAML."""
+"""Registration of a user's own law, so that configs can name it."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from granular_contact.laws.law import Law
 def add_law(law: type[Law]) -> None:
     """Register a law of your own, so that configs can name it: `medium: {law: TAG, ...}`.
 
-    It counts for configs that this process reads from now on. In Python the class alone is enough, see `laws.law`.
+    It is known to all configs that this process reads afterwards. In Python the class alone is enough, see `laws.law`.
 
     Parameters
     ----------
@@ -27,8 +27,8 @@ def add_law(law: type[Law]) -> None:
     ValueError
         Another law has this tag.
     TypeError
-        The class lacks its equation, terms, shapes or constants, or kernels can't call its functions; with those that
-        are wanted.
+        The class lacks its equation, terms, shapes or constants, or kernels can't call its functions. The message
+        names what is needed.
 
     Examples
     --------
@@ -38,14 +38,16 @@ def add_law(law: type[Law]) -> None:
     """
     of_type("law", law, type, "a subclass of Law")
     check_law(law)
-    held = LAWS.get(law.tag())
-    if held is law:
+    registered = LAWS.get(law.tag())
+    if registered is law:
         return
-    again = held is not None and (held.__module__, held.__qualname__) == (law.__module__, law.__qualname__)
-    if held is not None and not again:  # (a cell of a notebook that is run again defines its class anew)
+    # A notebook cell that runs twice defines its class twice, under the same name.
+    name = law.__module__, law.__qualname__
+    is_redefined = registered is not None and (registered.__module__, registered.__qualname__) == name
+    if registered is not None and not is_redefined:
         raise ValueError(f"got the tag {law.tag()!r} for {law.__name__}, which another law has")
     LAWS[law.tag()] = law
-    changed: list[type[BaseModel]] = [BedLayer, Bed, Scenario, *Scenario.__subclasses__()]
-    for part in changed:
-        part.model_rebuild(force=True)
-    allowed.forget()
+    with_media: list[type[BaseModel]] = [BedLayer, Bed, Scenario, *Scenario.__subclasses__()]
+    for schema_class in with_media:
+        schema_class.model_rebuild(force=True)
+    allowed.clear_cache()

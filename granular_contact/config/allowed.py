@@ -1,4 +1,7 @@
-"""What the schema allows at a key, in words; read from the JSON Schema, so that it agrees with the checks."""
+"""Words for the values that the schema allows at a key.
+
+They are derived from the JSON Schema, so they agree with the checks.
+"""
 
 from __future__ import annotations
 
@@ -22,29 +25,35 @@ _FORMS: dict[Any, str] = {"text": "string", "number": "number", "list": "array",
 
 
 def definitions() -> dict[str, Schema]:
-    """JSON Schemas of all classes of files, by their names; in a scenario model and medium are resolved."""
+    """JSON Schemas of all classes of files, by the name of the class.
+
+    The schema of a scenario is that of a config with resolved references to models and media.
+    """
     return _definitions((Scenario, *Scenario.__subclasses__(), SweepFile, FitFile, OptimiseFile, RobotFile))
 
 
 @cache
 def _definitions(models: tuple[type[BaseModel], ...]) -> dict[str, Schema]:
-    _, whole = models_json_schema([(model, "validation") for model in models])
-    found: dict[str, Schema] = whole["$defs"]
-    return found
+    _, schemas = models_json_schema([(model, "validation") for model in models])
+    by_name: dict[str, Schema] = schemas["$defs"]
+    return by_name
 
 
-def forget() -> None:
-    """Read the schemas anew, after a class changed."""
+def clear_cache() -> None:
+    """Make the schemas again at the next use, after a class has changed."""
     _definitions.cache_clear()
 
 
 def walk(location: Sequence[str | int], model: type[BaseModel] = Scenario) -> tuple[Path, Schema]:
-    """Path in the file and schema of a `location` of pydantic, in which the tag of a union is between two keys."""
+    """Path in the file, and schema, of a `location` of pydantic.
+
+    A location contains tags of unions between the keys, which are no part of the path.
+    """
     schema, path = definitions()[model.__name__], list[str | int]()
     for step in location:
         if _takes_forms(schema):
-            said = {ALLOWED: schema[ALLOWED]} if ALLOWED in schema else {}
-            schema = _of_form(schema, step) | said
+            words = {ALLOWED: schema[ALLOWED]} if ALLOWED in schema else {}
+            schema = _of_form(schema, step) | words
             continue
         if "discriminator" in schema:
             schema = _deref(schema["discriminator"]["mapping"].get(step, {}))
@@ -55,17 +64,21 @@ def walk(location: Sequence[str | int], model: type[BaseModel] = Scenario) -> tu
 
 
 def _takes_forms(schema: Schema) -> bool:
-    """Whether pydantic puts the form of a value, as `list`, between two keys."""
+    """Whether a schema is a union by the YAML form of the value (text, number, list, mapping).
+
+    pydantic then puts this form, for example `list`, between two keys of a location.
+    """
     return "oneOf" in schema and "discriminator" not in schema
 
 
 def _of_form(schema: Schema, step: str | int) -> Schema:
-    """Of a union of forms, the member for the form that pydantic names; the first one for any other."""
+    """The member of a union of forms for the form `step`; the first member if none fits."""
     options = [_resolved(option) for option in schema["oneOf"]]
     return next((one for one in options if one.get("type") == _FORMS.get(step)), options[0])
 
 
 def _below(schema: Schema, step: str | int) -> Schema:
+    """Schema of the value under a key, or of a list item with an index; empty if there is none."""
     if isinstance(step, int):
         items = schema.get("prefixItems", [])
         below = items[step] if step < len(items) else schema.get("items", {})
@@ -75,96 +88,101 @@ def _below(schema: Schema, step: str | int) -> Schema:
 
 
 def _deref(schema: Schema | str) -> Schema:
+    """A schema with its reference to a definition replaced by the definition."""
     if not isinstance(schema, str):
         return _deref(schema["$ref"]) | schema if "$ref" in schema else schema
     return definitions()[schema.rsplit("/", 1)[1]]
 
 
 def _resolved(schema: Schema) -> Schema:
-    """`schema` without reference, and without its null alternative, which becomes the key `nullable`."""
+    """`schema` without reference; an alternative null becomes the key `nullable`."""
     schema = _deref(schema)
     others = [_deref(option) for option in schema.get("anyOf", []) if option.get("type") != "null"]
     return {**others[0], "nullable": True} if len(others) == 1 else schema
 
 
 def tags(schema: Schema) -> tuple[str, list[str]] | None:
-    """Key and allowed values of the tag of a union; None if `schema` is none."""
+    """Key and allowed values of the tag of a union; None if `schema` is no union with a tag."""
     if "discriminator" not in schema:
         return None
     return schema["discriminator"]["propertyName"], list(schema["discriminator"]["mapping"])
 
 
 def default_tag(path: Sequence[str]) -> tuple[str, str] | None:
-    """Key and value of the tag of the union's member that stands at a path of the file by default; None without one."""
+    """Key and value of the tag of the default at a path of a config; None if this default is no member of a union."""
     schema = definitions()[Scenario.__name__]
     for step in path:
         if "oneOf" in schema:
-            return None  # which of several it is, the path does not say
+            return None  # the path does not say which member of this union
         schema = _below(schema, step)
     tag, default = tags(schema), schema.get("default")
     return (tag[0], default[tag[0]]) if tag and isinstance(default, dict) else None
 
 
-def may_go(path: Sequence[str], root: Node, model: type[BaseModel]) -> bool:
-    """Whether the key at a path of a file may be left out, and takes no null; not of one that is not known.
+def may_be_left_out(path: Sequence[str], root: Node, model: type[BaseModel]) -> bool:
+    """Whether the key at a path of a file is optional and does not allow null; False for an unknown key.
 
-    root: tree of the file, which says of what kinds its parts are and what names there are.
+    root: tree of the file; its tags select the members of unions, and its names are known keys.
     """
-    schema, holder = definitions()[model.__name__], Schema()
+    schema, holder_schema = definitions()[model.__name__], Schema()
     node: Node | None = root
-    above = node
+    holder = node
     for step in path:
-        holder, above = _chosen(schema, node), node
-        schema = _below(holder, int(step) if isinstance(node, Items) else step)
-        node = child(above, step) if above is not None else None
-        if node is None and step not in keys(holder):
+        holder_schema, holder = _member(schema, node), node
+        schema = _below(holder_schema, int(step) if isinstance(node, Items) else step)
+        node = child(holder, step) if holder is not None else None
+        if node is None and step not in keys(holder_schema):
             return False
-    if isinstance(above, Items) or path[-1] in holder.get("required", ()):
+    if isinstance(holder, Items) or path[-1] in holder_schema.get("required", ()):
         return False
     options = [_deref(option).get("type") for option in schema.get("anyOf", ())]
     return bool(schema) and not schema.get("nullable") and "null" not in options
 
 
-def _chosen(schema: Schema, node: Node | None) -> Schema:
-    """Of a schema with alternatives the one that a node says it is; none where it says nothing."""
+def _member(schema: Schema, node: Node | None) -> Schema:
+    """The member of a union that fits a node by its form or its tag; empty if the node has no tag."""
     if _takes_forms(schema):
         schema = _of_form(schema, "list" if isinstance(node, Items) else "mapping")
     if (tag := tags(schema)) is None:
         return schema
-    said = None if node is None else child(node, tag[0])
-    kind = None if said is None else plain(said)
-    return _deref(schema["discriminator"]["mapping"].get(kind, {})) if isinstance(kind, str) else {}
+    tag_node = None if node is None else child(node, tag[0])
+    value = None if tag_node is None else plain(tag_node)
+    return _deref(schema["discriminator"]["mapping"].get(value, {})) if isinstance(value, str) else {}
 
 
 def keys(schema: Schema) -> list[str]:
-    """Names of the keys that a mapping may have; empty if it takes any."""
+    """Names of the keys that a mapping may have; empty if any key is allowed."""
     return list(schema.get("properties", {}))
 
 
-def places(key: str, above: Path, holder: Schema, model: type[BaseModel] = Scenario) -> list[str]:
-    """Where else a key may stand that is not known below the path `above`: at the top of the file, one key further
-    down from there, or one further down from where it is; dotted, and none if it is known nowhere.
+def other_places(key: str, above: Path, holder: Schema, model: type[BaseModel] = Scenario) -> list[str]:
+    """Dotted keys of at most three other places of a file where a key is known.
+
+    These are the top of the file, the mappings at the top, and the mappings directly below the one that has the key.
+
+    above: path of the mapping that has the unknown key; holder: schema of this mapping.
     """
-    top, here = definitions()[model.__name__], ".".join(map(str, above))
-    found = [key] if key in keys(top) and here else []
+    top, present = definitions()[model.__name__], ".".join(map(str, above))
+    places = [key] if key in keys(top) and present else []
     sections = {name: _below(top, name) for name in keys(top)}
-    found += [f"{name}.{key}" for name, part in sections.items() if key in keys(part) and name != here]
-    found += [f"{here}.{name}.{key}" for name in keys(holder) if here and key in keys(_below(holder, name))]
-    return found[:3]
+    places += [f"{name}.{key}" for name, section in sections.items() if key in keys(section) and name != present]
+    places += [f"{present}.{name}.{key}" for name in keys(holder) if present and key in keys(_below(holder, name))]
+    return places[:3]
 
 
 def describe(schema: Schema) -> str:
-    """The allowed values in words, as `a number above 0, or null`."""
+    """The allowed values in words, for example `a number above 0, or null`."""
     return _kind(schema) + (", or null" if schema.get("nullable") else "")
 
 
 def _kind(schema: Schema) -> str:
+    """The allowed values in words, null aside."""
     if ALLOWED in schema:
         return str(schema[ALLOWED])
     if "enum" in schema or "const" in schema:
         choices = schema.get("enum", [schema.get("const")])
-        words = ", ".join(str(one).lower() if isinstance(one, bool) else str(one) for one in choices)
-        return words if len(choices) == 1 else f"one of {words}"
+        listed = ", ".join(str(choice).lower() if isinstance(choice, bool) else str(choice) for choice in choices)
+        return listed if len(choices) == 1 else f"one of {listed}"
     if _takes_forms(schema):
         return f"{_kind(_resolved(schema['oneOf'][0]))}, or a list of such"
     if tag := tags(schema):
@@ -183,6 +201,7 @@ def _kind(schema: Schema) -> str:
 
 
 def _range(schema: Schema) -> str:
+    """The range of a number in words; empty for any number."""
     least, most, above, below = map(schema.get, ("minimum", "maximum", "exclusiveMinimum", "exclusiveMaximum"))
     if least is not None and most is not None:
         return f"from {least:.10g} to {most:.10g}"

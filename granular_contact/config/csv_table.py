@@ -1,7 +1,7 @@
-"""A CSV file -> its cells as text, or what is wrong with its form.
+"""Cells of a CSV file as text, and faults of its form.
 
-The first line that is not empty and does not start with # or % holds the names; commas, semicolons or tabs separate.
-Separators at the end of lines, as spreadsheets write them, do not count as cells.
+The first line that is not empty and does not begin with # or % is the header. Cells are separated by commas, semicolons
+or tabs. Separators at the end of lines, as spreadsheets write them, do not count as cells.
 """
 
 from __future__ import annotations
@@ -15,12 +15,12 @@ from granular_contact.config.tree import Position
 from granular_contact.errors import Fault
 
 MOST_BYTES = 50_000_000
-MOST_SHOWN = 10  # faults of one kind in one file
+MOST_SHOWN = 10  # number of reported faults of one kind in one file
 
 
 @dataclass(frozen=True)
 class Table:
-    """Cells of a CSV file as text. lines: of each row in the file, from 1."""
+    """Cells of a CSV file as text. lines: line of each row in the file, from 1."""
 
     file: str
     header: tuple[str, ...]
@@ -30,7 +30,7 @@ class Table:
 
 
 def read_table(path: Path, faults: list[Fault]) -> Table | None:
-    """Header and rows of a CSV file; None, with faults, for one that has no such form."""
+    """The table in a CSV file; None, with faults, if the file can't be read or has no such form."""
     whole = Position(str(path), None)
     try:
         if path.is_dir():
@@ -47,12 +47,15 @@ def read_table(path: Path, faults: list[Fault]) -> Table | None:
     except OSError as error:
         faults.append(whole.fault((), f"can't be read: {error.strerror or error}"))
     else:
-        return table_of(text, str(path), faults)
+        return parse_table(text, str(path), faults)
     return None
 
 
-def table_of(text: str, file: str, faults: list[Fault]) -> Table | None:
-    """Header and rows of the text of a CSV file, whose rows may have more cells or fewer; None, with a fault."""
+def parse_table(text: str, file: str, faults: list[Fault]) -> Table | None:
+    """The table in the text of a CSV file; None, with a fault, if it has no such form.
+
+    The rows may have more or fewer cells than the header, see `ragged_rows`.
+    """
     numbered = ((i, line) for i, line in enumerate(text.splitlines(), 1))
     lines = [(i, line) for i, line in numbered if line.strip() and not line.lstrip().startswith(("#", "%"))]
     if not lines:
@@ -73,21 +76,21 @@ def table_of(text: str, file: str, faults: list[Fault]) -> Table | None:
 
 
 def form_faults(table: Table) -> list[Fault]:
-    """What is wrong with names of columns and numbers of cells."""
-    file, first, header = table.file, table.header_line, table.header
+    """Faults of the header and of the number of cells in each row."""
+    file, header_line, header = table.file, table.header_line, table.header
     if all(number(cell) is not None for cell in header):
-        words = "has numbers where the names of the columns should stand; put a line as time_s,tip_x_mm above them"
-        return [Fault(file, first, "", words)]
+        message = "has numbers where the names of the columns should stand; put a line as time_s,tip_x_mm above them"
+        return [Fault(file, header_line, "", message)]
     nameless = [i for i, name in enumerate(header, 1) if not name]
-    twice = sorted({name for name in header if name and header.count(name) > 1})
+    duplicates = sorted({name for name in header if name and header.count(name) > 1})
     return [
-        *(Fault(file, first, "", f"has no name for column {i}") for i in nameless),
-        *(Fault(file, first, name, "is the name of two columns; each needs its own") for name in twice),
-        *few(file, ragged(table)),
+        *(Fault(file, header_line, "", f"has no name for column {i}") for i in nameless),
+        *(Fault(file, header_line, name, "is the name of two columns; each needs its own") for name in duplicates),
+        *first_faults(file, ragged_rows(table)),
     ]
 
 
-def ragged(table: Table) -> list[Fault]:
+def ragged_rows(table: Table) -> list[Fault]:
     """A fault for each row that has more or fewer cells than the header."""
     width, words = len(table.header), f"as in the header of line {table.header_line}"
     pairs = zip(table.lines, table.rows, strict=True)
@@ -99,13 +102,13 @@ def ragged(table: Table) -> list[Fault]:
 
 
 def _without_empty_ends(cells: list[tuple[str, ...]]) -> list[tuple[str, ...]]:
-    """The lines cut to the number of cells of the longest non-empty one, so that empty cells within stay."""
+    """The rows without the columns at the end that are empty in all rows."""
     width = max((i for row in cells for i, cell in enumerate(row, 1) if cell), default=0)
     return [row[: max(width, 1)] for row in cells]
 
 
 def number(cell: str) -> float | None:
-    """The finite number that a cell holds; None for any other text."""
+    """The finite number in a cell; None for any other text."""
     try:
         value = float(cell) if "_" not in cell else math.nan
     except ValueError:
@@ -113,8 +116,8 @@ def number(cell: str) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def few(file: str, faults: list[Fault]) -> list[Fault]:
-    """The first faults of a kind, and how many more there are."""
+def first_faults(file: str, faults: list[Fault]) -> list[Fault]:
+    """The first MOST_SHOWN faults of one kind, and a last one that counts the others."""
     if len(faults) <= MOST_SHOWN:
         return faults
     more = f"has {len(faults) - MOST_SHOWN} more such lines from here on"

@@ -1,4 +1,4 @@
-"""Differences of plain data: of scenarios, of the sweeps of two work folders."""
+"""Differences between plain data, for example between two scenarios or the sweeps of two work folders."""
 
 from __future__ import annotations
 
@@ -13,30 +13,31 @@ from granular_contact.values.strict import listed
 MISSING = object()
 
 
-def differences(one: Any, other: Any, path: Path = (), whole: bool = False) -> Iterator[tuple[Path, Any, Any]]:
-    """Paths at which two pieces of plain data differ, with both values; MISSING where there is none.
+def differences(first: Any, second: Any, path: Path = (), whole: bool = False) -> Iterator[tuple[Path, Any, Any]]:
+    """Paths at which two pieces of plain data differ, with both values; MISSING stands for a value that is not there.
 
-    whole: give a mapping with other keys, or a list, as one difference, as `--set` replaces it.
+    whole: give a list, or a mapping whose keys differ, as one difference, since `--set` replaces these as a whole.
     """
-    if isinstance(one, dict) and isinstance(other, dict) and not (whole and set(one) != set(other)):
-        for key in dict.fromkeys((*one, *other)):
-            yield from differences(one.get(key, MISSING), other.get(key, MISSING), (*path, key), whole)
-    elif isinstance(one, list) and isinstance(other, list) and len(one) == len(other) and not whole:
-        for i, (held, another) in enumerate(zip(one, other, strict=True)):
-            yield from differences(held, another, (*path, i))
-    elif one != other:
-        yield path, one, other
+    if isinstance(first, dict) and isinstance(second, dict) and not (whole and set(first) != set(second)):
+        for key in dict.fromkeys((*first, *second)):
+            yield from differences(first.get(key, MISSING), second.get(key, MISSING), (*path, key), whole)
+    elif isinstance(first, list) and isinstance(second, list) and len(first) == len(second) and not whole:
+        for i, (item, other_item) in enumerate(zip(first, second, strict=True)):
+            yield from differences(item, other_item, (*path, i))
+    elif first != second:
+        yield path, first, second
 
 
-def same_but(one: BaseModel, other: BaseModel, *keys: str) -> bool:
-    """Whether two checked parts of configs have all in common but these keys; parts that they share cost nothing."""
-    mine, theirs = vars(one), vars(other)
-    fields = type(one).model_fields
-    return type(one) is type(other) and all(
-        mine[key] is theirs[key] or mine[key] == theirs[key] for key in fields if key not in keys
+def same_but(first: BaseModel, second: BaseModel, *keys: str) -> bool:
+    """Whether two checked parts of configs agree in all but these keys. Shared values are not compared again."""
+    first_values, second_values = vars(first), vars(second)
+    return type(first) is type(second) and all(
+        first_values[key] is second_values[key] or first_values[key] == second_values[key]
+        for key in type(first).model_fields
+        if key not in keys
     )
 
 
-def differing_keys(one: Any, other: Any) -> str:
+def differing_keys(first: Any, second: Any) -> str:
     """The first dotted keys under which two scenarios, as plain data, differ."""
-    return listed([dotted(path) for path, *_ in differences(one, other)])
+    return listed([dotted(path) for path, *_ in differences(first, second)])

@@ -1,4 +1,4 @@
-"""A scenario as plain data, and the schemas of configs, and of files of sweeps, searches and fits, for editors."""
+"""Export a scenario as plain data, and the JSON Schemas of configs, sweeps, optimisations and fits for editors."""
 
 from __future__ import annotations
 
@@ -29,15 +29,15 @@ _PARAMETERS = "\n\nParameters\n----------\n"
 
 
 def scenario_to_dict(scenario: Scenario) -> dict[str, Any]:
-    """Every value of the scenario, defaults too, in plain YAML types.
+    """All values of a scenario, including defaults, in plain YAML types.
 
-    Written with `yaml.safe_dump(..., sort_keys=False)` and loaded again, it gives an equal scenario.
+    Written by `yaml.safe_dump(..., sort_keys=False)` and loaded again, they give an equal scenario.
     """
     return scenario.model_dump(mode="json", by_alias=True)
 
 
 def value_at(plain: Any, key: Sequence[str], missing: Any = None) -> Any:
-    """Value under a key of a scenario as plain data, by its path of names and numbers."""
+    """Value at a path of keys and list indices in plain data; `missing` if there is none."""
     for part in key:
         if isinstance(plain, list) and part.isdecimal() and int(part) < len(plain):
             plain = plain[int(part)]
@@ -49,14 +49,14 @@ def value_at(plain: Any, key: Sequence[str], missing: Any = None) -> Any:
 
 
 def _single(whole: dict[str, Any]) -> dict[str, Any]:
-    """Of the schema of one or more media, that of one."""
-    several = next(option for option in whole["anyOf"] if "oneOf" in option)
-    single: dict[str, Any] = several["oneOf"][0]
+    """Schema of a single medium, from that of one or more media."""
+    union = next(option for option in whole["anyOf"] if "oneOf" in option)
+    single: dict[str, Any] = union["oneOf"][0]
     return single
 
 
 def _shorten_signals(node: Any) -> None:
-    """Wherever a signal is allowed, allow a number and the name of a shared one, too; changes the schema."""
+    """Allow a number and the name of a shared signal wherever a schema allows a signal; changes the schema in place."""
     if isinstance(node, list):
         for item in node:
             _shorten_signals(item)
@@ -71,13 +71,16 @@ def _shorten_signals(node: Any) -> None:
 
 
 def _described(model: type[BaseModel]) -> dict[str, Any]:
-    """Schema of a model with the texts under the fields of all classes; reading sources takes long, so only here."""
+    """JSON Schema of a class with the texts under the fields of all classes as descriptions.
+
+    The texts are read from the source files, which takes long. So checks use the schema without them.
+    """
     schema = model.model_json_schema()
     classes: dict[str, type[Strict]] = {}
-    more = [Strict]
-    while more:
-        more += (one := more.pop()).__subclasses__()
-        classes[one.__name__] = one
+    waiting = [Strict]
+    while waiting:
+        waiting += (strict_class := waiting.pop()).__subclasses__()
+        classes[strict_class.__name__] = strict_class
     for name, part in {model.__name__: schema, **schema["$defs"]}.items():
         if "description" in part:
             part["description"] = part["description"].partition(_PARAMETERS)[0]
@@ -89,33 +92,40 @@ def _described(model: type[BaseModel]) -> dict[str, Any]:
 
 @cache
 def _texts(owner: type[Strict]) -> tuple[tuple[str, str], ...]:
-    """Fields of a class with the texts under them, or among its Parameters; none of a class without a source."""
-    tree = _classes(owner.__module__).get(owner.__qualname__)
-    if tree is None:
+    """Names of the fields of a class with their texts, from its docstring (Parameters) and from below the fields.
+
+    Empty for a class without a source file.
+    """
+    definition = _classes(owner.__module__).get(owner.__qualname__)
+    if definition is None:
         return ()
-    _, _, parameters = (ast.get_docstring(tree) or "").partition(_PARAMETERS)
-    listed = re.findall(r"^(\S.*) : .*\n((?:    .*\n?)+)", parameters, re.M)
-    given = {name: " ".join(text.split()) for names, text in listed for name in names.split(", ")}
-    found = [(name, text) for name, text in given.items() if name in owner.__annotations__.keys() & owner.model_fields]
-    for pair in pairwise(tree.body):
+    _, _, parameters = (ast.get_docstring(definition) or "").partition(_PARAMETERS)
+    entries = re.findall(r"^(\S.*) : .*\n((?:    .*\n?)+)", parameters, re.M)
+    documented = {name: " ".join(text.split()) for names, text in entries for name in names.split(", ")}
+    fields = owner.__annotations__.keys() & owner.model_fields
+    texts = [(name, text) for name, text in documented.items() if name in fields]
+    for pair in pairwise(definition.body):
         match pair:
             case ast.AnnAssign(target=ast.Name(id=name)), ast.Expr(value=ast.Constant(value=str(text))):
-                found.append((name, inspect.cleandoc(text)))
-    return tuple(found)
+                texts.append((name, inspect.cleandoc(text)))
+    return tuple(texts)
 
 
 @cache
 def _classes(module: str) -> dict[str, ast.ClassDef]:
-    """Classes of a module as they are written: it is read once for all of them."""
+    """Syntax trees of the classes of a module by name; empty without a source file. Each module is parsed once."""
     file = getattr(sys.modules.get(module), "__file__", None)
     if file is None or not Path(file).is_file():
         return {}
     tree = ast.parse(Path(file).read_text(encoding="utf-8"))
-    return {one.name: one for one in tree.body if isinstance(one, ast.ClassDef)}
+    return {statement.name: statement for statement in tree.body if isinstance(statement, ast.ClassDef)}
 
 
 def json_schema(kind: str = "run") -> dict[str, Any]:
-    """JSON Schema of a file: one of `KINDS`, a `model` or a `medium`; names of what is shipped are among the values."""
+    """JSON Schema of a kind of file: one of `KINDS`, a `model` or a `medium`.
+
+    It lists the names of shipped models and media.
+    """
     if kind == "run":
         return _run_schema()
     if kind in ("model", "medium"):
@@ -130,65 +140,67 @@ def json_schema(kind: str = "run") -> dict[str, Any]:
 
 
 def _complete(schema: dict[str, Any], ranges: dict[str, Any]) -> None:
-    """Add to the schema of a file of many runs its config, and to its ranges their short form."""
+    """Add the schema of a config and the short form of ranges to the schema of a sweep or an optimisation."""
     run = _run_schema()
     schema["$defs"] |= run.pop("$defs")
     schema["$defs"]["Scenario"] = run
-    schema["properties"]["config"] = {"anyOf": [{"type": "string"}, {"$ref": "#/$defs/Scenario"}]}
+    config = schema["properties"]["config"]
+    config_forms = [{"type": "string"}, {"$ref": "#/$defs/Scenario"}]
+    schema["properties"]["config"] = {"anyOf": config_forms, "description": config["description"]}
     ends = {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2}
     ranges["additionalProperties"] = {"anyOf": [ends, ranges["additionalProperties"]]}
 
 
 def _part_schema(key: str) -> dict[str, Any]:
-    """Of the file of a model or a medium, which may begin from another one."""
+    """JSON Schema of the file of a model or a medium, which may begin from another one (`from`)."""
     run = _run_schema()
-    _, patch, whole, *more = run["properties"][key]["anyOf"]
+    _, patch, whole, *others = run["properties"][key]["anyOf"]
     if key == "medium":
-        whole, more = _single(whole), []
-    forms, kept = [whole, patch, *more], dict[str, Any]()
+        whole, others = _single(whole), []
+    forms, needed = [whole, patch, *others], dict[str, Any]()
     queue = _references(forms)
     while queue:
-        if (name := queue.pop()) not in kept:
-            kept[name] = run["$defs"][name]
-            queue += _references(kept[name])
-    return {"$defs": dict(sorted(kept.items())), "title": key.capitalize(), "anyOf": forms}
+        if (name := queue.pop()) not in needed:
+            needed[name] = run["$defs"][name]
+            queue += _references(needed[name])
+    return {"$defs": dict(sorted(needed.items())), "title": key.capitalize(), "anyOf": forms}
 
 
 def _references(node: Any) -> list[str]:
-    """Names of the definitions that a piece of a schema refers to."""
+    """Names of the definitions to which a part of a schema refers."""
     if isinstance(node, list):
         return [name for item in node for name in _references(item)]
     if not isinstance(node, dict):
         return []
-    own = [node["$ref"].rpartition("/")[2]] if isinstance(node.get("$ref"), str) else []
-    return own + [name for item in node.values() for name in _references(item)]
+    direct = [node["$ref"].rpartition("/")[2]] if isinstance(node.get("$ref"), str) else []
+    return direct + [name for item in node.values() for name in _references(item)]
 
 
 def _names(noun: str, known: Sequence[str], others: bool) -> dict[str, Any]:
-    """Of a name or a path: editors offer the known names; others: whether there may be more of them."""
+    """Schema of a name or a path. Editors offer the known names; others: whether other names are allowed too."""
     path = {"type": "string"} if others else {"type": "string", "pattern": r"\.ya?ml$"}
     return {"anyOf": [{"enum": [*known]}, path], "description": f"Name of a {noun}, or a path ending in .yaml."}
 
 
 def _add_space(schema: dict[str, Any]) -> None:
-    """Allow in a run what one in space may say: its model, from a robot file too, its bed and its start."""
+    """Allow the model (also from a robot file), bed and initial state of a run in space in the schema of a run."""
     from granular_contact.config.schema.space import SpatialScenario
 
-    spatial = _described(SpatialScenario)
-    schema["$defs"] = spatial.pop("$defs") | schema["$defs"]
+    spatial_schema = _described(SpatialScenario)
+    schema["$defs"] = spatial_schema.pop("$defs") | schema["$defs"]
     for key in ("model", "bed", "initial"):
-        planar, other = schema["properties"][key], spatial["properties"][key]
+        planar, spatial = schema["properties"][key], spatial_schema["properties"][key]
         forms = planar["anyOf"] if "anyOf" in planar else [{"$ref": planar["$ref"]}]
-        more = [one for one in other.get("anyOf", [{"$ref": other.get("$ref")}]) if one not in forms]
-        schema["properties"][key] = {"anyOf": [*forms, *more], "description": planar.get("description", "")}
-    file = {"type": "string", "description": "Robot file; what else may stand here: models/README.md."}
+        more = [form for form in spatial.get("anyOf", [{"$ref": spatial.get("$ref")}]) if form not in forms]
+        schema["properties"][key] = {"anyOf": [*forms, *more], "description": planar["description"]}
+    file = {"type": "string", "description": "Path of a robot file (URDF). Other keys: see models/README.md."}
     schema["properties"]["model"]["anyOf"].append(
         {"type": "object", "required": ["urdf"], "properties": {"urdf": file}}
     )
 
 
 def _run_schema() -> dict[str, Any]:
-    """Of a config, in which model and medium may be names, paths, or mappings with `from`; the method may be a word."""
+    """JSON Schema of a config. Model and medium may be names, paths, or mappings with `from`; the method a word."""
     schema = _described(Scenario)
     models = sorted(path.stem for path in (examples.home() / "models").glob("*.yaml"))
     for key, noun, known in (("model", "model", models), ("medium", "medium preset", medium_names())):
@@ -198,11 +210,11 @@ def _run_schema() -> dict[str, Any]:
         forms = [name, patch, whole]
         if key == "medium":
             forms.append({"type": "array", "minItems": 1, "items": {"anyOf": [name, patch, _single(whole)]}})
-        schema["properties"][key] = {"anyOf": forms}
+        schema["properties"][key] = {"anyOf": forms, "description": whole["description"]}
     layer = schema["$defs"]["BedLayer"]["properties"]
-    layer["medium"] = {"anyOf": [name, patch, layer["medium"]]}
+    layer["medium"] = {"anyOf": [name, patch, layer["medium"]], "description": layer["medium"]["description"]}
     _add_space(schema)
     _shorten_signals(schema)
-    words = {"enum": list(WORDS)}
-    schema["properties"]["method"] = {"anyOf": [words, schema["properties"]["method"]]}
+    method = schema["properties"]["method"]
+    schema["properties"]["method"] = {"anyOf": [{"enum": list(WORDS)}, method], "description": method["description"]}
     return schema

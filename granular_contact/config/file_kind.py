@@ -1,4 +1,4 @@
-"""What a YAML file means to be, by its keys: a search, a sweep, a fit or a config, and whether it is in space."""
+"""Kind of a YAML file by its keys: config of a run, sweep, optimisation or fit; in the plane or in space."""
 
 from __future__ import annotations
 
@@ -8,25 +8,25 @@ from pathlib import Path
 from granular_contact import examples
 from granular_contact.config import tree
 from granular_contact.config.schema.scenario import Scenario
-from granular_contact.config.tree import Node, Scalar, find, rewritten, set_key
+from granular_contact.config.tree import Node, Scalar, find, replace_mappings, set_key
 from granular_contact.config.yaml_source import read_file
 
 _SEARCH = {"objective", "parameters"}
 
 
 def is_run(path: str | PathLike[str]) -> bool:
-    """Whether the file at `path` means to be the config of one run; False for one that can't be read."""
+    """Whether the file at `path` is the config of one run by its keys; False for one that can't be read."""
     return "model" in _keys(path)
 
 
 def is_sweep(path: str | PathLike[str]) -> bool:
-    """Whether the file at `path` means to be a sweep; False for one that can't be read."""
+    """Whether the file at `path` is a sweep by its keys; False for one that can't be read."""
     keys = _keys(path)
     return bool({"config", "cases", "vary", "sample"} & keys) and not _SEARCH & keys
 
 
 def is_optimise(path: str | PathLike[str]) -> bool:
-    """Whether the file at `path` means to be a search for the best numbers; False for one that can't be read."""
+    """Whether the file at `path` is an optimisation by its keys; False for one that can't be read."""
     keys = _keys(path)
     return bool(_SEARCH & keys) and "runs" not in keys
 
@@ -37,14 +37,18 @@ def is_fit(path: str | PathLike[str]) -> bool:
 
 
 def _keys(path: str | PathLike[str]) -> set[str]:
+    """Keys at the top of a YAML file; empty if it can't be read or is no mapping."""
     root = read_file(examples.named(Path(path)), [])
     return set(root.nodes) if isinstance(root, tree.Mapping) else set()
 
 
 def scenario_class(root: Node) -> type[Scenario]:
-    """Class of the scenario of a tree in which the model is resolved: that of space where it says so, or tries to."""
-    held, missing = find(root, ("model", "in_space"))
-    if missing or (isinstance(held, Scalar) and held.value is False):
+    """Class of the scenario of a tree in which the model is resolved.
+
+    That of space if the model has a key `in_space` that is not false: a faulty value is then reported there.
+    """
+    in_space, missing = find(root, ("model", "in_space"))
+    if missing or (isinstance(in_space, Scalar) and in_space.value is False):
         return Scenario
     from granular_contact.config.schema.space import SpatialScenario
 
@@ -52,16 +56,17 @@ def scenario_class(root: Node) -> type[Scenario]:
 
 
 def with_paths(node: Node, key: str, folder: Path) -> Node:
-    """The tree under a key of a scenario with meshes and maps of heights by their full paths; these start from the
-    folder of the file that names them, those of an override from `folder`.
+    """The tree under a key of a config in which the files of meshes and height maps have absolute paths.
+
+    Relative paths start from the folder of the file that contains them, those of an override from `folder`.
     """
 
     def change(node: tree.Mapping, _: tree.Path) -> Node | None:
-        held = node.nodes.get("file")
-        if not (isinstance(held, Scalar) and isinstance(held.value, str) and held.value):
+        file = node.nodes.get("file")
+        if not (isinstance(file, Scalar) and isinstance(file.value, str) and file.value):
             return None
-        base = Path(held.position.file).parent if held.position.line is not None else folder
-        path = str((base / held.value).resolve())
-        return set_key(node, "file", Scalar(held.position, path, path), node.keys["file"])
+        base = Path(file.position.file).parent if file.position.line is not None else folder
+        path = str((base / file.value).resolve())
+        return set_key(node, "file", Scalar(file.position, path, path), node.keys["file"])
 
-    return rewritten(node, change, (key,)) if key in ("model", "bed") else node
+    return replace_mappings(node, change, (key,)) if key in ("model", "bed") else node

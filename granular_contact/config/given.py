@@ -1,4 +1,4 @@
-"""Values given in Python -> what `--set` makes of its texts: overrides of a config, checked in the same words."""
+"""Overrides of a config from values given in Python, checked as those of `--set` are, with the same messages."""
 
 from __future__ import annotations
 
@@ -66,41 +66,43 @@ if TYPE_CHECKING:
         output: OutputChanges | None
 
 
-# A mapping with one of these says what kind of thing it is, and takes the place of another one as a whole.
+# A mapping with one of these keys says its kind, and replaces the whole mapping of the config.
 TAGS = ("from", "law", "type")
-WHOLE = (("method",),)
+WHOLE = (("method",),)  # paths of mappings that are always replaced as a whole
 
 
 def changes(values: Mapping[str, Any], caller: str, faults: list[Fault]) -> list[overrides.Override]:
-    """The overrides of values by dotted key, or in mappings as in a config.
+    """Overrides for values by dotted key, or in mappings as in a config.
 
-    Of a mapping only the keys that it names are changed, unless it says its kind (`type`, `law` or `from`).
-    caller: what messages name as their place.
+    A mapping changes only the keys that it names, unless it says its kind (`type`, `law` or `from`).
+    caller: name of the called function, which messages give in place of a file.
     """
-    return overrides.effective([one for key, value in values.items() for one in _leaves(key, value, caller, faults)])
+    leaves = (leaf for key, value in values.items() for leaf in _leaves(key, value, caller, faults))
+    return overrides.effective(list(leaves))
 
 
 def merged(values: Mapping[str, Any] | None, more: Mapping[str, Any]) -> dict[str, Any]:
-    """Values by dotted key and by the keys of a config together; TypeError where the first are no mapping."""
+    """Values by dotted key and values by the keys of a config in one mapping; TypeError if `values` is no mapping."""
     of_type("values", values, (Mapping, NoneType), "a mapping from dotted keys to values, as {'solver.end_time_s': 1}")
     return {**(values or {}), **more}
 
 
 def _leaves(key: str, value: Any, caller: str, faults: list[Fault]) -> Iterator[overrides.Override]:
+    """Overrides for a value, and for the values in it if it is a mapping that changes single keys."""
     value = plain_data(value)
     at = tree.Position(f"{caller} {key}={value!r}"[:120], None)
     path = overrides.split(key, at, faults)
     if path is None:
         return
     if not isinstance(value, dict) or not value or path in WHOLE or any(tag in value for tag in TAGS):
-        yield overrides.Override(path, tree.made(value, at), at)
+        yield overrides.Override(path, tree.from_plain(value, at), at)
         return
-    for below, held in value.items():
-        yield from _leaves(f"{key}.{below}", held, caller, faults)
+    for below, inner in value.items():
+        yield from _leaves(f"{key}.{below}", inner, caller, faults)
 
 
 def plain_data(value: Any) -> Any:
-    """A value of Python or numpy in the plain types of YAML."""
+    """A value of Python, numpy or pydantic in the plain types of YAML."""
     if isinstance(value, BaseModel):
         value = value.model_dump(by_alias=True)
     if isinstance(value, PathLike):
@@ -108,5 +110,5 @@ def plain_data(value: Any) -> Any:
     if hasattr(value, "tolist"):
         value = value.tolist()
     if isinstance(value, Mapping):
-        return {str(key): plain_data(held) for key, held in value.items()}
-    return [plain_data(held) for held in value] if isinstance(value, list | tuple) else value
+        return {str(key): plain_data(inner) for key, inner in value.items()}
+    return [plain_data(item) for item in value] if isinstance(value, list | tuple) else value

@@ -1,4 +1,4 @@
-"""A config file, with overrides -> a checked scenario (`template` makes it); and media by their names."""
+"""Load a config with overrides as a checked scenario, and a medium by its name."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from granular_contact.config.add_law import add_law
 from granular_contact.config.given import changes as changes_of
 from granular_contact.config.given import plain_data
 from granular_contact.config.messages import by_place, faults_of
-from granular_contact.config.references import MEDIA, Resolver, shown
+from granular_contact.config.references import MEDIA, Resolver, readable_path
 from granular_contact.config.schema import Medium, Scenario
 from granular_contact.config.template import NAMELESS, Loaded, Template
 from granular_contact.config.yaml_source import read_file
@@ -29,9 +29,9 @@ if TYPE_CHECKING:
     from granular_contact.config.given import Changes
     from granular_contact.laws.law import Law
 
-# What the functions that run a config take: what `load` gave, or takes.
+# Config as the functions that run one take it: the result of `load`, its scenario, or an argument of `load`.
 Given = Scenario | Loaded | str | PathLike[str] | Mapping[str, Any]
-_OF_A_MODEL = {"urdf", "bodies", "chain"}  # keys, of which a file of a model has one
+_MODEL_KEYS = {"urdf", "bodies", "chain"}  # a file of a model has one of them
 
 
 def load(
@@ -46,20 +46,22 @@ def load(
     Parameters
     ----------
     source : str, path or mapping
-        YAML file; or the name of a config that comes with the package, as `runner`; or what such a file would hold.
+        YAML file; or the name of a config that comes with the package, as `runner`; or the content of such a file.
     overrides : sequence of str, or mapping
-        `dotted.key=value` each, or values by dotted key; applied once model and medium are in place, those that name
-        the model or medium before. Paths in them start from the working folder.
+        Texts `dotted.key=value`, or values by dotted key. An override that names a model or a medium is applied first,
+        then the model and the medium are read, then the other overrides are applied. Paths start from the working
+        folder.
     laws : sequence of types of Law
-        Laws of your own, which the config may name by their tags; as of `add_law`, for all configs from now on.
+        Laws of your own, which the config may name by their tags. They are registered as by `add_law`, also for configs
+        that are read later.
     **changes
-        The same by the keys of a config, as `solver={"accuracy": 1e-3}`. Of a mapping only the keys that it names are
-        changed, unless it says its kind (`type`, `law` or `from`).
+        Values by the keys of a config, as `solver={"accuracy": 1e-3}`. A mapping changes only the keys that it names,
+        unless it says its kind (`type`, `law` or `from`).
 
     Returns
     -------
     Loaded
-        The `scenario`, and where its keys were written. `simulate`, `build` and `sweep` take it as it is.
+        The `scenario`, and the files and lines of its keys. `simulate`, `build` and `sweep` take it as an argument.
 
     Raises
     ------
@@ -79,62 +81,62 @@ def load(
         add_law(law)
     faults: list[Fault] = []
     if isinstance(source, Mapping):
-        path, root = Path(NAMELESS), tree.made(plain_data(source), tree.Position(NAMELESS, None))
+        path, root = Path(NAMELESS), tree.from_plain(plain_data(source), tree.Position(NAMELESS, None))
     else:
         path = _file(source, faults)
         if path.suffix.lower() == ".urdf" and not faults:
-            words = "is a robot file, and not the config of a run, which names it: `model: {urdf: FILE}`"
-            raise ConfigError([tree.Position(str(path), None).fault((), words)])
+            message = "is a robot file, and not the config of a run, which names it: `model: {urdf: FILE}`"
+            raise ConfigError([tree.Position(str(path), None).fault((), message)])
         root = tree.Broken(tree.Position(str(path), None)) if faults else read_file(path, faults)
-    if isinstance(root, tree.Mapping) and "model" not in root.nodes and _OF_A_MODEL & set(root.nodes):
-        words = "is a model, and not the config of a run, which names it: `model: FILE`"
-        raise ConfigError([tree.Position(str(path), None).fault((), words)])
-    values = [] if isinstance(overrides, Mapping) else setting.parse(overrides, faults)
-    given = changes_of({**overrides, **changes} if isinstance(overrides, Mapping) else changes, "load", faults)
-    return Template(root, path, faults).make(setting.effective([*values, *given]), faults)
+    if isinstance(root, tree.Mapping) and "model" not in root.nodes and _MODEL_KEYS & set(root.nodes):
+        message = "is a model, and not the config of a run, which names it: `model: FILE`"
+        raise ConfigError([tree.Position(str(path), None).fault((), message)])
+    by_text = [] if isinstance(overrides, Mapping) else setting.parse(overrides, faults)
+    by_value = changes_of({**overrides, **changes} if isinstance(overrides, Mapping) else changes, "load", faults)
+    return Template(root, path, faults).make(setting.effective([*by_text, *by_value]), faults)
 
 
 def loaded(given: Given) -> Scenario | Loaded:
-    """What is given, loaded if it is not yet; raises as `load`."""
+    """A config, loaded unless it is already; raises the errors of `load`."""
     return given if isinstance(given, Scenario | Loaded) else load(given)
 
 
 def scenario_given(given: Given) -> Scenario:
-    """The scenario of what is given; raises as `load`."""
-    found = loaded(given)
-    return found.scenario if isinstance(found, Loaded) else found
+    """The scenario of a config; raises the errors of `load`."""
+    config = loaded(given)
+    return config.scenario if isinstance(config, Loaded) else config
 
 
 def _file(source: str | PathLike[str], faults: list[Fault]) -> Path:
-    """The file that is meant: that of this path, else the shipped config of this name."""
-    given = Path(source)
-    path = examples.named(given)
-    if path != given:
-        return shown(path)
+    """The file at the path `source` if it exists, else the shipped config of this name; with a fault if none exists."""
+    given_path = Path(source)
+    path = examples.named(given_path)
+    if path != given_path:
+        return readable_path(path)
     if path.name == str(source) and not path.exists():
         names = examples.config_names()
         file = path.with_name(f"{path.name}.yaml")
         near = f"did you mean {file}?" if file.exists() else did_you_mean(path.stem, names)
         hint = near or ("" if path.suffix else f"there are {', '.join(names)}")
-        words = f"no such file, and no config of this name is shipped; {hint}" if hint else "no such file"
-        faults.append(Fault(str(path), None, "", words))
+        message = f"no such file, and no config of this name is shipped; {hint}" if hint else "no such file"
+        faults.append(Fault(str(path), None, "", message))
     return path
 
 
 def load_scenario(path: str | PathLike[str], overrides: Sequence[str] = ()) -> Scenario:
-    """The scenario of `load`, for those who need no lines; raises the same ConfigError."""
+    """The scenario that `load` gives, without files and lines; raises the errors of `load`."""
     return load(path, overrides).scenario
 
 
 def load_medium(name: str, **values: Any) -> Medium:
-    """Medium preset called `name`, or the medium in a YAML file of that path (relative to the working folder).
+    """The medium preset `name`, or the medium in the YAML file with this path (relative to the working folder).
 
-    values: top-level keys that replace those of the file.
+    values: values of keys that replace those of the file.
 
     Raises
     ------
     ConfigError
-        There is no such medium, or its file is at fault.
+        There is no such medium, or its file is faulty.
     """
     faults: list[Fault] = []
     of_type("name", name, str, "the name of a preset, as 'play_sand', or the path of a YAML file, as a text")

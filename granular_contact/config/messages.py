@@ -1,4 +1,4 @@
-"""pydantic's errors -> faults at a line, in sentences."""
+"""Errors of pydantic as faults: sentences with file, line and key."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ M = TypeVar("M", bound=BaseModel)
 
 
 def validated(model: type[M], tree: Node, faults: list[Fault]) -> M | None:
-    """The tree as a model; None, with faults, if it is none."""
+    """The tree as an object of the class `model`; None, with faults, if it is not valid."""
     try:
         return model.model_validate(plain(tree))
     except ValidationError as error:
@@ -28,18 +28,18 @@ def validated(model: type[M], tree: Node, faults: list[Fault]) -> M | None:
 
 
 def faults_of(errors: Iterable[Mapping[str, Any]], tree: Node, model: type[BaseModel] = Scenario) -> list[Fault]:
-    """Faults for the `errors()` of a pydantic ValidationError about `tree`, which was to be a `model`.
+    """Faults for the `errors()` of a pydantic ValidationError of `tree` as a `model`.
 
-    There is none about a `Broken` node, whose fault is known, nor about a list that is too short only because items in
-    it are faulty: pydantic counts only valid ones.
+    No fault is made of a `Broken` node, whose fault is known. Nor of a list that is too short only because some of its
+    items are faulty, since pydantic counts valid items alone.
     """
     errors = list(errors)
-    faults = [fault for error in errors if not _is_short_of(error, errors) for fault in _faults(error, tree, model)]
+    faults = [fault for error in errors if not _follows(error, errors) for fault in _faults(error, tree, model)]
     return [fault for fault in faults if fault is not None]
 
 
-def _is_short_of(error: Mapping[str, Any], errors: Sequence[Mapping[str, Any]]) -> bool:
-    """Whether a list lacks no more than the items in it that have errors of their own."""
+def _follows(error: Mapping[str, Any], errors: Sequence[Mapping[str, Any]]) -> bool:
+    """Whether an error says that a list is too short, while other errors are about items of this list."""
     size = len(error["loc"])
     return error["type"] == "too_short" and any(
         len(other["loc"]) > size and other["loc"][:size] == error["loc"] for other in errors
@@ -47,7 +47,7 @@ def _is_short_of(error: Mapping[str, Any], errors: Sequence[Mapping[str, Any]]) 
 
 
 def got(node: Node) -> str:
-    """The value of `node` with its YAML type, cut to a readable length."""
+    """The value of `node` with its YAML type, for messages; a long text is cut."""
     if isinstance(node, Scalar):
         text = short(node.text)
         if isinstance(node.value, str):
@@ -59,7 +59,10 @@ def got(node: Node) -> str:
 
 
 def kind_of(node: Node) -> str:
-    """The YAML type of what a whole file holds. Its content is not shown: it may be any file, with secrets in it."""
+    """The YAML type of the content of a file, for messages.
+
+    The content itself is not shown: it may be any file, also one with secrets.
+    """
     if isinstance(node, Scalar):
         value = node.value
         return "nothing" if value is None else "a text" if isinstance(value, str) else f"a {_scalar_kind(value)}"
@@ -69,60 +72,62 @@ def kind_of(node: Node) -> str:
 
 
 def is_foreign(node: Node, known: Sequence[str]) -> bool:
-    """Whether a file is of another kind: not a mapping, or one without a known or nearly known key."""
+    """Whether a file is of another kind: it is no mapping, or none of its keys resembles a known key."""
     if not isinstance(node, MappingNode):
         return True
     return bool(node.nodes) and not any(get_close_matches(key, known, 1, 0.75) for key in node.nodes)
 
 
-def of_file(
-    root: Node, model: type[BaseModel], what: str, faults: list[Fault], also: Sequence[str] = ()
+def root_of_kind(
+    root: Node, model: type[BaseModel], otherwise: str, faults: list[Fault], also: Sequence[str] = ()
 ) -> MappingNode:
-    """The tree of a file that is to be a `model`: a mapping with one of its keys, or of those that it may have besides.
+    """The tree of a file, which must be a mapping with at least one key of the class `model`, or of `also`.
 
-    what: what any other file is, as `not a sweep`.
+    otherwise: words for any other file in the message, as `not a sweep`.
 
     Raises
     ------
     ConfigError
-        It is such a file, or can't be read; with the `faults` found so far.
+        The file is of another kind, or can't be read; with the `faults` found so far.
     """
-    keys = [one.alias or key for key, one in model.model_fields.items()]
+    keys = [field.alias or key for key, field in model.model_fields.items()]
     if isinstance(root, MappingNode) and not is_foreign(root, [*keys, *also]):
         return root
     if not isinstance(root, Broken):
-        words = f"is {what}: it holds {kind_of(root)}; allowed is a mapping with the keys {', '.join(keys)}"
-        faults.append(root.position.fault((), words))
+        message = f"is {otherwise}: it holds {kind_of(root)}; allowed is a mapping with the keys {', '.join(keys)}"
+        faults.append(root.position.fault((), message))
     raise ConfigError(sorted(faults, key=by_place))
 
 
 def by_place(fault: Fault) -> tuple[str, int]:
-    """Key by which faults are sorted."""
+    """Sorting key of faults: file and line."""
     return fault.file, fault.line or 0
 
 
 def _scalar_kind(value: bool | int | float) -> str:
+    """YAML type of a scalar that is neither text nor null."""
     return "boolean" if isinstance(value, bool) else "number"
 
 
 def unknown(word: str, known: Sequence[str]) -> str:
-    """Which of `known` the unknown `word` may have meant, or all of them."""
+    """Hint for an unknown `word`: the most similar known word, else all known words."""
     return did_you_mean(word, known) or (f"allowed are {', '.join(known)}" if known else "none is allowed here")
 
 
 def _faults(error: Mapping[str, Any], tree: Node, model: type[BaseModel]) -> list[Fault | None]:
+    """Faults of one error of pydantic; None for a fault that is already known."""
     path, schema = allowed.walk(error["loc"], model)
     if error["type"] == FAULTS:
         return [_at(tree, (*path, *below), message) for below, message in error["ctx"][FAULTS]]
     if error["type"] == "extra_forbidden":
         above, holder = allowed.walk(error["loc"][:-1], model)
-        places = allowed.places(str(path[-1]), above, holder, model)
-        words = f"stands in the wrong place; it belongs at {' or '.join(places)}" if places else ""
-        if not words:
+        places = allowed.other_places(str(path[-1]), above, holder, model)
+        message = f"stands in the wrong place; it belongs at {' or '.join(places)}" if places else ""
+        if not message:
             key, keys = str(path[-1]), allowed.keys(holder)
             content = _places_of_content(find(tree, path)[0], above, holder, model)
-            words = f"unknown key; {did_you_mean(key, keys) or content or unknown(key, keys)}"
-        return [_at_key(tree, path, words)]
+            message = f"unknown key; {did_you_mean(key, keys) or content or unknown(key, keys)}"
+        return [_at_key(tree, path, message)]
     if error["type"] == "missing":
         _, holder = allowed.walk(error["loc"][:-1], model)
         return [_missing(tree, path, schema, holder)]
@@ -134,45 +139,46 @@ def _faults(error: Mapping[str, Any], tree: Node, model: type[BaseModel]) -> lis
 
 
 def _places_of_content(node: Node, above: Path, holder: allowed.Schema, model: type[BaseModel]) -> str:
-    """Where the keys below an unknown key belong; empty if they are known nowhere."""
+    """Hint where the keys below an unknown key belong; empty if none of them is known."""
     keys = node.nodes if isinstance(node, MappingNode) else ()
-    found = {str(key): allowed.places(str(key), above, holder, model) for key in keys}
-    hints = [f"{key} belongs at {' or '.join(places)}" for key, places in found.items() if places]
+    places_by_key = {str(key): allowed.other_places(str(key), above, holder, model) for key in keys}
+    hints = [f"{key} belongs at {' or '.join(places)}" for key, places in places_by_key.items() if places]
     return ", ".join(hints)
 
 
-def _missing(tree: Node, path: Path, schema: allowed.Schema, around: allowed.Schema) -> Fault | None:
-    """A fault of what is not there, with its schema and that of what it would stand in."""
+def _missing(tree: Node, path: Path, schema: allowed.Schema, holder_schema: allowed.Schema) -> Fault | None:
+    """Fault of a missing key or list item; schema: its schema; holder_schema: that of the mapping or list."""
     holder, _ = find(tree, path[:-1])
     if isinstance(holder, Items):
-        size = len(around.get("prefixItems", ())) or 2
+        size = len(holder_schema.get("prefixItems", ())) or 2
         return _at(tree, path[:-1], f"got {got(holder)}; allowed is a list of {size} numbers")
     return _at_key(tree, path, f"is missing; allowed is {allowed.describe(schema)}")
 
 
 def _tag_fault(tree: Node, path: Path, key: str, choices: list[str]) -> Fault | None:
+    """Fault of the key that names the member of a union: it is missing, or its value is none of `choices`."""
     node = child(find(tree, path)[0], key)
     path = (*path, key)
     if node is None:
         return _at_key(tree, path, f"is missing; allowed are {', '.join(choices)}")
     if key == "law" and isinstance(node, Scalar) and ":" in node.text:
-        words = "a config never loads code; in Python load(FILE, laws=[YourLaw]) makes your law known by its tag"
-        return _at(tree, path, f"got {got(node)}; {words}")
+        hint = "a config never loads code; in Python load(FILE, laws=[YourLaw]) makes your law known by its tag"
+        return _at(tree, path, f"got {got(node)}; {hint}")
     hint = unknown(node.text if isinstance(node, Scalar) else "", choices)
     listed = "" if hint.startswith("allowed") else f" (of {', '.join(choices)})"
     return _at(tree, path, f"got {got(node)}; {hint}{listed}")
 
 
 def _hint(node: Node, schema: allowed.Schema) -> str:
-    """How to write numbers, for a text that looks like one."""
+    """Hint how to write numbers, for a text that looks like a number where one is allowed; else empty."""
     if schema.get("type") in ("number", "integer") and isinstance(node, Scalar) and isinstance(node.value, str):
-        looks_like_one = node.text[:1].isdigit() or node.text[:1] in ("+", "-", ".")
-        return "; write numbers as 12, 0.5 or 1e-3, without quotes" if looks_like_one and node.text.strip() else ""
+        is_like_number = node.text[:1].isdigit() or node.text[:1] in ("+", "-", ".")
+        return "; write numbers as 12, 0.5 or 1e-3, without quotes" if is_like_number and node.text.strip() else ""
     return ""
 
 
 def _at(tree: Node, path: Path, message: str) -> Fault | None:
-    """A fault of the value at `path`."""
+    """A fault of the value at `path`; None if the value is `Broken`."""
     node, missing = find(tree, path)
     if missing:
         return _at_key(tree, path, message)
@@ -180,6 +186,6 @@ def _at(tree: Node, path: Path, message: str) -> Fault | None:
 
 
 def _at_key(tree: Node, path: Path, message: str) -> Fault | None:
-    """A fault of the last key of `path`: that it stands there, or that it does not."""
+    """A fault of the last key of `path`, which is there or is missing; None if its mapping is `Broken`."""
     node, _ = find(tree, path)
     return None if isinstance(node, Broken) else key_position(tree, path).fault(path, message)

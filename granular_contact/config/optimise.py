@@ -1,6 +1,6 @@
-"""A file of a search -> a study: a config that can be run with any numbers of its parameters.
+"""Load a file of an optimisation as a study: a config, and the cases for values of its parameters.
 
-What stands in such a file is said by its schema (`schema.optimise`) and shown in configs/optimise_speed_close.yaml.
+The schema of such a file is `schema.optimise`; configs/optimise_speed_close.yaml is an example.
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ from pathlib import Path
 from granular_contact import examples
 from granular_contact.config import tree
 from granular_contact.config.export import scenario_to_dict, value_at
-from granular_contact.config.messages import by_place, of_file, validated
+from granular_contact.config.messages import by_place, root_of_kind, validated
 from granular_contact.config.overrides import Override, split
 from granular_contact.config.schema.optimise import OptimiseFile, Parameter
-from granular_contact.config.sweep import Probe, Sweep, base_of, case_faults, one_a_place
-from granular_contact.config.sweep_cases import Case, read_overrides, with_long
+from granular_contact.config.sweep import Probe, Sweep, base_of, case_faults, first_of_each_key
+from granular_contact.config.sweep_cases import Case, read_overrides, with_long_ranges
 from granular_contact.config.yaml_source import read_file
 from granular_contact.errors import ConfigError, Fault
 from granular_contact.values.strict import did_you_mean
@@ -27,9 +27,11 @@ from granular_contact.values.strict import did_you_mean
 
 @dataclass(frozen=True)
 class Study:
-    """A search, valid: its config as a sweep without cases, what it asks for, and the keys that each parameter sets.
+    """A valid optimisation.
 
-    root: the tree of its file, for the lines of what can be seen only when something has run.
+    sweep: the config, as a sweep without cases; file: content of the file; keys: overrides, with a number as
+    placeholder, of the keys that each parameter sets; root: tree of the file, for the lines of faults that only a run
+    shows.
     """
 
     sweep: Sweep
@@ -39,43 +41,43 @@ class Study:
 
     @property
     def name(self) -> str:
-        """That of its file."""
+        """Name of the study, from its file."""
         return self.sweep.name
 
     def case(self, index: int, numbers: dict[str, float]) -> Case:
-        """The case of an index with numbers for the parameters; of none, the config as it is."""
-        found = (
-            Override(key.path, tree.made(number, key.position), key.position)
+        """The case with an index and values of the parameters by name; without values the config as it is."""
+        overrides = (
+            Override(key.path, tree.from_plain(number, key.position), key.position)
             for name, number in numbers.items()
             for key in self.keys[name]
         )
-        return Case(self.case_name(index), tuple(found), numbered=True)
+        return Case(self.case_name(index), tuple(overrides), numbered=True)
 
     def case_name(self, index: int) -> str:
-        """Name of the case of an index, from 0."""
+        """Name of the case with an index, from 0."""
         return f"run_{index:0{len(str(self.file.evaluations - 1))}d}"
 
     def numbers(self, fractions: Sequence[float]) -> dict[str, float]:
-        """The parameters at fractions (0 to 1) of their ranges, to six digits, as people read and write them."""
-        found = {}
-        for (name, one), fraction in zip(self.file.parameters.items(), fractions, strict=True):
-            ends = sorted((float(one.start), float(one.stop)))
-            found[name] = min(max(float(f"{one.number(float(fraction)):.6g}"), ends[0]), ends[1])
-        return found
+        """Values of the parameters at fractions (0 to 1) of their ranges, rounded to six digits for readers."""
+        numbers = {}
+        for (name, parameter), fraction in zip(self.file.parameters.items(), fractions, strict=True):
+            low, high = sorted((float(parameter.start), float(parameter.stop)))
+            numbers[name] = min(max(float(f"{parameter.number(float(fraction)):.6g}"), low), high)
+        return numbers
 
     @cached_property
     def start(self) -> dict[str, float | None]:
-        """The parameters as the config has them; None where it has no number, or several."""
+        """Values of the parameters in the config; None if it has no number there, or its keys have different ones."""
         plain = scenario_to_dict(self.sweep.base)
         return {name: _number(plain, keys) for name, keys in self.keys.items()}
 
     def start_fractions(self) -> list[float]:
-        """Where in the ranges the config stands: at an end if it is outside, in the middle if that is not known."""
+        """Fractions (0 to 1) of the ranges at which the config is; 0 or 1 if it is outside, 0.5 if it has no value."""
         return [
             0.5
             if self.start[name] is None
-            else _fraction(float(self.start[name] or 0.0), one.start, one.stop, one.scale)
-            for name, one in self.file.parameters.items()
+            else _fraction(float(self.start[name] or 0.0), parameter.start, parameter.stop, parameter.scale)
+            for name, parameter in self.file.parameters.items()
         ]
 
     def fault(self, path: tree.Path, message: str) -> ConfigError:
@@ -84,13 +86,15 @@ class Study:
 
 
 def _number(plain: object, keys: Sequence[Override]) -> float | None:
-    found = {value_at(plain, key.path) for key in keys if not isinstance(value_at(plain, key.path), dict | list)}
-    (one, *others) = found or {None}
-    known = isinstance(one, int | float) and not isinstance(one, bool) and not others
-    return float(one) if known else None
+    """The number that all keys have in plain data; None if it is no number, or they differ."""
+    values = {value_at(plain, key.path) for key in keys if not isinstance(value_at(plain, key.path), dict | list)}
+    (first, *others) = values or {None}
+    is_known = isinstance(first, int | float) and not isinstance(first, bool) and not others
+    return float(first) if is_known else None
 
 
 def _fraction(value: float, start: float, stop: float, scale: str) -> float:
+    """Fraction (0 to 1) of a range at which a value is, on the scale of the range."""
     if scale == "log":
         if value <= 0.0:
             return 0.0 if start < stop else 1.0
@@ -99,15 +103,15 @@ def _fraction(value: float, start: float, stop: float, scale: str) -> float:
 
 
 def load_optimise(path: str | PathLike[str], probe: Probe | None = None) -> Study:
-    """Read a file of a search and check it, with each parameter at both ends of its range.
+    """Read a file of an optimisation and check it, with each parameter at both ends of its range.
 
     Parameters
     ----------
     path : str or path
-        YAML file, or the name of a shipped one; the config that it names is looked for beside it, then among those
-        that are shipped.
+        YAML file, or the name of a shipped one. The config that it names is searched in the folder of this file, then
+        among the shipped configs.
     probe : callable, optional
-        Called with the scenarios; a SceneError that it raises is a fault of the parameter.
+        Called with the scenarios. A SceneError that it raises is a fault of the parameter.
 
     Returns
     -------
@@ -116,89 +120,93 @@ def load_optimise(path: str | PathLike[str], probe: Probe | None = None) -> Stud
     Raises
     ------
     ConfigError
-        With every fault found, sorted by file and line.
+        With every fault, sorted by file and line.
     """
     path = examples.named(Path(path))
     faults: list[Fault] = []
-    root = of_file(read_file(path, faults), OptimiseFile, "no search", faults)
+    root = root_of_kind(read_file(path, faults), OptimiseFile, "no search", faults)
     return study_of(root, path, faults, probe)
 
 
 def study_of(root: tree.Mapping, path: Path, faults: list[Fault], probe: Probe | None = None) -> Study:
-    """The study of the tree of a file `path`; as `load_optimise`, with the `faults` found so far."""
-    root = with_long(root, ("parameters",))
+    """The study from the tree of the file `path`; as `load_optimise`, with the `faults` found so far."""
+    root = with_long_ranges(root, ("parameters",))
     file = validated(OptimiseFile, root, faults)
     common = read_overrides(root.nodes.get("set"), ("set",), faults)
     base = base_of(root, path, common, faults)
     if base is not None:
-        checked = _without_faults(root) if file is None else file
-        keys = _keys(root, checked, faults)
-        dotted = tuple(".".join(key.path) for held in keys.values() for key in held)
-        study = Study(Sweep(path.stem, base[1], dotted, (), base[0], tuple(common)), checked, keys, root)
+        template, scenario = base
+        checked_file = _valid_parameters(root) if file is None else file
+        keys = _keys(root, checked_file, faults)
+        dotted_keys = tuple(".".join(key.path) for overrides in keys.values() for key in overrides)
+        sweep = Sweep(path.stem, scenario, dotted_keys, (), template, tuple(common))
+        study = Study(sweep, checked_file, keys, root)
         unknown = _unknown(study)
-        faults += [*unknown.values(), *one_a_place(case_faults(study.sweep, _ends(study, unknown), probe))]
+        faults += [*unknown.values(), *first_of_each_key(case_faults(sweep, _cases_at_ends(study, unknown), probe))]
         if not faults:
             return study
     raise ConfigError(sorted(dict.fromkeys(faults), key=by_place))
 
 
-def _without_faults(root: tree.Mapping) -> OptimiseFile:
-    """What is valid of the parameters of a file that is not, so that all that is wrong with it is reported at once."""
-    held = root.nodes.get("parameters")
-    nodes = held.nodes if isinstance(held, tree.Mapping) else {}
-    valid = {name: one for name, node in nodes.items() if (one := validated(Parameter, node, [])) is not None}
+def _valid_parameters(root: tree.Mapping) -> OptimiseFile:
+    """The valid parameters of a faulty file, so that faults of their keys are reported at once too."""
+    parameters = root.nodes.get("parameters")
+    nodes = parameters.nodes if isinstance(parameters, tree.Mapping) else {}
+    checked = ((name, validated(Parameter, node, [])) for name, node in nodes.items())
+    valid = {name: parameter for name, parameter in checked if parameter is not None}
     return OptimiseFile.model_construct(parameters=valid, evaluations=1)
 
 
 def _keys(root: tree.Mapping, file: OptimiseFile, faults: list[Fault]) -> dict[str, tuple[Override, ...]]:
-    """Keys that each parameter sets, at the line of the parameter; the same key twice is a fault."""
-    found: dict[str, tuple[Override, ...]] = {}
-    seen: dict[tuple[str, ...], str] = {}
+    """Overrides of the keys that each parameter sets, at the line of the parameter. The same key twice is a fault."""
+    keys_by_parameter: dict[str, tuple[Override, ...]] = {}
+    owners: dict[tuple[str, ...], str] = {}
     for name in file.parameters:
         at = tree.key_position(root, ("parameters", name))
-        made: list[Override] = []
+        overrides: list[Override] = []
         for key in file.keys(name):
             parts = split(key, at, faults, form=f"dotted key: parameters has {key!r}")
             if parts is None:
                 continue
-            if parts in seen:
-                faults.append(at.fault(("parameters", name), f"sets {key}, which {seen[parts]} sets too"))
-            seen[parts] = name
-            made.append(Override(parts, tree.made(0.0, at), at))
-        found[name] = tuple(made)
-    return found
+            if parts in owners:
+                faults.append(at.fault(("parameters", name), f"sets {key}, which {owners[parts]} sets too"))
+            owners[parts] = name
+            overrides.append(Override(parts, tree.from_plain(0.0, at), at))
+        keys_by_parameter[name] = tuple(overrides)
+    return keys_by_parameter
 
 
 def _unknown(study: Study) -> dict[str, Fault]:
-    """Faults of parameters whose keys lead to nothing in the config, by their names."""
+    """Faults of parameters with a key that is below no mapping of the config, by the name of the parameter."""
     plain = scenario_to_dict(study.sweep.base)
     faults: dict[str, Fault] = {}
     for name, keys in study.keys.items():
         for key in keys:
             for depth in range(1, len(key.path)):
-                held = value_at(plain, key.path[:depth], missing=_NOTHING)
-                below = value_at(plain, key.path[: depth + 1], missing=_NOTHING)
-                if held is not None and below is _NOTHING and isinstance(held, dict) and depth + 1 < len(key.path):
-                    faults[name] = key.position.fault(key.path, _no_key(key.path, depth, list(held)))
+                holder = value_at(plain, key.path[:depth], missing=_MISSING)
+                below = value_at(plain, key.path[: depth + 1], missing=_MISSING)
+                if below is _MISSING and isinstance(holder, dict) and depth + 1 < len(key.path):
+                    faults[name] = key.position.fault(key.path, _no_key(key.path, depth, list(holder)))
                     break
     return faults
 
 
-_NOTHING = object()
+_MISSING = object()
 
 
-def _no_key(path: tuple[str, ...], depth: int, there: list[str]) -> str:
-    above, word = ".".join(path[:depth]), path[depth]
-    hint = did_you_mean(word, there) or f"there are {', '.join(there) or 'none'}"
-    return f"the config has no {word!r} in {above}; {hint}"
+def _no_key(path: tuple[str, ...], depth: int, known: list[str]) -> str:
+    """Message: the config lacks the key at this depth of a path; known: the keys beside it."""
+    above, key = ".".join(path[:depth]), path[depth]
+    hint = did_you_mean(key, known) or f"there are {', '.join(known) or 'none'}"
+    return f"the config has no {key!r} in {above}; {hint}"
 
 
-def _ends(study: Study, unknown: Collection[str]) -> list[Case]:
-    """Cases with one parameter, of those that are known, at an end of its range, the others as the config has them."""
+def _cases_at_ends(study: Study, unknown: Collection[str]) -> list[Case]:
+    """Cases with one parameter at an end of its range, all others as in the config; without the unknown parameters."""
     cases = []
     for name in (name for name in study.keys if name not in unknown):
-        one = study.file.parameters[name]
-        for end in (one.start, one.stop):
-            numbers = study.case(0, {name: end}).overrides
-            cases.append(Case(f"{name} = {end:g}", numbers))
+        parameter = study.file.parameters[name]
+        for end in (parameter.start, parameter.stop):
+            overrides = study.case(0, {name: end}).overrides
+            cases.append(Case(f"{name} = {end:g}", overrides))
     return cases

@@ -1,4 +1,4 @@
-"""`--set dotted.key=value` and cases of sweeps: new values in the tree of a config, before it is checked."""
+"""Overrides: `--set dotted.key=value` and values of sweep cases, put into the tree of a config before it is checked."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from granular_contact.config.messages import got
 from granular_contact.config.yaml_source import MAX_DEPTH, read_text
 from granular_contact.errors import Fault
 
-# What these hold is itself a reference, so they must be set before references are resolved.
+# Keys (list indices left out) whose value is or contains a reference. They are set before references are resolved.
 _REFERENCES = (
     *((*path, *more) for path in (("model",), ("medium",), ("bed", "layers", "medium")) for more in ((), ("from",))),
     *(("bed",), ("bed", "layers")),
@@ -21,7 +21,7 @@ _REFERENCES = (
 
 @dataclass(frozen=True)
 class Override:
-    """One `--set`, or one key of a sweep: the value that goes under the key `path`."""
+    """A new value for the key `path`, from `--set`, a sweep or Python; position: where the override was written."""
 
     path: tuple[str, ...]
     value: tree.Node
@@ -29,7 +29,7 @@ class Override:
 
     @property
     def is_reference(self) -> bool:
-        """Whether it must be applied before the model and the medium are read."""
+        """Whether the value is or contains a reference, so that it is set before references are resolved."""
         return _is_reference(self.path)
 
 
@@ -39,21 +39,21 @@ def _is_reference(path: tuple[str, ...]) -> bool:
 
 
 def parse(texts: Sequence[str], faults: list[Fault]) -> list[Override]:
-    """Overrides in the given order, without those that a later one replaces as a whole."""
-    return effective([one for text in texts if (one := _parse(text, faults)) is not None])
+    """The effective overrides of texts `dotted.key=value`, in the given order."""
+    return effective([override for text in texts if (override := _parse(text, faults)) is not None])
 
 
 def effective(overrides: Sequence[Override]) -> list[Override]:
-    """The overrides without those that a later one replaces as a whole."""
+    """The overrides without those whose value a later override replaces as a whole."""
     return [
-        one
-        for i, one in enumerate(overrides)
-        if not any(one.path[: len(later.path)] == later.path for later in overrides[i + 1 :])
+        override
+        for i, override in enumerate(overrides)
+        if not any(override.path[: len(later.path)] == later.path for later in overrides[i + 1 :])
     ]
 
 
 def split(key: str, position: tree.Position, faults: list[Fault], form: str = "dotted.key") -> tuple[str, ...] | None:
-    """The parts of a dotted key; None, with a fault that names the allowed `form`, for one that can't be used."""
+    """The parts of a dotted key; None, with a fault that names the allowed `form`, for an invalid key."""
     path = tuple(key.strip().split("."))
     if not all(path):
         faults.append(position.fault((), f"is not a {form}"))
@@ -65,6 +65,7 @@ def split(key: str, position: tree.Position, faults: list[Fault], form: str = "d
 
 
 def _parse(text: str, faults: list[Fault]) -> Override | None:
+    """The override of a text `dotted.key=value`; None, with a fault, for any other text."""
     position = tree.Position(f"--set {text}", None)
     key, equals, value = text.partition("=")
     path = split(key if equals else "", position, faults, form="dotted.key=value")
@@ -77,61 +78,63 @@ def _parse(text: str, faults: list[Fault]) -> Override | None:
 
 
 def apply(root: tree.Node, overrides: Sequence[Override], faults: list[Fault]) -> tree.Node:
-    """`root` with the overrides in it; one without a place is a fault.
+    """`root` with the overrides set. An override that fits nowhere in the tree is a fault.
 
-    null takes out a key that may be left out and takes no null, so that its default holds.
+    An override with null removes an optional key that does not allow null, so that its default holds.
     """
     for override in overrides:
-        if _is_nothing(override.value) and allowed.may_go(override.path, root, scenario_class(root)):
+        if _is_null(override.value) and allowed.may_be_left_out(override.path, root, scenario_class(root)):
             root = _without(root, override.path)
         else:
-            root = _placed(root, override, 0, faults)
+            root = _with(root, override, 0, faults)
     return root
 
 
 def _without(node: tree.Node, path: tuple[str, ...]) -> tree.Node:
-    """A copy of a node without what stands at a path below it."""
+    """A copy of a node without the key at a path below it."""
     key = path[0]
     if isinstance(node, tree.Items):
-        at = tree.index_of(key, node)
-        items = (_without(one, path[1:]) if i == at else one for i, one in enumerate(node.nodes))
+        index = tree.index_of(key, node)
+        items = (_without(item, path[1:]) if i == index else item for i, item in enumerate(node.nodes))
         return tree.Items(node.position, tuple(items))
     if len(path) > 1:
-        return tree.under(node, key, lambda below: _without(below, path[1:]))
+        return tree.change_key(node, key, lambda below: _without(below, path[1:]))
     return tree.drop_key(node, key) if isinstance(node, tree.Mapping) else node
 
 
-def _placed(node: tree.Node | None, override: Override, depth: int, faults: list[Fault]) -> tree.Node:
-    """A copy of `node`, which stands under the first `depth` keys of the override, with the value in its place."""
+def _with(node: tree.Node | None, override: Override, depth: int, faults: list[Fault]) -> tree.Node:
+    """A copy of `node` with the value of the override; the node is at the first `depth` keys of its path."""
     if depth == len(override.path):
         return override.value
     key = override.path[depth]
-    if isinstance(node, tree.Mapping) or _is_nothing(node):
-        holder = node if isinstance(node, tree.Mapping) else _begun(override, depth)
-        value = _placed(holder.nodes.get(key), override, depth + 1, faults)
+    if isinstance(node, tree.Mapping) or _is_null(node):
+        holder = node if isinstance(node, tree.Mapping) else _new_mapping(override, depth)
+        value = _with(holder.nodes.get(key), override, depth + 1, faults)
         at = override.position if depth + 1 == len(override.path) else holder.keys.get(key, override.position)
         return tree.set_key(holder, key, value, at)
     if isinstance(node, tree.Items):
-        return _placed_in_list(node, override, depth, faults)
+        return _with_in_list(node, override, depth, faults)
     if isinstance(node, tree.Scalar):
-        held = override.path[:depth]
-        faults.append(override.position.fault(override.path, f"{'.'.join(held)} is {got(node)}, which has no keys"))
+        above = override.path[:depth]
+        faults.append(override.position.fault(override.path, f"{'.'.join(above)} is {got(node)}, which has no keys"))
     return node if node is not None else tree.Broken(override.position)
 
 
-def _begun(override: Override, depth: int) -> tree.Mapping:
-    """A new mapping where the config has none; in a union one of the default kind."""
+def _new_mapping(override: Override, depth: int) -> tree.Mapping:
+    """A new mapping for a key that the config lacks; in a union it has the tag of the default."""
     empty, tag = tree.Mapping(override.position), allowed.default_tag(override.path[:depth])
     if tag is None:
         return empty
     return tree.set_key(empty, tag[0], tree.Scalar(override.position, tag[1], tag[1]), override.position)
 
 
-def _is_nothing(node: tree.Node | None) -> bool:
+def _is_null(node: tree.Node | None) -> bool:
+    """Whether there is no node, or it is null."""
     return node is None or (isinstance(node, tree.Scalar) and node.value is None)
 
 
-def _placed_in_list(node: tree.Items, override: Override, depth: int, faults: list[Fault]) -> tree.Items:
+def _with_in_list(node: tree.Items, override: Override, depth: int, faults: list[Fault]) -> tree.Items:
+    """`_with` of a list; a key that is no index of an item is a fault."""
     key = override.path[depth]
     index = tree.index_of(key, node)
     if index is None:
@@ -140,5 +143,5 @@ def _placed_in_list(node: tree.Items, override: Override, depth: int, faults: li
         faults.append(override.position.fault(override.path, message))
         return node
     items = list(node.nodes)
-    items[index] = _placed(items[index], override, depth + 1, faults)
+    items[index] = _with(items[index], override, depth + 1, faults)
     return tree.Items(node.position, tuple(items))

@@ -1,6 +1,6 @@
-"""Names and paths of models and media -> their trees, merged with the keys beside `from`.
+"""References to models and media: replace names and paths by trees, merged with the keys beside `from`.
 
-The provenance of a medium is corrected where a config changes some of its numbers: a preset with a changed number is no
+The provenance of a medium is corrected if a config changes some of its numbers: a preset with a changed number is no
 longer published, and a fitted medium no longer fitted.
 """
 
@@ -27,7 +27,11 @@ _PACKAGE = Path(__file__).parents[1]
 
 @dataclass(frozen=True)
 class Library:
-    """Where files of one kind (`key` of a scenario) are found by name, given the folder of the file that names one."""
+    """Folders in which files of one kind are found by name.
+
+    key: key of a scenario that names such a file; noun: word for the kind in messages; folders: gives the folders, in
+    order, for the folder of the file that contains the name.
+    """
 
     key: str
     noun: str
@@ -35,7 +39,7 @@ class Library:
 
 
 def _model_folders(folder: Path) -> list[Path]:
-    # The last one serves an editable install, in which the models stand beside the package.
+    # The last folder is for an editable install, in which the models are beside the package.
     return [folder / ".." / "models", folder / "models", folder, _PACKAGE / "models", _PACKAGE.parent / "models"]
 
 
@@ -49,9 +53,9 @@ def medium_names() -> list[str]:
 
 
 class Resolver:
-    """Replaces references by the trees that they refer to; faults are appended to `faults`.
+    """Replaces references to models and media by their trees. Faults are appended to `faults`.
 
-    notices: on what was passed over in a robot file.
+    notices: sentences about parts of robot files that were skipped.
     """
 
     def __init__(self, config: Path, faults: list[Fault]) -> None:
@@ -59,26 +63,33 @@ class Resolver:
         self.notices: list[Fault] = []
 
     def resolve(self, node: tree.Node, library: Library) -> tree.Node:
-        """Tree of a model or medium given as name, path, or mapping that may have `from`; null is left alone."""
+        """Tree of a model or medium that is given as a name, a path, or a mapping with or without `from`.
+
+        null is returned as it is.
+        """
         if isinstance(node, tree.Scalar) and node.value is None:
             return node
         if isinstance(node, tree.Mapping) or (isinstance(node, tree.Scalar) and isinstance(node.value, str)):
-            found = self._expand(node, library, self._config, ())
-            if library is MODELS and isinstance(found, tree.Mapping) and "urdf" in found.nodes:
-                from granular_contact.config.urdf import mechanism  # of a robot file alone
+            expanded = self._expand(node, library, self._config, ())
+            if library is MODELS and isinstance(expanded, tree.Mapping) and "urdf" in expanded.nodes:
+                from granular_contact.config.urdf import mechanism  # loaded for robot files alone
 
-                return mechanism(found, self._faults, self.notices)
-            return found
+                return mechanism(expanded, self._faults, self.notices)
+            return expanded
         if isinstance(node, tree.Broken):
             return node
         return self._refuse(node.position, (library.key,), f"got {got(node)}; allowed is {_forms(library)}")
 
     def _refuse(self, position: tree.Position, path: tuple[str, ...], message: str) -> tree.Broken:
+        """Append a fault, and return the node that stands for the faulty one."""
         self._faults.append(position.fault(path, message))
         return tree.Broken(position)
 
     def _expand(self, node: tree.Node, library: Library, file: Path, chain: tuple[Path, ...]) -> tree.Node:
-        """`node`, written in `file`, merged over what it refers to; `chain` holds the files that led here."""
+        """`node`, merged over the model or medium that it refers to.
+
+        file: the file that contains the node; chain: the files whose references led to it, from the first one.
+        """
         if isinstance(node, tree.Scalar):
             return self._load(node, library, (library.key,), file, chain)
         if not isinstance(node, tree.Mapping):
@@ -92,39 +103,43 @@ class Resolver:
             return base
         if library is not MEDIA:
             return tree.merge(base, tree.drop_key(node, FROM))
-        law, given = tree.child(base, LAW), tree.child(node, LAW)
-        if law is not None and given is not None and tree.plain(law) != tree.plain(given):
-            why = f"got {got(given)}, but {tree.plain(node.nodes[FROM])} is of the law {tree.plain(law)}"
-            message = f"{why}, and law can't change under from: leave one of the two out"
+        base_law, law = tree.child(base, LAW), tree.child(node, LAW)
+        if base_law is not None and law is not None and tree.plain(base_law) != tree.plain(law):
+            reason = f"got {got(law)}, but {tree.plain(node.nodes[FROM])} is of the law {tree.plain(base_law)}"
+            message = f"{reason}, and law can't change under from: leave one of the two out"
             return self._refuse(node.keys[LAW], (library.key, LAW), message)
-        return restated(base, tree.merge(base, tree.drop_key(node, FROM)))
+        return with_true_provenance(base, tree.merge(base, tree.drop_key(node, FROM)))
 
     def _with_scatter(self, node: tree.Mapping, file: Path, chain: tuple[Path, ...]) -> tree.Mapping:
-        """A medium with what was measured in the one that it names, which is of the same sand by another law."""
-        named = node.nodes[SCATTER]
-        found = self._load(named, MEDIA, (MEDIA.key, SCATTER), file, chain)
-        nothing = tree.Items(named.position, ())
-        measured = found if isinstance(found, tree.Broken) else tree.child(found, SCATTER) or nothing
+        """A medium whose `measured_scatter` names another medium, with the measurements of that medium in its place.
+
+        The other medium is the same sand in another law.
+        """
+        name = node.nodes[SCATTER]
+        other = self._load(name, MEDIA, (MEDIA.key, SCATTER), file, chain)
+        none = tree.Items(name.position, ())
+        measured = other if isinstance(other, tree.Broken) else tree.child(other, SCATTER) or none
         return tree.set_key(node, SCATTER, measured, node.keys[SCATTER])
 
     def _load(
         self, node: tree.Node, library: Library, path: tuple[str, ...], file: Path, chain: tuple[Path, ...]
     ) -> tree.Node:
+        """Tree of the model or medium that `node` names; path: key of the node; file, chain: as for `_expand`."""
         if isinstance(node, tree.Broken):
             return node
         if not isinstance(node, tree.Scalar) or not isinstance(node.value, str):
             return self._refuse(node.position, path, f"got {got(node)}; allowed is {_forms(library)}")
-        found = _find(node.value, library, file, at=file.parent if node.position.line is not None else Path())
-        if isinstance(found, str):
-            return self._refuse(node.position, path, found)
-        real = found.resolve()
-        if real in chain:
-            names = " -> ".join(link.name for link in (*chain[chain.index(real) :], real))
+        source = _find(node.value, library, file, folder=file.parent if node.position.line is not None else Path())
+        if isinstance(source, str):
+            return self._refuse(node.position, path, source)
+        real_path = source.resolve()
+        if real_path in chain:
+            names = " -> ".join(link.name for link in (*chain[chain.index(real_path) :], real_path))
             return self._refuse(node.position, path, f"got {node.value!r}, which leads back to itself: {names}")
-        root = read_file(shown(found), self._faults)
+        root = read_file(readable_path(source), self._faults)
         if isinstance(root, tree.Mapping):
-            made = self._expand(root, library, found, (*chain, real))
-            return _named_at(made, node.position) if library is MEDIA else made
+            expanded = self._expand(root, library, source, (*chain, real_path))
+            return _at_name(expanded, node.position) if library is MEDIA else expanded
         if isinstance(root, tree.Broken):
             return root
         return self._refuse(
@@ -132,9 +147,11 @@ class Resolver:
         )
 
 
-def _named_at(node: tree.Node, at: tree.Position) -> tree.Node:
-    """A medium at the position of its name, for faults of it as a whole, and its nulls at that position, too: there
-    another medium, or the number that its source leaves open, has to be given.
+def _at_name(node: tree.Node, at: tree.Position) -> tree.Node:
+    """A medium with the position `at` of its name, and its nulls with this position too.
+
+    So faults of the whole medium, and of numbers that its source does not state, point to the config that names the
+    medium: there another medium or the missing number has to be given.
     """
     if not isinstance(node, tree.Mapping):
         return node
@@ -146,31 +163,33 @@ def _named_at(node: tree.Node, at: tree.Position) -> tree.Node:
 
 
 def _forms(library: Library) -> str:
+    """Allowed forms of a reference, for messages."""
     return f"the name of a {library.noun}, a path ending in .yaml, or a mapping"
 
 
-def _find(name: str, library: Library, file: Path, at: Path) -> Path | str:
-    """File of the model or medium called `name` in `file`, or a sentence that says why there is none.
+def _find(name: str, library: Library, file: Path, folder: Path) -> Path | str:
+    """File of the model or medium `name`, or a sentence that says why there is none.
 
-    at: folder that paths start from, that of the file they stand in; of what stands in none, the working folder.
+    file: the file that contains the name; folder: where relative paths start, the folder of this file, or the working
+    folder for a name from the command line or from Python.
     """
     quoted = repr(short(name))
     if name.endswith((".yaml", ".yml")):
-        path = at / name
-        start = "the folder of the config" if at == file.parent else "the folder that you are in"
-        lost = f"got {quoted}, but there is no file {shown(path)}; paths start from {start}, or from /"
-        return path if is_file(path) else lost
+        path = folder / name
+        start = "the folder of the config" if folder == file.parent else "the folder that you are in"
+        missing = f"got {quoted}, but there is no file {readable_path(path)}; paths start from {start}, or from /"
+        return path if is_file(path) else missing
     folders = library.folders(file.parent)
     if _NAME.fullmatch(name):
-        for folder in folders:
-            path = folder / f"{name}.yaml"
+        for place in folders:
+            path = place / f"{name}.yaml"
             if not is_file(path) or path.resolve() == file.resolve():
                 continue
-            if folder != file.parent or not _is_scenario(path, library):
+            if place != file.parent or not _is_scenario(path, library):
                 return path
-    # The folder of the config itself holds configs mostly; to list them as models would mislead.
-    listed = [folder for folder in folders if folder != file.parent]
-    known = sorted({path.stem for folder in listed if folder.is_dir() for path in folder.glob("*.yaml")})
+    # The folder of the config mostly contains configs; a message that lists them as models would mislead.
+    listed = [place for place in folders if place != file.parent]
+    known = sorted({path.stem for place in listed if place.is_dir() for path in place.glob("*.yaml")})
     if library is MEDIA and name in LAWS:
         return f"got {quoted}, which is a law and no medium; give its numbers, as medium: {{law: {name}, ...}}"
     hint = f"{did_you_mean(name, known)} there are {', '.join(known) or 'none'}".strip()
@@ -178,54 +197,55 @@ def _find(name: str, library: Library, file: Path, at: Path) -> Path | str:
 
 
 def _is_scenario(path: Path, library: Library) -> bool:
-    """Whether a file is a config: one beside the config that is read may have the name of its model."""
-    root = read_file(shown(path), [])
+    """Whether a file is a config, not a model or medium: a config may have the name of a model."""
+    root = read_file(readable_path(path), [])
     return isinstance(root, tree.Mapping) and library.key in root.nodes
 
 
-def shown(path: Path) -> Path:
-    """`path` without `..`, and relative if it lies below the current folder."""
+def readable_path(path: Path) -> Path:
+    """`path` without `..`, and relative if it is below the working folder."""
     full = Path(os.path.normpath(path))
     if not full.is_absolute():
         return full
-    here = Path.cwd()
-    return full.relative_to(here) if full.is_relative_to(here) else full
+    working = Path.cwd()
+    return full.relative_to(working) if full.is_relative_to(working) else full
 
 
 ABOUT = frozenset(
     {"law", "name", "source", "standing", "provenance", "range", "scatter", "measured_scatter", "angle_of_repose_deg"}
-)  # all else is a number of the law
+)  # keys of a medium that are no numbers of its law
 
 
-def restated(base: tree.Node | None, node: tree.Node) -> tree.Node:
-    """The medium `node`, merged over the medium `base`, with its provenance corrected if a number was changed.
+def with_true_provenance(base: tree.Node | None, node: tree.Node) -> tree.Node:
+    """The medium `node`, which was merged over `base`, with corrected provenance and standing if a number differs.
 
-    A provenance or standing that was overridden stays, and so does a medium without either.
+    A provenance or standing that differs from that of `base` stays. A medium without both is returned as it is.
     """
     if not isinstance(base, tree.Mapping) or not isinstance(node, tree.Mapping) or base is node:
         return node
     numbers = sorted(key for key in node.nodes.keys() - ABOUT if _is_changed(base.nodes.get(key), node.nodes[key]))
-    if not numbers or not any(_says(base, key) for key in ("provenance", "standing")):
+    if not numbers or not any(_states(base, key) for key in ("provenance", "standing")):
         return node
     at = node.keys[numbers[0]]
-    own = {"provenance": "own", "standing": _standing(base, numbers)}
-    for key, text in own.items():
+    corrected = {"provenance": "own", "standing": _standing(base, numbers)}
+    for key, text in corrected.items():
         if node.nodes.get(key) is base.nodes.get(key):
             node = tree.set_key(node, key, tree.Scalar(at, text, text), at)
     return node
 
 
-def restated_each(base: tree.Node | None, node: tree.Node) -> tree.Node:
-    """`restated` of one medium, or of each in a list."""
+def with_true_provenance_each(base: tree.Node | None, node: tree.Node) -> tree.Node:
+    """`with_true_provenance` of a medium, or of each medium in a list."""
     if isinstance(base, tree.Items) and isinstance(node, tree.Items) and len(base.nodes) == len(node.nodes):
-        return tree.Items(node.position, tuple(map(restated, base.nodes, node.nodes)))
-    return restated(base, node)
+        return tree.Items(node.position, tuple(map(with_true_provenance, base.nodes, node.nodes)))
+    return with_true_provenance(base, node)
 
 
 def _is_changed(before: tree.Node | None, after: tree.Node) -> bool:
-    """Whether a number was changed; giving one that its source leaves open (null) is no change.
+    """Whether a number was changed. To give a number that the source does not state (null) is no change.
 
-    A group of numbers that is null, as withdrawing, is not open: it means other numbers of the medium.
+    A group of numbers that is null, for example withdrawing, is an exception: null means that other numbers of the
+    medium are used, so giving the group is a change.
     """
     if before is after:
         return False
@@ -234,14 +254,16 @@ def _is_changed(before: tree.Node | None, after: tree.Node) -> bool:
     return before is None or tree.plain(before) != tree.plain(after)
 
 
-def _says(medium: tree.Mapping, key: str) -> bool:
-    held = tree.child(medium, key)
-    return held is not None and tree.plain(held) is not None
+def _states(medium: tree.Mapping, key: str) -> bool:
+    """Whether a medium has a value other than null under a key."""
+    value = tree.child(medium, key)
+    return value is not None and tree.plain(value) is not None
 
 
 def _standing(base: tree.Mapping, numbers: list[str]) -> str:
-    name, held = (tree.child(base, key) for key in ("name", "standing"))
-    said = f"changed from {tree.plain(name) if name is not None else 'another'}: "
-    before = str(tree.plain(held)) if held is not None else ""
-    earlier = before.removeprefix(said).split(", ") if before.startswith(said) else []
-    return said + ", ".join(sorted({*earlier, *numbers}))
+    """Standing of a medium with changed numbers: the name of the original medium, and all changed keys."""
+    name, standing = (tree.child(base, key) for key in ("name", "standing"))
+    beginning = f"changed from {tree.plain(name) if name is not None else 'another'}: "
+    before = str(tree.plain(standing)) if standing is not None else ""
+    earlier = before.removeprefix(beginning).split(", ") if before.startswith(beginning) else []
+    return beginning + ", ".join(sorted({*earlier, *numbers}))

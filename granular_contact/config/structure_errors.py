@@ -1,4 +1,7 @@
-"""What is wrong with a tree before pydantic reads it, or where it does not get that far: loose bodies, huge numbers."""
+"""Faults of a config that pydantic does not report: numbers that are too large, and the structure of faulty models.
+
+pydantic checks the structure of a model, for example bodies without a joint, only if all its values are valid.
+"""
 
 from __future__ import annotations
 
@@ -14,23 +17,23 @@ from granular_contact.values.strict import FAULTS, refusal
 
 
 def structure_errors(root: tree.Node, errors: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
-    """What is wrong with the tree of bodies, for a model in which pydantic did not get as far as to ask."""
-    asked = all(error["loc"][0] != "model" or error["type"] == FAULTS for error in errors if error["loc"])
+    """Errors in the structure of a model whose `errors` kept pydantic from checking it; in the form of pydantic."""
+    is_checked = all(error["loc"][0] != "model" or error["type"] == FAULTS for error in errors if error["loc"])
     model = tree.plain(tree.find(root, ["model"])[0])
-    if asked or not isinstance(model, dict):
+    if is_checked or not isinstance(model, dict):
         return []
     bodies, joints, closures = (model.get(key, {}) for key in ("bodies", "joints", "closures"))
     if not all(isinstance(part, dict) for part in (bodies, joints, closures)):
         return []
-    (tree_ends, read), (loop_ends, _) = _ends(joints), _ends(closures)
-    chain, understood = _chain_names(model.get("chain"))
-    complete = read and understood
+    (tree_ends, all_joints_read), (loop_ends, _) = _ends(joints), _ends(closures)
+    chain, chain_read = _chain_names(model.get("chain"))
+    complete = all_joints_read and chain_read
     faults = structure_faults(bodies, tree_ends, closures=loop_ends, chain=chain, complete=complete)
     return [{"type": FAULTS, "loc": ("model",), "ctx": refusal(faults).context}] if faults else []
 
 
 def _ends(joints: dict[str, Any]) -> tuple[dict[str, tuple[str, str]], bool]:
-    """Parent and child of the joints that have both, and whether all have."""
+    """Parent and child of the joints that have both, and whether all joints have both."""
     ends = {
         name: (joint["parent"], joint["child"])
         for name, joint in joints.items()
@@ -40,7 +43,7 @@ def _ends(joints: dict[str, Any]) -> tuple[dict[str, tuple[str, str]], bool]:
 
 
 def _chain_names(chain: Any) -> tuple[tuple[str, list[str], list[str]] | None, bool]:
-    """What a chain adds, None without one, and whether that could be read."""
+    """Parent, links and hinges of a chain (None without one), and whether these could be read."""
     if chain is None:
         return None, True
     if not isinstance(chain, dict):
@@ -53,11 +56,11 @@ def _chain_names(chain: Any) -> tuple[tuple[str, list[str], list[str]] | None, b
     return (parent, links, hinges), True
 
 
-LARGEST = 1e60  # in any unit: the fifth power, of which a second moment times a density is, is still a number
+LARGEST = 1e60  # in any unit; its fifth power is finite, the highest power in use (density times second moment)
 
 
 def too_large(node: tree.Node, path: tree.Path = ()) -> Iterator[Fault]:
-    """A fault for every number of a tree that is beyond LARGEST."""
+    """A fault for every number of a tree whose magnitude exceeds LARGEST."""
     if isinstance(node, tree.Mapping):
         for key, entry in node.nodes.items():
             yield from too_large(entry, (*path, key))

@@ -1,6 +1,6 @@
-"""A config that was read -> scenarios with different overrides, and where each key was written.
+"""Scenarios from one config with different overrides, and a map from their keys to files and lines.
 
-What several scenarios have in common is read and checked once.
+Parts that several scenarios share are read and checked once.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ from granular_contact.config.columns import with_numbers
 from granular_contact.config.file_kind import scenario_class, with_paths
 from granular_contact.config.given import changes as changes_of
 from granular_contact.config.given import merged
-from granular_contact.config.messages import by_place, faults_of, of_file
-from granular_contact.config.references import MEDIA, MODELS, Resolver, restated_each
+from granular_contact.config.messages import by_place, faults_of, root_of_kind
+from granular_contact.config.references import MEDIA, MODELS, Resolver, with_true_provenance_each
 from granular_contact.config.schema import Scenario
 from granular_contact.config.schema.initial import unused_signals
 from granular_contact.config.structure_errors import structure_errors, too_large
@@ -34,24 +34,27 @@ if TYPE_CHECKING:
     from granular_contact.config.given import Changes
 
 Change = Callable[[tree.Node], tree.Node]
-NAMELESS = "scenario"  # a config that is in no file
-_MOST_KEPT = 64  # trees with their model and medium read in
-_SHARED = ("model", "load", "solver", "output", "method")  # parts of a scenario that are the same in many
+NAMELESS = "scenario"  # name of a config that is in no file
+_MOST_KEPT = 64  # number of trees with resolved references that are kept
+_SHARED = ("model", "load", "solver", "output", "method")  # parts that are often the same in many scenarios
 
 
 class SourceMap:
-    """Where the keys of a scenario were written, across its config, its model, its medium and the overrides."""
+    """Files and lines in which the keys of a scenario were written: its config, model, medium and overrides."""
 
     def __init__(self, root: tree.Node, notices: Sequence[str] = ()) -> None:
-        """Of a tree; notices: sentences on keys that still work, and are better written otherwise."""
+        """Map the keys of a tree.
+
+        notices: sentences about the files that are no faults: unused signals, parts of a robot file that were skipped.
+        """
         self.root, self.notices = root, tuple(notices)
 
     def locate(self, key: str) -> tuple[str, int | None]:
-        """File and line (from 1; None for an override) of a dotted key, or of the nearest one around it."""
+        """File and line (from 1; None for an override) of a dotted key, or of the nearest enclosing key."""
         return tree.find(self.root, key.split("."))[0].position
 
     def place(self, faults: Iterable[Fault]) -> list[Fault]:
-        """The faults with file and line filled in where the file is missing, sorted."""
+        """The faults, sorted; those without a file get the file and line of their key."""
         placed = [fault if fault.file else self._placed(fault) for fault in faults]
         return sorted(placed, key=by_place)
 
@@ -67,14 +70,14 @@ class Loaded(NamedTuple):
     sources: SourceMap
 
     def replace(self, values: Mapping[str, Any] | None = None, /, **changes: Unpack[Changes]) -> Loaded:
-        """The same with other values; what stays keeps its lines in messages.
+        """Return the scenario with other values. Unchanged keys keep their files and lines in messages.
 
         Parameters
         ----------
         values : mapping, optional
-            Values by dotted key, as of `Scenario.replace`.
+            Values by dotted key, as for `Scenario.replace`.
         **changes
-            The same by the keys of a config.
+            Values by the keys of a config.
 
         Returns
         -------
@@ -86,8 +89,8 @@ class Loaded(NamedTuple):
             With every fault, each with its key, what was got and what is allowed.
         """
         faults: list[Fault] = []
-        given = changes_of(merged(values, changes), "replace", faults)
-        return Template(self.sources.root, Path(self.scenario.name or NAMELESS), []).make(given, faults)
+        overrides = changes_of(merged(values, changes), "replace", faults)
+        return Template(self.sources.root, Path(self.scenario.name or NAMELESS), []).make(overrides, faults)
 
     def _repr_html_(self) -> str:
         return self.scenario._repr_html_()
@@ -98,8 +101,10 @@ class Loaded(NamedTuple):
 
 
 class _Part(NamedTuple):
-    """What stands under a key of a config: its tree as it was written and as it is read, and its value, which other
-    scenarios may share.
+    """One key of a config at the top of the file.
+
+    written: its tree in the file; read: this tree with the numbers of CSV files in it; value: the checked value, which
+    other scenarios may share, or None.
     """
 
     written: tree.Node
@@ -108,7 +113,7 @@ class _Part(NamedTuple):
 
 
 class Template:
-    """A config that was read once, from which scenarios with different overrides are made."""
+    """A config that is read once, to make scenarios with different overrides."""
 
     def __init__(self, root: tree.Node, path: Path, faults: list[Fault]) -> None:
         """Take the tree of the config in the file `path`.
@@ -116,49 +121,53 @@ class Template:
         Raises
         ------
         ConfigError
-            It is no mapping; with the `faults` found so far.
+            The tree is no config; with the `faults` found so far.
         """
-        root = of_file(root, Scenario, "not a config", faults, also=("config",))
+        root = root_of_kind(root, Scenario, "not a config", faults, also=("config",))
         if "config" in root.nodes and "model" not in root.nodes:
             at = root.keys["config"]
             faults.append(at.fault(("config",), "stands in a sweep only; the config of one run is needed here"))
             raise ConfigError(sorted(faults, key=by_place))
         self._root, self._path = root, path
         self._resolved: dict[tuple[setting.Override, ...], tuple[tree.Node, list[str]]] = {}
-        self._parts: dict[str, _Part] = {}  # of the last scenario
-        self._small: tree.Node | None = None  # the last tree without a number that is too large
+        self._parts: dict[str, _Part] = {}  # parts of the last scenario
+        self._small: tree.Node | None = None  # the last tree in which no number is too large
 
     def make(self, overrides: Sequence[setting.Override], faults: Sequence[Fault] = ()) -> Loaded:
-        """The scenario with the overrides in it.
+        """The scenario with the overrides applied.
 
         Raises
         ------
         ConfigError
-            With `faults` and what was found besides.
+            With `faults` and all further faults.
         """
-        found = list(faults)
-        read, notices = self._with_references(tuple(one for one in overrides if one.is_reference), found)
-        changed = setting.apply(read, [one for one in overrides if not one.is_reference], found)
-        node = _named(_restated(read, changed), self._path)
+        all_faults = list(faults)
+        resolved, notices = self._with_references(tuple(one for one in overrides if one.is_reference), all_faults)
+        changed = setting.apply(resolved, [one for one in overrides if not one.is_reference], all_faults)
+        node = _named(_with_true_provenance(resolved, changed), self._path)
         assert isinstance(node, tree.Mapping)  # as the root, see __init__
-        if not self._is_small(read, overrides):
-            found += too_large(node)
-        parts = {key: self._part(key, below, found) for key, below in node.nodes.items()}
-        node = tree.Mapping(node.position, {key: one.read for key, one in parts.items()}, node.keys)
-        scenario = scenario_of(node, found, {key: one.value for key, one in parts.items() if one.value is not None})
+        if not self._is_small(resolved, overrides):
+            all_faults += too_large(node)
+        parts = {key: self._part(key, below, all_faults) for key, below in node.nodes.items()}
+        node = tree.Mapping(node.position, {key: part.read for key, part in parts.items()}, node.keys)
+        checked = {key: part.value for key, part in parts.items() if part.value is not None}
+        scenario = scenario_of(node, all_faults, checked)
         new = [key for key in _SHARED if key in parts and parts[key].value is None]
         self._parts = parts | {key: parts[key]._replace(value=getattr(scenario, key)) for key in new}
         notices = [*notices, *_unused(node, scenario)]
         return Loaded(scenario, SourceMap(node, notices))
 
-    def _is_small(self, read: tree.Node, overrides: Sequence[setting.Override]) -> bool:
-        """Whether no number is too large: of the tree before the overrides, looked through once, and of theirs."""
-        if self._small is not read and not any(too_large(read)):
-            self._small = read
-        return self._small is read and not any(fault for one in overrides for fault in too_large(one.value))
+    def _is_small(self, resolved: tree.Node, overrides: Sequence[setting.Override]) -> bool:
+        """Whether no number is too large, in the tree before the overrides and in the overrides.
+
+        The result for the tree is kept, since the same tree comes with many overrides.
+        """
+        if self._small is not resolved and not any(too_large(resolved)):
+            self._small = resolved
+        return self._small is resolved and not any(fault for one in overrides for fault in too_large(one.value))
 
     def _part(self, key: str, written: tree.Node, faults: list[Fault]) -> _Part:
-        """The part under a key, with the numbers of its files in it; that of the last scenario if it is the same."""
+        """The part under a key, with the numbers of its CSV files; that of the last scenario if it is unchanged."""
         known = self._parts.get(key)
         if known is not None and known.written is written:
             return known
@@ -168,23 +177,26 @@ class Template:
 
     @property
     def names_columns(self) -> bool:
-        """Whether the config, overrides aside, may name files of columns."""
+        """Whether the config may name CSV files of signals, regardless of overrides."""
         return any(tree.child(self._root, key) is not None for key in COLUMN_KEYS)
 
     def _with_references(
         self, references: tuple[setting.Override, ...], faults: list[Fault]
     ) -> tuple[tree.Node, list[str]]:
-        """The tree with model and medium read in, and notices; once for the same references, unless with faults."""
+        """The tree in which names of models and media are replaced by their content, and notices.
+
+        references: overrides that name models or media. The result without faults is kept for the same references.
+        """
         if references in self._resolved:
             return self._resolved[references]
         before = len(faults)
         node = setting.apply(self._root, references, faults)
         resolver = Resolver(self._path, faults)
-        node = tree.under(node, "model", partial(resolver.resolve, library=MODELS))
+        node = tree.change_key(node, "model", partial(resolver.resolve, library=MODELS))
         medium = partial(resolver.resolve, library=MEDIA)
-        layers = partial(_each, change=partial(tree.under, key="medium", change=medium))
-        node = tree.under(node, "medium", partial(_each, change=medium))
-        node = tree.under(node, "bed", partial(tree.under, key="layers", change=layers))
+        layers = partial(_each, change=partial(tree.change_key, key="medium", change=medium))
+        node = tree.change_key(node, "medium", partial(_each, change=medium))
+        node = tree.change_key(node, "bed", partial(tree.change_key, key="layers", change=layers))
         notices = [str(notice) for notice in resolver.notices]
         if len(faults) == before:
             if len(self._resolved) == _MOST_KEPT:
@@ -194,68 +206,76 @@ class Template:
 
 
 def scenario_of(node: tree.Node, faults: Sequence[Fault], known: Mapping[str, Any] | None = None) -> Scenario:
-    """The scenario of a tree in which nothing is left to be resolved.
+    """The scenario of a tree in which all references are resolved.
 
-    known: parts that were found valid before, by their keys.
+    known: values of parts that were checked before, by their keys.
 
     Raises
     ------
     ConfigError
-        With `faults` and what was found besides.
+        With `faults` and all further faults.
     """
-    found, scenario, kind = list(faults), None, scenario_class(node)
+    all_faults, scenario, kind = list(faults), None, scenario_class(node)
     try:
         nodes = node.nodes if isinstance(node, tree.Mapping) else {}
-        given = {key: known[key] if known and key in known else tree.plain(below) for key, below in nodes.items()}
-        scenario = kind.model_validate(given)
+        values = {key: known[key] if known and key in known else tree.plain(below) for key, below in nodes.items()}
+        scenario = kind.model_validate(values)
     except ValidationError as error:
         errors = error.errors(include_url=False, include_input=False)
-        found += faults_of([*errors, *structure_errors(node, errors)], node, kind)
-    # What is broken can't be valid, but its fault may have been reported by whoever read it.
-    if found or scenario is None:
-        raise ConfigError(sorted(found, key=by_place))
+        all_faults += faults_of([*errors, *structure_errors(node, errors)], node, kind)
+    # A `Broken` node gives no scenario and no further fault: its fault was reported when the node was read.
+    if all_faults or scenario is None:
+        raise ConfigError(sorted(all_faults, key=by_place))
     return scenario
 
 
 def _unused(node: tree.Node, scenario: Scenario) -> Iterator[str]:
-    """Notices on shared signals that no drive follows."""
+    """Notices of shared signals that no drive uses."""
     for name in unused_signals(scenario.drives, scenario.signals):
         at = tree.key_position(node, ("signals", name))
         yield str(at.fault(("signals", name), "no drive uses it; a drive gives its name as the signal"))
 
 
-def _restated(before: tree.Node, node: tree.Node) -> tree.Node:
-    """`node` with the provenance of its media corrected where overrides changed numbers, see `config.references`."""
+def _with_true_provenance(before: tree.Node, node: tree.Node) -> tree.Node:
+    """`node` with corrected provenance of the media in which overrides changed numbers, see `config.references`.
 
-    def media(one: tree.Node, held: tree.Node | None) -> tree.Node:
-        return one if held is None else tree.under(one, "medium", partial(restated_each, tree.child(held, "medium")))
+    before: the tree without these overrides.
+    """
 
-    held, _ = tree.find(before, ("bed", "layers"))
-    if isinstance(held, tree.Items):
-        node = tree.under(
-            node, "bed", lambda bed: tree.under(bed, "layers", lambda layers: _paired(layers, held, media))
-        )
-    return media(node, before)
+    def restate(holder: tree.Node, original: tree.Node | None) -> tree.Node:
+        """A config or a layer with the provenance of its medium corrected."""
+        if original is None:
+            return holder
+        return tree.change_key(holder, "medium", partial(with_true_provenance_each, tree.child(original, "medium")))
+
+    originals, _ = tree.find(before, ("bed", "layers"))
+    if isinstance(originals, tree.Items):
+        layers_changed = partial(_paired, others=originals, change=restate)
+        node = tree.change_key(node, "bed", partial(tree.change_key, key="layers", change=layers_changed))
+    return restate(node, before)
 
 
 def _each(node: tree.Node, change: Change) -> tree.Node:
-    """The items of a list changed, or what stands there in its place."""
+    """A list with `change` applied to each item; any other node with `change` applied to it."""
     if not isinstance(node, tree.Items):
         return change(node)
     return tree.Items(node.position, tuple(change(item) for item in node.nodes))
 
 
-def _paired(node: tree.Node, held: tree.Items, change: Callable[[tree.Node, tree.Node], tree.Node]) -> tree.Node:
-    """The items of a list changed, each with the one that was held in its place."""
-    if not isinstance(node, tree.Items) or len(node.nodes) != len(held.nodes):
+def _paired(node: tree.Node, others: tree.Items, change: Callable[[tree.Node, tree.Node], tree.Node]) -> tree.Node:
+    """A list with `change` applied to each item and the item of `others` with the same index.
+
+    A node that is no list of the same length is returned as it is.
+    """
+    if not isinstance(node, tree.Items) or len(node.nodes) != len(others.nodes):
         return node
-    return tree.Items(node.position, tuple(map(change, node.nodes, held.nodes)))
+    return tree.Items(node.position, tuple(map(change, node.nodes, others.nodes)))
 
 
 def _named(root: tree.Node, path: Path) -> tree.Node:
-    """`root` with the stem of its file for a name, if it has none; the whole name where the stem is a number."""
-    held = tree.child(root, "name")
-    if not isinstance(root, tree.Mapping) or (held is not None and tree.plain(held) is not None):
+    """`root` with a name: its own, else the stem of the file, or the whole file name if the stem reads as a number."""
+    name_node = tree.child(root, "name")
+    if not isinstance(root, tree.Mapping) or (name_node is not None and tree.plain(name_node) is not None):
         return root
     at = tree.Position(str(path), None)
     name = path.stem if isinstance(resolve(path.stem), str) else path.name

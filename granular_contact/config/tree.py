@@ -1,7 +1,7 @@
-"""A YAML document as a tree with the position of each part.
+"""Tree of a YAML document, with the file and line of each node.
 
-Trees are never changed in place: an alias shares its node with the anchor, and both would change. Nodes compare by
-identity, so that shared ones can be distinguished from equal ones.
+Trees are never changed in place: an alias shares its node with the anchor, so both would change. Nodes compare by
+identity, so that a shared node differs from an equal one.
 """
 
 from __future__ import annotations
@@ -17,19 +17,19 @@ Path = tuple[str | int, ...]
 
 
 class Position(NamedTuple):
-    """Position in a file; line from 1, None for the command line."""
+    """Position in a file: its name and the line, from 1; the line is None for the command line and a whole file."""
 
     file: str
     line: int | None
 
     def fault(self, path: Path, message: str) -> Fault:
-        """A fault at this place, under the dotted `path`."""
+        """A fault of the key `path` at this position."""
         return Fault(self.file, self.line, dotted(path), message)
 
 
 @dataclass(frozen=True, eq=False)
 class Scalar:
-    """A number, text, boolean or null, with its spelling in the file."""
+    """A number, text, boolean or null; text: its spelling in the file."""
 
     position: Position
     value: ScalarValue
@@ -38,7 +38,7 @@ class Scalar:
 
 @dataclass(frozen=True, eq=False)
 class Items:
-    """A YAML sequence; its position is that of the key it belongs to."""
+    """A YAML sequence; its position is that of its key."""
 
     position: Position
     nodes: tuple[Node, ...]
@@ -46,7 +46,7 @@ class Items:
 
 @dataclass(frozen=True, eq=False)
 class Mapping:
-    """A YAML mapping; its position is that of the key it belongs to. `keys` holds the position of each key."""
+    """A YAML mapping; its position is that of its key. nodes: values by key; keys: positions of the keys."""
 
     position: Position
     nodes: dict[str, Node] = field(default_factory=dict)
@@ -55,7 +55,7 @@ class Mapping:
 
 @dataclass(frozen=True, eq=False)
 class Broken:
-    """Marks a place with a known fault, about which no other is reported."""
+    """Placeholder of a faulty node. Its fault is known, and no other fault is reported about it."""
 
     position: Position
 
@@ -70,7 +70,7 @@ def dotted(path: Iterable[str | int]) -> str:
 
 
 def plain(node: Node) -> Any:
-    """The tree without positions; a broken part becomes `BROKEN`, which no schema accepts."""
+    """The tree as plain data, without positions; a `Broken` node becomes `BROKEN`, which no schema accepts."""
     if isinstance(node, Scalar):
         return node.value
     if isinstance(node, Items):
@@ -85,26 +85,27 @@ def mapping(nodes: dict[str, Node], at: Position) -> Mapping:
     return Mapping(at, nodes, {key: node.position for key, node in nodes.items()})
 
 
-def made(value: Any, at: Position) -> Node:
-    """The tree of plain data (dict, list, scalars), with one position for all of it."""
+def from_plain(value: Any, at: Position) -> Node:
+    """The tree of plain data (dict, list, scalars), all nodes at one position."""
     if isinstance(value, dict):
-        nodes = {key: made(held, at) for key, held in value.items()}
+        nodes = {key: from_plain(below, at) for key, below in value.items()}
         return Mapping(at, nodes, dict.fromkeys(nodes, at))
     return (
-        Items(at, tuple(made(held, at) for held in value))
+        Items(at, tuple(from_plain(item, at) for item in value))
         if isinstance(value, list)
         else Scalar(at, value, _text(value))
     )
 
 
 def _text(value: Any) -> str:
+    """Spelling of a scalar in YAML."""
     if value is None or isinstance(value, bool):
         return {None: "null", True: "true", False: "false"}[value]
     return value if isinstance(value, str) else repr(value)
 
 
 def index_of(key: str | int, items: Items) -> int | None:
-    """`key` as the index of one of `items`, or None."""
+    """`key` (int or digits) as an index into `items`; None if it is none."""
     text = str(key)
     # int() raises for thousands of digits.
     if text.isascii() and text.isdecimal() and len(text) < 10 and int(text) < len(items.nodes):
@@ -113,7 +114,7 @@ def index_of(key: str | int, items: Items) -> int | None:
 
 
 def child(node: Node, key: str | int) -> Node | None:
-    """The value under `key` (a list takes its index as int or digits), or None."""
+    """The node under `key`, of a list the item with this index (int or digits); None if there is none."""
     if isinstance(node, Mapping):
         return node.nodes.get(str(key))
     if isinstance(node, Items) and (index := index_of(key, node)) is not None:
@@ -122,7 +123,7 @@ def child(node: Node, key: str | int) -> Node | None:
 
 
 def find(node: Node, path: Sequence[str | int]) -> tuple[Node, Sequence[str | int]]:
-    """The deepest node on `path`, and the part of the path that is missing below it."""
+    """The deepest node that exists on `path`, and the rest of the path below it."""
     for depth, key in enumerate(path):
         below = child(node, key)
         if below is None:
@@ -132,7 +133,7 @@ def find(node: Node, path: Sequence[str | int]) -> tuple[Node, Sequence[str | in
 
 
 def key_position(node: Node, path: Path) -> Position:
-    """Where the last key of `path` was written, or the mapping that should hold it."""
+    """Position of the last key of `path`; if it does not exist, of the deepest node on the path."""
     holder, missing = find(node, path[:-1])
     if missing or not path or not isinstance(holder, Mapping):
         return find(node, path)[0].position
@@ -144,27 +145,29 @@ def set_key(node: Mapping, key: str, value: Node, position: Position) -> Mapping
     return Mapping(node.position, {**node.nodes, key: value}, {**node.keys, key: position})
 
 
-def under(node: Node, key: str, change: Callable[[Node], Node]) -> Node:
-    """`node` with what stands under a key changed, if it is there."""
+def change_key(node: Node, key: str, change: Callable[[Node], Node]) -> Node:
+    """`node` with `change` applied to the value under a key, if the key exists."""
     if not isinstance(node, Mapping) or key not in node.nodes:
         return node
     return set_key(node, key, change(node.nodes[key]), node.keys[key])
 
 
-def rewritten(node: Node, change: Callable[[Mapping, Path], Node | None], path: Path) -> Node:
-    """`node`, which stands at `path`, with other parts where `change` gives them.
+def replace_mappings(node: Node, change: Callable[[Mapping, Path], Node | None], path: Path) -> Node:
+    """`node`, which is at `path`, with mappings replaced by what `change` returns for them.
 
-    change: asked of each mapping, with its path; what it gives stands there, and where it gives None the parts of the
-    mapping are gone through. A list of scalars has no such parts.
+    change: called with each mapping and its path, from the top down. It returns the replacement, or None: the mapping
+    stays, and `change` is called for the mappings in it. Lists of scalars are skipped.
     """
     if isinstance(node, Items) and node.nodes and not isinstance(node.nodes[0], Scalar):
-        return Items(node.position, tuple(rewritten(one, change, (*path, i)) for i, one in enumerate(node.nodes)))
+        return Items(
+            node.position, tuple(replace_mappings(item, change, (*path, i)) for i, item in enumerate(node.nodes))
+        )
     if not isinstance(node, Mapping):
         return node
-    if (made := change(node, path)) is not None:
-        return made
-    parts = {key: rewritten(below, change, (*path, key)) for key, below in node.nodes.items()}
-    return Mapping(node.position, parts, node.keys)
+    if (replacement := change(node, path)) is not None:
+        return replacement
+    nodes = {key: replace_mappings(below, change, (*path, key)) for key, below in node.nodes.items()}
+    return Mapping(node.position, nodes, node.keys)
 
 
 def drop_key(node: Mapping, key: str) -> Mapping:
@@ -173,7 +176,7 @@ def drop_key(node: Mapping, key: str) -> Mapping:
 
 
 def merge(base: Node, top: Node) -> Node:
-    """`top` merged over `base`: mappings are merged key by key, anything else (also null) replaces the value below."""
+    """`top` merged over `base`: mappings are merged key by key; any other value, also null, replaces that of `base`."""
     if not isinstance(base, Mapping) or not isinstance(top, Mapping):
         return top
     nodes = {**base.nodes}

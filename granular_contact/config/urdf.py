@@ -1,4 +1,4 @@
-"""A model that names a robot file -> the tree of a mechanism in space, each key at its line in that file."""
+"""Read the robot file that a model names, as the tree of a mechanism in space with lines of the robot file."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from pathlib import Path
 from typing import Any
 
 from granular_contact.config.messages import validated
-from granular_contact.config.references import shown
+from granular_contact.config.references import readable_path
 from granular_contact.config.schema.robot import RobotFile
-from granular_contact.config.tree import Broken, Items, Mapping, Node, Position, Scalar, made, mapping, merge
-from granular_contact.config.urdf_corrections import masses, put_right, without_used
+from granular_contact.config.tree import Broken, Items, Mapping, Node, Position, Scalar, from_plain, mapping, merge
+from granular_contact.config.urdf_corrections import drop_replaced_faults, given_masses, without_merged_links
 from granular_contact.errors import ConfigError, Fault
 from granular_contact.robot.massless import completed, has_world, held, matching, merged
 from granular_contact.robot.mechanism import Said, Wishes, mechanism_of
@@ -19,129 +19,137 @@ from granular_contact.robot.urdf import read_all
 from granular_contact.values.strict import did_you_mean, no_such
 
 URDF = "urdf"
-# Keys of a mechanism in space that may stand beside those of a robot file, and are put over what it gives.
-_OVER = ("in_space", "name", "description", "bodies", "joints", "closures", "chain")
+# Keys of a mechanism in space that may stand beside `urdf`. They are merged over the mechanism of the robot file.
+_MODEL_KEYS = ("in_space", "name", "description", "bodies", "joints", "closures", "chain")
 
 
 def mechanism(node: Mapping, faults: list[Fault], notices: list[Fault]) -> Node:
-    """The mechanism in the robot file that a model names; with faults, one whose parts are `Broken`.
+    """Tree of the mechanism in the robot file that a model names; with faults, a mechanism with `Broken` parts.
 
-    notices: what was passed over in the file is appended.
+    Notices about parts of the robot file that were skipped are appended to `notices`.
     """
-    before = len(faults)
-    asked = _asked(node, faults)
-    if asked is None:
-        return _lost(node)
+    count_before = len(faults)
+    options = _options(node, faults)
+    if options is None:
+        return _unknown_mechanism(node)
     at = node.nodes[URDF].position
     folder = Path(at.file).parent if at.line is not None else Path()
     try:
-        found = _translated(node, asked, folder, faults, notices)
-    except ConfigError as error:  # of the file as a whole; without a line of its own it is a fault of its name
+        tree = _translated(node, options, folder, faults, notices)
+    except ConfigError as error:  # the file can't be read: faults without a line get the line that names the file
         file = error.faults[0].file
-        own_faults = [at.fault(("model", URDF), f"{file} {one.message}") for one in error.faults]
-        faults += [one if one.line is not None else new for one, new in zip(error.faults, own_faults, strict=True)]
-        found = None
-    return _lost(node) if found is None or len(faults) > before else found
+        at_name = [at.fault(("model", URDF), f"{file} {fault.message}") for fault in error.faults]
+        faults += [old if old.line is not None else new for old, new in zip(error.faults, at_name, strict=True)]
+        tree = None
+    return _unknown_mechanism(node) if tree is None or len(faults) > count_before else tree
 
 
-def _lost(node: Mapping) -> Node:
-    """A model in space of which nothing is known, so that the rest of the config is checked as one in space."""
+def _unknown_mechanism(node: Mapping) -> Node:
+    """A model in space with `Broken` bodies and joints, so that the rest of the config is checked as one in space."""
     at = node.position
-    named = {"in_space": made(True, at), "name": made("robot", at)}
+    named = {"in_space": from_plain(True, at), "name": from_plain("robot", at)}
     return mapping(named | {"bodies": Broken(at), "joints": Broken(at)}, at)
 
 
 def _part(node: Mapping, keys: Any) -> Mapping:
-    return Mapping(node.position, {key: held for key, held in node.nodes.items() if key in keys}, node.keys)
+    """A mapping with these keys alone."""
+    return Mapping(node.position, {key: below for key, below in node.nodes.items() if key in keys}, node.keys)
 
 
-def _asked(node: Mapping, faults: list[Fault]) -> RobotFile | None:
-    """The keys of a robot file."""
-    known = [*RobotFile.model_fields, *_OVER]
+def _options(node: Mapping, faults: list[Fault]) -> RobotFile | None:
+    """The keys about the robot file; None, with faults, if they are not valid."""
+    known = [*RobotFile.model_fields, *_MODEL_KEYS]
     for key in node.nodes:
         if key not in known:
-            words = f"unknown key; {did_you_mean(key, known) or 'allowed are ' + ', '.join(known)}"
-            faults.append(node.keys[key].fault(("model", key), words))
-    plane = node.nodes.get("in_space")
-    if isinstance(plane, Scalar) and plane.value is False:
+            message = f"unknown key; {did_you_mean(key, known) or 'allowed are ' + ', '.join(known)}"
+            faults.append(node.keys[key].fault(("model", key), message))
+    in_space = node.nodes.get("in_space")
+    if isinstance(in_space, Scalar) and in_space.value is False:
         faults.append(node.keys["in_space"].fault(("model", "in_space"), "got false, but a robot file is in space"))
-    own_faults = list[Fault]()
-    asked = validated(RobotFile, _part(node, RobotFile.model_fields), own_faults)
-    faults += [replace(fault, key=f"model.{fault.key}".rstrip(".")) for fault in own_faults]
-    return asked
+    option_faults = list[Fault]()
+    options = validated(RobotFile, _part(node, RobotFile.model_fields), option_faults)
+    faults += [replace(fault, key=f"model.{fault.key}".rstrip(".")) for fault in option_faults]
+    return options
 
 
 def _translated(
-    node: Mapping, asked: RobotFile, folder: Path, faults: list[Fault], notices: list[Fault]
+    node: Mapping, options: RobotFile, folder: Path, faults: list[Fault], notices: list[Fault]
 ) -> Node | None:
-    """The mechanism with the keys beside `urdf` put over it; raises ConfigError if the file can't be read as XML."""
-    robot, reader = read_all(shown(folder / asked.urdf))
-    sand = _sand(asked, robot)
-    reader.use(asked.shapes, sand)
-    put_right(node, robot, reader)
+    """Tree of the mechanism in a robot file, with the keys beside `urdf` merged over it; None with faults of the file.
+
+    Raises
+    ------
+    ConfigError
+        The file can't be read as XML.
+    """
+    robot, reader = read_all(readable_path(folder / options.urdf))
+    sand = _sand(options, robot)
+    reader.use(options.shapes, sand)
+    drop_replaced_faults(node, robot, reader)
     if not reader.faults:
-        faults += _unmatched(node, asked, robot)
-        if has_world(robot) and asked.base is not None:
-            words = f"got {asked.base}, but the root link {robot.root} of {robot.file} is the ground; leave it out"
-            faults.append(node.keys["base"].fault(("model", "base"), words))
-        fixed = asked.base == "fixed"
-        whole = completed(held(robot, asked.fix), reader, masses(node, robot, faults), fixed)
+        faults += _unmatched(node, options, robot)
+        if has_world(robot) and options.base is not None:
+            message = f"got {options.base}, but the root link {robot.root} of {robot.file} is the ground; leave it out"
+            faults.append(node.keys["base"].fault(("model", "base"), message))
+        fixed = options.base == "fixed"
+        whole = completed(held(robot, options.fix), reader, given_masses(node, robot, faults), fixed)
         bodies = merged(whole, reader, fixed)
     if not reader.faults:
-        said = mechanism_of(bodies, reader, _wishes(asked, sand, folder))
-        put_right(node, robot, reader)  # of meshes that are not there
+        model = mechanism_of(bodies, reader, _wishes(options, sand, folder))
+        drop_replaced_faults(node, robot, reader)  # those of missing meshes
     faults += reader.faults
     notices += reader.notices
     if reader.faults:
         return None
-    made = _placed(said, Position(robot.file, 1))
-    return merge(made, without_used(_part(node, _OVER), made, robot, faults))
+    tree = _tree(model, Position(robot.file, 1))
+    return merge(tree, without_merged_links(_part(node, _MODEL_KEYS), tree, robot, faults))
 
 
-def _sand(asked: RobotFile, robot: Robot) -> frozenset[str] | None:
-    """Links on whose shapes the medium acts; None: on all."""
-    if asked.in_sand is None:
+def _sand(options: RobotFile, robot: Robot) -> frozenset[str] | None:
+    """Names of the links on whose shapes the medium acts; None: all links."""
+    if options.in_sand is None:
         return None
-    return frozenset(name for pattern in asked.in_sand for name in matching(pattern, robot.links))
+    return frozenset(name for pattern in options.in_sand for name in matching(pattern, robot.links))
 
 
-def _wishes(asked: RobotFile, sand: frozenset[str] | None, folder: Path) -> Wishes:
+def _wishes(options: RobotFile, sand: frozenset[str] | None, folder: Path) -> Wishes:
+    """The keys about the robot file in the form of the room `robot`."""
     return Wishes(
-        which=asked.shapes,
+        which=options.shapes,
         sand=sand,
-        facet_size=asked.facet_size_m,
-        base_fixed=asked.base == "fixed",
-        mimic_free=asked.mimic == "ignore",
-        stiffness=(asked.stops.stiffness_Nm_per_rad, asked.stops.stiffness_N_per_m),
-        dissipation=(asked.stops.dissipation_s_per_rad, asked.stops.dissipation_s_per_m),
-        packages={name: folder / path for name, path in asked.packages.items()},
+        facet_size=options.facet_size_m,
+        base_fixed=options.base == "fixed",
+        mimic_free=options.mimic == "ignore",
+        stiffness=(options.stops.stiffness_Nm_per_rad, options.stops.stiffness_N_per_m),
+        dissipation=(options.stops.dissipation_s_per_rad, options.stops.dissipation_s_per_m),
+        packages={name: folder / path for name, path in options.packages.items()},
     )
 
 
-def _unmatched(node: Mapping, asked: RobotFile, robot: Robot) -> list[Fault]:
-    """Faults of patterns that mean no joint or link, or no link with a shape."""
-    found = []
-    for key, what, patterns, names in (
-        ("fix", "joint", asked.fix, list(robot.joints)),
-        ("in_sand", "link", asked.in_sand or (), list(robot.links)),
+def _unmatched(node: Mapping, options: RobotFile, robot: Robot) -> list[Fault]:
+    """Faults of patterns that match no joint or link, or no link with a shape."""
+    faults = []
+    for key, noun, patterns, names in (
+        ("fix", "joint", options.fix, list(robot.joints)),
+        ("in_sand", "link", options.in_sand or (), list(robot.links)),
     ):
         for index, pattern in enumerate(patterns):
-            meant = matching(pattern, names)
+            matched = matching(pattern, names)
             path, at = ("model", key, index), node.keys.get(key, node.position)
-            if not meant:
-                found.append(at.fault(path, no_such(what, pattern, names)))
-            elif key == "in_sand" and not any(robot.links[name].shapes(asked.shapes) for name in meant):
-                words = f"{', '.join(meant[:6])}: no {asked.shapes} shape for the medium to act on"
-                found.append(at.fault(path, f"{words}; allowed are links with one"))
-    return found
+            if not matched:
+                faults.append(at.fault(path, no_such(noun, pattern, names)))
+            elif key == "in_sand" and not any(robot.links[name].shapes(options.shapes) for name in matched):
+                message = f"{', '.join(matched[:6])}: no {options.shapes} shape for the medium to act on"
+                faults.append(at.fault(path, f"{message}; allowed are links with one"))
+    return faults
 
 
-def _placed(said: Any, at: Position) -> Node:
-    """The tree of a mechanism of `robot.mechanism`."""
-    if isinstance(said, Said):
-        return _placed(said.value, Position(at.file, said.line))
-    if isinstance(said, dict):
-        return mapping({key: _placed(held, at) for key, held in said.items()}, at)
-    if isinstance(said, list):
-        return Items(at, tuple(_placed(held, at) for held in said))
-    return made(said, at)
+def _tree(value: Any, at: Position) -> Node:
+    """Tree of a value of `robot.mechanism`; at: position of parts without a line of their own."""
+    if isinstance(value, Said):
+        return _tree(value.value, Position(at.file, value.line))
+    if isinstance(value, dict):
+        return mapping({key: _tree(below, at) for key, below in value.items()}, at)
+    if isinstance(value, list):
+        return Items(at, tuple(_tree(item, at) for item in value))
+    return from_plain(value, at)

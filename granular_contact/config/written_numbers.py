@@ -1,4 +1,4 @@
-"""Numbers written into the YAML files where their keys stand; all else of the files stays as it is."""
+"""Write numbers into the YAML files that contain their keys. The rest of each file does not change."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ def write_numbers(sources: SourceMap, numbers: Mapping[str, float]) -> list[str]
     Parameters
     ----------
     sources : SourceMap
-        Of the scenario.
+        Files and lines of the keys of the scenario.
     numbers : mapping of str to float
-        By dotted key, as `model.joints.knee.home_deg`. A key that is missing is added to the mapping it belongs to.
+        Numbers by dotted key, as `model.joints.knee.home_deg`. A missing key is added to its mapping.
 
     Returns
     -------
@@ -34,7 +34,8 @@ def write_numbers(sources: SourceMap, numbers: Mapping[str, float]) -> list[str]
     Raises
     ------
     ConfigError
-        A mapping stands in no YAML file, as a joint of a chain or of a robot file; nothing is written then.
+        A number belongs to no mapping of a YAML file, as for a joint of a chain or of a robot file. Then no file is
+        written.
     OSError
         A file cannot be written.
     """
@@ -47,8 +48,8 @@ def write_numbers(sources: SourceMap, numbers: Mapping[str, float]) -> list[str]
         for key, number in new.items():
             changed = _changed(text, key.split("."), f"{number:.10g}")
             if changed is None:
-                words = f"stands in no YAML mapping of its own, so that {number:.10g} is not written"
-                faults.append(Fault(file, None, key, f"{words}; give the start in initial.joints"))
+                message = f"stands in no YAML mapping of its own, so that {number:.10g} is not written"
+                faults.append(Fault(file, None, key, f"{message}; give the start in initial.joints"))
             text = changed or text
         texts[file] = text
     if faults:
@@ -59,14 +60,17 @@ def write_numbers(sources: SourceMap, numbers: Mapping[str, float]) -> list[str]
 
 
 def _changed(text: str, path: list[str], value: str) -> str | None:
-    """The text with a value under a path, from its root or, in the file of a model, from below `model`."""
+    """The text of a file with a value under a path; None if it has no mapping for it.
+
+    In the file of a model the path begins below the key `model`.
+    """
     root = yaml.compose(text, Loader=yaml.SafeLoader) if text else None
     holder = _below(root, path[:-1]) or _below(root, path[1:-1])
     if not isinstance(holder, yaml.MappingNode) or not holder.value:
         return None
-    held = next((value for key, value in holder.value if key.value == path[-1]), None)
-    if held is not None:
-        start, end, new = held.start_mark.index, held.end_mark.index, value
+    old = next((value for key, value in holder.value if key.value == path[-1]), None)
+    if old is not None:
+        start, end, new = old.start_mark.index, old.end_mark.index, value
     elif holder.flow_style:
         start = end = holder.value[-1][1].end_mark.index
         new = f", {path[-1]}: {value}"
@@ -77,6 +81,7 @@ def _changed(text: str, path: list[str], value: str) -> str | None:
 
 
 def _below(node: yaml.Node | None, path: list[str]) -> yaml.Node | None:
+    """The node at a path below another one; None if there is none."""
     for name in path:
         if not isinstance(node, yaml.MappingNode):
             return None

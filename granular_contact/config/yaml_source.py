@@ -1,8 +1,9 @@
-"""Text of one YAML file -> positioned tree. Builds numbers, texts, lists and mappings, never a Python object.
+"""Parse the text of one YAML file into a tree with positions.
 
-All problems become faults: a file that can't be read at all is one fault, and a `Broken` root. PyYAML delivers the
-events. Composing them here gives every value its line, finds duplicate keys, of which PyYAML silently takes the last,
-and limits aliases and nesting.
+The tree contains numbers, texts, lists and mappings, never a Python object. All problems become faults; a file that
+can't be read at all gives one fault and a `Broken` root. PyYAML delivers the events, which are composed here for three
+reasons: every value gets its line, duplicate keys are found (PyYAML silently takes the last one), and aliases and
+nesting are limited.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ _LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
 class Stop(Exception):
-    """Raised where the rest of the file can't be read; the fault says why."""
+    """Raised if the rest of the file can't be read; `fault` gives the reason."""
 
     def __init__(self, position: Position, path: Path, message: str) -> None:
         super().__init__(message)
@@ -33,9 +34,10 @@ class Stop(Exception):
 
 
 class Composer:
-    """Composes the events of one document.
+    """Composes the events of one document into a tree.
 
-    `faults` collects faults after which the rest is readable; `Stop` is raised for the others.
+    Faults after which the rest is readable are appended to `faults`; for other faults `Stop` is raised. numbered:
+    whether positions have lines.
     """
 
     def __init__(self, text: str, file: str, faults: list[Fault], numbered: bool) -> None:
@@ -46,11 +48,11 @@ class Composer:
         self._aliased = 0
 
     def position(self, mark: Any) -> Position:
-        """Place of a mark of PyYAML."""
+        """Position of a mark of PyYAML."""
         return Position(self._file, mark.line + 1 if mark and self._numbered else None)
 
     def document(self, path: Path) -> Node:
-        """Root of the only document, which will stand under `path`."""
+        """Root of the only document; path: key of the config under which it will be."""
         self._events = yaml.parse(self._text, Loader=_LOADER)
         next(self._events)
         start = next(self._events)
@@ -64,7 +66,7 @@ class Composer:
         return root
 
     def _node(self, event: Any, path: Path, depth: int, at: Position | None = None) -> Node:
-        """The node that `event` opens; `at` is the position of its key, if it has one."""
+        """The node that begins with `event`; at: position of its key, if it has one."""
         position = self.position(event.start_mark)
         if depth > MAX_DEPTH:
             raise Stop(position, (), f"is nested more than {MAX_DEPTH} levels deep")
@@ -86,10 +88,12 @@ class Composer:
         return node
 
     def _broken(self, position: Position, path: Path, message: str) -> Broken:
+        """Append a fault, and return the node that stands for the faulty one."""
         self._faults.append(position.fault(path, message))
         return Broken(position)
 
     def _alias(self, event: Any, path: Path, depth: int, position: Position) -> Node:
+        """The node of the anchor that an alias refers to."""
         known = self._anchors.get(event.anchor)
         if known is None:
             inside = event.anchor in self._anchors
@@ -104,7 +108,7 @@ class Composer:
         return known
 
     def _measure(self, node: Node) -> tuple[int, int]:
-        """Number of values in `node` once its aliases are expanded, and its height; each node is counted once."""
+        """Number of values in `node` with its aliases expanded, and its height; kept for each node."""
         if node not in self._measures:
             below: list[Node] = []
             if isinstance(node, Items | Mapping):
@@ -134,7 +138,7 @@ class Composer:
         return Mapping(position, nodes, keys)
 
     def _key(self, event: Any, path: Path, depth: int) -> str | None:
-        """The key that `event` opens; None, with a fault, for one that can't be used."""
+        """The key that begins with `event`; None, with a fault, for a key that is no text."""
         is_scalar = isinstance(event, yaml.ScalarEvent)
         node = self._node(event, path, depth)
         position = self.position(event.start_mark)
@@ -169,7 +173,7 @@ _PLAIN_WORDS = (
 
 
 def read_file(path: FilePath, faults: list[Fault]) -> Node:
-    """Tree of the YAML file `path`; what is wrong with it is appended to `faults`, and is `Broken` in the tree."""
+    """Tree of the YAML file `path`. Faults are appended to `faults`; faulty nodes are `Broken`."""
     whole = Position(str(path), None)
     try:
         if path.is_dir():
@@ -190,15 +194,15 @@ def read_file(path: FilePath, faults: list[Fault]) -> Node:
         reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
         faults.append(whole.fault((), f"can't be read: {reason}"))
     else:
-        node, found = _read(text, str(path))
-        faults += found
+        node, text_faults = _read(text, str(path))
+        faults += text_faults
         return node
     return Broken(whole)
 
 
 @lru_cache(maxsize=16)
 def _read(text: str, file: str) -> tuple[Node, tuple[Fault, ...]]:
-    """Tree of the text of a file, with its faults; models and media are read for one config after another."""
+    """Tree of the text of a file, with its faults. It is kept, since many configs use the same models and media."""
     faults: list[Fault] = []
     return read_text(text, file, faults), tuple(faults)
 
@@ -206,16 +210,15 @@ def _read(text: str, file: str) -> tuple[Node, tuple[Fault, ...]]:
 def read_text(text: str, file: str, faults: list[Fault], path: Path = (), numbered: bool = True) -> Node:
     """Tree of the YAML `text`.
 
-    file: name for the positions; `numbered=False` leaves lines out, for a text from the command line.
-    path: key under which the text will stand. Faults are appended to `faults`.
+    file: name for the positions. path: key of the config under which the tree will be. numbered: False for a text from
+    the command line, whose positions have no line. Faults are appended to `faults`.
     """
     composer = Composer(text, file, faults, numbered)
     try:
-        if odd := yaml.reader.Reader.NON_PRINTABLE.search(text):
-            line = text.count("\n", 0, odd.start()) + 1 if numbered else None
-            raise Stop(
-                Position(file, line), path, f"holds the character {odd.group()!a}; only printable text is allowed"
-            )
+        if unprintable := yaml.reader.Reader.NON_PRINTABLE.search(text):
+            line = text.count("\n", 0, unprintable.start()) + 1 if numbered else None
+            message = f"holds the character {unprintable.group()!a}; only printable text is allowed"
+            raise Stop(Position(file, line), path, message)
         return composer.document(path)
     except Stop as stop:
         faults.append(stop.fault)
@@ -226,10 +229,11 @@ def read_text(text: str, file: str, faults: list[Fault], path: Path = (), number
 
 
 def _in_plain_words(error: yaml.MarkedYAMLError) -> str:
+    """Message for a syntax error of PyYAML."""
     raw = f"{error.context or ''} {error.problem or ''}"
-    words = next((plain for part, plain in _PLAIN_WORDS if part in raw), None)
-    if words is None:
+    explanation = next((plain for part, plain in _PLAIN_WORDS if part in raw), None)
+    if explanation is None:
         return f"is not valid YAML: {error.problem}"
     start, end = error.context_mark, error.problem_mark
     since = f" (begun in line {start.line + 1})" if start and end and start.line < end.line else ""
-    return f"is not valid YAML: {words}{since}"
+    return f"is not valid YAML: {explanation}{since}"

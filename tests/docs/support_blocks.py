@@ -108,4 +108,4 @@ def forget(tag: str) -> None:
     del LAWS[tag]
     for part in (BedLayer, Bed, Scenario, *Scenario.__subclasses__()):
         part.model_rebuild(force=True)
-    allowed.forget()
+    allowed.clear_cache()

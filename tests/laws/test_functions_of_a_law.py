@@ -45,7 +45,7 @@ def forgotten() -> Iterator[None]:
     LAWS.pop("winkler", None)
     for part in (BedLayer, Bed, Scenario, *Scenario.__subclasses__()):
         part.model_rebuild(force=True)
-    allowed.forget()
+    allowed.clear_cache()
 
 
 def test_what_is_wanted_is_what_kernels_call() -> None:

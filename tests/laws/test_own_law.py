@@ -27,7 +27,7 @@ def removed() -> Iterator[None]:
     del LAWS["power"]
     for part in (BedLayer, Bed, Scenario):
         part.model_rebuild(force=True)
-    allowed.forget()
+    allowed.clear_cache()
 
 
 @pytest.fixture

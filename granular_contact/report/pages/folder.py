@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from granular_contact.config.csv_table import ragged, table_of
+from granular_contact.config.csv_table import parse_table, ragged_rows
 from granular_contact.config.yaml_source import read_text
 from granular_contact.errors import Fault, ResultsError
 from granular_contact.report import ENTRIES, FIGURES, MOTION, kind_of
@@ -108,9 +108,9 @@ class Folder:
 
     def _table(self, name: str) -> Table:
         faults: list[Fault] = []
-        table = table_of(self._text(name), str(self.path / name), faults)
+        table = parse_table(self._text(name), str(self.path / name), faults)
         if table is not None:
-            faults += ragged(table)
+            faults += ragged_rows(table)
         if table is None or faults:
             raise FolderError(str(faults[0]))
         return Table(list(table.header), [[_value(cell) for cell in row] for row in table.rows])

@@ -12,7 +12,7 @@ from difflib import get_close_matches
 import numpy as np
 from numpy.typing import NDArray
 
-from granular_contact.config.csv_table import Table, few, form_faults, number
+from granular_contact.config.csv_table import Table, first_faults, form_faults, number
 from granular_contact.config.messages import unknown
 from granular_contact.config.schema.fit import DIRECTIONS, ForceTest
 from granular_contact.config.tree import Position
@@ -84,7 +84,7 @@ def select(table: Table, test: ForceTest, mapping: Mapping[str, tuple[str, Posit
         refuse(_upward(table, values[DEPTH], test))
     back = _unloading(values[DEPTH], test) if DEPTH in values else np.zeros(len(table.rows), bool)
     if test.unloading == "refuse" and np.any(back):
-        refuse(few(table.file, [_refused(table, values[DEPTH], span) for span in _spans(back)]))
+        refuse(first_faults(table.file, [_refused(table, values[DEPTH], span) for span in _spans(back)]))
     return _measured(table, test, values, ~back, [name for name in table.header if name not in chosen])
 
 
@@ -223,7 +223,7 @@ def of_test(held: Measured, model: Vector, size: float, least: float) -> Iterato
     touches the surface, or the least that this may be.
     """
     depth = held.given[measurements.DEPTH]
-    yield from few(held.file, list(_above(held, depth, least)))
+    yield from first_faults(held.file, list(_above(held, depth, least)))
     deepest = int(np.argmax(depth))
     if depth[deepest] > DEEPEST * size:
         words = (

@@ -17,7 +17,7 @@ from functools import partial
 
 import numpy as np
 
-from granular_contact.config.csv_table import Table, few, form_faults, number
+from granular_contact.config.csv_table import Table, first_faults, form_faults, number
 from granular_contact.config.messages import unknown
 from granular_contact.config.tree import Position
 from granular_contact.errors import ConfigError, Fault
@@ -171,7 +171,7 @@ def select(
         refuse(_incomplete(table.file, table.header_line, chosen, known))
     values = numbers_of(table, chosen, FEWEST_ROWS)
     headers = {column: header for header, (column, _) in chosen.items()}
-    faults = few(table.file, _clock(table, headers[TIME], values[TIME]))
+    faults = first_faults(table.file, _clock(table, headers[TIME], values[TIME]))
     for column, angles in values.items():
         faults += _angles(table, headers[column], angles) if column.endswith("_deg") else []
     refuse(faults)
@@ -270,7 +270,8 @@ def numbers_of(table: Table, chosen: Chosen, fewest: int) -> dict[str, Vector]:
         cells = [row[table.header.index(header)] for row in table.rows]
         numbers = [number(cell) for cell in cells]
         triples = zip(table.lines, cells, numbers, strict=True)
-        faults += few(table.file, [Fault(table.file, i, header, _odd(cell)) for i, cell, x in triples if x is None])
+        odd = [Fault(table.file, i, header, _odd(cell)) for i, cell, x in triples if x is None]
+        faults += first_faults(table.file, odd)
         found[column] = factor * np.array(numbers, float)
     if len(table.rows) < fewest:
         words = f"got {len(table.rows)} rows; allowed are {fewest} or more"

@@ -10,7 +10,7 @@ from granular_contact.config.changed import filled
 from granular_contact.config.csv_table import Table, read_table
 from granular_contact.config.messages import by_place
 from granular_contact.config.overrides import Override, effective
-from granular_contact.config.references import shown
+from granular_contact.config.references import readable_path
 from granular_contact.config.schema.fit import ForceTest
 from granular_contact.config.template import Template
 from granular_contact.config.yaml_source import read_file
@@ -75,7 +75,7 @@ class _Source:
 
     def __init__(self, request: RunRequest, common: Sequence[Override], templates: Templates) -> None:
         faults: list[Fault] = []
-        table = read_table(shown(request.data), faults)
+        table = read_table(readable_path(request.data), faults)
         self.test: ForceTest | None = None
         if table is not None:
             with gathered(faults):
@@ -154,7 +154,7 @@ def _twice(runs: Sequence[RunRequest], sources: Sequence[_Source]) -> Iterator[F
 
 def _template(request: RunRequest, templates: Templates) -> Template:
     """The config of a run, read once however many runs have it; its faults are those of the first of them."""
-    path = shown(request.config)
+    path = readable_path(request.config)
     if path not in templates:
         own: list[Fault] = []
         try:

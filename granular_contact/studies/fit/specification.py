@@ -12,7 +12,7 @@ from pathlib import Path
 
 from granular_contact import examples
 from granular_contact.config import tree
-from granular_contact.config.messages import by_place, of_file, validated
+from granular_contact.config.messages import by_place, root_of_kind, validated
 from granular_contact.config.overrides import Override, split
 from granular_contact.config.schema.fit import OFFSET_RANGE, Bounds, ClockBounds, FitFile, FitRun, ForceTest
 from granular_contact.config.sweep_cases import read_overrides
@@ -95,7 +95,7 @@ def specification(root: tree.Node, path: Path, faults: list[Fault]) -> Specifica
     ConfigError
         With `faults` and every other one.
     """
-    root = of_file(root, FitFile, "not a fit file", faults)
+    root = root_of_kind(root, FitFile, "not a fit file", faults)
     file = validated(FitFile, root, faults)
     if file is None:
         raise ConfigError(sorted(faults, key=by_place))

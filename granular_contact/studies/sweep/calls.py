@@ -19,7 +19,7 @@ def file_of(scenario: Given, name: str, **keys: Any) -> tree.Mapping:
     config = scenario_to_dict(scenario_given(scenario))
     given = {key: value for key, value in {"config": config, **keys}.items() if value is not None}
     at = tree.Position(name, None)
-    return tree.mapping({key: tree.made(plain_data(value), at) for key, value in given.items()}, at)
+    return tree.mapping({key: tree.from_plain(plain_data(value), at) for key, value in given.items()}, at)
 
 
 def sweep(
