@@ -9,7 +9,7 @@ from support_runs import order, scene_of, simulate
 from support_slopes import slopes_of_what_joints_lack
 
 from granular_contact.engines.tree.kernels import tree, tree_load, tree_march
-from granular_contact.engines.tree.kernels.tree_arrays import FASTEST, NODE, addresses, room
+from granular_contact.engines.tree.kernels.tree_arrays import NODE, addresses, room
 from granular_contact.engines.tree.march import March
 from granular_contact.engines.tree.tree import tree as make_tree
 from granular_contact.mechanics.kernels.step_choice import LONGER, SHORTER
@@ -137,7 +137,7 @@ def test_what_creeps_is_solved_as_closely_as_what_is_fast() -> None:
     march = March(make_tree(scene_of(CHAIN_IN_SAND)))
     clock, share = march.arrays["clock"], march.arrays["control"]["share"][0]
     for speed, least in ((3.0, 0.0), (1e-5, 0.0), (1e-8, 1e-6)):
-        clock[FASTEST] = speed
+        clock["fastest"] = speed
         assert of_tree(tree_march.allowed)(1e6, march._addresses) == pytest.approx(share * max(speed, least), rel=1e-12)
 
 

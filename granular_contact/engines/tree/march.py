@@ -14,18 +14,13 @@ from numpy.typing import NDArray
 from granular_contact.engines.tree.kernels import tree_march as kernels
 from granular_contact.engines.tree.kernels.tree import SLIDER
 from granular_contact.engines.tree.kernels.tree_arrays import (
+    CLOCK,
     CONTROL,
-    DONE,
-    MATRICES,
-    NOW,
-    ORIGIN,
+    COUNTS,
+    NEWTON,
     SCHEME,
-    STEP,
-    TRIED,
-    WHOLE,
     addresses,
 )
-from granular_contact.engines.tree.kernels.tree_arrays import FASTEST as SO_FAR
 from granular_contact.engines.tree.kernels.tree_calls import record as calls
 from granular_contact.engines.tree.kernels.tree_newton import attempt
 from granular_contact.engines.tree.tree import Tree
@@ -44,7 +39,7 @@ from granular_contact.scene.types import FASTEST, Scene, Vector
 SHARE = 1024  # steps between two updates of the progress bar
 # What the future of a march depends on, besides what iterations and the choice of steps keep.
 LASTING = (
-    *("s", "rates", "s2", "lagged", "joint", "matrix", "state", "clock", "counts", "iterated", "home"),
+    *("s", "rates", "s2", "lagged", "joint", "state", "clock", "counts", "newton", "home"),
     "inverse",
 )
 SLOW = 1e-3  # of the speed of rest: what is slower is solved as if it were as fast
@@ -100,7 +95,8 @@ class March:
         self.arrays["control"]["end"] = until
         if solver.accuracy is None:
             left, clock = until - self.time, self.arrays["clock"]
-            clock[[STEP, ORIGIN, WHOLE]] = left / max(1, math.ceil(left / solver.step_s - 1e-9)), self.time, 0.0
+            clock["step"] = left / max(1, math.ceil(left / solver.step_s - 1e-9))
+            clock["origin"], clock["whole"] = self.time, 0.0
 
     def proceed(self) -> int:
         """March on; why it came back is one of the kernels' codes."""
@@ -127,28 +123,28 @@ class March:
     @property
     def time(self) -> float:
         """Time reached (s)."""
-        return float(self.arrays["clock"][NOW])
+        return float(self.arrays["clock"]["now"][0])
 
     @property
     def tried(self) -> float:
         """Length (s) of the step that was tried last."""
-        return float(self.arrays["clock"][TRIED])
+        return float(self.arrays["clock"]["tried"][0])
 
     @property
     def last(self) -> int:
         """The row of the present state."""
-        return int(self.arrays["counts"][kernels.STEPS])
+        return int(self.arrays["counts"]["steps"][0])
 
     @property
     def cost(self) -> dict[str, int]:
         """Counts of steps, iterations and matrices, by the names of `results.Cost`."""
-        counts, iterated = self.arrays["counts"], self.arrays["iterated"]
+        counts, newton = self.arrays["counts"][0], self.arrays["newton"][0]
         return {
             "steps": self.last,
-            "newton_iterations": int(iterated[DONE]),
-            "jacobians": int(iterated[MATRICES]),
-            "shortened_steps": int(counts[kernels.SHORTENED]),
-            "refused_steps": int(counts[kernels.REFUSED]),
+            "newton_iterations": int(newton["iterations"]),
+            "jacobians": int(newton["matrices"]),
+            "shortened_steps": int(counts["shortened"]),
+            "refused_steps": int(counts["refused"]),
         }
 
     @property
@@ -179,10 +175,10 @@ def _of_steps(scene: Scene) -> dict[str, NDArray[Any]]:
     learn(record, scene, float(scheme["beta"][0]), SHORTEST * usual_step(scene))
     first = solver.step_s if solver.accuracy is None else min(solver.step_s, float(record["longest"][0]))
     arrays = dict(zip(("bends", "followed", "arms"), follows, strict=True))
-    clock = np.zeros(8)
-    clock[[STEP, SO_FAR]] = first, speed
-    counts = {"counts": np.zeros(3, np.int64), "iterated": np.zeros(2, np.int64), "matrix": np.zeros(1)}
-    return arrays | counts | {"scheme": scheme, "choice": record, "control": _limits(scene), "clock": clock}
+    clock = np.zeros(1, CLOCK)
+    clock["step"], clock["fastest"] = first, speed
+    arrays |= {"clock": clock, "counts": np.zeros(1, COUNTS), "newton": np.zeros(1, NEWTON)}
+    return arrays | {"scheme": scheme, "choice": record, "control": _limits(scene)}
 
 
 def _limits(scene: Scene) -> NDArray[np.void]:

@@ -28,17 +28,16 @@ Of n nodes, with the widths of the plane; those of space, and what is there alon
     joint           (n, 12) see `tree`
     rest, change    (n,) R, and the change of s''; moved (n, 3): that of accelerations of nodes
     moved
-    matrix          (1,) see `tree_newton`; iterated (2,): counts; iterations: addresses as of `iterations`
-    iterated
+    newton          (1,) record of NEWTON; iterations: addresses as of `iterations`
     iterations
     changes         addresses as of `step_error`
     scheme          (1,) records of SCHEME (`tree_newton`), CHOICE (`step_choice`) and CONTROL (`tree_march`)
     choice
     control
     bends, followed, arms   see `step_choice`
-    clock, counts   see `tree_march`, as are the next
+    clock, counts   (1,) records of CLOCK and COUNTS
     blank           (columns,) a row of the medium's doings before anything is added to it
-    states, table   (rows, numbers) and (rows, columns), of which the first counts[STEPS] + 1 are filled
+    states, table   (rows, numbers) and (rows, columns), of which the first counts.steps + 1 are filled
     calls           (1,) record of CALL
 
 In space:
@@ -108,7 +107,15 @@ SCHEME = record_dtype([*fields("f8", "alpha_m", "alpha_f", "beta", "gamma"), ("f
 CONTROL = record_dtype(
     [*fields("f8", "end", "rest_speed", "rest_time", "tolerance", "share", "slow", "away"), ("most", "i8")]
 )
-
+# now, tried, step: the time, the step tried last and the one to come (s); resting_since: since when everything has been
+# at rest (s), infinite where something moves; speed, fastest: greatest speed at the start of the step, and so far (m/s);
+# origin, whole: fixed steps are counted from that time (s) on.
+CLOCK = record_dtype(fields("f8", "now", "step", "resting_since", "tried", "speed", "fastest", "origin", "whole"))
+# Steps that were accepted, refused for their error, and fixed ones that had to be shortened.
+COUNTS = record_dtype(fields("i8", "steps", "refused", "shortened"))
+# matrix_of_v: the of_v (s, see `tree_newton`) that the matrix in use was made with, 0 where a new one is asked for;
+# iterations, matrices: counts of both so far.
+NEWTON = record_dtype([*fields("f8", "matrix_of_v"), *fields("i8", "iterations", "matrices")])
 # Addresses, see `tree_calls`.
 CALL = record_dtype(
     fields(
@@ -131,22 +138,21 @@ TREE = Layout(
     scheme=(SCHEME, 1),
     choice=(CHOICE, 1),
     control=(CONTROL, 1),
+    clock=(CLOCK, 1),
+    counts=(COUNTS, 1),
+    newton=(NEWTON, 1),
     calls=(CALL, 1),
-    **dict.fromkeys(("gravity", "knots", "matrix", "clock", "blank", "bends", "arms", "lever", "lacked"), _ROW),
+    **dict.fromkeys(("gravity", "knots", "blank", "bends", "arms", "lever", "lacked"), _ROW),
     **dict.fromkeys(("s", "rates", "s2", "lagged"), _ROW),
     **dict.fromkeys(("s_before", "rates_before", "s2_before", "lagged_before"), _ROW),
     **dict.fromkeys(("effort", "stiffness", "rest", "change"), _ROW),
     **dict.fromkeys(("triplets", "states", "table", "shapes", "inverse"), _ROWS),
     **dict.fromkeys(("pose", "pose_rates", "twist", "acceleration", "turned", "home", "arm", "along", "bias"), _ROWS),
     **dict.fromkeys(("force", "of_sand", "blocks", "coupled", "passed", "body", "joint", "moved"), _ROWS),
-    **dict.fromkeys(("signals", "prescribed", "acts", "followed", "counts"), _WHOLE),
-    **dict.fromkeys(("iterated", "iterations", "changes"), _WHOLE),
+    **dict.fromkeys(("signals", "prescribed", "acts", "followed"), _WHOLE),
+    **dict.fromkeys(("iterations", "changes"), _WHOLE),
 )
 view = TREE.view
-DONE, MATRICES = 0, 1  # of `iterated`
-# Of clock (8,): times (s), of the step to come and of the last one tried, speeds (m/s) as of `step_choice`, and from
-# when on how many whole steps were taken.
-NOW, STEP, RESTING_SINCE, TRIED, SPEED, FASTEST, ORIGIN, WHOLE = range(8)
 
 _SCALARS = (
     *("s", "rates", "s2", "lagged", "s_before", "rates_before", "s2_before", "lagged_before"),

@@ -13,7 +13,7 @@ import numpy as np
 from numba import types
 from numpy.typing import NDArray
 
-from granular_contact.engines.tree.kernels.tree_arrays import CALL, MATRICES, TREE
+from granular_contact.engines.tree.kernels.tree_arrays import CALL, TREE
 from granular_contact.jit.calls import address_of, caller
 from granular_contact.jit.compiled import part
 from granular_contact.jit.memory import flat
@@ -107,7 +107,7 @@ def begin_iterations(of_q, of_v, w):
 @part
 def accelerate(w):
     """`anderson.accelerate`: whether the matrix is to be new."""
-    return _accelerate(w.calls[0], (w.iterations, w.iterated[MATRICES]))
+    return _accelerate(w.calls[0], (w.iterations, w.newton[0].matrices))
 
 
 @part

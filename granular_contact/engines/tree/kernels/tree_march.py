@@ -4,16 +4,7 @@ from __future__ import annotations
 
 import math
 
-from granular_contact.engines.tree.kernels.tree_arrays import (
-    FASTEST,
-    NOW,
-    ORIGIN,
-    RESTING_SINCE,
-    SPEED,
-    STEP,
-    WHOLE,
-    view,
-)
+from granular_contact.engines.tree.kernels.tree_arrays import view
 from granular_contact.engines.tree.kernels.tree_calls import attempt, end, soonest
 from granular_contact.engines.tree.kernels.tree_joints import follow_signals, prescribe
 from granular_contact.engines.tree.kernels.tree_newton import finish, go_back, settle_in
@@ -26,21 +17,20 @@ from granular_contact.sand.kernels.lines import TIME
 # Why `march` came back: its share of steps is done, everything rests, the end, no step is small enough, the motion
 # diverged, there are too many steps.
 PAUSE, REST, END, FAILED, AWAY, MANY_STEPS = 0, 1, 2, 3, 4, 5
-STEPS, REFUSED, SHORTENED = 0, 1, 2  # of counts (3,)
 
 
 @kernel
 def start(begins, addresses):
     """Find the accelerations and write the first row; begins: with a friction state that is reset, else as it is."""
     w = view(addresses)
-    table, clock = w.table, w.clock
+    table, clock = w.table, w.clock[0]
     follow_signals(0.0, w)
     prescribe(0.0, w)
     if begins:
         end(w, piece(table, 0, table.shape[1]), True)
     settle_in(w)
     write(0.0, w)
-    clock[SPEED] = step_error.begin(w.changes, clock[STEP])
+    clock.speed = step_error.begin(w.changes, clock.step)
 
 
 @part
@@ -49,7 +39,7 @@ def write(t, w):
 
     Of states: poses, their rates and accelerations of all nodes, what joints lack, and what their drives want.
     """
-    table, states, at = w.table, w.states, w.counts[STEPS]
+    table, states, at = w.table, w.states, w.counts[0].steps
     history, kept = piece(table, at, table.shape[1]), piece(states, at, states.shape[1])
     copy(history, w.blank)
     end(w, history, False)
@@ -86,30 +76,30 @@ def allowed(h, w):
     A share of what the forces of the scene change in the step, and of the fastest speed so far: where elastic forces
     are small beside the weight of what they move, the first alone leaves as much of them as there is.
     """
-    control, fastest = w.control[0], w.clock[FASTEST]
+    control, fastest = w.control[0], w.clock[0].fastest
     return min(control.tolerance * h, control.share * max(fastest, control.slow))
 
 
 @part
 def chosen(h, w):
     """Step by h (s), or by less, as the error allows; its length (s), 0 if no step can be solved."""
-    clock, choice, counts = w.clock, w.choice[0], w.counts
-    refused, matrix = False, w.matrix
+    clock, choice, counts = w.clock[0], w.choice[0], w.counts[0]
+    refused, newton = False, w.newton[0]
     while True:
         if not attempt(h, allowed(h, w), w):
-            matrix[0] = 0.0
+            newton.matrix_of_v = 0.0
             h *= 0.5
             if h < choice.least:
                 return 0.0
             continue
-        need = needed(w.changes, h, choice, clock[FASTEST], clock[SPEED])
+        need = needed(w.changes, h, choice, clock.fastest, clock.speed)
         if need > 1.0 and h > choice.least:
-            counts[REFUSED] += 1
-            matrix[0], refused = 0.0, True
+            counts.refused += 1
+            newton.matrix_of_v, refused = 0.0, True
             h = max(factor(need) * h, choice.least)
             continue
         wanted = h if refused and need > 1.0 else min(factor(need) * h, choice.longest)
-        clock[STEP] = h if h < wanted < LONGER * h and wanted < choice.longest else wanted
+        clock.step = h if h < wanted < LONGER * h and wanted < choice.longest else wanted
         return h
 
 
@@ -118,38 +108,38 @@ def fixed(h, w):
     """Step by h (s), or by half of it and so on where that can't be solved; its length (s), 0 if none can be."""
     whole, least = h, w.choice[0].least
     while not attempt(h, allowed(h, w), w):
-        w.matrix[0] = 0.0
+        w.newton[0].matrix_of_v = 0.0
         h *= 0.5
         if h < least:
             return 0.0
-    w.counts[SHORTENED] += h < whole
+    w.counts[0].shortened += h < whole
     return h
 
 
 @part
 def next_step(w):
     """Length (s) of the step to try next; one that shares the time left evenly with the one after it."""
-    clock, choice, is_fixed = w.clock, w.choice[0], w.scheme[0].fixed
-    t, h, left = clock[NOW], clock[STEP], w.control[0].end - clock[NOW]
+    clock, choice, is_fixed = w.clock[0], w.choice[0], w.scheme[0].fixed
+    t, h, left = clock.now, clock.step, w.control[0].end - clock.now
     if is_fixed:
         return left if h > left * (1.0 - 1e-9) else h
     tables = w.knots, w.pieces, w.wanted
     prescribed = Prescribed(w.bends, w.followed, w.arms, *tables)
-    h = limit_step(t, h, soonest(w), choice, clock[FASTEST], clock[SPEED], prescribed)
+    h = limit_step(t, h, soonest(w), choice, clock.fastest, clock.speed, prescribed)
     return left if h > 0.99 * left else min(h, 0.5 * left) if h > 0.5 * left else h
 
 
 @part
 def is_over(w):
     """Why there is no next step; PAUSE where there is one."""
-    clock, control, counts = w.clock, w.control[0], w.counts
+    clock, control, counts = w.clock[0], w.control[0], w.counts[0]
     moves = step_error.fastest(flat(w.twist), w.lever) > control.rest_speed
-    clock[RESTING_SINCE] = math.inf if moves else min(clock[RESTING_SINCE], clock[NOW])
-    if clock[NOW] - clock[RESTING_SINCE] >= control.rest_time:
+    clock.resting_since = math.inf if moves else min(clock.resting_since, clock.now)
+    if clock.now - clock.resting_since >= control.rest_time:
         return REST
-    if clock[NOW] >= control.end:
+    if clock.now >= control.end:
         return END
-    return MANY_STEPS if counts[STEPS] > control.most else PAUSE
+    return MANY_STEPS if counts.steps > control.most else PAUSE
 
 
 @part
@@ -158,24 +148,24 @@ def tick(h, left, w):
 
     Fixed steps are counted: the sum of a hundred thousand would be late by more than round-off.
     """
-    clock, whole = w.clock, w.scheme[0].fixed and h == w.clock[STEP]
+    clock, whole = w.clock[0], w.scheme[0].fixed and h == w.clock[0].step
     if whole and h < left:
-        clock[WHOLE] += 1.0
-        clock[NOW] = clock[ORIGIN] + clock[WHOLE] * h
+        clock.whole += 1.0
+        clock.now = clock.origin + clock.whole * h
     else:
-        clock[NOW] = w.control[0].end if h == left else clock[NOW] + h
-        clock[ORIGIN], clock[WHOLE] = clock[NOW], 0.0
+        clock.now = w.control[0].end if h == left else clock.now + h
+        clock.origin, clock.whole = clock.now, 0.0
 
 
 @kernel
 def march(share, addresses):
     """Step on until one of the reasons above; at most `share` steps, for which the tables have room."""
     w = view(addresses)
-    clock, control, counts = w.clock, w.control[0], w.counts
+    clock, control, counts = w.clock[0], w.control[0], w.counts[0]
     is_fixed = w.scheme[0].fixed
     for _ in range(share):
         keep(w)
-        asked, left = next_step(w), control.end - clock[NOW]
+        asked, left = next_step(w), control.end - clock.now
         h = fixed(asked, w) if is_fixed else chosen(asked, w)
         if h == 0.0:
             go_back(w)
@@ -184,10 +174,10 @@ def march(share, addresses):
             return AWAY
         finish(w)
         tick(h, left, w)
-        counts[STEPS] += 1
-        write(clock[NOW], w)
-        clock[SPEED] = step_error.begin(w.changes, h)
-        clock[FASTEST] = max(clock[FASTEST], clock[SPEED])
+        counts.steps += 1
+        write(clock.now, w)
+        clock.speed = step_error.begin(w.changes, h)
+        clock.fastest = max(clock.fastest, clock.speed)
         why = is_over(w)
         if why != PAUSE:
             return why

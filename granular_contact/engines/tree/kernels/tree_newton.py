@@ -10,15 +10,12 @@ a_1 is found so that every joint passes on what is asked of it at the end of the
 forces are those of s_1 and s'_1. With each unit of a_1 coordinates change by of_q and rates by of_v. Start and
 acceleration of the iterations: `anderson`. The matrix, an articulated-body inertia, is kept over steps; it is renewed
 where an iteration contracts too little, or the step changes by more than the factors SHORTER and LONGER.
-
-Of the arrays of `tree_arrays`: matrix (1,) has of_v of the matrix in use, 0 where a new one is asked for.
 """
 
 from __future__ import annotations
 
 import math
 
-from granular_contact.engines.tree.kernels.tree_arrays import DONE, MATRICES, NOW, TRIED
 from granular_contact.engines.tree.kernels.tree_calls import accelerate, begin_iterations, iterate, update_active
 from granular_contact.engines.tree.kernels.tree_joints import follow_signals, prescribe
 from granular_contact.jit.compiled import part
@@ -44,9 +41,9 @@ def predict(h, w):
 @part
 def begin(of_q, of_v, w):
     """Begin a step with the accelerations of the last one, as `anderson` does."""
-    matrix = w.matrix
-    if not SHORTER * matrix[0] < of_v < LONGER * matrix[0]:
-        matrix[0] = 0.0
+    newton = w.newton[0]
+    if not SHORTER * newton.matrix_of_v < of_v < LONGER * newton.matrix_of_v:
+        newton.matrix_of_v = 0.0
     begin_iterations(of_q, of_v, w)
     prescribe(of_v, w)
 
@@ -54,12 +51,12 @@ def begin(of_q, of_v, w):
 @part
 def needs_matrix(of_v, w):
     """Count an iteration; whether it needs a new matrix, which then is that of of_v."""
-    matrix, count = w.matrix, w.iterated
-    count[DONE] += 1
-    if matrix[0] != 0.0:
+    newton = w.newton[0]
+    newton.iterations += 1
+    if newton.matrix_of_v != 0.0:
         return False
-    count[MATRICES] += 1
-    matrix[0] = of_v
+    newton.matrices += 1
+    newton.matrix_of_v = of_v
     return True
 
 
@@ -69,11 +66,11 @@ def solved(of_q, of_v, allowed, w):
 
     Then forces and accelerations are those of the state.
     """
-    matrix, change, s, rates, s2 = w.matrix, w.change, w.s, w.rates, w.s2
+    newton, change, s, rates, s2 = w.newton[0], w.change, w.s, w.rates, w.s2
     for iteration in range(MOST_ITERATIONS):
         if iteration > 0:
             if accelerate(w):
-                matrix[0] = 0.0
+                newton.matrix_of_v = 0.0
             prescribe(of_v, w)
         size = of_v * iterate(of_q, of_v, w)
         if size <= allowed:
@@ -90,11 +87,11 @@ def solved(of_q, of_v, allowed, w):
 @part
 def attempt(h, allowed, w):
     """Whether a step of h (s) can be solved; allowed: see `solved`."""
-    clock = w.clock
-    clock[TRIED] = h
+    clock = w.clock[0]
+    clock.tried = h
     update_active(h, w)
     of_q, of_v = predict(h, w)
-    follow_signals(clock[NOW] + h, w)
+    follow_signals(clock.now + h, w)
     begin(of_q, of_v, w)
     return solved(of_q, of_v, allowed, w)
 
@@ -119,14 +116,14 @@ def go_back(w):
 @part
 def settle_in(w):
     """Find the accelerations that belong to coordinates and rates at a start, where none are known."""
-    s2, matrix, change = w.s2, w.matrix, w.change
+    s2, newton, change = w.s2, w.newton[0], w.change
     for i in range(s2.shape[0]):
         s2[i] = 0.0
     prescribe(0.0, w)
-    matrix[0] = 0.0
+    newton.matrix_of_v = 0.0
     iterate(0.0, 0.0, w)
     for i in range(s2.shape[0]):
         s2[i] += change[i]
     iterate(0.0, 0.0, w)
     copy(w.lagged, s2)
-    matrix[0] = 0.0
+    newton.matrix_of_v = 0.0
