@@ -39,7 +39,7 @@ from granular_contact.scene.types import FASTEST, Scene, Vector
 SHARE = 1024  # steps between two updates of the progress bar
 # What the future of a march depends on, besides what iterations and the choice of steps keep.
 LASTING = (
-    *("s", "rates", "s2", "lagged", "joint", "state", "clock", "counts", "newton", "home"),
+    *("s", "rates", "s2", "lagged", "factors", "state", "clock", "counts", "newton", "home"),
     "inverse",
 )
 SLOW = 1e-3  # of the speed of rest: what is slower is solved as if it were as fast

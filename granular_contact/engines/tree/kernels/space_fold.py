@@ -12,10 +12,6 @@ from granular_contact.jit.compiled import part
 from granular_contact.jit.memory import clear, piece, room2
 from granular_contact.sand.kernels.vectors import at, cross, dot, plus, unit, vector
 
-# Columns of `joint`: U, W, 1 / D (of a ball joint the inverse (9,), with its first node), S, and the arm e + d from the
-# parent's centre of mass.
-U, W, INVERSE, ALONG_S, ARM_S, COLUMNS = 0, 6, 12, 21, 27, 30
-
 
 @part
 def inertias(fv, w):
@@ -40,8 +36,8 @@ def inertias(fv, w):
 
 @part
 def fold(w):
-    """Fill `joint` from B and c; B of each node then has all that hangs on it."""
-    nodes, body, joint, arm = w.space_nodes, w.body, w.joint, w.arm
+    """Fill `space_factors` from B and c; B of each node then has all that hangs on it."""
+    nodes, body, factors, arm = w.space_nodes, w.body, w.space_factors, w.arm
     T = room2(6, 6)
     for i in range(nodes.shape[0] - 1, -1, -1):
         if nodes[i].kind == BALL:
@@ -53,7 +49,7 @@ def fold(w):
             first = i
             _fold_one(i, T, w)
         for k in range(3):
-            joint[first, ARM_S + k] = arm[first, k]
+            factors[first].arm[k] = arm[first, k]
         if nodes[first].parent >= 0:
             hang(T, at(arm, first, 0), piece(body, nodes[first].parent, 36))
 
@@ -61,67 +57,68 @@ def fold(w):
 @part
 def _sides(i, b, w):
     """Fill U, W and S of node i by the B (36,) of its body."""
-    along, f = w.along, piece(w.joint, i, COLUMNS)
+    along, f = w.along, w.space_factors[i]
     for k in range(6):
         of_u, of_w = 0.0, 0.0
         for j in range(6):
             of_u += b[6 * k + j] * along[i, j]
             of_w += b[6 * j + k] * along[i, j]
-        f[U + k], f[W + k], f[ALONG_S + k] = of_u, of_w, along[i, k]
+        f.u[k], f.w[k], f.s[k] = of_u, of_w, along[i, k]
 
 
 @part
-def _across(joint, i, k):
-    """S of node i times U of node k."""
-    found = 0.0
+def _product(s, u):
+    """S . U of two coordinates, (6,) each."""
+    total = 0.0
     for j in range(6):
-        found += joint[i, ALONG_S + j] * joint[k, U + j]
-    return found
+        total += s[j] * u[j]
+    return total
 
 
 @part
 def _fold_one(i, T, w):
     """Fill 1 / D of a hinge or slider, and T (6, 6) with B - U W / D."""
-    b, joint = piece(w.body, i, 36), w.joint
+    b, f = piece(w.body, i, 36), w.space_factors[i]
     _sides(i, b, w)
-    d = _across(joint, i, i) + w.stiffness[i]
-    joint[i, INVERSE] = 0.0 if w.prescribed[i] else 1.0 / d
+    d = _product(f.s, f.u) + w.stiffness[i]
+    f.inverse[0] = 0.0 if w.prescribed[i] else 1.0 / d
     for j in range(6):
-        share = joint[i, U + j] * joint[i, INVERSE]
+        share = f.u[j] * f.inverse[0]
         for k in range(6):
-            T[j, k] = b[6 * j + k] - share * joint[i, W + k]
+            T[j, k] = b[6 * j + k] - share * f.w[k]
 
 
 @part
 def _fold_ball(i, T, w):
     """As `_fold_one`, of a ball joint whose last node is i: D (3, 3) is S . U + c of its three coordinates."""
-    b, joint, coupled, D, first = piece(w.body, i, 36), w.joint, w.coupled, room2(3, 3), i - LAST
+    b, factors, coupled, D, first = piece(w.body, i, 36), w.space_factors, w.coupled, room2(3, 3), i - LAST
     for k in range(3):
         _sides(first + k, b, w)
     for j in range(3):
         for k in range(3):
-            D[j, k] = _across(joint, first + j, first + k) + coupled[first + j, k]
-    _invert(D, piece(joint, first, COLUMNS))
+            D[j, k] = _product(factors[first + j].s, factors[first + k].u) + coupled[first + j, k]
+    inverse = factors[first].inverse
+    _invert(D, inverse)
     for j in range(6):
         for k in range(6):
             T[j, k] = b[6 * j + k]
         for n in range(3):
             share = 0.0
             for m in range(3):
-                share += joint[first + m, U + j] * joint[first, INVERSE + 3 * m + n]
+                share += factors[first + m].u[j] * inverse[3 * m + n]
             for k in range(6):
-                T[j, k] -= share * joint[first + n, W + k]
+                T[j, k] -= share * factors[first + n].w[k]
 
 
 @part
-def _invert(D, f):
-    """Write the inverse of D (3, 3) into a row of `joint`."""
+def _invert(D, inverse):
+    """Write the inverse of D (3, 3) into `inverse` (9,), row by row."""
     a, b, c = at(D, 0, 0), at(D, 1, 0), at(D, 2, 0)
     columns = cross(b, c), cross(c, a), cross(a, b)
     whole = dot(a, columns[0])
     for j in range(3):
         for k in range(3):
-            f[INVERSE + 3 * j + k] = columns[k][j] / whole
+            inverse[3 * j + k] = columns[k][j] / whole
 
 
 @part
@@ -141,7 +138,7 @@ def hang(T, arm, parent):
 @part
 def solve(w):
     """As `tree.solve`."""
-    nodes, joint, change = w.space_nodes, w.joint, w.change
+    nodes, factors, change = w.space_nodes, w.space_factors, w.change
     p, A = w.passed, w.moved
     clear(p)
     for i in range(nodes.shape[0] - 1, -1, -1):
@@ -152,9 +149,9 @@ def solve(w):
         _weigh(first, count, i, p, w)
         for j in range(count):
             for k in range(6):
-                p[i, k] += joint[first + j, U + k] * change[first + j]
+                p[i, k] += factors[first + j].u[k] * change[first + j]
         if nodes[first].parent >= 0:
-            pass_on(p, i, vector(piece(joint, first, COLUMNS), ARM_S), nodes[first].parent)
+            pass_on(p, i, vector(factors[first].arm, 0), nodes[first].parent)
     for i in range(nodes.shape[0]):
         count = 3 if nodes[i].kind == BALL else 1
         first = i - count + 1
@@ -163,36 +160,38 @@ def solve(w):
         q = nodes[first].parent
         for k in range(6):
             A[i, k] = A[q, k] if q >= 0 else 0.0
-        x = cross(at(A, i, 3), vector(piece(joint, first, COLUMNS), ARM_S))
+        x = cross(at(A, i, 3), vector(factors[first].arm, 0))
         for k in range(3):
             A[i, k] += x[k]
         _follow(first, count, i, A, w)
         for j in range(count):
             for k in range(6):
-                A[i, k] += joint[first + j, ALONG_S + k] * change[first + j]
+                A[i, k] += factors[first + j].s[k] * change[first + j]
 
 
 @part
 def _weigh(first, count, i, p, w):
     """Set the changes of the coordinates of a joint to 1 / D (-R - S . p)."""
-    joint, rest, change = w.joint, w.rest, w.change
+    factors, rest, change = w.space_factors, w.rest, w.change
+    inverse = factors[first].inverse
     for j in range(count):
         change[first + j] = 0.0
     for k in range(count):
         g = -rest[first + k]
         for m in range(6):
-            g -= joint[first + k, ALONG_S + m] * p[i, m]
+            g -= factors[first + k].s[m] * p[i, m]
         for j in range(count):
-            change[first + j] += joint[first, INVERSE + 3 * j + k] * g
+            change[first + j] += inverse[3 * j + k] * g
 
 
 @part
 def _follow(first, count, i, A, w):
     """Take 1 / D W . A off the changes of the coordinates of a joint, with A of the body before they count."""
-    joint, change = w.joint, w.change
+    factors, change = w.space_factors, w.change
+    inverse = factors[first].inverse
     for k in range(count):
         g = 0.0
         for m in range(6):
-            g += joint[first + k, W + m] * A[i, m]
+            g += factors[first + k].w[m] * A[i, m]
         for j in range(count):
-            change[first + j] -= joint[first, INVERSE + 3 * j + k] * g
+            change[first + j] -= inverse[3 * j + k] * g

@@ -42,9 +42,6 @@ from granular_contact.jit.memory import clear, piece
 
 HINGE, SLIDER = 0, 1
 
-# Columns of `joint`: U, W, 1 / D, S, and the arm e + d from the parent's centre of mass, turned.
-UX, UY, UT, WX, WY, WT, INVERSE, SX, SY, ST, TX, TY = range(12)
-
 
 @part
 def place(w):
@@ -130,12 +127,12 @@ def inertias(w):
 
 @part
 def hang(b, f, parent):
-    """Add X^T (B - U W / D) X of a node with B in b (9,) and its joint in f (12,) to the B of its parent (9,)."""
-    ux, uy, ut = f[UX] * f[INVERSE], f[UY] * f[INVERSE], f[UT] * f[INVERSE]
-    tx, ty = f[TX], f[TY]
-    xx, xy, xt = b[0] - ux * f[WX], b[1] - ux * f[WY], b[2] - ux * f[WT]
-    yx, yy, yt = b[3] - uy * f[WX], b[4] - uy * f[WY], b[5] - uy * f[WT]
-    zx, zy, zt = b[6] - ut * f[WX], b[7] - ut * f[WY], b[8] - ut * f[WT]
+    """Add X^T (B - U W / D) X of a node to the B of its parent (9,); b: its B (9,), f: record of FACTORS."""
+    ux, uy, ut = f.u[0] * f.inverse, f.u[1] * f.inverse, f.u[2] * f.inverse
+    wx, wy, wt, tx, ty = f.w[0], f.w[1], f.w[2], f.arm[0], f.arm[1]
+    xx, xy, xt = b[0] - ux * wx, b[1] - ux * wy, b[2] - ux * wt
+    yx, yy, yt = b[3] - uy * wx, b[4] - uy * wy, b[5] - uy * wt
+    zx, zy, zt = b[6] - ut * wx, b[7] - ut * wy, b[8] - ut * wt
     mx, my, mt = xx * tx + xy * ty + xt, yx * tx + yy * ty + yt, zx * tx + zy * ty + zt
     parent[0] += xx
     parent[1] += xy
@@ -150,17 +147,17 @@ def hang(b, f, parent):
 
 @part
 def fold(w):
-    """Fill `joint` from B and c; B of each node then has all that hangs on it."""
-    nodes, body, joint, stiffness = w.nodes, w.body, w.joint, w.stiffness
+    """Fill `factors` from B and c; B of each node then has all that hangs on it."""
+    nodes, body, factors, stiffness = w.nodes, w.body, w.factors, w.stiffness
     along, arm, prescribed = w.along, w.arm, w.prescribed
     for i in range(nodes.shape[0] - 1, -1, -1):
-        b, f, x, y, t = piece(body, i, 9), piece(joint, i, 12), along[i, 0], along[i, 1], along[i, 2]
+        b, f, x, y, t = piece(body, i, 9), factors[i], along[i, 0], along[i, 1], along[i, 2]
         for k in range(3):
-            f[UX + k] = b[3 * k] * x + b[3 * k + 1] * y + b[3 * k + 2] * t
-            f[WX + k] = b[k] * x + b[3 + k] * y + b[6 + k] * t
-        d = x * f[UX] + y * f[UY] + t * f[UT] + stiffness[i]
-        f[INVERSE] = 0.0 if prescribed[i] else 1.0 / d
-        f[SX], f[SY], f[ST], f[TX], f[TY] = x, y, t, arm[i, 0], arm[i, 1]
+            f.u[k] = b[3 * k] * x + b[3 * k + 1] * y + b[3 * k + 2] * t
+            f.w[k] = b[k] * x + b[3 + k] * y + b[6 + k] * t
+        d = x * f.u[0] + y * f.u[1] + t * f.u[2] + stiffness[i]
+        f.inverse = 0.0 if prescribed[i] else 1.0 / d
+        f.s[0], f.s[1], f.s[2], f.arm[0], f.arm[1] = x, y, t, arm[i, 0], arm[i, 1]
         if nodes[i].parent >= 0:
             hang(b, f, piece(body, nodes[i].parent, 9))
 
@@ -171,22 +168,22 @@ def solve(w):
 
     By what `fold` found, which may have been at another place.
     """
-    nodes, joint, rest, change = w.nodes, w.joint, w.rest, w.change
+    nodes, factors, rest, change = w.nodes, w.factors, w.rest, w.change
     p, A = w.passed, w.moved
     clear(p)
     for i in range(nodes.shape[0] - 1, -1, -1):
-        f, q = piece(joint, i, 12), nodes[i].parent
-        g = (-rest[i] - f[SX] * p[i, 0] - f[SY] * p[i, 1] - f[ST] * p[i, 2]) * f[INVERSE]
+        f, q = factors[i], nodes[i].parent
+        g = (-rest[i] - f.s[0] * p[i, 0] - f.s[1] * p[i, 1] - f.s[2] * p[i, 2]) * f.inverse
         change[i] = g
         if q >= 0:
-            x, y = p[i, 0] + f[UX] * g, p[i, 1] + f[UY] * g
+            x, y = p[i, 0] + f.u[0] * g, p[i, 1] + f.u[1] * g
             p[q, 0] += x
             p[q, 1] += y
-            p[q, 2] += p[i, 2] + f[UT] * g + f[TX] * x + f[TY] * y
+            p[q, 2] += p[i, 2] + f.u[2] * g + f.arm[0] * x + f.arm[1] * y
     for i in range(nodes.shape[0]):
-        f, q, x, y, t = piece(joint, i, 12), nodes[i].parent, 0.0, 0.0, 0.0
+        f, q, x, y, t = factors[i], nodes[i].parent, 0.0, 0.0, 0.0
         if q >= 0:
             t = A[q, 2]
-            x, y = A[q, 0] + f[TX] * t, A[q, 1] + f[TY] * t
-        change[i] -= (f[WX] * x + f[WY] * y + f[WT] * t) * f[INVERSE]
-        A[i, 0], A[i, 1], A[i, 2] = x + f[SX] * change[i], y + f[SY] * change[i], t + f[ST] * change[i]
+            x, y = A[q, 0] + f.arm[0] * t, A[q, 1] + f.arm[1] * t
+        change[i] -= (f.w[0] * x + f.w[1] * y + f.w[2] * t) * f.inverse
+        A[i, 0], A[i, 1], A[i, 2] = x + f.s[0] * change[i], y + f.s[1] * change[i], t + f.s[2] * change[i]

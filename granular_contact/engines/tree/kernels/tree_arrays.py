@@ -25,7 +25,7 @@ Of n nodes, with the widths of the plane; those of space, and what is there alon
     passed          (n, 3) P, or p
     body            (n, 9) B, row by row; stiffness (n,): c
     stiffness
-    joint           (n, 12) see `tree`
+    factors         (n,) records of FACTORS
     rest, change    (n,) R, and the change of s''; moved (n, 3): that of accelerations of nodes
     moved
     newton          (1,) record of NEWTON; iterations: addresses as of `iterations`
@@ -54,7 +54,8 @@ In space:
     of_sand         (n, 7) generalised forces of the medium, see `space_bodies`; blocks (n, 49): their tangents
     blocks
     coupled         (n, 3) c of ball joints, of their three nodes three rows
-    body, joint     (n, 36) and (n, 30), see `space_tree`
+    body            (n, 36) B, row by row; space_factors (n,): records of SPACE_FACTORS
+    space_factors
     shapes          (m, n) Phi^T of `space_modes`, and the inverse (m, m) of its matrix; lacked (m,): Phi^T R; of trees
     inverse         with links in modes alone
     lacked
@@ -100,6 +101,16 @@ SPACE_NODE = record_dtype(
         *fields("f8", "mass", "radius"),
     ]
 )
+# Factors of Newton's matrix as `tree` eliminates it. u, w, s (3,): U, W and S of the node's coordinate; inverse: 1 / D;
+# arm (2,) m: e + d, turned.
+FACTORS = record_dtype(
+    [*((name, "f8", (3,)) for name in ("u", "w", "s")), *fields("f8", "inverse"), ("arm", "f8", (2,))]
+)
+# In space. u, w, s (6,): as of FACTORS; inverse (9,): 1 / D as its first number, or, in the record of the first node of
+# a ball joint, the inverse of D (3, 3), row by row; arm (3,) m: e + d.
+SPACE_FACTORS = record_dtype(
+    [*((name, "f8", (6,)) for name in ("u", "w", "s")), ("inverse", "f8", (9,)), ("arm", "f8", (3,))]
+)
 # alpha_m ... gamma, of the scheme; fixed: whether steps are.
 SCHEME = record_dtype([*fields("f8", "alpha_m", "alpha_f", "beta", "gamma"), ("fixed", "i8")])
 # Times and speeds in SI units. tolerance (m/s2), share, slow (m/s): of accelerations, and of speeds but not of slower
@@ -107,9 +118,9 @@ SCHEME = record_dtype([*fields("f8", "alpha_m", "alpha_f", "beta", "gamma"), ("f
 CONTROL = record_dtype(
     [*fields("f8", "end", "rest_speed", "rest_time", "tolerance", "share", "slow", "away"), ("most", "i8")]
 )
-# now, tried, step: the time, the step tried last and the one to come (s); resting_since: since when everything has been
-# at rest (s), infinite where something moves; speed, fastest: greatest speed at the start of the step, and so far (m/s);
-# origin, whole: fixed steps are counted from that time (s) on.
+# now: time reached (s); step, tried: lengths (s) of the step to come and of the last one tried; resting_since: time (s)
+# since which everything rests, infinite where something moves; speed, fastest: greatest speed (m/s) at the start of the
+# step, and of the run so far; origin, whole: time (s) from which fixed steps are counted, and how many there were.
 CLOCK = record_dtype(fields("f8", "now", "step", "resting_since", "tried", "speed", "fastest", "origin", "whole"))
 # Steps that were accepted, refused for their error, and fixed ones that had to be shortened.
 COUNTS = record_dtype(fields("i8", "steps", "refused", "shortened"))
@@ -130,6 +141,8 @@ TREE = Layout(
     "tree",
     nodes=(NODE, 1),
     space_nodes=(SPACE_NODE, 1),
+    factors=(FACTORS, 1),
+    space_factors=(SPACE_FACTORS, 1),
     laws=(JOINT, 1),
     state=(STATE, 1),
     wanted=(SIGNAL, 1),
@@ -148,7 +161,7 @@ TREE = Layout(
     **dict.fromkeys(("effort", "stiffness", "rest", "change"), _ROW),
     **dict.fromkeys(("triplets", "states", "table", "shapes", "inverse"), _ROWS),
     **dict.fromkeys(("pose", "pose_rates", "twist", "acceleration", "turned", "home", "arm", "along", "bias"), _ROWS),
-    **dict.fromkeys(("force", "of_sand", "blocks", "coupled", "passed", "body", "joint", "moved"), _ROWS),
+    **dict.fromkeys(("force", "of_sand", "blocks", "coupled", "passed", "body", "moved"), _ROWS),
     **dict.fromkeys(("signals", "prescribed", "acts", "followed"), _WHOLE),
     **dict.fromkeys(("iterations", "changes"), _WHOLE),
 )
@@ -160,12 +173,12 @@ _SCALARS = (
 )
 _WIDTHS = {
     **dict.fromkeys(("pose", "twist", "acceleration", "along", "force", "passed", "moved"), 3),
-    **{"turned": 2, "arm": 2, "bias": 2, "body": 9, "joint": 12},
+    **{"turned": 2, "arm": 2, "bias": 2, "body": 9},
 }
 _WIDTHS_IN_SPACE = {
     **dict.fromkeys(("pose", "pose_rates", "of_sand"), 7),
     **dict.fromkeys(("twist", "acceleration", "along", "bias", "force", "passed", "moved"), 6),
-    **{"turned": 9, "home": 4, "arm": 3, "body": 36, "joint": 30, "blocks": 49, "coupled": 3},
+    **{"turned": 9, "home": 4, "arm": 3, "body": 36, "blocks": 49, "coupled": 3},
 }
 
 
@@ -174,10 +187,12 @@ def room(nodes: int, *, in_space: bool = False) -> dict[str, NDArray[Any]]:
     widths = _WIDTHS_IN_SPACE if in_space else _WIDTHS
     made = {name: np.zeros(nodes) for name in _SCALARS}
     made |= {name: np.zeros((nodes, width)) for name, width in widths.items()}
-    return made if in_space else made | {"pose_rates": made["twist"]}
+    if in_space:
+        return made | {"factors": np.zeros(nodes, SPACE_FACTORS)}
+    return made | {"factors": np.zeros(nodes, FACTORS), "pose_rates": made["twist"]}
 
 
 def addresses(arrays: Mapping[str, NDArray[Any]]) -> NDArray[np.int64]:
-    """`TREE.addresses` of a tree in the plane or in space, whose `nodes` have records of their own."""
-    nodes = "space_nodes" if arrays["nodes"].dtype == SPACE_NODE else "nodes"
-    return TREE.addresses({nodes if name == "nodes" else name: array for name, array in arrays.items()})
+    """`TREE.addresses` of a tree in the plane or in space, which have records of their own for nodes and factors."""
+    names = {"nodes": "space_nodes", "factors": "space_factors"} if arrays["nodes"].dtype == SPACE_NODE else {}
+    return TREE.addresses({names.get(name, name): array for name, array in arrays.items()})
