@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from granular_contact.cli.common import complain, print_wide
 
 if TYPE_CHECKING:
-    from granular_contact.robot.inspection import Inspected, Inspection
+    from granular_contact.robot.inspection import InspectedShape, Inspection
 
 SUFFIXES = (".urdf", ".xacro", ".xml", ".sdf")
 _HEADS = ("link", "shape", "triangles", "size mm", "closed", "outward", "parts", "inside %", "volume cm3")
@@ -71,7 +71,7 @@ def _print_shapes(found: Inspection) -> None:
     print_wide(table)
 
 
-def _row(one: Inspected) -> list[str]:
+def _row(one: InspectedShape) -> list[str]:
     from granular_contact.geometry.mesh_quality import sides
 
     named, got = [one.shape.link, one.name], one.quality

@@ -12,8 +12,8 @@ from granular_contact.config.schema.robot import RobotFile
 from granular_contact.config.tree import Broken, Items, Mapping, Node, Position, Scalar, from_plain, mapping, merge
 from granular_contact.config.urdf_corrections import drop_replaced_faults, given_masses, without_merged_links
 from granular_contact.errors import ConfigError, Fault
-from granular_contact.robot.massless import completed, has_world, held, matching, merged
-from granular_contact.robot.mechanism import Said, Wishes, mechanism_of
+from granular_contact.robot.massless import has_world, matching, merge_massless, with_fixed_joints, with_given_inertials
+from granular_contact.robot.mechanism import AtLine, MechanismOptions, mechanism_of
 from granular_contact.robot.types import Robot
 from granular_contact.robot.urdf import read_all
 from granular_contact.values.strict import did_you_mean, no_such
@@ -84,7 +84,7 @@ def _translated(
     """
     robot, reader = read_all(readable_path(folder / options.urdf))
     sand = _sand(options, robot)
-    reader.use(options.shapes, sand)
+    reader.use_shapes(options.shapes, sand)
     drop_replaced_faults(node, robot, reader)
     if not reader.faults:
         faults += _unmatched(node, options, robot)
@@ -92,10 +92,11 @@ def _translated(
             message = f"got {options.base}, but the root link {robot.root} of {robot.file} is the ground; leave it out"
             faults.append(node.keys["base"].fault(("model", "base"), message))
         fixed = options.base == "fixed"
-        whole = completed(held(robot, options.fix), reader, given_masses(node, robot, faults), fixed)
-        bodies = merged(whole, reader, fixed)
+        held = with_fixed_joints(robot, options.fix)
+        whole = with_given_inertials(held, reader, given_masses(node, robot, faults), fixed)
+        bodies = merge_massless(whole, reader, fixed)
     if not reader.faults:
-        model = mechanism_of(bodies, reader, _wishes(options, sand, folder))
+        model = mechanism_of(bodies, reader, _mechanism_options(options, sand, folder))
         drop_replaced_faults(node, robot, reader)  # those of missing meshes
     faults += reader.faults
     notices += reader.notices
@@ -112,9 +113,9 @@ def _sand(options: RobotFile, robot: Robot) -> frozenset[str] | None:
     return frozenset(name for pattern in options.in_sand for name in matching(pattern, robot.links))
 
 
-def _wishes(options: RobotFile, sand: frozenset[str] | None, folder: Path) -> Wishes:
+def _mechanism_options(options: RobotFile, sand: frozenset[str] | None, folder: Path) -> MechanismOptions:
     """The keys about the robot file in the form of the room `robot`."""
-    return Wishes(
+    return MechanismOptions(
         which=options.shapes,
         sand=sand,
         facet_size=options.facet_size_m,
@@ -146,7 +147,7 @@ def _unmatched(node: Mapping, options: RobotFile, robot: Robot) -> list[Fault]:
 
 def _tree(value: Any, at: Position) -> Node:
     """Tree of a value of `robot.mechanism`; at: position of parts without a line of their own."""
-    if isinstance(value, Said):
+    if isinstance(value, AtLine):
         return _tree(value.value, Position(at.file, value.line))
     if isinstance(value, dict):
         return mapping({key: _tree(below, at) for key, below in value.items()}, at)

@@ -13,7 +13,7 @@ from granular_contact.config.schema.space.bodies import Inertia, SpatialRigid
 from granular_contact.config.schema.space.turned import Point3
 from granular_contact.config.tree import Mapping, Node, child, plain
 from granular_contact.errors import Fault
-from granular_contact.robot.elements import Incomplete, Reader
+from granular_contact.robot.elements import PartialInertial, Reader
 from granular_contact.robot.mechanism import plain_name
 from granular_contact.robot.types import Robot
 from granular_contact.values.strict import Positive, Strict
@@ -76,7 +76,7 @@ def _given(node: Mapping, kind: str, names: list[str]) -> Iterator[tuple[str, Ma
             yield name, given
 
 
-def given_masses(node: Mapping, robot: Robot, faults: list[Fault]) -> dict[str, Incomplete]:
+def given_masses(node: Mapping, robot: Robot, faults: list[Fault]) -> dict[str, PartialInertial]:
     """Mass properties that are given beside `urdf`, by the name of the link."""
     masses = {}
     for name, given in _given(node, "bodies", list(robot.links)):
@@ -91,7 +91,7 @@ def given_masses(node: Mapping, robot: Robot, faults: list[Fault]) -> dict[str, 
         if mass_nodes:
             inertia, center = values.inertia_kg_m2, values.center_of_mass_m
             tensor = None if inertia is None else np.array(inertia.tensor)
-            masses[name] = Incomplete(values.mass_kg, None if center is None else np.array(center, float), tensor)
+            masses[name] = PartialInertial(values.mass_kg, None if center is None else np.array(center, float), tensor)
     return masses
 
 

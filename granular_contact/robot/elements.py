@@ -1,4 +1,4 @@
-"""Numbers and texts of XML elements; what is wrong with them is a fault with line and key."""
+"""Numbers and texts of XML elements, and faults of them with line and key."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ from granular_contact.robot.types import Pose, Vector
 
 
 @dataclass(frozen=True)
-class Incomplete:
-    """What is known of a link's mass properties, in its frame: as of `types.Inertial`, None what is not."""
+class PartialInertial:
+    """Mass properties of a link as far as they are known, in its frame: as of `types.Inertial`, None if unknown."""
 
     mass: float | None
     center: Vector | None
@@ -24,44 +24,46 @@ class Incomplete:
 
 
 class Reader:
-    """Reads elements of one file, and collects faults.
+    """Reader of the elements of one file, which collects their faults.
 
-    notices: what was passed over; incomplete: faulty mass properties by link.
+    notices: on parts of the file that are ignored. partial_inertials: of links whose mass properties have faults.
+    shape_faults: faults of shapes, each with its link, by the kind "collision" or "visual".
     """
 
     def __init__(self, file: str) -> None:
         self.file = file
         self.notices: list[Fault] = []
-        self.incomplete: dict[str, Incomplete] = {}
+        self.partial_inertials: dict[str, PartialInertial] = {}
         self.faults: list[Fault] = []
-        self.of_shapes: dict[str, list[tuple[str, Fault]]] = {"collision": [], "visual": []}
+        self.shape_faults: dict[str, list[tuple[str, Fault]]] = {"collision": [], "visual": []}
 
-    def use(self, which: str, sand: Collection[str] | None = None) -> None:
-        """Count the faults of shapes of one kind, "collision" or "visual", as the others are not used.
+    def use_shapes(self, kind: str, sand: Collection[str] | None = None) -> None:
+        """Count the faults of shapes of one kind, "collision" or "visual"; shapes of the other kind are not used.
 
-        sand: links on whose shapes a medium acts, None: on all; a faulty shape of others is left out, with a notice.
+        sand: links on whose shapes a medium acts, None: all links. Faulty shapes of other links are left out, with a
+        notice.
         """
-        for link, fault in self.of_shapes[which]:
+        for link, fault in self.shape_faults[kind]:
             if sand is None or link in sand:
                 self.faults.append(fault)
             else:
-                self.notices.append(without_shape(fault))
-        self.of_shapes[which] = []
+                self.notices.append(not_drawn(fault))
+        self.shape_faults[kind] = []
 
-    def fault(self, at: Element | int | None, key: str, message: str) -> None:
-        """Note a fault of an element or line, under a dotted key."""
-        line = at if isinstance(at, int) or at is None else at.sourceline
+    def fault(self, where: Element | int | None, key: str, message: str) -> None:
+        """Add a fault of an element or a line, under a dotted key."""
+        line = where if isinstance(where, int) or where is None else where.sourceline
         self.faults.append(Fault(self.file, line, key, message))
 
     def text(self, element: Element, attribute: str, key: str) -> str:
-        """A text that must be there; empty, with a fault, if it is not."""
-        found = (element.get(attribute) or "").strip()
-        if not found:
+        """Text of a required attribute; empty, with a fault, if it is missing."""
+        text = (element.get(attribute) or "").strip()
+        if not text:
             self.fault(element, _dotted(key, attribute), f'is missing; allowed is a text, as {attribute}="..."')
-        return found
+        return text
 
     def number(self, element: Element, attribute: str, key: str, least: float = -math.inf) -> float | None:
-        """A finite number of at least `least` (above 0 for None); None if it is not there, or with a fault."""
+        """Finite number of an attribute, at least `least`; None if it is missing, or with a fault."""
         text = element.get(attribute)
         if text is None:
             return None
@@ -72,26 +74,26 @@ class Reader:
             return None
         return value
 
-    def needed(self, element: Element, attribute: str, key: str, least: float = -math.inf) -> float | None:
-        """A number that must be there."""
+    def required(self, element: Element, attribute: str, key: str, least: float = -math.inf) -> float | None:
+        """Finite number of a required attribute; None, with a fault, if it is missing or faulty."""
         if element.get(attribute) is None:
             self.fault(element, _dotted(key, attribute), "is missing; allowed is a finite number")
             return None
         return self.number(element, attribute, key, least)
 
     def positive(self, element: Element, names: Sequence[str], key: str) -> tuple[float, ...] | None:
-        """Numbers above 0 that must be there; None, with faults, if one is not."""
-        found = []
+        """Lengths (m) above 0 of required attributes; None, with faults, if one is missing or faulty."""
+        values = []
         for name in names:
-            value = self.needed(element, name, key)
+            value = self.required(element, name, key)
             if value is not None and value <= 0.0:
                 self.fault(element, _dotted(key, name), f"got {value:g}; allowed is a number above 0 (m)")
                 value = None
-            found.append(value)
-        return None if None in found else tuple(v for v in found if v is not None)
+            values.append(value)
+        return None if None in values else tuple(value for value in values if value is not None)
 
-    def three(self, element: Element, attribute: str, key: str) -> Vector | None:
-        """Three finite numbers; None if they are not there, or with a fault."""
+    def vector(self, element: Element, attribute: str, key: str) -> Vector | None:
+        """Three finite numbers of an attribute; None if it is missing, or with a fault."""
         text = element.get(attribute)
         if text is None:
             return None
@@ -102,24 +104,24 @@ class Reader:
         return np.array(values, float)
 
     def pose(self, parent: Element, key: str) -> Pose:
-        """The `<origin>` of an element; none is the identity."""
-        element = self.only(parent, "origin", key)
+        """Pose in the `<origin>` of an element; the identity without one."""
+        element = self.single(parent, "origin", key)
         if element is None:
             return Pose()
-        xyz, rpy = (self.three(element, name, _dotted(key, "origin")) for name in ("xyz", "rpy"))
+        xyz, rpy = (self.vector(element, name, _dotted(key, "origin")) for name in ("xyz", "rpy"))
         zero = np.zeros(3)
         return Pose(zero if xyz is None else xyz, zero if rpy is None else rpy)
 
-    def only(self, parent: Element, tag: str, key: str) -> Element | None:
-        """The child element of a tag, of which one is allowed; None if there is none."""
-        found = parent.findall(tag)
-        if len(found) > 1:
-            self.fault(found[1], _dotted(key, tag), f"got {len(found)} elements <{tag}>; allowed is one")
-        return found[0] if found else None
+    def single(self, parent: Element, tag: str, key: str) -> Element | None:
+        """Child element with a tag, of which at most one is allowed; None if there is none."""
+        children = parent.findall(tag)
+        if len(children) > 1:
+            self.fault(children[1], _dotted(key, tag), f"got {len(children)} elements <{tag}>; allowed is one")
+        return children[0] if children else None
 
 
-def without_shape(fault: Fault) -> Fault:
-    """What is said of a faulty shape of a link that is not in the sand, which is left out."""
+def not_drawn(fault: Fault) -> Fault:
+    """Notice on a faulty shape of a link that is not in the sand; the shape is left out."""
     return replace(fault, message=f"{fault.message}; not in the sand, it is not drawn")
 
 

@@ -1,4 +1,4 @@
-"""Tensors of inertia: whether a body can have one; turned and moved to another frame."""
+"""Inertia tensors: whether a body can have one; rotating, moving and combining them."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ import numpy as np
 
 from granular_contact.robot.types import Inertial, Pose, Vector
 
-ROUNDING = 2e-3  # of the largest moment: URDF files give three or four digits
-NEGLIGIBLE = 1e-6  # of the largest moment
+ROUNDING = 2e-3  # relative to the largest moment: URDF files give three or four digits
+NEGLIGIBLE = 1e-6  # relative to the largest moment
 
 
-def impossible(tensor: Vector) -> str | None:
-    """Why no body has this inertia (3, 3) kg m^2 about its centre of mass, as a sentence; None if one can."""
+def impossibility(tensor: Vector) -> str | None:
+    """Sentence on why no body can have this inertia (3, 3) kg m^2 about its centre of mass; None if one can."""
     low, middle, high = np.linalg.eigvalsh(tensor)
     shown = ", ".join(f"{moment:.4g}" for moment in (low, middle, high))
     if low <= 0.0:
@@ -26,11 +26,12 @@ def impossible(tensor: Vector) -> str | None:
     return None
 
 
-def raised(tensor: Vector) -> Vector:
-    """The tensor (3, 3) with its two smaller principal moments raised until they reach the largest, where they do not.
+def with_raised_moments(tensor: Vector) -> Vector:
+    """Raise the two smaller principal moments of a tensor (3, 3) until their sum is the largest moment.
 
-    Both are multiplied by the same number; where one is not above 0 it gets what the other lacks, and where both are
-    nothing each gets half, as of a thin plate. Its axes stay, and a tensor that a body can have stays as it is.
+    Both are multiplied by the same factor. If only the smallest is negligible, it becomes the difference of the other
+    two. If both are negligible, each becomes half of the largest, as for a thin plate. The principal axes do not
+    change, and a tensor that a body can have is returned unchanged.
     """
     moments, axes = np.linalg.eigh(tensor)
     low, middle, high = moments
@@ -42,24 +43,24 @@ def raised(tensor: Vector) -> Vector:
         moments[0] = max(high - middle, NEGLIGIBLE * high)
     else:
         moments[:2] = 0.5 * high
-    found: Vector = (axes * moments) @ axes.T
-    return 0.5 * (found + found.T)
+    raised: Vector = (axes * moments) @ axes.T
+    return 0.5 * (raised + raised.T)
 
 
-def turned(tensor: Vector, rotation: Vector) -> Vector:
-    """A tensor (3, 3) of one frame in another, of which `rotation` takes vectors from the first."""
-    found: Vector = rotation @ tensor @ rotation.T
-    return 0.5 * (found + found.T)
+def rotated(tensor: Vector, rotation: Vector) -> Vector:
+    """Transform a tensor (3, 3) to another frame; rotation (3, 3) takes vectors to that frame."""
+    product: Vector = rotation @ tensor @ rotation.T
+    return 0.5 * (product + product.T)
 
 
 def moved(inertial: Inertial, pose: Pose) -> Inertial:
-    """Mass properties in the frame in which their own has a pose."""
+    """Transform mass properties to another frame, in which their frame has this pose."""
     turn = pose.rotation
-    return Inertial(inertial.mass, pose.xyz + turn @ inertial.center, turned(inertial.tensor, turn), inertial.line)
+    return Inertial(inertial.mass, pose.xyz + turn @ inertial.center, rotated(inertial.tensor, turn), inertial.line)
 
 
-def added(parts: Sequence[Inertial]) -> Inertial:
-    """Mass properties of several parts in one frame together, by Steiner's theorem."""
+def combined(parts: Sequence[Inertial]) -> Inertial:
+    """Mass properties of several parts together, all in one frame, by the parallel axis theorem."""
     mass = sum(part.mass for part in parts)
     center = sum((part.mass * part.center for part in parts), np.zeros(3)) / mass
     tensor = np.zeros((3, 3))

@@ -1,7 +1,7 @@
-"""Links without mass, or with one in a point: what is fixed to a body becomes part of it; what moves can't be computed.
+"""Links without mass or with a point mass: they become part of the body that they are fixed to; else there is a fault.
 
-Robot files have them as roots, sensors, tool points. Their shapes and joints go to the body that they become part of.
-It is also said here which joints a mechanism can't have, and which are held.
+Robot files have such links as roots, sensors and tool points. Their shapes and joints go to the body. This module also
+lists joints that a mechanism does not support, and fixes joints that the config holds.
 """
 
 from __future__ import annotations
@@ -12,8 +12,8 @@ from fnmatch import fnmatchcase
 
 import numpy as np
 
-from granular_contact.robot.elements import Incomplete, Reader
-from granular_contact.robot.inertia import added, moved
+from granular_contact.robot.elements import PartialInertial, Reader
+from granular_contact.robot.inertia import combined, moved
 from granular_contact.robot.types import Inertial, Joint, Link, Pose, Robot, Shape
 
 WORLDS = ("world", "ground")
@@ -25,61 +25,65 @@ def has_world(robot: Robot) -> bool:
     return robot.root in WORLDS and root.inertial is None
 
 
-def completed(robot: Robot, reader: Reader, given: Mapping[str, Incomplete], fixed_base: bool) -> Robot:
-    """The robot with mass properties by the names of links, where those of the file are faulty or must not lack.
+def with_given_inertials(robot: Robot, reader: Reader, given: Mapping[str, PartialInertial], fixed_base: bool) -> Robot:
+    """The robot with given mass properties (by link) where those of the file are faulty, or missing but required.
 
-    Links that are whole in the file, or can be part of another, stay as they are.
+    Other links do not change: those without faults, and those that become part of another body.
     """
     links = dict(robot.links)
-    for name in given.keys() & reader.incomplete.keys():
-        read = reader.incomplete[name]
-        links[name] = _with_mass(links[name], given[name], read)
+    for name in given.keys() & reader.partial_inertials.keys():
+        links[name] = _with_inertial(links[name], given[name], reader.partial_inertials[name])
     trial = Reader(reader.file)
-    merged(replace(robot, links=links), trial, fixed_base)
-    moving = {name for name in given for fault in trial.faults if fault.key == f"link.{name}"}
-    for name in moving:
-        links[name] = _with_mass(links[name], given[name], Incomplete(None, None, None, links[name].line))
+    merge_massless(replace(robot, links=links), trial, fixed_base)
+    still_massless = {name for name in given for fault in trial.faults if fault.key == f"link.{name}"}
+    for name in still_massless:
+        links[name] = _with_inertial(links[name], given[name], PartialInertial(None, None, None, links[name].line))
     return replace(robot, links=links)
 
 
-def _with_mass(link: Link, given: Incomplete, read: Incomplete) -> Link:
-    """A link with what is given, else with what could be read; as it was where that is not all."""
+def _with_inertial(link: Link, given: PartialInertial, read: PartialInertial) -> Link:
+    """The link with given mass properties, completed by those read; unchanged if mass or tensor is still missing."""
     mass = read.mass if given.mass is None else given.mass
     tensor = read.tensor if given.tensor is None else given.tensor
     if not mass or tensor is None:
         return link
-    center = next((one.center for one in (given, read) if one.center is not None), np.zeros(3))
+    center = next((partial.center for partial in (given, read) if partial.center is not None), np.zeros(3))
     return replace(link, inertial=Inertial(mass, center, tensor, read.line))
 
 
-def merged(robot: Robot, reader: Reader, fixed_base: bool = False) -> Robot:
-    """The robot without links that have no mass, but for a root that is the ground; faults where one moves.
+def merge_massless(robot: Robot, reader: Reader, fixed_base: bool = False) -> Robot:
+    """Merge links without moment of inertia into bodies that they are fixed to; a fault for each that can't be merged.
 
-    fixed_base: whether the root is held, so that it needs no mass.
+    A root that is the ground or held needs no mass. fixed_base: whether the root is held.
     """
-    left = replace(robot, links=dict(robot.links), joints=dict(robot.joints))
-    held = has_world(robot) or fixed_base
-    for name in reversed(list(_from_root(robot))):
-        if has_inertia(left.links[name]) or (name == robot.root and held):
+    remaining = replace(robot, links=dict(robot.links), joints=dict(robot.joints))
+    root_is_held = has_world(robot) or fixed_base
+    for name in reversed(list(_outward(robot))):
+        if has_inertia(remaining.links[name]) or (name == robot.root and root_is_held):
             continue
-        above = left.above(name)
-        heavy = [j for j in left.below(name) if j.kind == "fixed" and has_inertia(left.links[j.child])]
-        if heavy:
-            for joint in heavy:
-                _absorb(left, joint)
+        above = remaining.above(name)
+        fixed_bodies = [
+            joint
+            for joint in remaining.below(name)
+            if joint.kind == "fixed" and has_inertia(remaining.links[joint.child])
+        ]
+        if fixed_bodies:
+            for joint in fixed_bodies:
+                _absorb(remaining, joint)
         elif above is not None and above.kind == "fixed":
-            _absorb(left, above)
+            _absorb(remaining, above)
         else:
-            reader.fault(left.links[name].line, f"link.{name}", _motion(above, left.links[name]))
-    return left
+            reader.fault(remaining.links[name].line, f"link.{name}", _missing_inertia(above, remaining.links[name]))
+    return remaining
 
 
 def has_inertia(link: Link) -> bool:
-    """Whether a link has a mass that is not all in one point."""
+    """Whether a link has a moment of inertia: no point mass, and not massless."""
     return link.inertial is not None and bool(link.inertial.tensor.any())
 
 
-def _motion(above: Joint | None, link: Link) -> str:
+def _missing_inertia(above: Joint | None, link: Link) -> str:
+    """Sentence on a link that moves without mass or moment of inertia."""
     allowed, lacks = "allowed is <inertial> with a mass above 0", "mass"
     if link.inertial is not None:
         allowed, lacks = "allowed is <inertial> with moments above 0", "moment of inertia"
@@ -88,17 +92,17 @@ def _motion(above: Joint | None, link: Link) -> str:
     return f"moves by the joint {above.name} ({above.kind}) and has no {lacks}; {allowed}, or a fixed joint to a body"
 
 
-def _from_root(robot: Robot) -> Iterator[str]:
-    """Names of the links, each behind its parent."""
-    left = [robot.root]
-    while left:
-        name = left.pop()
+def _outward(robot: Robot) -> Iterator[str]:
+    """Names of the links from the root outward, each after its parent."""
+    remaining = [robot.root]
+    while remaining:
+        name = remaining.pop()
         yield name
-        left += [joint.child for joint in robot.below(name)]
+        remaining += [joint.child for joint in robot.below(name)]
 
 
 def _absorb(robot: Robot, joint: Joint) -> None:
-    """Make the child of a fixed joint part of its parent."""
+    """Merge the child of a fixed joint into its parent; the robot is changed in place."""
     links, joints = robot.links, robot.joints
     parent, child = links[joint.parent], links.pop(joint.child)
     parts = [] if parent.inertial is None else [parent.inertial]
@@ -106,7 +110,7 @@ def _absorb(robot: Robot, joint: Joint) -> None:
         parts.append(moved(child.inertial, joint.origin))
     links[parent.name] = replace(
         parent,
-        inertial=added(parts) if parts else None,
+        inertial=combined(parts) if parts else None,
         visual=(*parent.visual, *_moved(child.visual, joint.origin)),
         collision=(*parent.collision, *_moved(child.collision, joint.origin)),
     )
@@ -120,7 +124,7 @@ def _moved(shapes: tuple[Shape, ...], pose: Pose) -> Iterator[Shape]:
 
 
 def unsupported(robot: Robot) -> Iterator[tuple[Joint, str, str]]:
-    """Joints that are not supported, each with the key and a sentence."""
+    """Joints of kinds that mechanisms do not support, each with the key and a sentence."""
     for joint in robot.joints.values():
         below_world = joint.parent == robot.root and has_world(robot)
         if joint.kind == "planar" or (joint.kind == "floating" and not below_world):
@@ -129,14 +133,14 @@ def unsupported(robot: Robot) -> Iterator[tuple[Joint, str, str]]:
 
 
 def mimicking(robot: Robot) -> Iterator[tuple[Joint, str, str]]:
-    """Joints that follow another, each with the key and a sentence."""
+    """Joints that follow another joint, each with the key and a sentence."""
     for joint in robot.joints.values():
         if joint.mimic:
             allowed = "hold it by fix, or write mimic: ignore and give it a drive of its own"
             yield joint, "mimic", f"follows {joint.mimic}, which is not supported; {allowed}"
 
 
-def held(robot: Robot, patterns: Iterable[str]) -> Robot:
+def with_fixed_joints(robot: Robot, patterns: Iterable[str]) -> Robot:
     """The robot with joints of these names or patterns fixed at coordinate 0."""
     chosen = [name for pattern in patterns for name in matching(pattern, robot.joints)]
     joints = {
@@ -147,5 +151,5 @@ def held(robot: Robot, patterns: Iterable[str]) -> Robot:
 
 
 def matching(pattern: str, names: Iterable[str]) -> list[str]:
-    """Names that a name or a pattern with * and ? means."""
+    """Names that match a name or a pattern with * and ?."""
     return [name for name in names if name == pattern or fnmatchcase(name, pattern)]

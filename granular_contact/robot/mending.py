@@ -1,6 +1,6 @@
-"""A copy of a robot file with meshes that a law of surfaces can take, and with inertias that bodies can have.
+"""Mended copy of a robot file: meshes that laws of surfaces can use, and inertias that bodies can have.
 
-Inertias that no body can have are mended in the XML as little as serves.
+Inertias that no body can have are changed in the XML as little as possible.
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ import numpy as np
 from granular_contact.geometry.mesh_quality import LARGEST
 from granular_contact.robot.elements import Reader
 from granular_contact.robot.files import find
-from granular_contact.robot.inertia import impossible, raised
-from granular_contact.robot.inspection import Inspected, Inspection
+from granular_contact.robot.inertia import impossibility, with_raised_moments
+from granular_contact.robot.inspection import InspectedShape, Inspection
 from granular_contact.robot.links import MOMENTS, read_mesh, tensor_of
 from granular_contact.robot.mending_mesh import mended_mesh
-from granular_contact.robot.source import Element, parse, refused
+from granular_contact.robot.source import Element, file_error, parse
 from granular_contact.robot.surfaces import Surfaces
 from granular_contact.robot.types import Vector
 
@@ -29,7 +29,7 @@ _Key = tuple[Path, tuple[float, float, float]]
 
 @dataclass(frozen=True)
 class Mended:
-    """The new file, and what was done, a sentence for each mesh and inertia."""
+    """Path of a mended copy; done: a sentence on each mesh and each mended inertia."""
 
     path: Path
     done: tuple[str, ...]
@@ -38,9 +38,9 @@ class Mended:
 def mend(inspection: Inspection, out: Path, packages: Mapping[str, Path] | None = None, hull: bool = False) -> Mended:
     """Write a mended copy of a robot file into a folder `out`, its meshes into `out`/meshes.
 
-    Meshes of the inspected kind are written in m; other files are named where they are. Cures are those of
-    `mending_mesh` and `mending_inertia`; what else is at fault with masses and joints stays. hull: whether meshes that
-    still have faults are replaced by their convex hulls.
+    Meshes of the inspected kind are mended by `mending_mesh` and written in m; other files stay where they are, and the
+    copy names their paths. Inertias are mended by `mend_inertias`. Other faults of masses and joints are not mended.
+    hull: whether meshes that still have faults are replaced by their convex hulls.
 
     Raises
     ------
@@ -52,20 +52,21 @@ def mend(inspection: Inspection, out: Path, packages: Mapping[str, Path] | None 
     done = list[str]()
     try:
         if out.exists() and (not out.is_dir() or any(out.iterdir())):
-            raise refused(out, "is there already; allowed is a new or empty folder")
+            raise file_error(out, "is there already; allowed is a new or empty folder")
         (out / "meshes").mkdir(parents=True, exist_ok=True)
         surfaces = Surfaces()
-        for one in inspection.shapes:
-            if one.path is not None and (key := (one.path, one.shape.geometry.scale)) not in names:
-                names[key] = _file_name(one.path, set(names.values()))
-                done.append(f"{names[key]}: {_write(one, surfaces, out / 'meshes' / names[key], hull)}")
+        for inspected in inspection.shapes:
+            path, scale = inspected.path, inspected.shape.geometry.scale
+            if path is not None and (key := (path, scale)) not in names:
+                names[key] = _file_name(path, set(names.values()))
+                done.append(f"{names[key]}: {_write(inspected, surfaces, out / 'meshes' / names[key], hull)}")
         target = out / source.name
         root = parse(source).root
         done += mend_inertias(root, inspection)
         _rename(root, inspection.which, source, names, out, packages or {})
         root.getroottree().write(target, xml_declaration=True, encoding="utf-8")
     except OSError as error:
-        raise refused(out, f"can't be written: {error.strerror or error}") from None
+        raise file_error(out, f"can't be written: {error.strerror or error}") from None
     return Mended(target, tuple(done))
 
 
@@ -76,19 +77,19 @@ def _file_name(path: Path, taken: set[str]) -> str:
     return name
 
 
-def _write(one: Inspected, surfaces: Surfaces, target: Path, hull: bool) -> str:
-    """Write a mesh, mended if it has to be; says what was done."""
-    arrays = surfaces.of(one.shape.geometry, one.path)
+def _write(inspected: InspectedShape, surfaces: Surfaces, target: Path, hull: bool) -> str:
+    """Write the mended mesh of a shape; return a sentence on the repairs."""
+    arrays = surfaces.of(inspected.shape.geometry, inspected.path)
     if isinstance(arrays, str):
-        raise refused(target, arrays)
-    vertices, faces, words = *arrays, ""
+        raise file_error(target, arrays)
+    vertices, faces, unit = *arrays, ""
     if np.ptp(vertices[faces].reshape(-1, 3), axis=0).max() > LARGEST:
-        vertices, words = vertices * _MILLIMETRE, ", read as millimetres"
-    (vertices, faces), found = mended_mesh(vertices, faces, hull)
+        vertices, unit = vertices * _MILLIMETRE, ", read as millimetres"
+    (vertices, faces), report = mended_mesh(vertices, faces, hull)
     import trimesh
 
     trimesh.Trimesh(vertices, faces, process=False).export(target)
-    return f"{found}{words}"
+    return f"{report}{unit}"
 
 
 def _rename(
@@ -99,13 +100,13 @@ def _rename(
     out: Path,
     packages: Mapping[str, Path],
 ) -> None:
-    """Write the new names of mesh files into the XML; others as paths from the new folder."""
+    """Write the names of mended meshes into the XML, and the paths of other meshes relative to the new folder."""
     for element in root.iter("mesh"):
         path = find(element.get("filename") or "", source, packages)
         if isinstance(path, str):
             continue
-        kind, read = element.getparent().getparent().tag, read_mesh(Reader(""), element, "")
-        new = names.get((path, read.scale)) if kind == which and read is not None else None
+        kind, geometry = element.getparent().getparent().tag, read_mesh(Reader(""), element, "")
+        new = names.get((path, geometry.scale)) if kind == which and geometry is not None else None
         if new is None:
             element.set("filename", os.path.relpath(path.resolve(), out.resolve()))
             continue
@@ -113,54 +114,60 @@ def _rename(
         element.attrib.pop("scale", None)
 
 
-ROUND_OFF = 1e-12  # of the largest moment of inertia: is written as 0, as its digits differ between processors
+ROUND_OFF = 1e-12  # relative to the largest entry: smaller ones are written as 0, as they differ between processors
 
 
 def mend_inertias(root: Element, inspection: Inspection) -> Iterator[str]:
-    """Mend impossible inertias; says what was done, a sentence for each link.
+    """Mend inertias that no body can have; yield a sentence for each such link.
 
-    Mass and centre of mass stay. The small moments are raised until they reach the largest, which stays with the axes;
-    where the shapes of the link are too small for the largest, the tensor becomes that of their convex hull.
+    Mass and centre of mass do not change. The smaller moments are raised until their sum is the largest; the largest
+    moment and the axes do not change. If the shapes of the link are too small for the largest moment, the tensor
+    becomes that of their convex hull.
     """
     for link in root.findall("link"):
         inertial, name = link.find("inertial"), link.get("name") or ""
         reader = Reader(inspection.robot.file)
-        mass = link.find("inertial/mass")
-        weight = None if mass is None else reader.number(mass, "value", "")
-        if not weight or weight < 0.0:
+        element = link.find("inertial/mass")
+        mass = None if element is None else reader.number(element, "value", "")
+        if not mass or mass < 0.0:
             continue
-        tensor = tensor_of(reader, inertial, "", weight)
-        if tensor is None or impossible(tensor) is None:
+        tensor = tensor_of(reader, inertial, "", mass)
+        if tensor is None or impossibility(tensor) is None:
             continue
-        yield f"link {name}: {_mended(inertial, tensor, weight, _corners(inspection, name), reader)}"
+        yield f"link {name}: {_mend_inertia(inertial, tensor, mass, _corners(inspection, name), reader)}"
 
 
 def _corners(inspection: Inspection, link: str) -> Vector:
-    """Corners (n, 3) m of all shapes of a link."""
-    found = [one.corners for one in inspection.shapes if one.shape.link == link]
-    return np.concatenate([np.zeros((0, 3)), *(one.reshape(-1, 3) for one in found if one is not None)])
+    """Corners (n, 3) m of all shapes of a link, in its frame."""
+    corners = [inspected.corners for inspected in inspection.shapes if inspected.shape.link == link]
+    return np.concatenate([np.zeros((0, 3)), *(points.reshape(-1, 3) for points in corners if points is not None)])
 
 
-def _mended(inertial: Element, tensor: Vector, mass: float, corners: Vector, reader: Reader) -> str:
-    """Mend an inertia (3, 3) kg m^2 about its centre in the XML, and say how; corners (n, 3) m are those of shapes."""
+def _mend_inertia(inertial: Element, tensor: Vector, mass: float, corners: Vector, reader: Reader) -> str:
+    """Mend an inertia (3, 3) kg m^2 in the XML; return a sentence on the change. corners (n, 3) m: of the shapes."""
     moments = np.linalg.eigvalsh(tensor)
     center = reader.pose(inertial, "").xyz
     reach = float(np.linalg.norm(corners - center, axis=1).max()) if len(corners) else np.inf
     if 0.0 < moments[2] <= mass * reach**2:
-        new = raised(tensor)
+        new = with_raised_moments(tensor)
         _write_tensor(inertial, new)
-        was, now = (", ".join(f"{one:.4g}" for one in np.linalg.eigvalsh(one)[:2]) for one in (tensor, new))
-        return f"its smaller moments of inertia are raised from {was} to {now} kg m^2; all else of it stays"
+        old_moments, new_moments = (
+            ", ".join(f"{moment:.4g}" for moment in np.linalg.eigvalsh(inertia)[:2]) for inertia in (tensor, new)
+        )
+        return (
+            f"its smaller moments of inertia are raised from {old_moments} to {new_moments} kg m^2; "
+            "all else of it stays"
+        )
     if len(corners) == 0:
         return "its inertia stays, as it has no shape to take one from"
-    if (origin := inertial.find("origin")) is not None:  # whose axes are those of the link from now on
+    if (origin := inertial.find("origin")) is not None:  # the new tensor is along the axes of the link
         origin.attrib.pop("rpy", None)
     _write_tensor(inertial, _of_hull(corners, mass))
     return "its inertia is now that of the hull of its shapes, which are too small for it; mass and centre of mass stay"
 
 
 def _of_hull(points: Vector, mass: float) -> Vector:
-    """Inertia (3, 3) kg m^2 of the convex hull of points (n, 3) m about its centre of mass, of one density."""
+    """Inertia (3, 3) kg m^2 about its centre of mass of the homogeneous convex hull of points (n, 3) m."""
     from trimesh.convex import convex_hull
 
     hull = convex_hull(points)

@@ -1,4 +1,4 @@
-"""What a robot file says, with the lines where it says it. SI units, angles in rad, as in URDF."""
+"""Data of a robot file with the lines of its elements. SI units, angles in rad, as in URDF."""
 
 from __future__ import annotations
 
@@ -15,29 +15,29 @@ Vector = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Pose:
-    """Place and direction of a frame in another: xyz (3,) m, rpy (3,) rad, R = Rz(yaw) Ry(pitch) Rx(roll)."""
+    """Pose of a frame in another: xyz (3,) m, rpy (3,) rad, with R = Rz(yaw) Ry(pitch) Rx(roll)."""
 
     xyz: Vector = field(default_factory=lambda: np.zeros(3))
     rpy: Vector = field(default_factory=lambda: np.zeros(3))
 
     @property
     def rotation(self) -> Vector:
-        """Matrix (3, 3) from this frame to the other."""
+        """Rotation matrix (3, 3) from this frame to the other."""
         return rotations.of_rpy(self.rpy)
 
     def then(self, inner: Pose) -> Pose:
-        """Pose in the outer frame of what has the pose `inner` in this one."""
+        """Pose in the other frame of a frame that has the pose `inner` in this frame."""
         turn = self.rotation
         return Pose(self.xyz + turn @ inner.xyz, rotations.rpy_of(turn @ inner.rotation))
 
 
 @dataclass(frozen=True)
 class Geometry:
-    """A shape in a frame of its own.
+    """Geometry of a shape in its own frame.
 
-    kind: box, cylinder, sphere, capsule or mesh; size (m): of a box its sides, of a cylinder or capsule diameter and
-    length (of a capsule between the centres of its ends), of a sphere its diameter. file: as written, of a mesh; scale
-    (3,): of a mesh.
+    kind: box, cylinder, sphere, capsule or mesh. size (m): sides of a box; diameter and length of a cylinder or capsule
+    (of a capsule between the centres of its ends); diameter of a sphere. file: of a mesh, as written; scale (3,): of a
+    mesh.
     """
 
     kind: str
@@ -48,7 +48,7 @@ class Geometry:
 
 @dataclass(frozen=True)
 class Shape:
-    """A geometry in the frame of a link; link: whose it is in the file; line and key: where it stands there."""
+    """Shape of a link: a geometry with its pose in the frame of the link; line, key, link: as in the file."""
 
     geometry: Geometry
     pose: Pose
@@ -69,7 +69,7 @@ class Inertial:
 
 @dataclass(frozen=True)
 class Link:
-    """A rigid part; inertial: None of one without mass."""
+    """Rigid part of a robot; inertial: None without mass."""
 
     name: str
     line: int
@@ -78,16 +78,17 @@ class Link:
     collision: tuple[Shape, ...] = ()
 
     def shapes(self, which: str) -> tuple[Shape, ...]:
-        """Its shapes for "collision" or "visual"."""
+        """Shapes of a kind, "collision" or "visual"."""
         return self.collision if which == "collision" else self.visual
 
 
 @dataclass(frozen=True)
 class Joint:
-    """How a child moves against its parent: origin is the pose of the child's frame in the parent's at coordinate 0.
+    """Joint between two links; origin: pose of the child's frame in the parent's frame at coordinate 0.
 
-    kind: revolute, continuous, prismatic, fixed, floating or planar; axis (3,) in the frame of the child; lower, upper
-    (rad or m), effort (N m or N), damping, friction: None where the file is silent; mimic: the joint it follows.
+    kind: revolute, continuous, prismatic, fixed, floating or planar. axis: unit vector (3,) in the frame of the child.
+    lower, upper (rad or m), effort (N m or N), damping (SI units), friction (N m or N): None if the file does not give
+    them. mimic: the joint that this one follows. lines: of its elements, by tag.
     """
 
     name: str
@@ -108,7 +109,7 @@ class Joint:
 
 @dataclass(frozen=True)
 class Robot:
-    """Links and joints by name, in the order of the file; root: the link that is the child of no joint."""
+    """Robot: links and joints by name, in the order of the file; root: the link that is the child of no joint."""
 
     name: str
     file: str
@@ -121,5 +122,5 @@ class Robot:
         return (joint for joint in self.joints.values() if joint.parent == name)
 
     def above(self, name: str) -> Joint | None:
-        """The joint whose child is a link; None of the root."""
+        """The joint whose child is a link; None for the root."""
         return next((joint for joint in self.joints.values() if joint.child == name), None)

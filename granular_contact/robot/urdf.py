@@ -1,4 +1,4 @@
-"""A URDF file -> a robot, or every fault in it at once; its links and joints form one tree."""
+"""URDF file -> robot whose links and joints form one tree, or all faults of the file at once."""
 
 from __future__ import annotations
 
@@ -17,22 +17,26 @@ _TAGS = ("link", "joint")
 
 
 def read(path: str | PathLike[str], which: str = "collision") -> Robot:
-    """The robot in a URDF file, of which the shapes for "collision" or "visual" are used.
+    """Read the robot of a URDF file. which: kind of shapes whose faults count, "collision" or "visual".
+
+    Elements of simulators (`gazebo`, `transmission`) are ignored.
 
     Raises
     ------
     ConfigError
-        With every fault of the file, each with its line; elements of simulators (`gazebo`, `transmission`) are ignored.
+        With all faults of the file, each with its line.
     """
     robot, reader = read_all(path)
-    reader.use(which)
+    reader.use_shapes(which)
     if reader.faults:
         raise ConfigError(sorted(reader.faults, key=lambda fault: fault.line or 0))
     return robot
 
 
 def read_all(path: str | PathLike[str]) -> tuple[Robot, Reader]:
-    """The robot as far as it can be read, and the reader with its faults; those of shapes once they are used.
+    """Read a robot as far as possible; return it with its reader, which has the faults.
+
+    Faults of shapes count only after `Reader.use_shapes`.
 
     Raises
     ------
@@ -42,40 +46,42 @@ def read_all(path: str | PathLike[str]) -> tuple[Robot, Reader]:
     root, notices = parse(Path(path))
     reader = Reader(str(path))
     reader.notices += notices
-    named = dict[str, dict[str, Element]]()
+    elements = dict[str, dict[str, Element]]()
     for tag in _TAGS:
-        named[tag] = dict(_named(reader, root, tag))
-    _misspelt(reader, root)
-    links: dict[str, Link] = {name: read_link(reader, one, name) for name, one in named["link"].items()}
-    read_ones = {name: read_joint(reader, one, name) for name, one in named["joint"].items()}
-    joints: dict[str, Joint] = {name: joint for name, joint in read_ones.items() if joint is not None}
+        elements[tag] = dict(_elements_by_name(reader, root, tag))
+    _check_spelling(reader, root)
+    links: dict[str, Link] = {name: read_link(reader, element, name) for name, element in elements["link"].items()}
+    joints_or_none = {name: read_joint(reader, element, name) for name, element in elements["joint"].items()}
+    joints: dict[str, Joint] = {name: joint for name, joint in joints_or_none.items() if joint is not None}
     complete = len(joints) == len(root.findall("joint"))
-    top = root_of(reader, links, joints, complete)
+    top = root_link(reader, links, joints, complete)
     return Robot(root.get("name") or Path(path).stem, str(path), links, joints, top), reader
 
 
-def _named(reader: Reader, root: Element, tag: str) -> Iterator[tuple[str, Element]]:
-    seen: dict[str, int] = {}
+def _elements_by_name(reader: Reader, root: Element, tag: str) -> Iterator[tuple[str, Element]]:
+    """Names and elements with a tag; a fault for each name that is missing or used twice."""
+    lines: dict[str, int] = {}
     for element in root.findall(tag):
         name = reader.text(element, "name", tag)
-        if name in seen:
-            reader.fault(element, f"{tag}.{name}", f"is the name of a {tag} already, in line {seen[name]}")
+        if name in lines:
+            reader.fault(element, f"{tag}.{name}", f"is the name of a {tag} already, in line {lines[name]}")
         elif name:
-            seen[name] = element.sourceline
+            lines[name] = element.sourceline
             yield name, element
 
 
-def _misspelt(reader: Reader, root: Element) -> None:
+def _check_spelling(reader: Reader, root: Element) -> None:
+    """Add a fault for each unknown element whose tag is similar to a known one."""
     for element in root:
         known = not isinstance(element.tag, str) or element.tag in _TAGS
-        for near in () if known else get_close_matches(element.tag, _TAGS, 1, 0.75):
-            reader.fault(element, element.tag[:40], f"unknown element; did you mean <{near}>?")
+        for similar in () if known else get_close_matches(element.tag, _TAGS, 1, 0.75):
+            reader.fault(element, element.tag[:40], f"unknown element; did you mean <{similar}>?")
 
 
-def root_of(reader: Reader, links: Mapping[str, Link], joints: Mapping[str, Joint], complete: bool) -> str:
-    """The link that is the child of no joint; faults where the joints make no tree.
+def root_link(reader: Reader, links: Mapping[str, Link], joints: Mapping[str, Joint], complete: bool) -> str:
+    """Name of the link that is the child of no joint; faults if the joints form no tree.
 
-    complete: False if joints are missing for faults of their own; several roots are then no fault.
+    complete: False if joints were left out for their own faults; several roots are then no fault.
     """
     above: dict[str, Joint] = {}
     for joint in joints.values():
@@ -112,12 +118,13 @@ def _check_ends(reader: Reader, joint: Joint, links: Mapping[str, Link]) -> None
 
 
 def _check_loops(reader: Reader, links: Mapping[str, Link], above: Mapping[str, Joint]) -> None:
-    seen: set[str] = set()
+    """Add a fault for each closed chain of joints; above: the joint above each link."""
+    visited: set[str] = set()
     for start in links:
         chain: list[str] = []
         name = start
-        while name in above and name not in seen:
-            seen.add(name)
+        while name in above and name not in visited:
+            visited.add(name)
             chain.append(name)
             name = above[name].parent
         if name in chain and above[name].parent != name:
