@@ -1,4 +1,4 @@
-"""Positions, angles and rates of bodies and joints, from the coordinates of all accepted steps at once."""
+"""Kinematics: positions, angles and rates of bodies and joints, for all accepted steps at once."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ from granular_contact.scene.types import Joint, Vector
 
 
 class Kinematics:
-    """The motion of a system along a trajectory; (n,) and (n, 2) arrays over its instants, world frame.
+    """Motion of a system along a trajectory; (n,) and (n, 2) arrays over its instants, world frame.
 
-    engine: the trajectory in the engine's coordinates, which in the plane is the same.
+    engine: the trajectory in the engine's coordinates; in the plane the same as `trajectory`.
     """
 
     def __init__(self, system: System, trajectory: Trajectory) -> None:
@@ -34,13 +34,13 @@ class Kinematics:
 
     @property
     def accelerations(self) -> Vector:
-        """The engine's accelerations (n, m) in the coordinates of the rates; there are some with prescribed motions."""
+        """Accelerations (n, m) of the engine's coordinates; kept only where signals prescribe motions."""
         assert self.trajectory.a is not None
         return self.trajectory.a
 
     @cached_property
     def constraints(self) -> Constraints:
-        """What joints ask of accelerations."""
+        """Constraints of the joints on the accelerations."""
         return Constraints(self)
 
     def reported(self, body: str) -> str:
@@ -48,7 +48,7 @@ class Kinematics:
         return body
 
     def position(self, name: str, point: Vector) -> tuple[Vector, Vector]:
-        """Position and velocity (n, 2) of a body-frame point; on a flexible link its root or tip."""
+        """Position and velocity (n, 2) of a body-fixed point; on a flexible link of the nearer of root and tip."""
         q, v = self.trajectory.q, self.trajectory.v
         if name in self._links:
             node = self.system.places(name, point)
@@ -56,8 +56,8 @@ class Kinematics:
         x, y, phi = self._rigid[name]
         c, s = np.cos(q[:, phi]), np.sin(q[:, phi])
         arm = np.column_stack([c * point[0] - s * point[1], s * point[0] + c * point[1]])
-        swing = v[:, [phi]] * np.column_stack([-arm[:, 1], arm[:, 0]])
-        return q[:, [x, y]] + arm, v[:, [x, y]] + swing
+        relative = v[:, [phi]] * np.column_stack([-arm[:, 1], arm[:, 0]])
+        return q[:, [x, y]] + arm, v[:, [x, y]] + relative
 
     def angle(self, name: str | None, point: Vector) -> tuple[Vector, Vector]:
         """Angle (rad) and rate (rad/s) of a body at a joint's point, counter-clockwise; zeros for the ground."""
@@ -70,16 +70,16 @@ class Kinematics:
         node = self.system.places(name, point)
         tx, ty = q[:, node[2]], q[:, node[3]]
         start = self.scene.body(name).motion.angle
-        turned = np.unwrap(np.arctan2(ty, tx))
-        turned += 2.0 * np.pi * np.round((start - turned[0]) / (2.0 * np.pi))  # turns that a slope does not show
-        return turned, (tx * v[:, node[3]] - ty * v[:, node[2]]) / (tx**2 + ty**2)
+        angle = np.unwrap(np.arctan2(ty, tx))
+        angle += 2.0 * np.pi * np.round((start - angle[0]) / (2.0 * np.pi))  # whole turns, which a slope does not show
+        return angle, (tx * v[:, node[3]] - ty * v[:, node[2]]) / (tx**2 + ty**2)
 
     def spin(self, name: str) -> Vector:
-        """Rate (n,) rad/s of a rigid body, counter-clockwise."""
+        """Angular velocity (n,) rad/s of a rigid body, counter-clockwise."""
         return self.angle(name, np.zeros(2))[1]
 
     def mean_spin(self, name: str) -> Vector:
-        """Rate (n,) rad/s of a body; of a link that bends its angular momentum over its inertia, about its centre."""
+        """Angular velocity (n,) rad/s of a body; of a flexible link angular momentum over inertia about its centre."""
         if name in self.system.rigid:
             return self.spin(name)
         center, places = self.center(name)[0], np.array(self.nodes(name)).ravel()
@@ -92,41 +92,41 @@ class Kinematics:
         return spin
 
     def elastic(self) -> list[tuple[Vector, Vector]]:
-        """Strain energy (n,) J of each link that bends, and the power (n,) W that its damping takes."""
-        q, v, found = self.trajectory.q, self.trajectory.v, []
+        """Strain energy (n,) J of each flexible link, and the power (n,) W that its damping dissipates."""
+        q, v, energies = self.trajectory.q, self.trajectory.v, []
         for name, handle in self.system.links.items():
             nodes = np.array(self.nodes(name))
-            found.append(elastic_energy_and_loss(q[:, nodes], v[:, nodes], handle.link))
-        return found
+            energies.append(elastic_energy_and_loss(q[:, nodes], v[:, nodes], handle.link))
+        return energies
 
     def strains(self) -> dict[str, Strains]:
-        """Strains and stresses of each link that bends."""
-        found = {}
+        """Strains and stresses of each flexible link."""
+        strains = {}
         for name, handle in self.system.links.items():
             link, q = handle.link, self.trajectory.q[:, np.array(self.nodes(name))]
             length = link.length / link.elements
             first, last = curvatures(q, length)
             stretch = np.abs(np.hypot(q[..., 2], q[..., 3]) - 1.0)
-            pairs = [(first, stretch[:, :-1], 0.0), (last, stretch[:, 1:], length)]
-            strain = np.hstack([axial + 0.5 * link.thickness * np.abs(kappa) for kappa, axial, _ in pairs])
-            places = np.concatenate([length * np.arange(link.elements) + more for *_, more in pairs])
-            found[name] = Strains(places, strain, link.modulus * strain, link.yield_stress)
-        return found
+            ends = [(first, stretch[:, :-1], 0.0), (last, stretch[:, 1:], length)]  # of elements
+            strain = np.hstack([axial + 0.5 * link.thickness * np.abs(kappa) for kappa, axial, _ in ends])
+            places = np.concatenate([length * np.arange(link.elements) + x for *_, x in ends])
+            strains[name] = Strains(places, strain, link.modulus * strain, link.yield_stress)
+        return strains
 
     def element_errors(self) -> dict[str, tuple[float, int]]:
-        """Of links made of rigid elements: the error of the tip (m) by these, and how many there are."""
+        """By link made of rigid elements: discretisation error (m) of its tip, and number of elements."""
         return {}
 
     def bends(self) -> dict[str, list[Vector]]:
-        """Deflections (n,) m of the tip of each link that bends."""
+        """Deflections (n,) m of the tip of each flexible link: one in the plane, two in space."""
         return {name: [self.bend(name).values] for name in self.system.links}
 
     def damped_balls(self) -> list[Vector]:
-        """Work (n,) J of the dampers of ball joints, which act along no coordinate; in the plane there are none."""
+        """Work (n,) J of the dampers of ball joints, which have no joint coordinate; in the plane there are none."""
         return []
 
     def coordinate(self, joint: Joint) -> tuple[Vector, Vector]:
-        """Coordinate (n,) rad clockwise, or m, of a hinge or slider, and its rate."""
+        """Coordinate (n,) of a hinge (rad, clockwise) or slider (m), and its rate."""
         parent, parent_rate = self.angle(joint.parent, joint.parent_point)
         if joint.kind == "hinge":
             child, child_rate = self.angle(joint.child, joint.child_point)
@@ -139,7 +139,7 @@ class Kinematics:
         if joint.parent is not None:
             on_parent, parent_speed = self.position(joint.parent, joint.parent_point)
         offset, speed = on_child - on_parent, child_speed - parent_speed
-        # The offset is parallel to the axis, so that turning with the parent does not change the speed along it.
+        # The offset is parallel to the axis, so the rotation of the axis adds nothing to the rate.
         return np.sum(axis * offset, axis=1), np.sum(axis * speed, axis=1)
 
     def center(self, name: str) -> tuple[Vector, Vector]:
@@ -156,9 +156,9 @@ class Kinematics:
         bodies = self.scene.bodies
         shares = [body.mass / self.scene.mass for body in bodies]
         centers = [self.center(body.name) for body in bodies]
-        place: Vector = np.sum([share * one for share, (one, _) in zip(shares, centers, strict=True)], axis=0)
-        velocity: Vector = np.sum([share * one for share, (_, one) in zip(shares, centers, strict=True)], axis=0)
-        return place, velocity
+        position: Vector = np.sum([share * r for share, (r, _) in zip(shares, centers, strict=True)], axis=0)
+        velocity: Vector = np.sum([share * v for share, (_, v) in zip(shares, centers, strict=True)], axis=0)
+        return position, velocity
 
     @cached_property
     def lever(self) -> Vector:
@@ -172,14 +172,14 @@ class Kinematics:
 
     @cached_property
     def work_beyond(self) -> Vector:
-        """What the media and the floor did (n,) J beyond what the history has, see `sand.work.work_correction`."""
+        """Correction (n,) J of the work of media and floor in the history, see `sand.work.work_correction`."""
         load = self.trajectory.load
         if load is None:
             return np.zeros(1)
         return work_correction(load, {name: (*self.center(name), self.mean_spin(name)) for name in load.body_names})
 
     def lifted(self) -> Vector:
-        """First moment of the masses (n,) kg m about the height of the origin."""
+        """First moment of mass (n,) kg m: mass times height above the origin, summed up."""
         moment: Vector = self.trajectory.q @ (self.trajectory.mass @ self.upward)
         return moment
 
@@ -190,10 +190,10 @@ class Kinematics:
 
     @cached_property
     def mean_rate(self) -> tuple[Vector, Vector]:
-        """Angular momentum over moment of inertia about the pivot (rad/s, clockwise), and that inertia (kg m2).
+        """Angular momentum over moment of inertia about the pivot (n,) rad/s, clockwise, and that inertia (n,) kg m2.
 
-        Free vibration of a hinged mechanism has no angular momentum about its hinge, so this is the rate of the motion
-        as a whole, without the vibration of its parts.
+        Free vibration of a hinged mechanism has no angular momentum about the hinge. So this is the rate of the motion
+        as a whole, without vibration.
         """
         turn = self._turning
         momenta = turn @ self.trajectory.mass
@@ -207,7 +207,7 @@ class Kinematics:
 
     @cached_property
     def upward(self) -> Vector:
-        """Rates (m,) of all coordinates while everything moves upward at 1 m/s."""
+        """Rates (m,) of all coordinates in a rigid translation upward at 1 m/s."""
         up = np.zeros(self.trajectory.q.shape[1])
         up[[node[1] for node in self._rigid.values()]] = 1.0
         up[[node[1] for nodes in self._links.values() for node in nodes]] = 1.0
@@ -215,7 +215,7 @@ class Kinematics:
 
     @cached_property
     def _turning(self) -> Vector:
-        """Rates (n, m) of all coordinates while everything turns about the pivot at 1 rad/s, counter-clockwise."""
+        """Rates (n, m) of all coordinates in a rigid rotation about the pivot at 1 rad/s, counter-clockwise."""
         pivot = np.zeros(2) if self.scene.pivot is None else self.scene.pivot.parent_point
         q = self.trajectory.q
         turn = np.zeros_like(q)
@@ -228,22 +228,22 @@ class Kinematics:
         return turn
 
     def nodes(self, name: str) -> list[list[int]]:
-        """Places (4,) of the coordinates of a flexible link's nodes: r_x, r_y, r'_x, r'_y."""
+        """Indices (4,) of the coordinates r_x, r_y, r'_x, r'_y of each node of a flexible link."""
         return self._links[name]
 
     def bend(self, name: str) -> Track:
-        """Deflection (m) of a flexible link's tip from the tangent at its root, clockwise positive."""
+        """Deflection (m) of a flexible link's tip from the tangent at its root, positive clockwise, and its rate."""
         nodes = self._links[name]
         q, v = self.trajectory.q, self.trajectory.v
         (ax, ay), (bx, by) = q[:, nodes[0][2:]].T, v[:, nodes[0][2:]].T
-        (cx, cy), (dx, dy) = (of[:, nodes[-1][:2]].T - of[:, nodes[0][:2]].T for of in (q, v))
+        (cx, cy), (dx, dy) = (x[:, nodes[-1][:2]].T - x[:, nodes[0][:2]].T for x in (q, v))
         size = np.hypot(ax, ay)
         across = (cx * ay - cy * ax) / size
         rate = (dx * ay + cx * by - dy * ax - cy * bx) / size - across * (ax * bx + ay * by) / size**2
         return Track(across, rate)
 
     def outlines(self, instant: int) -> tuple[Outline, ...]:
-        """The mechanism as drawn at an instant (index)."""
+        """Outlines of the parts of the mechanism at an instant (index)."""
         outlines: list[Outline] = []
         q = self.trajectory.q[instant]
         for name, handle in self.system.rigid.items():
@@ -251,7 +251,9 @@ class Kinematics:
             c, s = np.cos(angle), np.sin(angle)
             turn = np.array([[c, s], [-s, c]])
             shapes = handle.body.shapes
-            outlines += [Outline(one.part, np.asarray(one.points) @ turn + (x, y), one.thickness) for one in shapes]
+            outlines += [
+                Outline(shape.part, np.asarray(shape.points) @ turn + (x, y), shape.thickness) for shape in shapes
+            ]
         for name, nodes in self._links.items():
             line = q[np.array(nodes)[:, :2]]
             outlines.append(Outline(name, line, self.system.links[name].link.thickness))

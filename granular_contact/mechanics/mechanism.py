@@ -1,4 +1,4 @@
-"""What mechanisms have in their results beyond a pendulum: joints, drives and bodies, contacts, and how far it got."""
+"""Columns and numbers of mechanisms in results: joints, drives, bodies, contacts and travel."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from granular_contact.results.summary import Driving, drive_numbers, stride_numb
 from granular_contact.scene.signal_tables import period
 from granular_contact.scene.types import Joint, Scene, Vector
 
-LEAST_ALONG = 1e-9  # component of the axis of a slider along which something travels
+LEAST_ALONG = 1e-9  # least component of a slider's axis along the direction of travel
 Driven = dict[str, Driving]  # by joint
 
 
 def label(body: str) -> str:
-    """Name of a body in columns: that of its first part; one that is called as the tip's columns are gets a tail."""
+    """Name of a body in columns: the name of its first part; "tip_body" for "tip", which columns of the tip have."""
     first = body.split("+")[0]
     return f"{first}_body" if first == "tip" else first
 
@@ -33,21 +33,21 @@ def label(body: str) -> str:
 
 
 def joint_columns(motion: Kinematics) -> series.Series:
-    """Coordinate and rate of every hinge and slider, and of every ball joint in which something acts."""
+    """Coordinate and rate of every hinge and slider, and of every ball joint with forces."""
     columns: series.Series = {}
     for joint in motion.scene.joints:
         if joint.has_coordinate:
             ends = motion.reported(joint.child), None if joint.parent is None else motion.reported(joint.parent)
-            of_joint = joint.name, *ends, *motion.coordinate(joint)
+            arguments = joint.name, *ends, *motion.coordinate(joint)
             hinge = joint.kind == "hinge"
-            columns |= series.joint(*of_joint, in_space=motion.scene.in_space) if hinge else series.slider(*of_joint)
+            columns |= series.joint(*arguments, in_space=motion.scene.in_space) if hinge else series.slider(*arguments)
         elif not joint.law.is_idle:
             columns |= series.ball(joint.name, joint.child, joint.parent, *motion.coordinate(joint))
     return columns
 
 
 def drive_columns(scene: Scene, driven: Driven) -> series.Series:
-    """Torque or force, and power of every drive."""
+    """Torque or force and power of every drive."""
     columns: series.Series = {}
     for name, drive in driven.items():
         hinge = scene.joint(name).kind == "hinge"
@@ -56,7 +56,7 @@ def drive_columns(scene: Scene, driven: Driven) -> series.Series:
 
 
 def body_columns(motion: Kinematics, forces: Mapping[str, Vector], depths: Mapping[str, list[Track]]) -> series.Series:
-    """Motion of every body's centre of mass and frame (of a link that bends, its root), and the sand's force on it.
+    """Motion of every body (centre of mass; angle, of a flexible link at its root), and force of the medium on it.
 
     forces: of the medium by body, (n, 3): x, y (N) and moment about the origin (N m); depths (m) of its points.
     """
@@ -72,32 +72,32 @@ def body_columns(motion: Kinematics, forces: Mapping[str, Vector], depths: Mappi
     return columns
 
 
-# ---- what acts in joints ----
+# ---- forces in joints ----
 
 
 def drive_forces(motion: Kinematics) -> Driven:
-    """What every drive did."""
-    found, reacting, time = {}, reactions(motion), motion.trajectory.time
+    """Force, power and work of every drive, by its joint."""
+    driven, prescribed, time = {}, reactions(motion), motion.trajectory.time
     for drive in motion.scene.drives:
         if drive.kind == "motion":
-            found[drive.joint] = reacting[drive.joint]
+            driven[drive.joint] = prescribed[drive.joint]
             continue
         s, rate = motion.coordinate(motion.scene.joint(drive.joint))
         force = joint_history.drive_history(drive, time, s, rate, motion.trajectory.set_to.get(drive.joint))
-        found[drive.joint] = Driving(force, force * rate, work(time, force, rate))
-    return found
+        driven[drive.joint] = Driving(force, force * rate, work(time, force, rate))
+    return driven
 
 
 def joint_forces(motion: Kinematics) -> dict[str, JointForces]:
-    """What acts in every joint, by its name, but for drives; only of joints in which something does.
+    """Forces in joints except drives, by joint; joints without forces are left out.
 
-    Without the dampers of ball joints: the rate of the angle jumps at 0, the angular velocity that they damp does not.
+    The dampers of ball joints are left out: they act on the angular velocity, and the rate of the angle jumps at 0.
     """
-    held = {name: load.first_anchor for name, load in motion.system.loads.items()}
+    anchors = {name: load.first_anchor for name, load in motion.system.loads.items()}
     return {
         joint.name: joint_history.joint_forces(
             joint.law if joint.has_coordinate else replace(joint.law, damping=0.0),
-            held.get(joint.name, 0.0),
+            anchors.get(joint.name, 0.0),
             *motion.coordinate(joint),
         )
         for joint in motion.scene.joints
@@ -127,24 +127,24 @@ def joint_energies(motion: Kinematics, driven: Driven) -> dict[str, Vector]:
 
 
 def contacts(time: Vector, bodies: Sequence[str], depths: Mapping[str, list[Track]]) -> dict[str, list[list[float]]]:
-    """Intervals [on, off] (s) over which bodies are in the medium; the last may last until the end of the run."""
+    """Intervals [on, off] (s) in which bodies are in the medium; the last one may end with the run."""
     return {label(body): [[float(a), float(b)] for a, b in above_zero(time, depths.get(body, []))] for body in bodies}
 
 
 def travels(scene: Scene, joint: Joint) -> bool:
-    """Whether a joint lets all that hangs on it travel, in the sense of `output.travel`."""
+    """Whether a joint with the ground lets the mechanism travel in the direction of `output.travel`."""
     if joint.parent is not None or joint.kind == "free" or joint.axis is None:
         return joint.parent is None and joint.kind == "free"
-    level = np.asarray(joint.axis[:-1])
-    along = np.linalg.norm(level) if scene.travel is None else abs(level @ np.asarray(scene.travel))
+    horizontal = np.asarray(joint.axis[:-1])
+    along = np.linalg.norm(horizontal) if scene.travel is None else abs(horizontal @ np.asarray(scene.travel))
     return float(along) > LEAST_ALONG
 
 
 def advance(motion: Kinematics) -> tuple[Vector, Vector]:
-    """How far (n,) m the common centre of mass has travelled, in the sense of `output.travel`, and how fast (m/s)."""
-    place, velocity = (along[:, :-1] for along in motion.common_center)  # without what is upward
+    """Distance (n,) m that the common centre of mass travelled along `output.travel`, and its speed (n,) m/s."""
+    position, velocity = (vectors[:, :-1] for vectors in motion.common_center)  # horizontal components
     if (ahead := motion.scene.travel) is not None:
-        return place @ np.asarray(ahead), velocity @ np.asarray(ahead)
+        return position @ np.asarray(ahead), velocity @ np.asarray(ahead)
     speed = np.linalg.norm(velocity, axis=1)
     return accumulate(motion.trajectory.time, speed), speed
 
@@ -152,38 +152,38 @@ def advance(motion: Kinematics) -> tuple[Vector, Vector]:
 def travel(motion: Kinematics, driven: Driven) -> dict[str, float | None]:
     """Distance travelled by the common centre of mass along `output.travel`, its mean speed, and the cost of transport.
 
-    The mean of the second half of the time is given too, as a gait sets in. cost_of_transport: work that
-    the drives put in (what they take back is not counted) over weight times distance.
+    The mean speed of the second half of the time is given too, when a gait has set in. cost_of_transport: positive work
+    of the drives over weight times distance.
     """
     time, scene = motion.trajectory.time, motion.scene
     x, speed = advance(motion)
     put_in = sum(positive_part(time, drive.power) for drive in driven.values())
-    lasted, middle = float(time[-1] - time[0]), 0.5 * (time[0] + time[-1])
+    duration, middle = float(time[-1] - time[0]), 0.5 * (time[0] + time[-1])
     distance, later = float(x[-1] - x[0]), float(x[-1] - at_times(time, x, speed, np.array([middle]))[0])
     weight = scene.mass * abs(scene.gravity)
     return {
         "drive_work_put_in_J": put_in,
         "distance_m": distance,
-        "forward_speed_m_s": distance / lasted if lasted > 0.0 else None,
-        "forward_speed_second_half_m_s": later / (0.5 * lasted) if lasted > 0.0 else None,
+        "forward_speed_m_s": distance / duration if duration > 0.0 else None,
+        "forward_speed_second_half_m_s": later / (0.5 * duration) if duration > 0.0 else None,
         "cost_of_transport": put_in / (weight * abs(distance)) if weight * abs(distance) > 0.0 else None,
     }
 
 
 def drives(motion: Kinematics, driven: Driven) -> dict[str, dict[str, float]]:
     """Torque or force, rate, power and work of every drive, by its joint."""
-    found = {}
+    numbers = {}
     for name, drive in driven.items():
         joint = motion.scene.joint(name)
         rate = motion.coordinate(joint)[1]
-        found[name] = drive_numbers(motion.trajectory.time, drive, rate, rotary=joint.kind == "hinge")
-    return found
+        numbers[name] = drive_numbers(motion.trajectory.time, drive, rate, rotary=joint.kind == "hinge")
+    return numbers
 
 
 def strides(motion: Kinematics, driven: Driven) -> dict[str, Any] | None:
-    """Means over whole strides of what travels, where all drives that repeat have one period; else None."""
+    """Means over whole strides of a travelling mechanism, if all periodic drives have the same period; else None."""
     scene, time = motion.scene, motion.trajectory.time
-    periods = [one for drive in scene.drives if (one := period(drive.signal)) is not None]
+    periods = [time_s for drive in scene.drives if (time_s := period(drive.signal)) is not None]
     if not periods or max(periods) > (1.0 + 1e-9) * min(periods):
         return None
     torques = [drive.force for name, drive in driven.items() if scene.joint(name).kind == "hinge"]
@@ -193,6 +193,6 @@ def strides(motion: Kinematics, driven: Driven) -> dict[str, Any] | None:
 
 
 def largest_torque(scene: Scene, driven: Driven) -> dict[str, float]:
-    """Greatest torque (N m) that any drive of a hinge gives at any step; nothing where none is driven."""
+    """Greatest torque (N m) of any drive of a hinge at any step; empty without such drives."""
     torques = [drive.largest for name, drive in driven.items() if scene.joint(name).kind == "hinge"]
     return {"largest_drive_torque_Nm": max(torques)} if torques else {}

@@ -1,4 +1,4 @@
-"""A mechanism as an engine has it: where its parts are among the generalised coordinates; the trajectory of a solve."""
+"""A mechanism in the generalised coordinates of an engine, and the trajectory of a solve."""
 
 from __future__ import annotations
 
@@ -24,19 +24,19 @@ AnyBody = TypeVar("AnyBody")
 
 
 class Coordinates(Protocol):
-    """How an engine numbers the coordinates q of a system, by nodes: one of a rigid body, more of a link."""
+    """Numbering of the coordinates q of a system by nodes: a rigid body has one node, a flexible link several."""
 
     @property
     def size(self) -> int:
         """Number m of coordinates."""
 
     def places(self, node: int) -> list[int]:
-        """Places in q of the coordinates of a node: 3 of a rigid body in the plane, 7 in space, 4 of a link's node."""
+        """Indices in q of the coordinates of a node: 3 of a rigid body (7 in space), 4 of a node of a flexible link."""
 
 
 @dataclass(frozen=True)
 class RigidHandle(Generic[AnyBody]):
-    """A rigid body, with the numbers that the engine gave to its node and object."""
+    """A rigid body, with the engine's numbers of its node and object."""
 
     body: AnyBody
     node: int
@@ -45,14 +45,14 @@ class RigidHandle(Generic[AnyBody]):
 
 @dataclass(frozen=True)
 class LinkHandle:
-    """A flexible link, with the numbers that the engine gave to its nodes and elements."""
+    """A flexible link, with the engine's numbers of its nodes and elements."""
 
     link: FlexibleLink
     nodes: tuple[int, ...]
     elements: tuple[int, ...]
 
     def end(self, point: Vector) -> int:
-        """Index of the first or last node and element, whichever is nearer to a point (2,) m of the link."""
+        """Index of the end node and element nearer to a point (2,) m of the link: 0 for the first, -1 for the last."""
         return -1 if point[0] > 0.5 * self.link.length else 0
 
 
@@ -60,15 +60,15 @@ class LinkHandle:
 class System:
     """A scene in the generalised coordinates of an engine.
 
-    coordinates: how they are numbered. bed: the granular load as the engine connects it, with its `load` and the
-    `nodes` it acts on, None where none is needed. loads: what acts in joints, by name; joints: all of them, None where
-    nothing acts. motions: constraint objects of prescribed motions, by joint; turning: of these those that
-    are between the angles of rigid bodies. turns: angles (rad) that constraints and observers found last, by which they
-    count whole turns.
+    coordinates: their numbering. bed: the granular load as coupled to the engine, with its `load` and the `nodes` it
+    acts on; None without one. loads: forces in joints, by name of the joint; joints: the engine's object for all of
+    them, None without any. motions: constraint objects of prescribed motions, by joint; turning: those of them that are
+    constraints between the angles of rigid bodies. turns: angles (rad) at the last evaluation of constraints and
+    observers, by which these count whole turns.
 
-    mbs, container: the engine's own system, of which mechanics know nothing. origin (2,) m, world frame: that of the
-    engine's coordinates, near the mechanism. Strains are differences of positions: a kilometre from the origin their
-    round-off makes forces that no iteration gets below.
+    mbs, container: the engine's own objects, which mechanics does not read. origin (2,) m, world frame: origin of the
+    engine's coordinates, near the mechanism. Strains are differences of positions: a kilometre away from the origin
+    their round-off would be a residual that no iteration reduces.
     """
 
     scene: Scene
@@ -94,53 +94,53 @@ class System:
     @property
     def levers(self) -> Vector:
         """Factors (m,) from rates to speeds of points (m/s): 1 for positions, a body's radius for its angle."""
-        found = np.zeros(self.coordinates.size)
+        levers = np.zeros(self.coordinates.size)
         for rigid in self.rigid.values():
-            found[self.coordinates.places(rigid.node)] = rigid.body.levers(self.scene.radius(rigid.body))
+            levers[self.coordinates.places(rigid.node)] = rigid.body.levers(self.scene.radius(rigid.body))
         for link in self.links.values():
             for node in link.nodes:
-                found[self.coordinates.places(node)] = 1.0, 1.0, 0.0, 0.0
-        return found
+                levers[self.coordinates.places(node)] = 1.0, 1.0, 0.0, 0.0
+        return levers
 
     @property
     def held(self) -> list[Vector]:
-        """Arrays of what Python keeps of joints, each once; from the first forces on they stay where they are."""
+        """Arrays with the joint state outside the engine, each once; they stay in place after the first forces."""
         return [*([] if self.joints is None else [self.joints.states]), *self.turns]
 
     @property
     def building_s(self) -> float:
-        """Wall time (s) that what the medium meets took to be made."""
+        """Wall time (s) for building the contact geometry."""
         return 0.0 if self.bed is None else float(self.bed.load.building_s)
 
     def sensors(self) -> Sensors:
-        """What reads its state in the pauses of a solve."""
+        """Sensors that read the state in the pauses of a solve."""
         from granular_contact.mechanics.sensors import Sensors
 
         return Sensors(self, None if self.bed is None else self.bed.load)
 
     def kinematics(self, trajectory: Trajectory) -> Kinematics:
-        """Its motion along a trajectory."""
+        """Kinematics of the system along a trajectory."""
         from granular_contact.mechanics.kinematics import Kinematics
 
         return Kinematics(self, trajectory)
 
     def observe(self, trajectory: Trajectory) -> Observation:
-        """What results hold of a run."""
+        """Observation of a run, from which its results are made."""
         from granular_contact.mechanics.observe import observe
 
         return observe(self, trajectory)
 
     def node_at(self, body: str, point: Vector) -> int:
-        """Node that a point (2,) m of a body belongs to: that of a rigid body, the root or tip of a link."""
+        """Node of a point (2,) m of a body: the node of a rigid body, or the nearer end node of a flexible link."""
         return self.rigid[body].node if body in self.rigid else self.links[body].nodes[self.links[body].end(point)]
 
     def nodes_of(self, joint: Any) -> list[int]:
-        """Nodes of the parent and the child of a joint, in the plane or in space, without the ground's."""
+        """Nodes of the parent and the child of a joint, in the plane or in space; the ground has none."""
         ends = ((joint.parent, joint.parent_point), (joint.child, joint.child_point))
         return [self.node_at(body, point) for body, point in ends if body is not None]
 
     def places(self, body: str, point: Vector) -> list[int]:
-        """Places of the coordinates of the node at a point of a body: 3 of a rigid one, in space 7, 4 of a link."""
+        """Indices of the coordinates of the node at a point of a body, see `Coordinates.places`."""
         return self.coordinates.places(self.node_at(body, point))
 
 
@@ -148,12 +148,12 @@ class System:
 class Trajectory:
     """Accepted steps of a solve, the start included.
 
-    time (n,) s; q, v (n, m) coordinates (reference values included) and rates of the whole system; load: what the bed
-    did, None without one; mass (m, m), sparse if large, constant for the bodies used here. multipliers: of the
-    constraints of prescribed motions (N m, N), (n,) each, by joint; a (n, m): the accelerations that belong to them,
-    None without such motions; set_to: what drives were set to from outside, as multipliers; strip_error: as found by
-    `strip_error`, None where it was not looked for; mode_errors (m): of deflections of links that bend in a few modes.
-    notices: what the engine could not do as usual, and what was done instead.
+    time (n,) s; q, v (n, m): coordinates (reference values included) and rates of the whole system; load: history of
+    the bed, None without one; mass (m, m): mass matrix, constant, sparse if large. multipliers: Lagrange multipliers
+    (N m, N) of prescribed motions, (n,) each, by joint; a (n, m): accelerations that belong to them, None without such
+    motions; set_to: targets of drives that are set from outside, (n,) each, by joint; strip_error: see `strip_error`,
+    None where it was not computed; mode_errors (m): errors of the deflections of links in modal coordinates. notices:
+    sentences on what the engine could not do as usual, and what was done instead.
     """
 
     status: Status
@@ -172,7 +172,7 @@ class Trajectory:
 
 
 def at_one(system: System, time: Vector, q: Vector, v: Vector) -> Trajectory:
-    """A trajectory of one instant, time (1,), q, v (1, m), that knows where everything is and no more."""
-    nothing = Cost(solve_s=0.0, steps=0, newton_iterations=0, jacobians=0, load_calls=0)
-    standing = paused(float(time[0]), system.scene.solver)
-    return Trajectory(standing, nothing, time, q, v, load=None, mass=None)
+    """Trajectory of one instant, time (1,), q, v (1, m), for positions and velocities alone."""
+    cost = Cost(solve_s=0.0, steps=0, newton_iterations=0, jacobians=0, load_calls=0)
+    status = paused(float(time[0]), system.scene.solver)
+    return Trajectory(status, cost, time, q, v, load=None, mass=None)

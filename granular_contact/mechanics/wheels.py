@@ -1,7 +1,7 @@
-"""What wheels have in their results: slip, sinkage, drawbar pull, load, torque and efficiency.
+"""Columns and numbers of wheels in results: slip, sinkage, drawbar pull, load, torque and efficiency.
 
-Slip and pull are along the surface below the axle, load and sinkage at right angles to it, as if the surface went on
-straight from there.
+Slip and pull are tangential to the surface below the axle, load and sinkage normal to it, as if the surface were the
+tangent plane there.
 """
 
 from __future__ import annotations
@@ -21,21 +21,21 @@ from granular_contact.results.accuracy import AccuracyWarning, share
 from granular_contact.results.energy import accumulate
 from granular_contact.scene.types import Scene, Vector
 
-STANDS = 1e-5  # m/s: below it, in rim and axle, there is no slip
-STEADY = 0.5  # the last part of the path, over which means are taken
+STANDS = 1e-5  # m/s: slip is zero where rim and axle are both slower
+STEADY = 0.5  # last part of the path, over which means are taken
 MEANS = ("slip", "sinkage_m", "drawbar_pull_N", "load_N", "torque_Nm", "side_force_N", "slip_angle_deg")
 # Slip angle (degrees) and slip beyond which measured wheels differ much from all laws: docs/howto/media.md.
 STEERED, BRAKED = 5.0, -0.6
-UNSTEADY = 5e-3  # changes within it that are told: what decays more slowly has 1 % to go at the most
+UNSTEADY = 5e-3  # change within that part from which a warning is given; a slower decay has at most 1 % to go
 
 
 def wheel_histories(motion: Kinematics, forces: Mapping[str, Vector]) -> dict[str, dict[str, Vector]]:
     """Histories (n,) of each wheel that the medium acts on, by its label.
 
     forces: of the medium by body, (n, 3): x, y (N) and moment about the origin (N m, counter-clockwise). v: speed (m/s)
-    of the axle along the surface, to the right; omega: rate (rad/s) of the wheel, as it rolls to the right.
+    of the axle along the surface, to the right; omega: rate (rad/s) of the wheel, positive where it rolls to the right.
     """
-    found, bed = {}, motion.scene.bed
+    histories, bed = {}, motion.scene.bed
     for body in motion.scene.rigid:
         name, wheel = body.name, body.wheel
         if wheel is None or name not in forces or bed is None:
@@ -45,7 +45,7 @@ def wheel_histories(motion: Kinematics, forces: Mapping[str, Vector]) -> dict[st
         speed, rim = np.sum(v * tangent, axis=1), -wheel.radius * spin
         slip, backward = sense(speed, rim)
         (ahead, upward), cosine = components(forces[name], tangent), tangent[:, 0]
-        found[label(name)] = {
+        histories[label(name)] = {
             "v": speed,
             "omega": -spin,
             "slip": slip,
@@ -54,11 +54,11 @@ def wheel_histories(motion: Kinematics, forces: Mapping[str, Vector]) -> dict[st
             "load_N": upward,
             "torque_Nm": -series.clockwise_moment(forces[name], p),
         }
-    return found
+    return histories
 
 
 def sense(speed: Vector, rim: Vector) -> tuple[Vector, NDArray[np.bool_]]:
-    """Slip (n,) of axles with these speeds (n,) m/s whose rims have these, and whether they travel backward (n,)."""
+    """Slip (n,) from the speeds (n,) m/s of axle and rim, and whether the wheel travels backward (n,)."""
     faster = np.maximum(np.abs(speed), np.abs(rim))
     moves = faster > STANDS
     slip = np.divide(rim - speed, faster, out=np.zeros_like(rim), where=moves)
@@ -69,31 +69,31 @@ def sense(speed: Vector, rim: Vector) -> tuple[Vector, NDArray[np.bool_]]:
 def tangents(slope: Vector) -> Vector:
     """Unit vectors (n, 2) along a surface with slopes (n,), to the right."""
     along = np.column_stack([np.ones_like(slope), slope])
-    found: Vector = along / np.hypot(1.0, slope)[:, None]
-    return found
+    units: Vector = along / np.hypot(1.0, slope)[:, None]
+    return units
 
 
 def components(force: Vector, tangent: Vector) -> tuple[Vector, Vector]:
-    """Parts (n,) of forces (n, 2 or more), x and y first, along unit tangents (n, 2) and along the normals upward."""
+    """Components (n,) of forces (n, 2 or more; x, y first) along unit tangents (n, 2) and along the upward normals."""
     (x, y), (tx, ty) = force[:, :2].T, tangent.T
     return x * tx + y * ty, y * tx - x * ty
 
 
-def add_wheels(found: dict[str, Any], histories: Mapping[str, Mapping[str, Vector]]) -> None:
-    """Add what wheels have in results to the fields of an observation; histories: by label, also in space."""
-    pitches = {label(body.name): body.wheel.pitch for body in found["scene"].rigid if body.wheel is not None}
-    numbers = wheel_numbers(found["time"], histories, pitches)
-    found["motion"] |= wheel_columns(histories)
-    found["more"] |= numbers
-    found["accuracy"] += wheel_warnings(found["scene"], numbers)
-    found["notices"] += tuple(uncompared(numbers))
+def add_wheels(fields: dict[str, Any], histories: Mapping[str, Mapping[str, Vector]]) -> None:
+    """Add columns, numbers and warnings of wheels to the fields of an observation; histories: by label."""
+    pitches = {label(body.name): body.wheel.pitch for body in fields["scene"].rigid if body.wheel is not None}
+    numbers = wheel_numbers(fields["time"], histories, pitches)
+    fields["motion"] |= wheel_columns(histories)
+    fields["more"] |= numbers
+    fields["accuracy"] += wheel_warnings(fields["scene"], numbers)
+    fields["notices"] += tuple(uncompared(numbers))
 
 
 def wheel_columns(histories: Mapping[str, Mapping[str, Vector]]) -> series.Series:
     """Columns of all wheels."""
     columns: series.Series = {}
-    for name, one in histories.items():
-        words = {
+    for name, history in histories.items():
+        texts = {
             "slip": f"slip of {name}: 1 - v / (r omega) where its rim is faster than its axle, else r omega / v - 1",
             "sinkage_m": f"depth of the rim of {name} below the surface, at right angles to it",
             "drawbar_pull_N": f"force of the medium on {name} along the surface, ahead in the direction of travel",
@@ -102,46 +102,51 @@ def wheel_columns(histories: Mapping[str, Mapping[str, Vector]]) -> series.Serie
             "side_force_N": f"force of the medium on {name} along the surface, to the left of where it rolls",
             "slip_angle_deg": f"angle from where {name} rolls to where its axle moves along the surface, to the left",
         }
-        columns |= {f"{name}_{key}": (text, one[key]) for key, text in words.items() if key in one}
-        pulled, driven = one["drawbar_pull_N"] * np.abs(one["v"]), one["torque_Nm"] * one["omega"]
+        columns |= {f"{name}_{key}": (text, history[key]) for key, text in texts.items() if key in history}
+        pulled, driven = history["drawbar_pull_N"] * np.abs(history["v"]), history["torque_Nm"] * history["omega"]
         share = np.divide(pulled, driven, out=np.zeros_like(pulled), where=(driven > 0.0) & (pulled > 0.0))
-        words_of_share = f"pull times speed over torque times rate of {name}; 0 where it is braked or does not pull"
-        columns[f"{name}_efficiency"] = (words_of_share, share)
+        text = f"pull times speed over torque times rate of {name}; 0 where it is braked or does not pull"
+        columns[f"{name}_efficiency"] = (text, share)
     return columns
 
 
 def wheel_numbers(
     time: Vector, histories: Mapping[str, Mapping[str, Vector]], pitches: Mapping[str, float]
 ) -> dict[str, Any]:
-    """Means over the last half of the path of each wheel: of the first under `wheel`, of others under their labels.
+    """Means over the last half of the path of each wheel: the first one under `wheel`, others under their labels.
 
-    pitches (rad, by label): between grousers, 0 of smooth wheels; means are over whole ones. efficiency: work of the
-    pull over work of the torque there; None where the wheel is braked or does not pull. Changes are from the mean of
-    the first half of that time to that of the second, of the sinkage over the sinkage, of the pull over the load.
+    pitches (rad, by label): angles between grousers, 0 for smooth wheels; means are over whole pitches. efficiency:
+    work of the pull over work of the torque in that time; None where the wheel is braked or does not pull. Changes are
+    from the mean of the first half of that time to the mean of the second half: of the sinkage relative to the sinkage,
+    of the pull relative to the load.
     """
     numbers = {}
-    for i, (name, one) in enumerate(histories.items()):
-        start, middle, later = _window(time, one, pitches[name])
+    for i, (name, history) in enumerate(histories.items()):
+        start, middle, later = _window(time, history, pitches[name])
         mean = partial(_mean, time, start, float(time[-1]))
-        found: dict[str, float | None] = {key: mean(one[key]) for key in MEANS if key in one}
-        pulled, driven = mean(one["drawbar_pull_N"] * np.abs(one["v"])), mean(one["torque_Nm"] * one["omega"])
-        found["efficiency"] = pulled / driven if pulled > 0.0 and driven > 0.0 else None
+        means: dict[str, float | None] = {key: mean(history[key]) for key in MEANS if key in history}
+        pulled = mean(history["drawbar_pull_N"] * np.abs(history["v"]))
+        driven = mean(history["torque_Nm"] * history["omega"])
+        means["efficiency"] = pulled / driven if pulled > 0.0 and driven > 0.0 else None
         scales = {"sinkage_m": "sinkage_change", "drawbar_pull_N": "pull_change_over_load"}
         for key, change in scales.items():
-            scale = abs(mean(one["sinkage_m" if key == "sinkage_m" else "load_N"]))
-            moved = _mean(time, later, float(time[-1]), one[key]) - _mean(time, start, middle, one[key])
-            found[change] = moved / scale if scale > 0.0 else None
-        numbers["wheel" if i == 0 else f"wheel_{name}"] = found
+            scale = abs(mean(history["sinkage_m" if key == "sinkage_m" else "load_N"]))
+            difference = _mean(time, later, float(time[-1]), history[key]) - _mean(time, start, middle, history[key])
+            means[change] = difference / scale if scale > 0.0 else None
+        numbers["wheel" if i == 0 else f"wheel_{name}"] = means
     return numbers
 
 
-def _window(time: Vector, one: Mapping[str, Vector], pitch: float) -> tuple[float, float, float]:
-    """When (s) the last half of a path begins, its first half ends and its second begins; in whole pitches (rad)."""
-    path = accumulate(time, np.maximum(np.abs(one["v"]), np.abs(one["omega"])))
+def _window(time: Vector, history: Mapping[str, Vector], pitch: float) -> tuple[float, float, float]:
+    """Times (s) at which the last half of a path begins, its first part ends and its second begins.
+
+    All three are whole pitches (rad) from the end, if there are any.
+    """
+    path = accumulate(time, np.maximum(np.abs(history["v"]), np.abs(history["omega"])))
     if not path[-1] > 0.0:
         return float(time[0]), float(time[0]), float(time[0])
     start, middle = (float(np.interp(share * path[-1], path, time)) for share in (1.0 - STEADY, 1.0 - 0.5 * STEADY))
-    turned = accumulate(time, np.abs(one["omega"]))
+    turned = accumulate(time, np.abs(history["omega"]))
     whole = math.floor((turned[-1] - np.interp(start, time, turned)) / pitch + 1e-9) if pitch > 0.0 else 0
     if whole < 1:
         return start, middle, middle
@@ -159,27 +164,27 @@ def _mean(time: Vector, start: float, end: float, values: Vector) -> float:
 
 
 def uncompared(numbers: Mapping[str, Any]) -> Iterator[str]:
-    """A sentence for each wheel that does what no law here is near the measurements of; numbers: of `wheel_numbers`."""
-    words = "outside the range in which laws were compared with wheels: {} {}, {}; see docs/howto/media.md"
-    for name, one in numbers.items():
+    """Yield a sentence for each wheel beyond the range in which laws were compared with measurements."""
+    text = "outside the range in which laws were compared with wheels: {} {}, {}; see docs/howto/media.md"
+    for name, means in numbers.items():
         if name.partition("_")[0] != "wheel":
             continue
-        if abs(turned := one.get("slip_angle_deg") or 0.0) > STEERED:
+        if abs(turned := means.get("slip_angle_deg") or 0.0) > STEERED:
             off = "measured side forces differ by a fifth to a half or more"
-            yield words.format(name, f"has a slip angle of {abs(turned):.0f} degrees", off)
-        if one["slip"] < BRAKED:
+            yield text.format(name, f"has a slip angle of {abs(turned):.0f} degrees", off)
+        if means["slip"] < BRAKED:
             off = "measured force and sinkage of a locked one are up to twice as large"
-            yield words.format(name, f"has a slip of {one['slip']:.2f}", off)
+            yield text.format(name, f"has a slip of {means['slip']:.2f}", off)
 
 
 def wheel_warnings(scene: Scene, numbers: Mapping[str, Any]) -> Iterator[AccuracyWarning]:
-    """A sentence where the wheel of a run of one is not steady; numbers: as of `wheel_numbers`."""
-    found, test = numbers.get("wheel"), scene.wheel_test
-    if found is None or test is None or any(medium.scatters for medium in scene.media):
+    """Yield a sentence if the wheel of a wheel test is not steady; numbers: of `wheel_numbers`."""
+    means, test = numbers.get("wheel"), scene.wheel_test
+    if means is None or test is None or any(medium.scatters for medium in scene.media):
         return
-    sinks, pulls = (abs(found[key] or 0.0) for key in ("sinkage_change", "pull_change_over_load"))
+    sinks, pulls = (abs(means[key] or 0.0) for key in ("sinkage_change", "pull_change_over_load"))
     if max(sinks, pulls) > UNSTEADY:
-        words = "the wheel is not steady: within the last half of its path its sinkage changed by "
-        words += f"{share(sinks)}, and its pull by {share(pulls)} of the load; take a longer solver.end_time_s "
-        words += f"(now {scene.solver.end_time_s:g})"
-        yield AccuracyWarning(words + ("" if test.rate is not None else ", if this torque has a steady motion at all"))
+        text = "the wheel is not steady: within the last half of its path its sinkage changed by "
+        text += f"{share(sinks)}, and its pull by {share(pulls)} of the load; take a longer solver.end_time_s "
+        text += f"(now {scene.solver.end_time_s:g})"
+        yield AccuracyWarning(text + ("" if test.rate is not None else ", if this torque has a steady motion at all"))

@@ -20,7 +20,7 @@ import numpy as np
 
 from granular_contact.mechanics.constraints import together
 from granular_contact.mechanics.departure import Flat, Instant, departures, pieces
-from granular_contact.mechanics.freedoms import left_by, slopes
+from granular_contact.mechanics.freedoms import null_space, slopes
 from granular_contact.mechanics.space.kinematics import SpatialKinematics
 from granular_contact.mechanics.space.system import SpatialSystem
 from granular_contact.sand.contact_lines import Body
@@ -209,7 +209,7 @@ def _freedoms(seen: SpatialKinematics) -> tuple[Vector, Vector, Vector]:
     rows += [seen.constraints.moved(joint) for joint in joints if joint.name in moved]
     W = _carried(seen, group)
     if rows and (held := together(rows).J).shape[1]:
-        W = W @ left_by(held @ W)
+        W = W @ null_space(held @ W)
     K, D = np.zeros((2, n, W.shape[2], W.shape[2]))
     for joint in joints:
         if joint.name in moved or not (joint.has_coordinate or joint.acts):
