@@ -27,6 +27,7 @@ FLOORS = (
     ("config",),
     ("sand.space.triangles", "sand.space.heights"),  # shapes and surfaces are made once, for scenes too
     ("sand.space.facets",),
+    ("sand.space.revolution",),
     ("sand.space.shapes",),
     ("sand.space.round_shapes",),
     ("sand.space.beam_shape",),

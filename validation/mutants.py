@@ -148,6 +148,7 @@ AREAS: dict[str, dict[str, tuple[str, ...]]] = {
         ),
         "sand/kernels/bars.py": (_FACETS[2], _FACETS[0]),
         "sand/space/facets.py": ("tests/space/test_shapes_in_space.py", *_FACETS),
+        "sand/space/revolution.py": ("tests/space/test_shapes_in_space.py", *_FACETS),
         "sand/space/round_shapes.py": ("tests/space/test_shapes_in_space.py", "tests/space/test_scene_in_space.py"),
     },
 }

@@ -30,7 +30,7 @@ from granular_contact import Drft, Mesh, Rft, Rft3d, Sphere
 from granular_contact.laws.law import Law
 from granular_contact.sand.contact_lines import Body, polyline
 from granular_contact.sand.load import GranularLoad
-from granular_contact.sand.space.facets import sides
+from granular_contact.sand.space.facets import half_sides
 from granular_contact.sand.space.load import SpatialLoad
 from granular_contact.sand.space.triangles import clusters_of
 from validation.study import Claim, Outcome, script
@@ -66,7 +66,7 @@ def sphere(medium: Law, leading: bool | None, height: float = -0.5) -> tuple[Spa
     if leading is not None:
         ahead = rows[:, 4:7] @ SPEED[:3] > 0.05 * np.linalg.norm(SPEED[:3])
         rows = np.ascontiguousarray(rows[ahead if leading else ~ahead])
-    load.lines[0] = replace(one, rows=rows, clusters=clusters_of(rows[:, :3], rows[:, 3], sides(rows)))
+    load.lines[0] = replace(one, rows=rows, clusters=clusters_of(rows[:, :3], rows[:, 3], half_sides(rows)))
     q = np.array([0.0, 0.0, height, *STILL])
     load.start(q)
     for i in range(3):

@@ -21,7 +21,7 @@ from granular_contact.sand import state as kept
 from granular_contact.sand.contact_lines import Body, outline, polyline
 from granular_contact.sand.kernels import space_sand
 from granular_contact.sand.load import GranularLoad
-from granular_contact.sand.space.facets import sides
+from granular_contact.sand.space.facets import half_sides
 from granular_contact.sand.space.load import SpatialLoad
 from granular_contact.sand.space.shapes import Shape
 from granular_contact.sand.space.triangles import clusters_of
@@ -425,7 +425,7 @@ def test_how_facets_are_kept_together_changes_nothing(shape: Shape) -> None:
     for each in (10**6, 8):
         load = load_on(SAND, shape, 0.012, surface=0.01, slope=(0.2, -0.1, 0.0))
         rows = load.lines[0].rows
-        together = clusters_of(rows[:, :3], rows[:, 3], sides(rows), each)
+        together = clusters_of(rows[:, :3], rows[:, 3], half_sides(rows), each)
         load.lines[0] = replace(load.lines[0], clusters=together)
         loads.append(load)
     q = state(np.array([0.0, 0.0, -0.01]), Rotation.from_rotvec([0.3, -0.2, 0.4]), np.zeros(3), np.zeros(3))[0]

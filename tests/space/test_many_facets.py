@@ -96,13 +96,13 @@ def test_all_shapes_of_a_bed_count(monkeypatch: Any) -> None:
 
 
 def test_making_them_counts_as_wall_time(monkeypatch: Any) -> None:
-    made = elements.cut
+    made = elements.cut_surface
 
     def slow(*given: Any) -> Any:
         time.sleep(0.5)
         return made(*given)
 
-    monkeypatch.setattr(elements, "cut", slow)
+    monkeypatch.setattr(elements, "cut_surface", slow)
     results = simulate({**foot(type="sphere", diameter_m=0.1), "solver": {"end_time_s": 10, "max_wall_s": 0.5}})
     assert results.status.code == "time_limit"
     assert results["time_s"][-1] < 1.0
@@ -111,8 +111,8 @@ def test_making_them_counts_as_wall_time(monkeypatch: Any) -> None:
 @pytest.mark.parametrize("config", ["hexapod", "snake", "walker_in_space"])
 def test_a_shape_that_bodies_share_is_cut_once(config: str, monkeypatch: Any) -> None:
     scene: Any = build(load(config))
-    cut, made = [], elements.cut
-    monkeypatch.setattr(elements, "cut", lambda shape, *sizes: cut.append(shape) or made(shape, *sizes))
+    cut, made = [], elements.cut_surface
+    monkeypatch.setattr(elements, "cut_surface", lambda shape, *sizes: cut.append(shape) or made(shape, *sizes))
     begin(scene)
     parts = [part for body in scene.rigid for part in body.parts if part.in_sand]
     assert len(cut) == len({id(part.shape) for part in parts}) <= 0.5 * len(parts)

@@ -12,7 +12,7 @@ from support_space import BODY, PLAY, SAND, load_on, message
 
 from granular_contact import Bar, Box, Capsule, Cone, Cylinder, Mesh, Plate, Poncelet, Rft, Sphere
 from granular_contact.geometry.mesh import areas
-from granular_contact.sand.space.facets import Size, of_rectangle, of_triangles, rows
+from granular_contact.sand.space.facets import Size, facet_rows, rectangle_facets, triangle_facets
 from granular_contact.sand.space.load import SpatialLoad
 
 D, H = 0.1, 0.15
@@ -125,9 +125,9 @@ def test_a_facet_reaches_as_far_as_its_farthest_corner() -> None:
     corner, a, b = rng.normal(size=(3, 3))
     triangle = np.array([corner, corner + a, corner + b])
     parallelogram = np.array([s * a + t * b for s in (-1, 1) for t in (-1, 1)])
-    flat = of_triangles(triangle[None]), of_rectangle(corner, a, b, Size(np.inf))
+    flat = triangle_facets(triangle[None]), rectangle_facets(corner, a, b, Size(np.inf))
     for facets, corners in zip(flat, (triangle - triangle.mean(axis=0), parallelogram), strict=True):
-        (row,) = rows(facets, np.zeros((0, 8)), thin=False)
+        (row,) = facet_rows(facets, np.zeros((0, 8)), thin=False)
         assert row[3] == pytest.approx(np.linalg.norm(corners, axis=1).max(), rel=1e-12)
 
 
@@ -216,8 +216,8 @@ def test_what_can_not_be_is_told() -> None:
 @pytest.mark.parametrize("shape", [Cone(0.08, 0.06), Cylinder(0.08, 0.06)], ids=["cone", "cylinder"])
 def test_patches_around_a_side_turn_no_farther_than_asked(shape: Cone | Cylinder) -> None:
     """Around the tip of a cone as well, where as many as their edges ask for would be four."""
-    facets = shape.facets_of(Size(edge=0.02, turn=0.12))
-    facets = facets.taken(np.abs(facets.normal[:, 2]) < 0.99)
+    facets = shape.cut_facets(Size(edge=0.02, turn=0.12))
+    facets = facets.subset(np.abs(facets.normal[:, 2]) < 0.99)
     side, heights = facets.normal, np.round(facets.place[:, 2], 9)
     for z in np.unique(heights):
         around = np.sort(np.arctan2(side[heights == z, 1], side[heights == z, 0]))

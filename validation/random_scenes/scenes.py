@@ -18,7 +18,7 @@ from granular_contact.config import load_scenario
 from granular_contact.errors import GranularContactError
 from granular_contact.results.observation import results
 from granular_contact.run import begin, run
-from granular_contact.sand.space.facets import chosen as chosen_facets
+from granular_contact.sand.space.facets import size_for_accuracy
 from granular_contact.scene import build
 from granular_contact.scene.types import Minimal, Reduced
 from validation.fuzzing.media import law
@@ -190,4 +190,4 @@ def solve_and_keep(tree: Tree, folder: Path) -> tuple[Any, Tree]:
 
 def _size_asked(scene: Any) -> float:
     """Size of the facets that the accuracy of a scene asks for, over that where none is asked for."""
-    return chosen_facets(1.0, scene.solver.named).edge / chosen_facets(1.0, None).edge
+    return size_for_accuracy(1.0, scene.solver.named).edge / size_for_accuracy(1.0, None).edge

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from granular_contact.geometry.rotations import quaternion_rates
 from granular_contact.sand.space.load import SpatialLoad
-from granular_contact.sand.space.other_facets import Others, others
+from granular_contact.sand.space.other_facets import FacetComparison, comparison_with_others
 
 Vector = NDArray[np.float64]
 MOST = 256  # instants that are kept; then every second one of them
@@ -29,10 +29,10 @@ class Facets:
         self._load_with = load_with
 
     @cached_property
-    def pair(self) -> tuple[SpatialLoad, Others | None]:
+    def pair(self) -> tuple[SpatialLoad, FacetComparison | None]:
         """The load with its own facets, and others; None where there are none."""
         own = self._load_with(1.0)
-        return own, others(own, self._load_with)
+        return own, comparison_with_others(own, self._load_with)
 
 
 class Instants:
@@ -72,7 +72,7 @@ class Instants:
             return 0.0
         part = np.zeros(len(self._kept[0][1]))
         for one in own.lines:
-            part[one.body.coordinates[0] // 7] = other.part_of(one.body.name)
+            part[one.body.coordinates[0] // 7] = other.error_factor(one.body.name)
         weights = np.gradient(np.array([one[0] for one in self._kept]))
         motion = [_motion(*one[1:]) for one in self._kept]
         powers = np.array([[_powers(load, q, v) for load in (own, other.load)] for q, v in motion])

@@ -103,7 +103,7 @@ class Outside(shapes.Shape):
     def facets(self, size: float | None = None, accuracy: float | None = None, share: float = 1.0) -> Facets:
         """As `Shape.facets`."""
         made = self._whole.facets(size, accuracy, share)
-        return made.taken(self._shown(made.place))
+        return made.subset(self._shown(made.place))
 
     def rims(self) -> Vector:
         """As `Shape.rims`."""
@@ -150,10 +150,10 @@ class _Ellipsoid(shapes.Shape):
         unit = round_shapes.Sphere(2.0).corners(max(fine / most, 0.2 * least / most))
         return np.ascontiguousarray(unit * self._radii)
 
-    def facets_of(self, size: Size) -> Facets:
-        """As `Shape.facets_of`: those of a sphere of radius 1 m, stretched along the axes."""
+    def cut_facets(self, size: Size) -> Facets:
+        """As `Shape.cut_facets`: those of a sphere of radius 1 m, stretched along the axes."""
         S, least, most = self._radii, float(self._radii.min()), float(self._radii.max())
-        unit = round_shapes.Sphere(2.0).facets_of(Size(size.edge / most, size.turn * max(0.3, least / most)))
+        unit = round_shapes.Sphere(2.0).cut_facets(Size(size.edge / most, size.turn * max(0.3, least / most)))
         a, b, normal = S * unit.a, S * unit.b, unit.normal / S
         grown = np.linalg.norm(normal, axis=1)
         curve = [np.sum(e * e, axis=1) / grown / np.sum(f * f, axis=1) for e, f in ((unit.a, a), (unit.b, b))]

@@ -84,9 +84,9 @@ class BedLoad:
     @property
     def met(self) -> set[str]:
         """As what the media meet bodies in space."""
-        from granular_contact.sand.space.load import kinds
+        from granular_contact.sand.space.load import element_kinds
 
-        return {kind for medium in self.load.media for kind in kinds(medium)}
+        return {kind for medium in self.load.media for kind in element_kinds(medium)}
 
     def height(self, place: Vector) -> float:
         """Height of the surface along `up` at a place (3,) m of the world."""

@@ -27,7 +27,14 @@ from granular_contact.sand.contact_lines import Body
 from granular_contact.sand.load import GranularLoad
 from granular_contact.sand.space.from_scene import add_part, load_from_scene
 from granular_contact.sand.space.load import SpatialLoad
-from granular_contact.sand.space.other_facets import SHARES, Others, differing, numbers, others, part
+from granular_contact.sand.space.other_facets import (
+    SHARES,
+    FacetComparison,
+    changed_bodies,
+    comparison_with_others,
+    facet_counts,
+    richardson_factor,
+)
 from granular_contact.scene.space.types import Vector
 
 # Of the motion at which its departure is followed at a glance, at the least, and for a body that touches alone: its
@@ -72,7 +79,7 @@ def estimate(observer: Any, doubtful: float) -> Errors:
     """
     touching = _touching(observer)
     given = observer.system.facets, partial(load_with, observer.system), touching
-    other = others(*given, (GLANCE, *SHARES[1:]))
+    other = comparison_with_others(*given, (GLANCE, *SHARES[1:]))
     if other is None:  # there are none: bars and balls alone
         return {}
     of, told = observer.scene.mechanisms, Errors()
@@ -80,7 +87,7 @@ def estimate(observer: Any, doubtful: float) -> Errors:
     before = _seen(observer, other, of, instants)
     if max(before.values()) <= doubtful:
         return before
-    other = others(*given) or other
+    other = comparison_with_others(*given) or other
     for count in (2 * instants, 4 * instants):
         now = _seen(observer, other, of, count)
         told = {name: max(error, told.get(name, 0.0)) for name, error in now.items()}
@@ -88,21 +95,23 @@ def estimate(observer: Any, doubtful: float) -> Errors:
         if all(high <= AGREE * low for low, high in pairs):
             break
         before = now
-    smaller = others(*given, [share for share in SHARES if share < 1.0]) if other.share > 1.0 else None
+    smaller = comparison_with_others(*given, [share for share in SHARES if share < 1.0]) if other.share > 1.0 else None
     for name, error in _seen(observer, smaller, of, count).items() if smaller is not None else ():
         told[name] = max(error, told.get(name, 0.0))
     return told
 
 
-def _seen(observer: Any, other: Others, of: dict[str, str], count: int) -> Errors:
+def _seen(observer: Any, other: FacetComparison, of: dict[str, str], count: int) -> Errors:
     """Errors by the departure that so many instants of the motion show."""
     (rates,) = departures(observer, _motion(observer, count), observer.system.facets, [other.load], Poses())
     far = rates.reshape(-1, 6).max(axis=1)
     found: Errors = {}
     for name, one in zip(observer.system.rigid, far.tolist(), strict=True):
-        own, there = (sum(n for body, n in each.items() if of[body] == of[name]) for each in (other.own, other.there))
+        own, there = (
+            sum(n for body, n in each.items() if of[body] == of[name]) for each in (other.counts, other.other_counts)
+        )
         if own > 0:
-            found[of[name]] = max(found.get(of[name], 0.0), part(own, there) * one)
+            found[of[name]] = max(found.get(of[name], 0.0), richardson_factor(own, there) * one)
     return found
 
 
@@ -126,7 +135,7 @@ def track(observer: Any, found: Errors | None = None) -> Track:
         ends = scene.radius(body) * observer.rotation(body.name).reshape(-1, 9)
         places.append(np.hstack([observer.center(body.name)[0], ends]))
     shares = {of: scene.facet_shares.get(of, 1.0) for of in scene.mechanisms.values()}
-    counted = numbers(observer.system.facets, _touching(observer))
+    counted = facet_counts(observer.system.facets, _touching(observer))
     return Track(observer.trajectory.time, np.stack(places, axis=1), shares, counted, found or {})
 
 
@@ -149,7 +158,7 @@ def of_two(before: Track, observer: Any) -> Errors:
         mine = {body: n for body, n in before.numbers.items() if of[body] == name and body in now.numbers}
         if share == before.shares[name]:
             found[name] = before.errors.get(name, 0.0)
-        elif len(differing(mine, now.numbers)) < len(mine):
+        elif len(changed_bodies(mine, now.numbers)) < len(mine):
             found[name] = math.inf
         else:
             far = max(one for body, one in zip(observer.system.rigid, apart.tolist(), strict=True) if of[body] == name)

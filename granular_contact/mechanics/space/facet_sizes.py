@@ -26,7 +26,7 @@ def edges(rows: Vector) -> Vector:
 def numbers(motion: SpatialKinematics, error: float) -> dict[str, Any]:
     """Of the summary: the estimated error; of each body number and edges."""
     bodies: dict[str, dict[str, float]] = {}
-    for one in (one for one in motion.system.facets.lines if one.meets == "surface"):
+    for one in (one for one in motion.system.facets.lines if one.element_kind == "surface"):
         rows = one.rows[one.rows[:, FORM] != RIM]
         body = bodies.setdefault(mechanism.label(link_of(one.body.name)), {"number": 0, "edge_m": 0.0})
         body["number"] += len(rows)

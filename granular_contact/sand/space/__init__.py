@@ -25,6 +25,7 @@ beam_shape  pieces of links that bend; cables: pieces of the beams of an engine
 elements    rows and clusters of the elements of a shape, as the kernels read them
 facets      triangles, parallelograms and patches of round surfaces, and their size; other_facets: estimate of the error
             of a load by its facets
+revolution  rings and patches of surfaces of revolution
 triangles   cutting of triangles; clusters of neighbours (checks of meshes, and mesh files: `geometry`)
 batch       elements of one kind in one medium, evaluated in one compiled call
 heights     map of heights of the surface

@@ -1,4 +1,4 @@
-"""Elements of one kind in one medium, on all bodies that have some, with the arrays that kernels read."""
+"""Elements of one kind in one medium, on all bodies that have any, with the arrays that the kernels read."""
 
 from __future__ import annotations
 
@@ -16,24 +16,46 @@ from granular_contact.sand.kernels.proximity import DEEPEST, EVER
 from granular_contact.sand.kernels.space_joining import space_record
 from granular_contact.sand.kernels.space_law import BODIES, BODY
 from granular_contact.sand.space.elements import Elements
-from granular_contact.sand.space.triangles import around
+from granular_contact.sand.space.triangles import enclose
 
 Vector = NDArray[np.float64]
-# Those of its arrays that kernels know by the same names.
-OWN = (
+# Attributes of a batch that are arrays of `space_law.BODIES` of the same name.
+ARRAYS = (
     *("places", "bodies", "turn", "clusters", "elements", "anchors", "active", "ground", "poses", "proximity"),
     *("columns", "asked", "wrenches", "reference"),
 )
 
 
 class SpatialBatch:
-    """Elements of one kind in one medium, computed in one call.
+    """Elements of one kind in one medium, evaluated in one compiled call.
 
-    law: class of the medium, with its record (1,) for the planar kernels; ground (4,): see `kernels.space_law`; turn
-    (3, 3): from the world to the frame of the bed; columns: for each element set, as of `history.HistoryTable`. anchors
-    (rows, 3) m: the friction state, with `paths` more columns, see `kernels.space_law`; layer: depths (m) that the
-    medium lies between, None if it fills the bed; active (clusters,): what may touch the surface in this step; poses,
-    proximity, asked, wrenches: see `kernels.space_bodies`.
+    Parameters
+    ----------
+    sets : sequence of Elements
+        Elements of shapes, all of one kind.
+    law : type
+        Class of the law of the medium.
+    own : (1,) array
+        Record of the law for the kernels of the plane.
+    ground : (4,) or longer array
+        The surface, see `kernels.ground`.
+    turn : (3, 3) array
+        Rotation from the world frame to the frame of the bed.
+    columns : sequence of (3,) array
+        Columns of each set in a row of the history, see `history.HistoryTable`.
+    paths : int
+        Number of additional columns of the anchors, see `kernels.space_law`.
+    layer : tuple of float, optional
+        Depths (m) between which the medium lies; None: it fills the bed.
+
+    Attributes
+    ----------
+    anchors : (rows, 3 + paths) array
+        Friction state (m).
+    active : (clusters,) array of bool
+        Whether a cluster can touch the surface in this step.
+    poses, proximity, asked, wrenches : array
+        See `kernels.space_bodies`.
     """
 
     def __init__(
@@ -49,19 +71,19 @@ class SpatialBatch:
     ) -> None:
         self.ground, self.turn = ground, turn
         mapped = len(ground) > PLANE
-        self._record = partial(space_record, law, own, sets[0].meets, layer, paths=paths > 0, heights=mapped)
+        self._record = partial(space_record, law, own, sets[0].element_kind, layer, paths=paths > 0, heights=mapped)
         grouped: dict[Any, list[Elements]] = {}
         of_bodies = []
-        for one, at in zip(sets, columns, strict=True):
-            if one.body.identity not in grouped:
-                of_bodies.append(at)
-            grouped.setdefault(one.body.identity, []).append(one)
+        for elements, element_columns in zip(sets, columns, strict=True):
+            if elements.body.identity not in grouped:
+                of_bodies.append(element_columns)
+            grouped.setdefault(elements.body.identity, []).append(elements)
         self.columns = np.array(of_bodies)
         self._groups = list(grouped.values())
-        ordered = [one for group in self._groups for one in group]
-        self.elements = np.concatenate([one.rows for one in ordered])
-        self.clusters = _counted(ordered)
-        self.bodies = _bodies(self._groups)
+        ordered = [elements for group in self._groups for elements in group]
+        self.elements = np.concatenate([elements.rows for elements in ordered])
+        self.clusters = _numbered_clusters(ordered)
+        self.bodies = _body_records(self._groups)
         coordinates = np.concatenate([np.asarray(group[0].body.coordinates, np.int64) for group in self._groups])
         self.places = np.column_stack([coordinates, coordinates])
         self.anchors = np.zeros((len(self.elements), 3 + paths))
@@ -70,20 +92,26 @@ class SpatialBatch:
         self.proximity = np.zeros((len(self.bodies), 3))
         self.asked = np.full((len(self.bodies), 2, 7), np.nan)
         self.wrenches = np.zeros((len(self.bodies), TERMS, 6))
-        self.entries = int(np.sum(self.bodies["places"] ** 2))  # most that a tangent has
+        self.entries = int(np.sum(self.bodies["places"] ** 2))  # upper bound of entries of a tangent
 
     @cached_property
     def medium(self) -> NDArray[np.void]:
-        """The medium as kernels read it; its law is compiled, the first time on a machine."""
+        """The medium as the kernels read it. The law is compiled when it is first used on a machine."""
         return self._record()
 
     @cached_property
-    def _for_bodies(self) -> NDArray[np.void]:
-        """The medium for the kernels of `space_bodies`."""
+    def _body_medium(self) -> NDArray[np.void]:
+        """The medium as the kernels of `space_bodies` read it."""
         return self._record(bodies=True, six=bool((self.bodies["size"] == 6).any()))
 
     def start(self, where: NDArray[np.int64] | None, reference: Vector) -> NDArray[np.int64]:
-        """Forget all motion; return the addresses of the arrays, for kernels; arguments as of `GranularLoad.start`."""
+        """Begin a new history with unstretched bristles; arguments as of `GranularLoad.start`.
+
+        Returns
+        -------
+        (addresses,) array
+            Addresses of all arrays, for the kernels.
+        """
         if where is not None:
             self.places[:, 0] = where[self.places[:, 1]]
         self.active[:] = True
@@ -92,52 +120,52 @@ class SpatialBatch:
         self.forget()
         self.proximity[:, EVER] = -np.inf
         self.reference = reference
-        own = {name: getattr(self, name) for name in OWN}
-        return BODIES.addresses(own | {"medium": self._for_bodies})
+        own = {name: getattr(self, name) for name in ARRAYS}
+        return BODIES.addresses(own | {"medium": self._body_medium})
 
     def immersed(self) -> set[tuple[str, Kind, float]]:
-        """Body, kind and size (m) of the bodies that were ever immersed."""
-        ever = [group for group, depth in zip(self._groups, self.proximity[:, EVER], strict=True) if depth > 0.0]
-        return {(one.body.name, one.kind, one.size) for group in ever for one in group}
+        """Name of the body, kind and size (m) of each set on the bodies that have ever been immersed."""
+        groups = [group for group, depth in zip(self._groups, self.proximity[:, EVER], strict=True) if depth > 0.0]
+        return {(elements.body.name, elements.kind, elements.size) for group in groups for elements in group}
 
     @property
     def depths(self) -> Vector:
-        """Depth (bodies,) m of the deepest point of each body where it was accepted last."""
+        """Depth (bodies,) m of the deepest point of each body at the last accepted step."""
         return self.proximity[:, DEEPEST]
 
     def forget(self) -> None:
-        """As of `batch.Batch`."""
+        """Mark the kept wrenches as invalid; see `batch.Batch.forget`."""
         self.asked[:, 0, 0] = np.nan
 
     def state(self) -> tuple[NDArray[Any], ...]:
-        """What accepted steps change."""
+        """Arrays that accepted steps change."""
         return self.anchors, self.poses, self.proximity, self.active
 
 
-def _counted(sets: Sequence[Elements]) -> NDArray[np.void]:
-    """Clusters of all sets, with their places among all rows."""
-    made, row = [], 0
-    for one in sets:
-        clusters = one.clusters.copy()
+def _numbered_clusters(sets: Sequence[Elements]) -> NDArray[np.void]:
+    """Clusters of all sets, with their first and last row among the rows of all sets."""
+    records, row = [], 0
+    for elements in sets:
+        clusters = elements.clusters.copy()
         clusters["first"] += row
         clusters["last"] += row
-        row += len(one.rows)
-        made.append(clusters)
-    return np.concatenate(made)
+        row += len(elements.rows)
+        records.append(clusters)
+    return np.concatenate(records)
 
 
-def _bodies(groups: Sequence[Sequence[Elements]]) -> NDArray[np.void]:
-    """Records of bodies, each with the clusters of its sets."""
+def _body_records(groups: Sequence[Sequence[Elements]]) -> NDArray[np.void]:
+    """Record of each body, with its coordinates, its clusters and a sphere around them."""
     bodies = np.zeros(len(groups), BODY)
     coordinate = cluster = 0
     for body, group in zip(bodies, groups, strict=True):
-        clusters = np.concatenate([one.clusters for one in group])
-        on = group[0].body
-        body["size"] = body["places"] = len(on.coordinates)
+        clusters = np.concatenate([elements.clusters for elements in group])
+        owner = group[0].body
+        body["size"] = body["places"] = len(owner.coordinates)
         body["start"] = coordinate
-        if on.piece is not None:
-            body["size"], body["shape"], body["axis"] = 6, on.piece.shape, on.piece.axis
+        if owner.piece is not None:
+            body["size"], body["shape"], body["axis"] = 6, owner.piece.shape, owner.piece.axis
         body["first"], body["last"] = cluster, cluster + len(clusters)
-        around(body, np.column_stack([clusters[name] for name in "xyz"]), clusters["radius"])
+        enclose(body, np.column_stack([clusters[name] for name in "xyz"]), clusters["radius"])
         coordinate, cluster = coordinate + body["places"], cluster + len(clusters)
     return bodies

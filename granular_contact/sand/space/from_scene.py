@@ -1,4 +1,4 @@
-"""Scene in space -> granular load: its media and surface, and what of its parts they meet."""
+"""Granular load of a scene in space: its media and surface, and the elements of its parts."""
 
 from __future__ import annotations
 
@@ -9,18 +9,27 @@ from granular_contact.sand.contact_lines import Body
 from granular_contact.sand.space.load import SpatialLoad
 from granular_contact.scene.space.types import Part, SpatialScene
 
-# Power of the number of a mechanism's bodies in sand by which its facets are larger: the sum of forces grows with it,
-# that of their errors, which are independent, with its root, and an error goes with the square of facets.
-TOGETHER = 0.25
+# Facets grow with this power of the number of bodies of a mechanism in sand: the sum of the forces grows with that
+# number, the sum of their independent errors with its root, and an error grows with the square of the facet size.
+COUNT_POWER = 0.25
 
 
 def load_from_scene(scene: SpatialScene) -> SpatialLoad:
-    """The load of a scene with a bed, without anything on it yet.
+    """Load of a scene that has a bed, still without elements.
+
+    Parameters
+    ----------
+    scene : SpatialScene
+        The scene.
+
+    Returns
+    -------
+    SpatialLoad
 
     Raises
     ------
     SceneError
-        A medium has what is for the plane alone.
+        A medium has an option that is for the plane only, or lacks a number that is needed in space.
     """
     bed = scene.bed
     assert bed is not None
@@ -41,10 +50,31 @@ def load_from_scene(scene: SpatialScene) -> SpatialLoad:
 
 
 def add_part(load: SpatialLoad, body: Body, part: Part, scene: SpatialScene, mass: float, share: float = 1.0) -> None:
-    """Let the media act on a part of a body of a mass (kg); share: of the size of its facets, which is taken."""
+    """Add a part of a body to a load.
+
+    Parameters
+    ----------
+    load : SpatialLoad
+        The load. It is changed.
+    body : Body
+        The body.
+    part : Part
+        The part.
+    scene : SpatialScene
+        The scene.
+    mass : float
+        Mass of the body (kg).
+    share : float
+        Factor of the size of its facets.
+
+    Raises
+    ------
+    SceneError
+        As of `SpatialLoad.add_shape`.
+    """
     share *= scene.facet_shares.get(body.name, 1.0)
     if part.facet_size is None:
-        share *= scene.in_sand[scene.mechanisms[body.name]] ** TOGETHER
+        share *= scene.in_sand[scene.mechanisms[body.name]] ** COUNT_POWER
     load.add_shape(
         body,
         part.shape,

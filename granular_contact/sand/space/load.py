@@ -1,4 +1,4 @@
-"""The granular load on bodies in space: forces at a state, its tangent, accepted steps, history."""
+"""Granular load on bodies in space: forces at a state, their tangent, accepted steps, history."""
 
 from __future__ import annotations
 
@@ -32,32 +32,37 @@ from granular_contact.sand.space.shapes import Bar, Shape
 from granular_contact.sand.space.triangles import COST, FACET_SIZE, MOST_FACETS
 
 Vector = NDArray[np.float64]
-WORDS = {"surface": "surfaces", "bar": "a Bar", "ball": "a Sphere"}
+ELEMENT_NAMES = {"surface": "surfaces", "bar": "a Bar", "ball": "a Sphere"}
 
 
 class SpatialLoad(GranularLoad):
-    """One medium, or several whose forces add, that act on surfaces, bars and balls in space.
+    """One medium that acts on surfaces, bars and balls in space, or several media whose forces add.
 
-    It sees bodies as one vector of coordinates q (m,) with rates v (m,), and gives generalised forces (m,): of a body
-    its position x, y, z (m) and four Euler parameters, or three Tait-Bryan angles (rad) with R = R_x R_y R_z. In all
-    else as `GranularLoad`.
+    Bodies are one vector of coordinates q (m,) with rates v (m,); the load returns generalised forces (m,). A body has
+    the coordinates x, y, z (m) and four Euler parameters, or three Tait-Bryan angles (rad) with R = R_x R_y R_z.
+    Everything else is as in `GranularLoad`.
 
     Parameters
     ----------
     medium, gravity, static, end_cap, floor
-        As of `GranularBed`, with its errors.
+        As of `GranularBed`.
     surface : float
-        Height of the surface along `up` (m), where it is level; else at the world origin.
+        Height of a level surface along `up` (m); of an inclined surface the height at the world origin.
     up : (3,) array
-        Direction against which depth is counted and gravity acts on the medium, in the world frame.
+        Direction against which depth is measured and gravity acts on the medium, in the world frame.
     slope : (3,) array or 0
-        Rise of the surface per length along each axis of the world; what lies along `up` does not count.
+        Rise of the surface per length along each axis of the world; its component along `up` does not count.
     heights : Heights, optional
-        A map of heights above such a surface; for a bed whose `up` is z.
+        Map of heights above that surface, for a bed whose `up` is z.
     watch : bool
-        Whether the history has how far what is immersed reaches along x and y.
+        Whether the history records the range of what is immersed along x and y.
     spread : float
-        Over how much more of its bristles' yield the loading of a face that rests is spread.
+        Factor of the displacement over which the load on a face of a resting body builds up.
+
+    Raises
+    ------
+    ValueError
+        An argument is not allowed; errors as of `GranularBed`.
     """
 
     def __init__(
@@ -77,16 +82,16 @@ class SpatialLoad(GranularLoad):
     ) -> None:
         self.watch = watch
         layers = layers_from(medium, "distributed")
-        for one in (layer.medium for layer in layers):
-            if one.scatters and kinds(one) != ["surface"]:
-                words = "has scatter, which in space is for laws of surfaces; allowed is none"
-                raise ValueError(f"medium: {one.name} {words}")
-            for key in one.lacking_in_space:
-                raise ValueError(f"medium: {one.name} has no {key}, but in space a number is needed there")
+        for law in (layer.medium for layer in layers):
+            if law.scatters and element_kinds(law) != ["surface"]:
+                reason = "has scatter, which in space is for laws of surfaces; allowed is none"
+                raise ValueError(f"medium: {law.name} {reason}")
+            for key in law.lacking_in_space:
+                raise ValueError(f"medium: {law.name} has no {key}, but in space a number is needed there")
         self._set_common(layers, static, gravity, floor)
         for record in self.records:
             record["pressed"] *= spread
-        self.turn = turn_to(up)
+        self.turn = rotation_to_z(up)
         self.ground = _ground(surface, slope, self.turn)
         check_slope(self.media, math.hypot(*self.ground[1:3]))
         if heights is None and not self.ground[1:3].any():
@@ -95,11 +100,11 @@ class SpatialLoad(GranularLoad):
             self.ground = np.concatenate([self.ground, heights.numbers])
             self.ground[3] = np.sqrt(1.0 + heights.steepest**2)
         self.resultant, self.end_cap = False, end_cap
-        self._cut: dict[Any, tuple[Shape, elements.Cut]] = {}  # see `_surface`
+        self._cut: dict[Any, tuple[Shape, elements.CutSurface]] = {}  # see `_surface`
 
     @property
     def kernels(self) -> Any:
-        """As of `GranularLoad`; those of a bed with walls also see how far what is immersed reaches."""
+        """Module of compiled functions; see `GranularLoad.kernels`. That of a bed with walls also records the range."""
         if self.watch:
             from granular_contact.sand.kernels import space_watched
 
@@ -118,141 +123,196 @@ class SpatialLoad(GranularLoad):
         share: float = 1.0,
         mass: float | None = None,
     ) -> None:
-        """Let the media act on a shape of a body; arguments as of `GranularBed.add_body`, mass (kg): of the body.
+        """Add a shape of a body. Each medium acts on the kinds of element that its law takes.
 
-        accuracy: the error of the motion that facets may cause, as a part of the way, where they have no size; share:
-        of either size, which is taken.
+        Parameters
+        ----------
+        body : Body
+            The body.
+        shape : Shape
+            The shape.
+        position : (3,) array
+            Position of the shape (m) in the frame of the body.
+        rotation : (3, 3) array, optional
+            Rotation of the shape in the frame of the body.
+        facet_size : float, optional
+            Greatest edge of facets (m).
+        accuracy : float, optional
+            Without a size: allowed error of the motion by facets, relative to the path.
+        share : float
+            Factor of the size in either case.
+        mass : float, optional
+            Mass of the body (kg), for a sphere without a mass of its own.
 
         Raises
         ------
         SceneError
-            No medium takes such a shape, it is not where a shape can be, or the list is closed.
+            No medium takes such a shape, an argument is not allowed, there are too many facets, or the batches are
+            formed already.
         """
         self.check_open()
         if not isinstance(shape, Shape):
             raise scene_error("bed", f"shape: got {shape!r}, allowed is a shape, such as Box((0.1, 0.1, 0.05))")
         began = time.perf_counter()
-        place, turn = elements.place_of(position), elements.turn_of(rotation)
+        place, turn = elements.position_vector(position), elements.rotation_matrix(rotation)
         if facet_size is not None and not (np.isfinite(facet_size) and facet_size > 0.0):
             raise scene_error("bed", f"facet_size: got {facet_size}, allowed is a number above 0 (m)")
-        made = []
-        for meets in self._met_as(shape):
-            if meets == "ball":
+        parts = []
+        for kind in self._element_kinds(shape):
+            if kind == "ball":
                 self._check_whole()
-            if meets == "surface":
-                made.append(elements.surface(body, self._surface(shape, facet_size, accuracy, share), place, turn))
+            if kind == "surface":
+                parts.append(elements.surface(body, self._surface(shape, facet_size, accuracy, share), place, turn))
             elif isinstance(shape, Bar):
-                made.append(elements.bar(body, shape, place, turn))
-                made[-1].clusters["cap"] &= self.end_cap
+                parts.append(elements.bar(body, shape, place, turn))
+                parts[-1].clusters["cap"] &= self.end_cap
             elif isinstance(shape, Sphere):
-                made.append(elements.ball(body, shape, place, mass))
-        count = sum(len(one.rows) for one in (*self.lines, *made) if one.meets == "surface")
+                parts.append(elements.ball(body, shape, place, mass))
+        count = sum(len(part.rows) for part in (*self.lines, *parts) if part.element_kind == "surface")
         if count > MOST_FACETS:
-            words = f"got {count:,} facets in all; allowed are {MOST_FACETS:,}, which take {COST}: larger facets, or"
-            raise scene_error(FACET_SIZE, f"{words} fewer shapes in the sand (in_sand: false)")
-        self.lines += [replace(one, again=i > 0) for i, one in enumerate(made)]
+            reason = f"got {count:,} facets in all; allowed are {MOST_FACETS:,}, which take {COST}: larger facets, or"
+            raise scene_error(FACET_SIZE, f"{reason} fewer shapes in the sand (in_sand: false)")
+        self.lines += [replace(part, duplicate=i > 0) for i, part in enumerate(parts)]
         self.table = self._new_table()
         self.building_s += time.perf_counter() - began
 
-    def _surface(self, shape: Shape, size: float | None, accuracy: float | None, share: float) -> elements.Cut:
-        """Facets of a shape, cut once for all bodies that share it; arguments as of `elements.cut`."""
+    def _surface(self, shape: Shape, size: float | None, accuracy: float | None, share: float) -> elements.CutSurface:
+        """Facets of a shape, cut once for all bodies that share it; arguments as of `elements.cut_surface`."""
         key = id(shape), size, accuracy, share
         if key not in self._cut:
-            self._cut[key] = shape, elements.cut(shape, size, accuracy, share)
+            self._cut[key] = shape, elements.cut_surface(shape, size, accuracy, share)
         return self._cut[key][1]
 
     def pieces(self) -> Iterator[tuple[float, float]]:
-        """Nothing: no door takes a map of heights."""
+        """Yield nothing: the beds of scripts, which warn of steep pieces, take no map of heights."""
         yield from ()
 
-    def _met_as(self, shape: Shape) -> list[str]:
-        """As what the media meet a shape: surface, bar or ball."""
-        can = {"bar"} if isinstance(shape, Bar) else {"surface", "ball"} if isinstance(shape, Sphere) else {"surface"}
-        found: list[str] = [
-            kind for kind in ("surface", "bar", "ball") if kind in can and any(kind in kinds(m) for m in self.media)
-        ]
-        if not found:
-            known = "; ".join(
-                f"{m.name} takes {' and '.join(WORDS[k] for k in kinds(m)) or 'nothing'}" for m in self.media
+    def _element_kinds(self, shape: Shape) -> list[str]:
+        """Kinds of element by which the media act on a shape: surface, bar or ball."""
+        possible: tuple[str, ...] = ("surface",)
+        if isinstance(shape, Sphere | Bar):
+            possible = ("bar",) if isinstance(shape, Bar) else ("surface", "ball")
+        kinds = [kind for kind in possible if any(kind in element_kinds(medium) for medium in self.media)]
+        if not kinds:
+            reason = "; ".join(
+                f"{medium.name} takes {' and '.join(ELEMENT_NAMES[k] for k in element_kinds(medium)) or 'nothing'}"
+                for medium in self.media
             )
-            raise scene_error("bed", f"in space nothing acts on a {type(shape).__name__}: {known}")
-        return found
+            raise scene_error("bed", f"in space nothing acts on a {type(shape).__name__}: {reason}")
+        return kinds
 
     def close(self) -> None:
-        """Form the batches, of the elements that the floor or one medium meets as one kind; `start` does it too."""
+        """Form the batches: of each kind of element that the floor meets, and of each kind that a medium takes.
+
+        `start` does it too.
+        """
         self._cut.clear()
         if self.floor is not None:
             ground, owner = np.array([self.floor.height, 0.0, 0.0, 1.0]), self.floor.record_in_space()
-            for kind in dict.fromkeys(one.meets for one in self.lines):
-                sets = [_two_sided(one) for one in self.lines if one.meets == kind and not one.again]
-                self._form(len(self.media), None, sets, (InSpace, owner, ground))
+            for kind in dict.fromkeys(group.element_kind for group in self.lines):
+                sets = [_two_sided(group) for group in self.lines if group.element_kind == kind and not group.duplicate]
+                self._add_batch(len(self.media), None, sets, (InSpace, owner, ground))
         for index, (layer, record) in enumerate(zip(self.layers, self.records, strict=True)):
             medium = layer.medium
             drop = float(getattr(medium, "surface_drop", 0.0))
             ground = self.ground.copy()
             ground[0] -= drop
-            between = None if layer.whole else (max(0.0, layer.top - drop), max(0.0, layer.bottom - drop))
-            for kind in kinds(medium):
+            depths = None if layer.whole else (max(0.0, layer.top - drop), max(0.0, layer.bottom - drop))
+            for kind in element_kinds(medium):
                 paths = 0
                 if kind == "surface":
                     paths = facet_paths.COLUMNS - 3 if medium.scatters else 0
                     paths += facet_paths.SHEARED if medium.shear_grows else 0
-                sets = [one for one in self.lines if one.meets == kind]
-                self._form(index, medium, sets, (owner_of(type(medium)), record, ground), paths=paths, layer=between)
+                sets = [group for group in self.lines if group.element_kind == kind]
+                self._add_batch(
+                    index, medium, sets, (owner_of(type(medium)), record, ground), paths=paths, layer=depths
+                )
         self.room_for_tangents = np.zeros((sum(batch.entries for batch in self.batches), 3))
 
-    def _form(
+    def _add_batch(
         self,
         index: int,
         medium: Law | None,
         sets: Sequence[elements.Elements],
-        met: tuple[Any, NDArray[np.void], Vector],
+        law: tuple[Any, NDArray[np.void], Vector],
         **options: Any,
     ) -> None:
-        """Add the batch of what a medium, the one of this number, or the floor (None) meets, if there is anything.
+        """Add the batch of the elements on which a medium acts, or the floor (None), if there are any.
 
-        met, options: law, its record and the surface, and what else a `SpatialBatch` takes.
+        index: number of the medium; law: class of the law, its record and the surface; options: other arguments of
+        `SpatialBatch`.
         """
         if not sets:
             return
-        columns = [self.table.columns(index, one.body.name) for one in sets]
-        batch = SpatialBatch(sets, *met, self.turn, columns, **options)
+        columns = [self.table.columns(index, group.body.name) for group in sets]
+        batch = SpatialBatch(sets, *law, self.turn, columns, **options)
         if medium is not None and medium.scatters:
             medium.fill_scatter(batch.clusters, in_space=True)
         self.batches.append(batch)
         self.batch_media.append(medium)
 
     def _new_table(self, **of_rows: Any) -> HistoryTable:
+        """Empty table of the history for the present bodies and media."""
         reached = (math.inf, math.inf, -math.inf, -math.inf) if self.watch else ()
         return super()._new_table(size=SPACE, reached=reached, **of_rows)
 
 
-def _two_sided(one: elements.Elements) -> elements.Elements:
-    """Elements as a floor meets them: no side of a surface leads or trails."""
-    if one.meets != "surface":
-        return one
-    rows = one.rows.copy()
+def _two_sided(group: elements.Elements) -> elements.Elements:
+    """Elements on which a floor acts: it acts on both sides of a surface."""
+    if group.element_kind != "surface":
+        return group
+    rows = group.rows.copy()
     rows[:, SIDE] = 0.0
-    return replace(one, rows=rows)
+    return replace(group, rows=rows)
 
 
-def kinds(medium: Law) -> list[str]:
-    """As what a medium meets bodies in space: surface, bar, ball."""
+def element_kinds(medium: Law) -> list[str]:
+    """Kinds of element on which a medium acts in space.
+
+    Parameters
+    ----------
+    medium : Law
+        The medium.
+
+    Returns
+    -------
+    list of str
+        Of "surface", "bar" and "ball".
+    """
     return sorted(kinds_of(type(medium)))
 
 
-def laws_for(meets: Collection[str]) -> list[str]:
-    """Tags of the laws that meet bodies in space as one of these."""
-    return [tag for tag, law in LAWS.items() if kinds_of(law) & set(meets)]
+def laws_for(kinds: Collection[str]) -> list[str]:
+    """Tags of the laws that act on any of some kinds of element.
+
+    Parameters
+    ----------
+    kinds : collection of str
+        Of "surface", "bar" and "ball".
+
+    Returns
+    -------
+    list of str
+    """
+    return [tag for tag, law in LAWS.items() if kinds_of(law) & set(kinds)]
 
 
-def turn_to(up: ArrayLike) -> Vector:
-    """Rotation (3, 3) by the least angle that takes the direction `up` (3,) to z.
+def rotation_to_z(up: ArrayLike) -> Vector:
+    """Rotation by the smallest angle that takes the direction `up` to z.
+
+    Parameters
+    ----------
+    up : (3,) array
+        The direction.
+
+    Returns
+    -------
+    (3, 3) array
 
     Raises
     ------
     ValueError
-        It is no direction.
+        It is not a direction.
     """
     x, y, z = direction("up", up)
     if z < -1.0 + 1e-12:
@@ -262,7 +322,7 @@ def turn_to(up: ArrayLike) -> Vector:
 
 
 def _ground(surface: ArrayLike, slope: ArrayLike, turn: Vector) -> Vector:
-    """The surface as kernels read it, see `kernels.space_law`."""
+    """The surface as the kernels read it, (4,), see `kernels.ground`."""
     if np.ndim(surface) != 0 or not np.isfinite(float(np.asarray(surface))):
         raise ValueError(
             f"surface: got {np.asarray(surface)}, allowed in space is a finite number, its height along up (m)"

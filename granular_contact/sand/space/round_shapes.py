@@ -1,6 +1,6 @@
-"""Shapes of bodies in space that are round about their z axis: cylinder, sphere, capsule, cone.
+"""Shapes of revolution about their z axis: cylinder, sphere, capsule, cone.
 
-Their triangles are those of a body with many sides, with as much area in every section as the true one [ours].
+Their triangles are those of a body with many sides, whose sections have the same area as the true ones [ours].
 """
 
 from __future__ import annotations
@@ -13,28 +13,29 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.sand.space import facets, triangles
-from granular_contact.sand.space.facets import Facets, Size, arc, line, revolved
-from granular_contact.sand.space.shapes import Shape, edge_of, positive
+from granular_contact.sand.space.facets import Facets, Size
+from granular_contact.sand.space.revolution import arc, line, revolved
+from granular_contact.sand.space.shapes import Shape, greatest_edge, positive
 
 Vector = NDArray[np.float64]
-MOST_CHORDS = 10_000  # of a profile: with as many facets around it there are too many in any case
-SIDES = 48  # of a circle that is drawn; half as many of a sphere
+MOST_CHORDS = 10_000  # greatest number of chords of a profile: with as many facets around z there are too many facets
+SIDES = 48  # sides of a drawn circle; a sphere has half as many
 
 
 class _Straight(Shape):
-    """A shape whose profile has straight sides alone."""
+    """Shape whose profile has straight sides only."""
 
     @abstractmethod
     def _profile(self) -> list[tuple[float, float]]:
-        """Points r, z (m), from the bottom to the top."""
+        """Points r, z (m) of the profile, from the bottom to the top."""
 
     def corners(self, size: float | None = None) -> Vector:
-        """As `Shape.corners`."""
-        return _turned(self._profile(), size)
+        """Triangles of the surface; see `Shape.corners`."""
+        return _revolve(self._profile(), size)
 
     def drawn(self) -> Vector:
-        """As `Shape.drawn`."""
-        return _turned(self._profile(), np.inf, SIDES)
+        """Triangles for drawings; see `Shape.drawn`."""
+        return _revolve(self._profile(), np.inf, SIDES)
 
 
 @dataclass(frozen=True)
@@ -44,7 +45,7 @@ class Cylinder(_Straight):
     Parameters
     ----------
     diameter, length : float
-        m, above 0.
+        Diameter and length (m), above 0.
     """
 
     diameter: float
@@ -54,11 +55,11 @@ class Cylinder(_Straight):
         positive("Cylinder", diameter=self.diameter, length=self.length)
 
     def rims(self) -> Vector:
-        """As `Shape.rims`."""
+        """Rims of both ends; see `Shape.rims`."""
         return np.array([facets.rim(z, circle=0.5 * self.diameter) for z in (-0.5 * self.length, 0.5 * self.length)])
 
-    def facets_of(self, size: Size) -> Facets:
-        """As `Shape.facets_of`."""
+    def cut_facets(self, size: Size) -> Facets:
+        """Facets of a size; see `Shape.cut_facets`."""
         return revolved([strip for start, end in pairwise(self._profile()) for strip in line(start, end, size)])
 
     def _profile(self) -> list[tuple[float, float]]:
@@ -73,9 +74,9 @@ class Sphere(Shape):
     Parameters
     ----------
     diameter : float
-        m, above 0.
+        Diameter (m), above 0.
     mass : float, optional
-        Its own (kg), for laws of balls that know it; that of the body unless given.
+        Mass of the sphere itself (kg), for laws of balls that use it; by default the mass of the body.
     """
 
     diameter: float
@@ -85,21 +86,21 @@ class Sphere(Shape):
         positive("Sphere", diameter=self.diameter, mass=1.0 if self.mass is None else self.mass)
 
     def corners(self, size: float | None = None) -> Vector:
-        """As `Shape.corners`."""
+        """Triangles of the surface; see `Shape.corners`."""
         d = self.diameter
-        return _turned(_arc(0.5 * d, -0.5 * np.pi, 0.5 * np.pi, edge_of(np.sqrt(3.0) * d, size)), size)
+        return _revolve(_arc_points(0.5 * d, -0.5 * np.pi, 0.5 * np.pi, greatest_edge(np.sqrt(3.0) * d, size)), size)
 
     def drawn(self) -> Vector:
-        """As `Shape.drawn`."""
+        """Triangles for drawings; see `Shape.drawn`."""
         r = 0.5 * self.diameter
-        return _turned(_arc(r, -0.5 * np.pi, 0.5 * np.pi, 4.0 * np.pi * r / SIDES), np.inf, SIDES // 2)
+        return _revolve(_arc_points(r, -0.5 * np.pi, 0.5 * np.pi, 4.0 * np.pi * r / SIDES), np.inf, SIDES // 2)
 
     def rims(self) -> Vector:
-        """As `Shape.rims`."""
+        """The sphere itself as a rim; see `Shape.rims`."""
         return np.array([facets.rim(0.0, ball=0.5 * self.diameter)])
 
-    def facets_of(self, size: Size) -> Facets:
-        """As `Shape.facets_of`."""
+    def cut_facets(self, size: Size) -> Facets:
+        """Facets of a size; see `Shape.cut_facets`."""
         return revolved(arc(0.5 * self.diameter, 0.0, -0.5 * np.pi, 0.5 * np.pi, size))
 
 
@@ -110,9 +111,9 @@ class Capsule(Shape):
     Parameters
     ----------
     diameter : float
-        m, above 0.
+        Diameter (m), above 0.
     length : float
-        Between the centres of the half spheres (m), above 0.
+        Distance of the centres of the half spheres (m), above 0.
     """
 
     diameter: float
@@ -122,27 +123,28 @@ class Capsule(Shape):
         positive("Capsule", diameter=self.diameter, length=self.length)
 
     def corners(self, size: float | None = None) -> Vector:
-        """As `Shape.corners`."""
+        """Triangles of the surface; see `Shape.corners`."""
         r, h = 0.5 * self.diameter, 0.5 * self.length
-        return _turned(self._profile(edge_of(float(np.hypot(np.sqrt(8.0) * r, 2.0 * (r + h))), size)), size)
+        return _revolve(self._profile(greatest_edge(float(np.hypot(np.sqrt(8.0) * r, 2.0 * (r + h))), size)), size)
 
     def drawn(self) -> Vector:
-        """As `Shape.drawn`."""
-        return _turned(self._profile(2.0 * np.pi * self.diameter / SIDES), np.inf, SIDES // 2)
+        """Triangles for drawings; see `Shape.drawn`."""
+        return _revolve(self._profile(2.0 * np.pi * self.diameter / SIDES), np.inf, SIDES // 2)
 
     def rims(self) -> Vector:
-        """As `Shape.rims`."""
+        """Both spheres as rims; see `Shape.rims`."""
         return np.array([facets.rim(z, ball=0.5 * self.diameter) for z in (-0.5 * self.length, 0.5 * self.length)])
 
-    def facets_of(self, size: Size) -> Facets:
-        """As `Shape.facets_of`."""
+    def cut_facets(self, size: Size) -> Facets:
+        """Facets of a size; see `Shape.cut_facets`."""
         r, h = 0.5 * self.diameter, 0.5 * self.length
         side = line((r, -h), (r, h), size)
         return revolved([*arc(r, -h, -0.5 * np.pi, 0.0, size), *side, *arc(r, h, 0.0, 0.5 * np.pi, size)])
 
     def _profile(self, step: float) -> list[tuple[float, float]]:
+        """Points r, z (m) of the profile, with chords of about `step` (m)."""
         r, h = 0.5 * self.diameter, 0.5 * self.length
-        up = [(r, h), *((x, z + h) for x, z in _arc(r, 0.0, 0.5 * np.pi, step)[1:])]
+        up = [(r, h), *((x, z + h) for x, z in _arc_points(r, 0.0, 0.5 * np.pi, step)[1:])]
         return [*[(x, -z) for x, z in reversed(up)], *up]
 
 
@@ -153,9 +155,9 @@ class Cone(_Straight):
     Parameters
     ----------
     diameter : float
-        Of the base (m), above 0.
+        Diameter of the base (m), above 0.
     height : float
-        m, above 0.
+        Height (m), above 0.
     """
 
     diameter: float
@@ -165,11 +167,11 @@ class Cone(_Straight):
         positive("Cone", diameter=self.diameter, height=self.height)
 
     def rims(self) -> Vector:
-        """As `Shape.rims`."""
+        """Tip and edge of the base as rims; see `Shape.rims`."""
         return np.array([facets.rim(0.0), facets.rim(self.height, circle=0.5 * self.diameter)])
 
-    def facets_of(self, size: Size) -> Facets:
-        """As `Shape.facets_of`."""
+    def cut_facets(self, size: Size) -> Facets:
+        """Facets of a size; see `Shape.cut_facets`."""
         tip, rim, top = self._profile()
         return revolved([*line(tip, rim, size), *line(rim, top, size)])
 
@@ -177,8 +179,8 @@ class Cone(_Straight):
         return [(0.0, 0.0), (0.5 * self.diameter, self.height), (0.0, self.height)]
 
 
-def _arc(radius: float, start: float, end: float, size: float) -> list[tuple[float, float]]:
-    """Points r, z (m) on a circle about the origin between two elevations (rad), of chords of about `size` (m)."""
+def _arc_points(radius: float, start: float, end: float, size: float) -> list[tuple[float, float]]:
+    """Points r, z (m) on a circle about the origin between two elevations (rad), with chords of about `size` (m)."""
     count = max(2, int(np.ceil(min((end - start) * radius / size, MOST_CHORDS))))
     step = (end - start) / count
     rho = radius * np.sqrt(step / np.sin(step))  # as much area below the chords as below the arc
@@ -188,26 +190,26 @@ def _arc(radius: float, start: float, end: float, size: float) -> list[tuple[flo
     ]
 
 
-def _turned(profile: list[tuple[float, float]], size: float | None, least: int = 12) -> Vector:
-    """Triangles of the body that a profile of points r, z (m), from the bottom to the top, has when turned about z.
+def _revolve(profile: list[tuple[float, float]], size: float | None, least: int = 12) -> Vector:
+    """Triangles of the surface that a profile generates by rotation about z.
 
-    It has `least` sides or more.
+    profile: points r, z (m), from the bottom to the top. The body has `least` sides or more.
     """
     line = np.array(profile)
     widest = float(line[:, 0].max())
-    edge = edge_of(float(np.hypot(np.sqrt(8.0) * widest, np.ptp(line[:, 1]))), size)
+    edge = greatest_edge(float(np.hypot(np.sqrt(8.0) * widest, np.ptp(line[:, 1]))), size)
     around = max(least, int(np.ceil(min(2.0 * np.pi * widest / edge, triangles.MOST_FACETS))))
     if around * (len(line) - 1) > triangles.MOST_FACETS:
-        raise triangles.too_many(edge, _turned(profile[:: len(profile) // 50 + 1], np.inf))
+        raise triangles.too_many(edge, _revolve(profile[:: len(profile) // 50 + 1], np.inf))
     turn = 2.0 * np.pi / around
     angles = turn * np.arange(around + 1)
     ring = np.sqrt(turn / np.sin(turn)) * np.column_stack([np.cos(angles), np.sin(angles)])
-    made = []
+    pieces = []
     for (r0, z0), (r1, z1) in pairwise(line):
         low, high = (np.column_stack([r * ring, np.full(around + 1, z)]) for r, z in ((r0, z0), (r1, z1)))
         a, b, c, d = low[:-1], low[1:], high[1:], high[:-1]
         if r0 > 0.0:
-            made.append(np.stack([a, b, c], axis=1))
+            pieces.append(np.stack([a, b, c], axis=1))
         if r1 > 0.0:
-            made.append(np.stack([a, c, d], axis=1))
-    return triangles.cut(np.concatenate(made), edge)
+            pieces.append(np.stack([a, c, d], axis=1))
+    return triangles.cut(np.concatenate(pieces), edge)

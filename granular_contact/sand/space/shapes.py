@@ -1,6 +1,6 @@
-"""Shapes of bodies in space, each in a frame of its own: what all give, and those with straight edges.
+"""Shapes of bodies in space, each in its own frame: the base class, and shapes with straight edges.
 
-A shape gives its triangles and its facets. A new shape is a class here, or in `round_shapes`.
+A shape provides its triangles and its facets. A new shape is a class here, or in `round_shapes`.
 """
 
 from __future__ import annotations
@@ -14,32 +14,34 @@ from numpy.typing import ArrayLike, NDArray
 from granular_contact.errors import scene_error
 from granular_contact.geometry import mesh
 from granular_contact.sand.space import facets, triangles
-from granular_contact.sand.space.facets import Facets, Size, of_rectangle
+from granular_contact.sand.space.facets import Facets, Size, rectangle_facets
 
 Vector = NDArray[np.float64]
-PARTS = 8  # facets along the diagonal of a shape, unless their size is given
+PARTS = 8  # default number of triangles along the diagonal of a shape
 
 
 class Shape(ABC):
-    """What a medium meets in space; lengths in m.
+    """Base class of shapes on which a medium acts in space. Lengths are in m.
 
-    thin: whether it is a sheet, of which either face can lead.
+    Attributes
+    ----------
+    thin : bool
+        Whether the shape is a sheet, of which either face can lead.
     """
 
     thin: bool = False
 
     def facets(self, size: float | None = None, accuracy: float | None = None, share: float = 1.0) -> Facets:
-        """What a medium meets.
+        """Facets of the surface, on which the medium acts.
 
         Parameters
         ----------
         size : float, optional
             Greatest edge (m).
         accuracy : float, optional
-            Unless a size is given: the error of a motion that its facets may cause, as a part of the way; 0.3 % unless
-            given.
+            Without a size: allowed error of a motion by the facets, relative to the path; by default 0.3 %.
         share : float
-            Of that size, which is taken.
+            Factor of the size.
 
         Raises
         ------
@@ -53,32 +55,43 @@ class Shape(ABC):
         """
         whole = self.corners(np.inf)
         if size is None:
-            return self.facets_of(facets.chosen(mesh.extent(whole), accuracy, share))
+            return self.cut_facets(facets.size_for_accuracy(mesh.extent(whole), accuracy, share))
         size *= share
         area = float(np.linalg.norm(mesh.areas(whole), axis=1).sum())
         triangles.check_number(area / size**2 if size > 1e-150 else np.inf, size, area)
-        return self.facets_of(facets.Size(size))
+        return self.cut_facets(facets.Size(size))
 
     def rims(self) -> Vector:
-        """Of a round shape what no point is deeper than (k, 8), see `facets.rim`; else none, as its corners say it."""
+        """Rims (k, 8) that bound the depth of a round shape, see `facets.rim`; none for others, whose corners do so."""
         return np.zeros((0, 8))
 
-    def facets_of(self, size: Size) -> Facets:
-        """Facets of a size; of a shape that has no others its triangles."""
-        return facets.of_triangles(self.corners(size.edge))
+    def cut_facets(self, size: Size) -> Facets:
+        """Facets of a size; by default triangles.
+
+        Parameters
+        ----------
+        size : Size
+            The size.
+
+        Returns
+        -------
+        Facets
+            In the frame of the shape.
+        """
+        return facets.triangle_facets(self.corners(size.edge))
 
     def drawn(self) -> Vector:
-        """Triangles (n, 3, 3) m to be drawn: flat faces are whole, and round ones look so."""
+        """Triangles (n, 3, 3) m for drawings: flat faces are whole, and round faces have many sides."""
         return self.corners(np.inf)
 
     @abstractmethod
     def corners(self, size: float | None = None) -> Vector:
-        """Triangles of its surface.
+        """Triangles of the surface.
 
         Parameters
         ----------
         size : float, optional
-            Greatest edge (m); an eighth of the diagonal unless given.
+            Greatest edge (m); by default an eighth of the diagonal.
 
         Raises
         ------
@@ -99,7 +112,7 @@ class Box(Shape):
     Parameters
     ----------
     size : (3,) sequence
-        Along x, y, z (m), above 0.
+        Lengths along x, y, z (m), above 0.
     """
 
     size: tuple[float, float, float]
@@ -112,12 +125,12 @@ class Box(Shape):
         low = -0.5 * np.array(self.size)
         return _cut(_BOX[_BOX_FACES] * -2.0 * low + low, size)
 
-    def facets_of(self, size: Size) -> Facets:
+    def cut_facets(self, size: Size) -> Facets:
         """As `Shape.facets_of`."""
         half = 0.5 * np.diag(self.size)
-        turned = [(half[i], half[i - 2], half[i - 1]) for i in range(3)]
-        pairs = [((n, a, b), (-n, b, a)) for n, a, b in turned]
-        return facets.joined([of_rectangle(*side, size) for pair in pairs for side in pair])
+        faces = [(half[i], half[i - 2], half[i - 1]) for i in range(3)]
+        pairs = [((n, a, b), (-n, b, a)) for n, a, b in faces]
+        return facets.joined([rectangle_facets(*side, size) for pair in pairs for side in pair])
 
 
 @dataclass(frozen=True)
@@ -127,7 +140,7 @@ class Plate(Shape):
     Parameters
     ----------
     size : (2,) sequence
-        Along x and y (m), above 0.
+        Lengths along x and y (m), above 0.
     """
 
     size: tuple[float, float]
@@ -142,10 +155,10 @@ class Plate(Shape):
         square = np.array([[-x, -y, 0.0], [x, -y, 0.0], [x, y, 0.0], [-x, y, 0.0]])
         return _cut(square[np.array([[0, 1, 2], [0, 2, 3]])], size)
 
-    def facets_of(self, size: Size) -> Facets:
+    def cut_facets(self, size: Size) -> Facets:
         """As `Shape.facets_of`."""
         x, y = 0.5 * self.size[0], 0.5 * self.size[1]
-        return of_rectangle(np.zeros(3), np.array([x, 0.0, 0.0]), np.array([0.0, y, 0.0]), size)
+        return rectangle_facets(np.zeros(3), np.array([x, 0.0, 0.0]), np.array([0.0, y, 0.0]), size)
 
 
 @dataclass(frozen=True)
@@ -155,18 +168,18 @@ class Bar(Shape):
     Parameters
     ----------
     points : (k, 3) array
-        Corners of its middle line (m), two or more.
+        Corners of its centre line (m), two or more.
     diameter : float
-        m, above 0.
+        Diameter (m), above 0.
     strips : int
-        About how many there are in all.
+        Approximate number of strips on the whole bar.
     free_end : bool
         Whether the face at the last point is free.
 
     Raises
     ------
     SceneError
-        A number is not above 0, or the points are no line; of all shapes.
+        A number is not above 0, or the points are not a line. All shapes raise such errors.
     """
 
     points: ArrayLike
@@ -185,11 +198,14 @@ class Bar(Shape):
         object.__setattr__(self, "line", line)
 
     def corners(self, size: float | None = None) -> Vector:  # noqa: ARG002
-        """A bar has no facets."""
+        """Raise SceneError, as a bar has no facets."""
         raise scene_error("Bar", "it has no surface; a Cylinder has")
 
     def stations(self) -> Vector:
-        """Ends (n, 3) m of about `strips` strips of like length; every piece of the line has at least one."""
+        """Ends (n, 3) m of strips of similar length along the bar.
+
+        Every side of the polyline has at least one strip.
+        """
         lengths = np.linalg.norm(np.diff(self.line, axis=0), axis=1)
         shares = np.maximum(1, np.rint(self.strips * lengths / lengths.sum())).astype(int)
         pieces = [
@@ -198,32 +214,61 @@ class Bar(Shape):
         return np.vstack([*pieces, self.line[-1:]])
 
 
-# ---- what they are made of ----
+# ---- parts of shapes ----
 
 _BOX = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
 _SIDES = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
 _BOX_FACES = np.array([half for a, b, c, d in _SIDES for half in ((a, b, c), (a, c, d))])
 
 
-def edge_of(extent: float, size: float | None) -> float:
-    """Greatest edge of facets (m) of a shape of this extent, unless it is given."""
+def greatest_edge(extent: float, size: float | None) -> float:
+    """Greatest edge of facets: the given size, or a part of the extent.
+
+    Parameters
+    ----------
+    extent : float
+        Diagonal of the shape (m).
+    size : float or None
+        The size (m), if given.
+
+    Returns
+    -------
+    float
+        m.
+    """
     return extent / PARTS if size is None else size
 
 
 def _cut(corners: Vector, size: float | None) -> Vector:
-    return triangles.cut(corners, edge_of(mesh.extent(corners), size))
+    """Triangles (n, 3, 3) m, cut to a size or to the default size."""
+    return triangles.cut(corners, greatest_edge(mesh.extent(corners), size))
 
 
-# ---- whether a shape can be ----
+# ---- checks of shapes ----
 
 
 def positive(shape: str, count: int = 1, /, **sizes: float | tuple[float, ...]) -> None:
-    """Refuse a shape with a size that is not a number above 0, or not so many of them."""
+    """Refuse sizes of a shape that are not numbers above 0.
+
+    Parameters
+    ----------
+    shape : str
+        Name of the shape, for the message.
+    count : int
+        Number of numbers in each size.
+    **sizes
+        The sizes, by their names.
+
+    Raises
+    ------
+    SceneError
+        A size is not above 0, or not so many numbers.
+    """
     allowed = "is a number" if count == 1 else f"are {count} numbers"
     for name, value in sizes.items():
         try:
             numbers = np.asarray(value, float)
-        except (TypeError, ValueError):  # as of a word
+        except (TypeError, ValueError):  # such as a word
             numbers = np.zeros(0)
         if numbers.shape != (() if count == 1 else (count,)) or not (np.isfinite(numbers) & (numbers > 0.0)).all():
             got = repr(value) if isinstance(value, str) else value

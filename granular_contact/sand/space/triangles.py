@@ -1,4 +1,4 @@
-"""Triangles: cutting to a size; neighbours, and the clusters that they are kept in."""
+"""Triangles: cutting to a size; order by neighbourhood, and the clusters that kernels treat together."""
 
 from __future__ import annotations
 
@@ -14,52 +14,92 @@ from granular_contact.sand.kernels.space_law import CLUSTER
 Vector = NDArray[np.float64]
 Clusters = NDArray[np.void]
 CLUSTER_SIZE = 64  # facets
-# Of one bed, with what they cost [measured on boxes of 20 000 to 350 000 facets, with rft3d on one core].
+# Greatest number of facets of a bed, and its cost [measured on boxes of 20 000 to 350 000 facets, rft3d, one core].
 MOST_FACETS = 1_000_000
 COST = "0.7 GB of memory and 0.07 s in each evaluation of the forces"
-PER_AREA = 60.0  # triangles of a size on an area of its square, at most: of the fans of round ends; 10 of rectangles
-PATCHES = 2.5  # the same of parallelograms and of patches of round surfaces
-FACET_SIZE = "facet_size"  # key of the fault of a size that makes more
+# Greatest number of facets of a size on an area of the square of the size: of triangles in the fans of round ends (in
+# rectangles 10), and of parallelograms and patches of round surfaces.
+PER_AREA, PATCHES = 60.0, 2.5
+FACET_SIZE = "facet_size"  # key of the fault that there are too many
 
 
 def cut(corners: Vector, size: float) -> Vector:
-    """Triangles (m, 3, 3) of edges of at most `size` (m), by halving the longest edge again and again.
+    """Cut triangles until no edge is longer than a size, by repeated bisection of the longest edge.
 
-    Of edges as long as each other a half comes before what was there, and that before what cut: so the mirror image of
-    a triangle is cut as its mirror image, unless it has two longest edges itself.
+    Of edges of equal length, a half of a bisected edge comes first, then an edge that was there before, then the edge
+    of the cut. So a triangle and its mirror image are cut as mirror images, unless the triangle has two longest edges.
+
+    Parameters
+    ----------
+    corners : (n, 3, 3) array
+        Corners (m).
+    size : float
+        Greatest edge (m).
+
+    Returns
+    -------
+    (m, 3, 3) array
+        Corners (m), in the sense of the triangles.
 
     Raises
     ------
     SceneError
         There would be more than MOST_FACETS.
     """
-    done: list[Vector] = []
-    left, count, rank = corners, 0, np.zeros((len(corners), 3))
-    while len(left):
-        if count + len(left) > MOST_FACETS and size < np.inf:
+    finished: list[Vector] = []
+    remaining, finished_count, rank = corners, 0, np.zeros((len(corners), 3))
+    while len(remaining):
+        if finished_count + len(remaining) > MOST_FACETS and size < np.inf:
             raise too_many(size, corners)
-        edges = np.sum((np.roll(left, -1, axis=1) - left) ** 2, axis=2)
+        edges = np.sum((np.roll(remaining, -1, axis=1) - remaining) ** 2, axis=2)
         longest = (edges * (1.0 + 1e-9 * rank)).argmax(axis=1)
-        long = edges[np.arange(len(left)), longest] > size * size
-        done.append(left[~long])
-        count += len(done[-1])
-        left, longest = left[long], longest[long]
-        a, b, c = (left[np.arange(len(left)), (longest + k) % 3] for k in range(3))
+        too_long = edges[np.arange(len(remaining)), longest] > size * size
+        finished.append(remaining[~too_long])
+        finished_count += len(finished[-1])
+        remaining, longest = remaining[too_long], longest[too_long]
+        a, b, c = (remaining[np.arange(len(remaining)), (longest + k) % 3] for k in range(3))
         middle = 0.5 * (a + b)
-        left = np.concatenate([np.stack([a, middle, c], axis=1), np.stack([middle, b, c], axis=1)])
+        remaining = np.concatenate([np.stack([a, middle, c], axis=1), np.stack([middle, b, c], axis=1)])
         rank = np.repeat([[2.0, 0.0, 1.0], [2.0, 1.0, 0.0]], len(a), axis=0)
-    return np.concatenate(done) if done else corners
+    return np.concatenate(finished) if finished else corners
 
 
 def too_many(size: float, corners: Vector) -> SceneError:
-    """The error of facets of a size (m) on triangles (n, 3, 3) m, of which there would be more than MOST_FACETS."""
+    """Error of a size that would give more than MOST_FACETS facets.
+
+    Parameters
+    ----------
+    size : float
+        Greatest edge (m).
+    corners : (n, 3, 3) array
+        Triangles (m) that would be cut.
+
+    Returns
+    -------
+    SceneError
+    """
     if len(corners) > MOST_FACETS:
         return _refused(f"this surface of {len(corners):,} triangles", "take a coarser mesh")
     return _refused_size(size, float(np.linalg.norm(areas(corners), axis=1).sum()), PER_AREA)
 
 
 def check_number(number: float, size: float, area: float) -> None:
-    """Raise the error of facets of a size (m) on an area (m2) if there are more of them than MOST_FACETS."""
+    """Refuse more than MOST_FACETS facets.
+
+    Parameters
+    ----------
+    number : float
+        Number of facets.
+    size : float
+        Their greatest edge (m).
+    area : float
+        Area of the surface (m2).
+
+    Raises
+    ------
+    SceneError
+        There are too many.
+    """
     if number > MOST_FACETS:
         raise _refused_size(size, area, PATCHES)
 
@@ -74,44 +114,81 @@ def _refused(what: str, cure: str) -> SceneError:
 
 
 def neighbours(points: Vector, each: int = CLUSTER_SIZE) -> NDArray[np.int64]:
-    """Order of points (n, 3) in which every `each` from the first on are close together.
+    """Order of points in which each group of `each` consecutive points is close together.
 
-    By halves along the longest side of the box around them, again and again.
+    The points are halved repeatedly along the longest side of the box around them.
+
+    Parameters
+    ----------
+    points : (n, 3) array
+        Points.
+    each : int
+        Number of points in a group.
+
+    Returns
+    -------
+    (n,) array of int
     """
-    done, waiting = [], [np.arange(len(points))]
+    groups, waiting = [], [np.arange(len(points))]
     while waiting:
         part = waiting.pop()
         if len(part) <= each:
-            done.append(part)
+            groups.append(part)
             continue
         axis = int(np.ptp(points[part], axis=0).argmax())
         part = part[np.argsort(points[part, axis], kind="stable")]
         half = each * ((len(part) + each) // (2 * each))
         waiting += [part[half:], part[:half]]
-    return np.concatenate(done)
+    return np.concatenate(groups)
 
 
 def clusters_of(places: Vector, reach: Vector | float, sides: Vector | float, each: int = CLUSTER_SIZE) -> Clusters:
-    """Records of clusters of at most `each` rows at places (n, 3) m.
+    """Records of clusters of consecutive rows.
 
-    Each row reaches so far around (m), and as far as half the sides (n, 3) m of a box around it.
+    Parameters
+    ----------
+    places : (n, 3) array
+        Centres of the rows (m).
+    reach : (n,) array or float
+        Radius of a sphere around each row (m).
+    sides : (n, 3) array or float
+        Half sides of a box around each row (m).
+    each : int
+        Greatest number of rows of a cluster.
+
+    Returns
+    -------
+    (clusters,) array
+        Records of `kernels.space_law.CLUSTER`.
     """
     starts = np.arange(0, len(places), each)
-    made = np.zeros(len(starts), CLUSTER)
-    made["first"], made["last"] = starts, np.append(starts[1:], len(places))
-    of = np.arange(len(places)) // each
+    clusters = np.zeros(len(starts), CLUSTER)
+    clusters["first"], clusters["last"] = starts, np.append(starts[1:], len(places))
+    cluster = np.arange(len(places)) // each
     centre = 0.5 * (np.minimum.reduceat(places, starts) + np.maximum.reduceat(places, starts))
-    off = places - centre[of]
-    made["x"], made["y"], made["z"] = centre.T
-    made["radius"] = np.maximum.reduceat(np.linalg.norm(off, axis=1) + reach, starts)
-    made["along_x"], made["along_y"], made["along_z"] = np.maximum.reduceat(np.abs(off) + sides, starts).T
-    return made
+    arm = places - centre[cluster]
+    clusters["x"], clusters["y"], clusters["z"] = centre.T
+    clusters["radius"] = np.maximum.reduceat(np.linalg.norm(arm, axis=1) + reach, starts)
+    clusters["along_x"], clusters["along_y"], clusters["along_z"] = np.maximum.reduceat(np.abs(arm) + sides, starts).T
+    return clusters
 
 
-def around(record: np.void, places: Vector, reach: Vector) -> Vector:
-    """Write a sphere around places (n, 3) m, which reach so far (n,) m, into a record with x, y, z and radius.
+def enclose(record: np.void, places: Vector, reach: Vector) -> Vector:
+    """Write the enclosing sphere of spheres into a record with the fields x, y, z and radius.
 
-    Returns its centre (3,) m.
+    Parameters
+    ----------
+    record : record
+        It is changed.
+    places : (n, 3) array
+        Centres (m).
+    reach : (n,) array
+        Radii (m).
+
+    Returns
+    -------
+    (3,) array
+        Centre of the enclosing sphere (m).
     """
     centre: Vector = 0.5 * (places.min(axis=0) + places.max(axis=0))
     record["x"], record["y"], record["z"] = centre

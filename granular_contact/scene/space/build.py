@@ -11,7 +11,7 @@ import numpy as np
 from granular_contact.config.schema import space as schema
 from granular_contact.errors import Fault, SceneError, scene_fault
 from granular_contact.laws.law import Law
-from granular_contact.sand.space.load import kinds, laws_for
+from granular_contact.sand.space.load import element_kinds, laws_for
 from granular_contact.scene.bed import places
 from granular_contact.scene.checks import beyond_numbers, closure_faults, media_notes, too_steep
 from granular_contact.scene.drives import drives_of
@@ -47,7 +47,7 @@ def build_spatial(scenario: schema.SpatialScenario) -> SpatialScene:
     drives = drives_of(scenario, solver, faults)
     states = close_loops(SpatialLoops(model), initial_states(scenario, drives, faults), faults, notes)
     constraints = independent_constraints(model, states, drives, faults) if not faults else {}
-    media_kinds = {kind for medium, *_ in places(scenario) for kind in kinds(medium)}
+    media_kinds = {kind for medium, *_ in places(scenario) for kind in element_kinds(medium)}
     bodies = bodies_of(model, media_kinds, scenario.load, faults, notes)
     if faults or bodies is None:
         raise SceneError(faults)
@@ -121,7 +121,7 @@ def _inapplicable(scenario: schema.SpatialScenario, rigid: tuple[SpatialRigidBod
 
 def _inapplicable_at(top: float, media: dict[str, Law], parts: list[Part]) -> Iterator[Fault]:
     """Faults of the media (by their keys) of the layer below a depth (m) and of parts, all of which may get there."""
-    kinds_of = {key: kinds(medium) for key, medium in media.items()}
+    kinds_of = {key: element_kinds(medium) for key, medium in media.items()}
     taken = {kind for accepted in kinds_of.values() for kind in accepted}
     given = "; ".join(f"{medium.name} takes {_listed(kinds_of[key])}" for key, medium in media.items())
     for name, shape, meets in dict.fromkeys((p.name, type(p.shape).__name__.lower(), p.meets) for p in parts):
@@ -159,7 +159,7 @@ def _beside_map(bed: SpatialBed | None, rigid: tuple[SpatialRigidBody, ...]) -> 
 
 def _links_as_bars(scenario: schema.SpatialScenario) -> Iterator[Fault]:
     """Notes on media for surfaces that do not act on round links, as these are bars for another medium."""
-    media = [(key, medium, kinds(medium)) for medium, key, *_ in places(scenario)]
+    media = [(key, medium, element_kinds(medium)) for medium, key, *_ in places(scenario)]
     bar_media = [medium.name for _, medium, accepted in media if "bar" in accepted]
     links = [body for body in scenario.model.all_bodies.values() if isinstance(body, schema.SpatialLink)]
     if not bar_media or not any(link.diameter_m is not None for link in links):
