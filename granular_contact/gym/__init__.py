@@ -1,12 +1,12 @@
-"""Gymnasium environments of scenes (extra `[gym]`): `GranularEnv` of any config, runner and hexapod.
+"""Gymnasium environments (extra `[gym]`): `GranularEnv` for any config, and environments of the runner and the hexapod.
 
 environment   `GranularEnv`
-runner        the runner, as far to the right as it gets
-hexapod       the hexapod, as far ahead as it gets
+runner        the runner; the reward is its distance to the right
+hexapod       the hexapod; the reward is its distance ahead
 
-Importing this registers `granular_contact/Runner-v0`, `granular_contact/Hexapod-v0` and `granular_contact/Config-v0`,
-a `GranularEnv` of the config that `gymnasium.make` is given; it imports this by itself where it is asked for
-`granular_contact.gym:granular_contact/Runner-v0`.
+Importing this package registers `granular_contact/Runner-v0`, `granular_contact/Hexapod-v0` and
+`granular_contact/Config-v0`, a `GranularEnv` of the config that is given to `gymnasium.make`. Gymnasium imports the
+package itself for the name `granular_contact.gym:granular_contact/Runner-v0`.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The hexapod, whose six hips an agent turns: as far ahead as it gets."""
+"""Environment of the hexapod: an agent sets the rates of its six hips; the reward is its distance ahead."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from granular_contact.gym.environment import GranularEnv
 from granular_contact.results.observed import Observations
 
 HIPS = tuple(f"hip_{row}_{side}" for row in ("front", "middle", "rear") for side in ("left", "right"))
-# The legs that stand together in an alternating tripod: even ones, and odd ones.
+# Alternating tripod gait: the tripod of each leg, in the order of HIPS; legs of one tripod stand together.
 TRIPOD = (0, 1, 1, 0, 0, 1)
-# Motors of the hips: rad/s, N m s/rad, N m. The greatest rate is about that of the swing in configs/hexapod.yaml, whose
-# gait was set by hand; the limit is that of the robot file.
+# Motors of the hips: range of rates (rad/s), gain (N m s/rad), limit (N m). The greatest rate is about that of the
+# swing in configs/hexapod.yaml, whose gait was set by hand; the limit is that of the robot file.
 RATES, GAIN, LIMIT = (0.0, 12.0), 0.1, 2.0
-START = (0.0, 180.0)  # deg, of the hips of either tripod, as in that gait
-HEIGHT = 0.065  # m
-OVER = 60.0  # deg of roll or pitch, by which it has fallen over
+START = (0.0, 180.0)  # deg, initial angles of the hips of both tripods, as in that gait
+HEIGHT = 0.065  # m, of the trunk at the start
+FALLEN = 60.0  # deg of roll or pitch, beyond which it has fallen over
 SETTINGS = {"solver.accuracy": 0.1}
 
 
 def scenario(end_time_s: float = 2.0) -> Scenario:
-    """The hexapod of configs/hexapod.yaml with rates that are set at its hips, and steps for speed."""
+    """The hexapod of configs/hexapod.yaml with motors whose rates are set, and a coarser accuracy for speed."""
     motor = {"type": "external", "rate_rad_s": 0.0, "range": RATES, "rate_gain_Nm_s_per_rad": GAIN, "limit_Nm": LIMIT}
     start = {hip: {"angle_deg": START[tripod]} for hip, tripod in zip(HIPS, TRIPOD, strict=True)}
     return load("hexapod").scenario.replace(
@@ -38,24 +38,30 @@ def scenario(end_time_s: float = 2.0) -> Scenario:
     )
 
 
-def see(seen: Observations) -> NDArray[np.float64]:
-    """Of the trunk height, attitude, velocity and spin, in units of about one; of legs sine, cosine, rate, contact."""
-    trunk, hips = seen.seen.bodies.index("trunk"), [seen.seen.joints.index(hip) for hip in HIPS]
-    met = [seen.seen.met.index(hip.replace("hip", "leg")) for hip in HIPS]
-    angles, velocity = seen.coordinates[hips], seen.velocities[trunk]
-    body = [10.0 * seen.poses[trunk, 2:3], seen.poses[trunk, 3:], velocity[:3], 0.1 * velocity[3:]]
-    return np.concatenate([*body, np.sin(angles), np.cos(angles), 0.1 * seen.rates[hips], seen.contacts[met]])
+def observation(observations: Observations) -> NDArray[np.float64]:
+    """Observation of the agent, in units of about one.
+
+    Height, attitude, velocity and angular velocity of the trunk; sine and cosine of the angle, rate and contact of each
+    leg.
+    """
+    names = observations.seen
+    trunk, hips = names.bodies.index("trunk"), [names.joints.index(hip) for hip in HIPS]
+    legs = [names.met.index(hip.replace("hip", "leg")) for hip in HIPS]
+    angles, rates, contacts = observations.coordinates[hips], observations.rates[hips], observations.contacts[legs]
+    pose, velocity = observations.poses[trunk], observations.velocities[trunk]
+    body = [10.0 * pose[2:3], pose[3:], velocity[:3], 0.1 * velocity[3:]]
+    return np.concatenate([*body, np.sin(angles), np.cos(angles), 0.1 * rates, contacts])
 
 
-def fell(seen: Observations) -> bool:
+def has_fallen(observations: Observations) -> bool:
     """Whether the trunk lies on a side, on its nose or on its tail."""
-    return max(abs(seen["trunk_roll_deg"]), abs(seen["trunk_pitch_deg"])) > OVER
+    return max(abs(observations["trunk_roll_deg"]), abs(observations["trunk_pitch_deg"])) > FALLEN
 
 
 def hexapod_env(*, end_time_s: float = 2.0, **options: Any) -> GranularEnv:
-    """The environment `granular_contact/Hexapod-v0`; the sum of its rewards is the distance in metres.
+    """Create the environment `granular_contact/Hexapod-v0`; the sum of its rewards is the distance in metres.
 
     options: as of `GranularEnv`, for example `vary={"initial.joints.trunk.z_m": (0.06, 0.07)}`.
     """
-    given: dict[str, Any] = {"observation": see, "reward": "trunk_x_m", "terminated": fell}
-    return GranularEnv(scenario(end_time_s), **(given | options))
+    defaults: dict[str, Any] = {"observation": observation, "reward": "trunk_x_m", "terminated": has_fallen}
+    return GranularEnv(scenario(end_time_s), **(defaults | options))
