@@ -43,21 +43,21 @@ def mass_of(name: str, body: schema.Body) -> float:
 
 def rigid_body(layout: Layout, group: list[str], strips: int) -> RigidBody:
     """Merge a group of welded bodies about their common centre of mass; strips: least number of chords of curves."""
-    placed, bodies = layout.placed, layout.model.all_bodies
+    pose, bodies = layout.pose, layout.model.all_bodies
     parts = {name: _parts(name, bodies[name], strips) for name in group}
     masses = {name: _mass(bodies[name], [volume for _, volume in parts[name]]) for name in group}
-    total = merged(replace(mass, center=placed[name].world(mass.center)) for name, mass in masses.items())
-    first = placed[group[0]]
+    total = merged(replace(mass, center=pose[name].world(mass.center)) for name, mass in masses.items())
+    first = pose[group[0]]
     motion = replace(first, position=total.center, velocity=first.speed_at(total.center))
     shapes = []
     for name in group:
         density = bodies[name].density_kg_m3
         for shape, volume in parts[name]:
-            points = motion.local(placed[name].world(shape.points))
+            points = motion.local(pose[name].world(shape.points))
             mass = masses[name].mass if density is None else density * volume.mass
             wheel = shape.wheel
             if wheel is not None:
-                wheel = replace(wheel, axle=motion.local(placed[name].world(wheel.axle)))
+                wheel = replace(wheel, axle=motion.local(pose[name].world(wheel.axle)))
             free = layout.is_free(name, shape.points[-1])
             shapes.append(replace(shape, points=points, free=free, mass=mass, wheel=wheel))
     bound = layout.workspace_bounds[group[0]]
@@ -90,7 +90,7 @@ def flexible_links(layout: Layout) -> Iterator[FlexibleLink]:
             bending_damping=flexible.bending_damping_N_m2_s,
             axial_damping=flexible.axial_damping_N_s,
             elements=flexible.elements,
-            motion=layout.placed[name],
+            motion=layout.pose[name],
             workspace=layout.workspace_bounds[name],
             free=layout.is_free(name, np.array([spec.length_m, 0.0])),
             modulus=bending / second_moment,

@@ -19,7 +19,7 @@ from granular_contact.scene.joints import joints_of
 from granular_contact.scene.layout import FREEDOMS, GROUND, ZERO, JointState, Layout, initial_states, lay_out, point
 from granular_contact.scene.loops import PlanarLoops, close_loops, redundancy_faults
 from granular_contact.scene.methods import check, fits_minimal
-from granular_contact.scene.parts import FlexibleLink, RigidBody, Shape, turned
+from granular_contact.scene.parts import FlexibleLink, RigidBody, Shape, scene_angle
 from granular_contact.scene.shapes import farthest, lowest
 from granular_contact.scene.steps import steps
 from granular_contact.scene.stiff import LEAST_BOW, bow, with_rigid
@@ -170,7 +170,7 @@ def _initial_layout(
     SceneError
         There is no such state, so that further checks are impossible.
     """
-    model, angle = scenario.model, turned(scenario.initial.impact_angle_deg or 0.0)
+    model, angle = scenario.model, scene_angle(scenario.initial.impact_angle_deg or 0.0)
     initial = initial_states(scenario, drives, hinge_rate, faults)
     states = close_loops(PlanarLoops(model, angle), initial, faults, notes)
     if not faults:

@@ -55,8 +55,8 @@ def nearest_closed(loops: Loops, written: Mapping[str, Any]) -> dict[str, Any]:
         return {name: written[name].displaced((scale * x)[part]) for name, part in loops.slices.items()}
 
     def residual(x: Vector) -> Vector:
-        placed = loops.pose(states(x))
-        return np.concatenate([loops.residual(name, placed) for name in loops.model.closures])
+        pose = loops.pose_of(states(x))
+        return np.concatenate([loops.residual(name, pose) for name in loops.model.closures])
 
     def solve_from(x: Vector) -> OptimizeResult:
         return least_squares(residual, x, xtol=1e-15, ftol=1e-15, gtol=1e-15, max_nfev=_MOST_EVALUATIONS)

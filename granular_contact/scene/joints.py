@@ -20,21 +20,21 @@ def joints_of(
     states: of the joints of the tree.
     """
     merged = {name: (body.name, body.motion) for body in bodies for name in body.name.split("+")}
-    placed, closures = layout.placed, layout.model.closures
+    pose, closures = layout.pose, layout.model.closures
     for name, joint in (layout.model.all_joints | closures).items():
         parent, parent_frame = merged.get(joint.parent, (None, STILL))
         child, child_frame = merged.get(joint.child, (None, STILL))
         if child == parent:
             continue
         assert child is not None  # `closure_faults` refuses a closure whose child is the ground
-        pin = placed[joint.child].world(point(joint.child_point_m))
+        pin = pose[joint.child].world(point(joint.child_point_m))
         # A joint with an axis has another point on the parent than on the child; otherwise both points are the pin.
         on_parent = pin
-        start, rate = coordinate(placed, name, joint, states)
+        start, rate = coordinate(pose, name, joint, states)
         axis, offset = None, 0.0
         if hasattr(joint, "axis"):
-            on_parent = placed[joint.parent].world(point(joint.parent_point_m))
-            axis = rotation(placed[joint.parent].angle - parent_frame.angle) @ direction(joint)
+            on_parent = pose[joint.parent].world(point(joint.parent_point_m))
+            axis = rotation(pose[joint.parent].angle - parent_frame.angle) @ direction(joint)
         if isinstance(joint, schema.HingeClosure):
             offset = start - (parent_frame.angle - child_frame.angle)
             offset = 0.0 if abs(offset) < 1e-12 else offset
@@ -55,7 +55,7 @@ def joints_of(
 
 
 def coordinate(
-    placed: Pose, name: str, joint: schema.Joint | schema.Closure, states: Mapping[str, JointState]
+    pose: Pose, name: str, joint: schema.Joint | schema.Closure, states: Mapping[str, JointState]
 ) -> tuple[float, float]:
     """Initial coordinate (rad or m) of a hinge or slider and its rate; for a closure from the poses of its bodies.
 
@@ -63,7 +63,7 @@ def coordinate(
     """
     if name in states:
         return states[name].coordinate, float(states[name].rates[0])
-    parent, child = placed[joint.parent], placed[joint.child]
+    parent, child = pose[joint.parent], pose[joint.child]
     if isinstance(joint, schema.SliderClosure):
         axis = rotation(parent.angle) @ direction(joint)
         pin = child.world(point(joint.child_point_m))

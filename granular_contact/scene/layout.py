@@ -13,7 +13,7 @@ import numpy as np
 
 from granular_contact.config import schema
 from granular_contact.errors import Fault
-from granular_contact.scene.parts import InitialMotion, WorkspaceBound, rotation, turned
+from granular_contact.scene.parts import InitialMotion, WorkspaceBound, rotation, scene_angle
 from granular_contact.scene.start import InitialStates, RunState, states_with_drives
 from granular_contact.scene.types import Drive, Vector
 
@@ -71,20 +71,20 @@ def joints_outward(model: Any) -> Iterator[tuple[str, Any]]:
         waiting += below[joint.child][::-1]
 
 
-def pose(model: schema.Model, states: Mapping[str, JointState], ground_angle: float) -> Pose:
+def pose_of(model: schema.Model, states: Mapping[str, JointState], ground_angle: float) -> Pose:
     """Poses and velocities of all bodies, undeformed; bodies welded to the ground are rotated by ground_angle (rad)."""
-    placed = {GROUND: STILL}
+    pose = {GROUND: STILL}
     for name, joint in joints_outward(model):
         angle = ground_angle if joint.type == "weld" and joint.parent == GROUND else 0.0
-        placed[joint.child] = _child(joint, states.get(name), placed[joint.parent], angle)
-    return placed
+        pose[joint.child] = _child(joint, states.get(name), pose[joint.parent], angle)
+    return pose
 
 
 def _child(joint: schema.Joint, state: JointState | None, parent: InitialMotion, turn: float) -> InitialMotion:
     """Pose and velocity of the child of a joint. turn (rad): rotation of a weld or slider besides its home angle."""
     pin, speed, rate = parent.world(point(joint.parent_point_m)), ZERO, parent.rate
     if isinstance(joint, schema.Slider | schema.Weld):
-        angle = parent.angle + turned(joint.home_deg) + turn
+        angle = parent.angle + scene_angle(joint.home_deg) + turn
     if isinstance(joint, schema.Slider) and state is not None:
         axis = rotation(parent.angle) @ direction(joint)
         pin, speed = pin + state.value[0] * axis, state.rates[0] * axis
@@ -141,10 +141,10 @@ def _initial_state(
     return JointState(np.array([math.radians(angle)]), np.array([rate]))
 
 
-def workspace_bounds(model: schema.Model, placed: Pose) -> dict[str, WorkspaceBound]:
+def workspace_bounds(model: schema.Model, pose: Pose) -> dict[str, WorkspaceBound]:
     """Workspace bound of each body, for all coordinates of the joints.
 
-    placed: the bodies at the start. Bodies outward of a slider or a free joint have no bound (infinite length). A
+    pose: of the bodies at the start. Bodies outward of a slider or a free joint have no bound (infinite length). A
     welded part moves with the body that it is welded to.
     """
     bounds: dict[str, WorkspaceBound] = {}
@@ -153,11 +153,11 @@ def workspace_bounds(model: schema.Model, placed: Pose) -> dict[str, WorkspaceBo
         parent, on_parent, on_child = joint.parent, point(joint.parent_point_m), point(joint.child_point_m)
         rigidly = isinstance(joint, schema.Weld) and is_rigid(model, joint.child) and is_rigid(model, parent)
         if parent in fixed:
-            workspace = WorkspaceBound(placed[parent].world(on_parent), on_child, 0.0)
+            workspace = WorkspaceBound(pose[parent].world(on_parent), on_child, 0.0)
             fixed |= {joint.child} if rigidly else set()
         elif rigidly:
             workspace = bounds[parent]
-            workspace = replace(workspace, point=placed[joint.child].local(placed[parent].world(workspace.point)))
+            workspace = replace(workspace, point=pose[joint.child].local(pose[parent].world(workspace.point)))
         else:
             workspace = WorkspaceBound(bounds[parent].root, on_child, bounds[parent].radius(on_parent))
         unbounded = isinstance(joint, schema.Slider | schema.Free)
@@ -191,7 +191,7 @@ class Layout:
     """Initial configuration of a model: pose and workspace bound of every body, groups of welded rigid bodies."""
 
     model: schema.Model
-    placed: Pose
+    pose: Pose
     workspace_bounds: dict[str, WorkspaceBound]
     groups: list[list[str]]
 
@@ -212,5 +212,5 @@ class Layout:
 
 def lay_out(model: schema.Model, states: Mapping[str, JointState], ground_angle: float) -> Layout:
     """Lay out a model in a state of its joints; bodies welded to the ground are rotated by ground_angle (rad)."""
-    placed = pose(model, states, ground_angle)
-    return Layout(model, placed, workspace_bounds(model, placed), weld_groups(model))
+    pose = pose_of(model, states, ground_angle)
+    return Layout(model, pose, workspace_bounds(model, pose), weld_groups(model))

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from granular_contact.config import schema
 from granular_contact.errors import Fault, scene_fault
 from granular_contact.scene.homes import home_notes, nearest_closed
-from granular_contact.scene.layout import FREEDOMS, JointState, Pose, direction, is_rigid, point, pose
-from granular_contact.scene.parts import rotation, turned
+from granular_contact.scene.layout import FREEDOMS, JointState, Pose, direction, is_rigid, point, pose_of
+from granular_contact.scene.parts import rotation, scene_angle
 from granular_contact.scene.start import InitialStates, home
 from granular_contact.scene.types import Drive, Vector
 
@@ -41,15 +41,15 @@ class Loops:
         self.slices = {name: slice(a, b) for name, a, b in zip(self.joints, ends, ends[1:], strict=False)}
         self.size = int(ends[-1])
 
-    def pose(self, states: Mapping[str, Any]) -> Any:
+    def pose_of(self, states: Mapping[str, Any]) -> Any:
         """Pose of the mechanism."""
         raise NotImplementedError
 
-    def residual(self, name: str, placed: Any) -> Vector:
+    def residual(self, name: str, pose: Any) -> Vector:
         """Residual of a closure (m, rad) in a pose."""
         raise NotImplementedError
 
-    def residual_rates(self, name: str, placed: Any) -> Vector:
+    def residual_rates(self, name: str, pose: Any) -> Vector:
         """Rates of a closed loop's residual in a pose."""
         raise NotImplementedError
 
@@ -74,12 +74,12 @@ class Loops:
 
     def jacobian(self, states: Mapping[str, Any]) -> dict[str, Vector]:
         """Constraint Jacobian (rows, size) of every closure, in a closed pose."""
-        still = self.pose(states)
+        still = self.pose_of(states)
         jacobians = {name: np.zeros((len(self.residual(name, still)), self.size)) for name in self.model.closures}
         for i, unit in enumerate(np.eye(self.size)):
-            placed = self.pose(self.with_rates(states, unit))
+            pose = self.pose_of(self.with_rates(states, unit))
             for name, jacobian in jacobians.items():
-                jacobian[:, i] = self.residual_rates(name, placed)
+                jacobian[:, i] = self.residual_rates(name, pose)
         return jacobians
 
     def close(self, states: dict[str, Any], movable: Mask) -> dict[str, Any]:
@@ -88,8 +88,8 @@ class Loops:
         It takes at most 20 iterations, and returns the last states, also if loops are still open.
         """
         for _ in range(20 if movable.any() else 0):
-            placed = self.pose(states)
-            residual = np.concatenate([self.residual(name, placed) for name in self.model.closures])
+            pose = self.pose_of(states)
+            residual = np.concatenate([self.residual(name, pose) for name in self.model.closures])
             if np.abs(residual).max() < 1e-14:
                 break
             jacobian = np.concatenate(list(self.jacobian(states).values()))[:, movable]
@@ -106,22 +106,22 @@ class PlanarLoops(Loops):
         super().__init__(model, FREEDOMS)
         self.ground_angle = ground_angle
 
-    def pose(self, states: Mapping[str, JointState]) -> Pose:
+    def pose_of(self, states: Mapping[str, JointState]) -> Pose:
         """Pose of the mechanism."""
-        return pose(self.model, states, self.ground_angle)
+        return pose_of(self.model, states, self.ground_angle)
 
-    def residual(self, name: str, placed: Pose) -> Vector:
+    def residual(self, name: str, pose: Pose) -> Vector:
         """Residual of a closure: (2,) m of a hinge, (m, rad) of a slider, (m, m, rad) of a weld."""
         joint = self.model.closures[name]
-        parent, child = placed[joint.parent], placed[joint.child]
+        parent, child = pose[joint.parent], pose[joint.child]
         gap = child.world(point(joint.child_point_m)) - parent.world(point(joint.parent_point_m))
-        turn = child.angle - parent.angle - turned(getattr(joint, "home_deg", 0.0))
+        turn = child.angle - parent.angle - scene_angle(getattr(joint, "home_deg", 0.0))
         return _constrained(joint, parent.angle, gap, turn - 2.0 * math.pi * round(turn / (2.0 * math.pi)))
 
-    def residual_rates(self, name: str, placed: Pose) -> Vector:
+    def residual_rates(self, name: str, pose: Pose) -> Vector:
         """Rates of a closed loop's residual: differences of velocities and of angular rates."""
         joint = self.model.closures[name]
-        parent, child = placed[joint.parent], placed[joint.child]
+        parent, child = pose[joint.parent], pose[joint.child]
         pin = child.world(point(joint.child_point_m))
         velocity = child.speed_at(pin) - parent.speed_at(pin)
         return _constrained(joint, parent.angle, velocity, child.rate - parent.rate)
@@ -191,9 +191,9 @@ def dependent_rates(jacobians: Mapping[str, Vector], given: Mask, rates: Vector,
 
 def _open_loops(loops: Loops, states: Mapping[str, Any], when: str) -> list[Fault]:
     """Faults of all loops that are open in these states; when: the middle of the sentence."""
-    faults, placed = [], loops.pose(states)
+    faults, pose = [], loops.pose_of(states)
     for name, joint in loops.model.closures.items():
-        distance, turn = loops.gap(name, loops.residual(name, placed))
+        distance, turn = loops.gap(name, loops.residual(name, pose))
         if distance > LARGEST_GAP or turn > LARGEST_TILT:
             words = f"the loop does not close{when} {joint.parent} and {joint.child} are {distance:.4g} m"
             words += f" and {math.degrees(turn):.4g} deg" if turn > LARGEST_TILT else ""

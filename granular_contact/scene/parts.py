@@ -66,13 +66,13 @@ class InitialMotion:
 
     def world(self, point: Vector) -> Vector:
         """World position of a point (2,) m of the body, or of several (n, 2)."""
-        placed: Vector = self.position + point @ rotation(self.angle).T
-        return placed
+        positions: Vector = self.position + point @ rotation(self.angle).T
+        return positions
 
     def local(self, point: Vector) -> Vector:
         """Body-frame position of a world point (2,) m, or of several (n, 2)."""
-        placed: Vector = (point - self.position) @ rotation(-self.angle).T
-        return placed
+        points: Vector = (point - self.position) @ rotation(-self.angle).T
+        return points
 
     def speed_at(self, world: Vector) -> Vector:
         """Velocity (2,) m/s of the body's point at a world position (2,) m."""
@@ -164,10 +164,10 @@ class FlexibleLink:
         return self.mass_per_length * self.length
 
 
-def turned(clockwise_deg: float) -> float:
+def scene_angle(clockwise_deg: float) -> float:
     """Convert a clockwise angle of a config (deg) to the counter-clockwise angle of a scene (rad).
 
-    Fixed angles change their sense only here. Coordinates of hinges stay clockwise, see `layout.pose`.
+    Fixed angles change their sense only here. Coordinates of hinges stay clockwise, see `layout.pose_of`.
     """
     return -math.radians(clockwise_deg)
 

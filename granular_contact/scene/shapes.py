@@ -16,7 +16,7 @@ import numpy as np
 from granular_contact.config import schema
 from granular_contact.config.schema import shapes
 from granular_contact.laws.kinds import Kind
-from granular_contact.scene.parts import InitialMotion, Shape, Wheel, rotation, turned
+from granular_contact.scene.parts import InitialMotion, Shape, Wheel, rotation, scene_angle
 from granular_contact.scene.types import Vector
 
 CHORDS = 48  # least number of chords of a full circle
@@ -171,7 +171,7 @@ def _plate(part: str, spec: shapes.PlateShape, _: int) -> tuple[Shape, Mass]:
 
 def _arc(part: str, spec: shapes.ArcShape, strips: int) -> tuple[Shape, Mass]:
     size, radius, center = section(spec), spec.radius_m, np.array(spec.center_m)
-    start, end = turned(spec.from_deg), turned(spec.to_deg)
+    start, end = scene_angle(spec.from_deg), scene_angle(spec.to_deg)
     half = abs(end - start) / 2
     chords = max(strips, math.ceil(CHORDS * half / math.pi))
     angles = np.linspace(start, end, chords + 1)
@@ -206,7 +206,7 @@ def _foot(part: str, spec: shapes.FootShape, _: int) -> tuple[Shape, Mass]:
     outline = np.vstack([toe + offset, -toe - offset])
     if not offset.any():
         outline = _circle(CHORDS)[:-1] * radius
-    corners = np.array(spec.center_m) + outline @ rotation(turned(spec.tilt_deg)).T
+    corners = np.array(spec.center_m) + outline @ rotation(scene_angle(spec.tilt_deg)).T
     shape, properties = _solid(part, corners, spec.width_m, spec.in_sand)
     turns = np.full(len(shape.points) - 1, 2 * math.pi / CHORDS)
     if offset.any():  # the sole and the top are straight

@@ -139,8 +139,8 @@ class Buehler:
         # Integral of the rate slow + (fast - slow) b^2 (3 - 2 b), b from 0 to 1 over the blend and 1 after it.
         b = self._blending(x)
         after = max(x - 0.5 * (self.duty + self.blend), 0.0)
-        turned = slow * x + (fast - slow) * (self.blend * b**3 * (1.0 - 0.5 * b) + after)
-        return self.offset + 2.0 * math.pi * turns + math.copysign(turned, share)
+        angle = slow * x + (fast - slow) * (self.blend * b**3 * (1.0 - 0.5 * b) + after)
+        return self.offset + 2.0 * math.pi * turns + math.copysign(angle, share)
 
     def rate(self, t: float) -> float:
         """First derivative with respect to time."""

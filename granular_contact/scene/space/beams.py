@@ -118,10 +118,10 @@ def _elastic_joints(name: str, link: schema.SpatialLink, held: int) -> dict[str,
     return joints
 
 
-def beams(model: schema.SpatialModel, placed: Pose, rigid: tuple[SpatialRigidBody, ...]) -> Iterator[SpatialBeam]:
+def beams(model: schema.SpatialModel, pose: Pose, rigid: tuple[SpatialRigidBody, ...]) -> Iterator[SpatialBeam]:
     """Links that bend, from the bodies of their elements.
 
-    model: with links, as before `with_elements`; placed: poses of all elements; rigid: bodies with elements.
+    model: with links, as before `with_elements`; pose: of all elements; rigid: bodies with elements.
     """
     body_of = {name: body for body in rigid for name in body.members}
     for name, link in bending_links(model).items():
@@ -129,7 +129,7 @@ def beams(model: schema.SpatialModel, placed: Pose, rigid: tuple[SpatialRigidBod
         assert flexible is not None
         stretch = flexible.axial_stiffness_N
         for k, element in enumerate(_elements(link)):
-            frame = _frame(body_of.get(f"{name}.{k}"), placed[f"{name}.{k}"])
+            frame = _frame(body_of.get(f"{name}.{k}"), pose[f"{name}.{k}"])
             mass = link.density_kg_m3 * cross_section.area * (element.end - element.start)
             pieces.append((frame, 0.5 * (element.start + element.end), mass))
         yield SpatialBeam(
@@ -153,9 +153,9 @@ def beams(model: schema.SpatialModel, placed: Pose, rigid: tuple[SpatialRigidBod
         )
 
 
-def _frame(body: SpatialRigidBody | None, placed: Any) -> tuple[str | None, Vector, Vector]:
+def _frame(body: SpatialRigidBody | None, pose: Any) -> tuple[str | None, Vector, Vector]:
     """Name of a body (None for the ground), and origin (3,) m and axes (3, 3) of a link's frame in its frame."""
     if body is None:
-        return None, placed.position, placed.rotation
+        return None, pose.position, pose.rotation
     motion = body.motion
-    return body.name, motion.local(placed.position), motion.rotation.T @ placed.rotation
+    return body.name, motion.local(pose.position), motion.rotation.T @ pose.rotation

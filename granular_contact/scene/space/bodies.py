@@ -105,19 +105,19 @@ def _with_mass(part: Part, mass: float) -> Part:
     return replace(part, shape=replace(part.shape, mass=mass)) if "ball" in part.meets else part
 
 
-def rigid_body(bodies: dict[str, SingleBody], group: list[str], placed: Pose) -> SpatialRigidBody:
+def rigid_body(bodies: dict[str, SingleBody], group: list[str], pose: Pose) -> SpatialRigidBody:
     """Merge a group of welded bodies; the frame has the axes of the first and its origin at their centre of mass.
 
     Elements of links that bend come last, and are left out of the name.
     """
     group = sorted(group, key=lambda name: "." in name)
-    total = merged(bodies[name].mass.placed(placed[name].position, placed[name].rotation) for name in group)
-    first = placed[group[0]]
+    total = merged(bodies[name].mass.placed(pose[name].position, pose[name].rotation) for name in group)
+    first = pose[group[0]]
     motion = replace(first, position=total.center, velocity=first.speed_at(total.center))
     R = motion.rotation
     parts = []
     for name in group:
-        position, turn = motion.local(placed[name].position), R.T @ placed[name].rotation
+        position, turn = motion.local(pose[name].position), R.T @ pose[name].rotation
         parts += [moved(part, position, turn) for part in bodies[name].parts]
     inertia = R.T @ total.inertia @ R
     names = [name for name in group if "." not in name] or group[:1]
@@ -127,7 +127,7 @@ def rigid_body(bodies: dict[str, SingleBody], group: list[str], placed: Pose) ->
 
 def joints_of(
     model: schema.SpatialModel,
-    placed: Pose,
+    pose: Pose,
     rigid: tuple[SpatialRigidBody, ...],
     states: Mapping[str, JointState],
     closure_constraints: Mapping[str, tuple[bool, ...]],
@@ -143,13 +143,13 @@ def joints_of(
         if child == parent:
             continue
         assert child is not None  # `closure_faults` refuses a closure whose child is the ground
-        turn, at_child = joint_frame(joint, placed)
-        at_parent = _point_on_parent(placed, joint) if slides(joint) else at_child
+        turn, at_child = joint_frame(joint, pose)
+        at_parent = _point_on_parent(pose, joint) if slides(joint) else at_child
         elastic: Elastic | None = getattr(joint, "elastic", None)
         child_axes = turn  # without free rotations both frames agree to round-off
         if elastic is None and not all(CONSTRAINED[joint.type][3:]):
-            child_axes = placed[joint.child].rotation @ rotations.to_axis(axis_of(joint))
-        start, rate = coordinate(name, joint, placed, states)
+            child_axes = pose[joint.child].rotation @ rotations.to_axis(axis_of(joint))
+        start, rate = coordinate(name, joint, pose, states)
         yield SpatialJoint(
             name=name,
             kind=joint.type,
@@ -168,13 +168,13 @@ def joints_of(
         )
 
 
-def _point_on_parent(placed: Pose, joint: AnyJoint | AnyClosure) -> Vector:
+def _point_on_parent(pose: Pose, joint: AnyJoint | AnyClosure) -> Vector:
     """World position (3,) m of a joint's point on its parent; for a slider it differs from the point on the child."""
-    return placed[joint.parent].world(np.array(joint.parent_point_m))
+    return pose[joint.parent].world(np.array(joint.parent_point_m))
 
 
 def coordinate(
-    name: str, joint: AnyJoint | AnyClosure, placed: Pose, states: Mapping[str, JointState]
+    name: str, joint: AnyJoint | AnyClosure, pose: Pose, states: Mapping[str, JointState]
 ) -> tuple[float, float]:
     """Initial coordinate (rad or m) of a hinge or slider and its rate; for a closure from the poses of its bodies.
 
@@ -184,10 +184,10 @@ def coordinate(
         return 0.0, 0.0
     if name in states:
         return states[name].coordinate, float(states[name].rates[0])
-    turn, at_child = joint_frame(joint, placed)
-    axis, parent, child = turn[:, 2], placed[joint.parent], placed[joint.child]
+    turn, at_child = joint_frame(joint, pose)
+    axis, parent, child = turn[:, 2], pose[joint.parent], pose[joint.child]
     if joint.type == "slider":
-        gap, velocity = at_child - _point_on_parent(placed, joint), child.speed_at(at_child) - parent.speed_at(at_child)
+        gap, velocity = at_child - _point_on_parent(pose, joint), child.speed_at(at_child) - parent.speed_at(at_child)
         return float(axis @ gap), float(axis @ velocity)
     relative = turn.T @ child.rotation @ rotations.to_axis(axis_of(joint))
     # Poses do not show the number of whole turns: the angle is the one between -pi and pi.

@@ -21,7 +21,7 @@ from granular_contact.scene.methods import check, fits_minimal
 from granular_contact.scene.space.beams import beams, with_elements
 from granular_contact.scene.space.bed import SpatialBed, bed_of
 from granular_contact.scene.space.bodies import bodies_of, joints_of, on_ground, rigid_body
-from granular_contact.scene.space.layout import initial_states, pose, slides
+from granular_contact.scene.space.layout import initial_states, pose_of, slides
 from granular_contact.scene.space.loops import SpatialLoops, independent_constraints
 from granular_contact.scene.space.modes import check as check_modes
 from granular_contact.scene.space.types import Part, SpatialRigidBody, SpatialScene, Vector
@@ -51,8 +51,8 @@ def build_spatial(scenario: schema.SpatialScenario) -> SpatialScene:
     bodies = bodies_of(model, media_kinds, scenario.load, faults, notes)
     if faults or bodies is None:
         raise SceneError(faults)
-    placed, groups = pose(model, states), weld_groups(model)
-    rigid = tuple(rigid_body(bodies, group, placed) for group in groups if GROUND not in group)
+    pose, groups = pose_of(model, states), weld_groups(model)
+    rigid = tuple(rigid_body(bodies, group, pose) for group in groups if GROUND not in group)
     if not rigid:
         faults.append(scene_fault("model.joints", "every body is welded to the ground, so nothing can move"))
     faults += closure_faults(model, groups)
@@ -67,7 +67,7 @@ def build_spatial(scenario: schema.SpatialScenario) -> SpatialScene:
         name=scenario.name or model.name,
         rigid=rigid,
         links=(),
-        joints=tuple(joints_of(model, placed, rigid, states, constraints)),
+        joints=tuple(joints_of(model, pose, rigid, states, constraints)),
         gravity=scenario.gravity_m_s2,
         bed=bed,
         load=scenario.load,
@@ -81,7 +81,7 @@ def build_spatial(scenario: schema.SpatialScenario) -> SpatialScene:
         body_columns=_has_body_columns(scenario, rigid),
         notes=tuple(notes),
         travel=scenario.output.ahead,
-        beams=tuple(beams(scenario.model, placed, rigid)),
+        beams=tuple(beams(scenario.model, pose, rigid)),
     )
     if faults := list(beyond_numbers(scene)):
         raise SceneError(faults)

@@ -93,12 +93,12 @@ def axis_of(joint: Any) -> Vector:
     return np.asarray(axis / np.linalg.norm(axis))
 
 
-def pose(model: schema.SpatialModel, states: Mapping[str, JointState]) -> Pose:
+def pose_of(model: schema.SpatialModel, states: Mapping[str, JointState]) -> Pose:
     """Poses and velocities of all bodies."""
-    placed = {GROUND: STILL}
+    pose = {GROUND: STILL}
     for name, joint in joints_outward(model):
-        placed[joint.child] = _child(joint, states.get(name), placed[joint.parent])
-    return placed
+        pose[joint.child] = _child(joint, states.get(name), pose[joint.parent])
+    return pose
 
 
 def _child(joint: AnyJoint, state: JointState | None, parent: SpatialMotion) -> SpatialMotion:

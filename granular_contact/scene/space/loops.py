@@ -16,7 +16,16 @@ from granular_contact.config.schema.space.joints import AnyClosure, AnyJoint
 from granular_contact.errors import Fault, scene_fault
 from granular_contact.geometry import rotations
 from granular_contact.scene.loops import RANK_TOLERANCE, Loops
-from granular_contact.scene.space.layout import BENDING, CONSTRAINED, FREEDOMS, JointState, Pose, axis_of, pose, turns
+from granular_contact.scene.space.layout import (
+    BENDING,
+    CONSTRAINED,
+    FREEDOMS,
+    JointState,
+    Pose,
+    axis_of,
+    pose_of,
+    turns,
+)
 from granular_contact.scene.space.shapes import orientation
 from granular_contact.scene.space.types import Vector
 from granular_contact.scene.types import Drive
@@ -29,24 +38,24 @@ class SpatialLoops(Loops):
         """bending: give elements of links freedom to bend and stretch; loops are closed with straight links."""
         super().__init__(model, FREEDOMS | BENDING if bending else FREEDOMS)
 
-    def pose(self, states: Mapping[str, JointState]) -> Pose:
+    def pose_of(self, states: Mapping[str, JointState]) -> Pose:
         """Pose of the mechanism."""
-        return pose(self.model, states)
+        return pose_of(self.model, states)
 
-    def residual(self, name: str, placed: Pose) -> Vector:
+    def residual(self, name: str, pose: Pose) -> Vector:
         """Residual (6,) of a closure along and about the axes of its frame (m, rad); 0 for free components."""
         joint = self.model.closures[name]
-        frame, at_child = joint_frame(joint, placed)
-        at_parent = placed[joint.parent].world(np.array(joint.parent_point_m))
-        turn = frame.T @ placed[joint.child].rotation @ rotations.to_axis(axis_of(joint))
+        frame, at_child = joint_frame(joint, pose)
+        at_parent = pose[joint.parent].world(np.array(joint.parent_point_m))
+        turn = frame.T @ pose[joint.child].rotation @ rotations.to_axis(axis_of(joint))
         gap = np.concatenate([frame.T @ (at_child - at_parent), _misaligned(joint, turn)])
         return np.where(CONSTRAINED[joint.type], gap, 0.0)
 
-    def residual_rates(self, name: str, placed: Pose) -> Vector:
+    def residual_rates(self, name: str, pose: Pose) -> Vector:
         """Rates (6,) of a closed loop's residual."""
         joint = self.model.closures[name]
-        frame, at_child = joint_frame(joint, placed)
-        parent, child = placed[joint.parent], placed[joint.child]
+        frame, at_child = joint_frame(joint, pose)
+        parent, child = pose[joint.parent], pose[joint.child]
         velocity, spin = child.speed_at(at_child) - parent.speed_at(at_child), child.rate - parent.rate
         return np.where(CONSTRAINED[joint.type], np.concatenate([frame.T @ velocity, frame.T @ spin]), 0.0)
 
@@ -55,12 +64,12 @@ class SpatialLoops(Loops):
         return float(np.linalg.norm(residual[:3])), float(np.linalg.norm(residual[3:]))
 
 
-def joint_frame(joint: AnyJoint | AnyClosure, placed: Pose) -> tuple[Vector, Vector]:
+def joint_frame(joint: AnyJoint | AnyClosure, pose: Pose) -> tuple[Vector, Vector]:
     """Axes (3, 3) of a joint's frame on its parent, and the joint's point (3,) m on its child, in the world frame."""
-    turn = placed[joint.parent].rotation @ orientation(joint)
+    turn = pose[joint.parent].rotation @ orientation(joint)
     if getattr(joint, "elastic", None) is None:  # an elastic joint has the frame of its link
         turn = turn @ rotations.to_axis(axis_of(joint))
-    return turn, placed[joint.child].world(np.array(joint.child_point_m))
+    return turn, pose[joint.child].world(np.array(joint.child_point_m))
 
 
 def _misaligned(joint: AnyClosure, turn: Vector) -> Vector:

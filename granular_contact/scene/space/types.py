@@ -93,13 +93,13 @@ class SpatialMotion:
 
     def world(self, points: Vector) -> Vector:
         """World positions (n, 3) m of points of the body, (n, 3) or (3,)."""
-        placed: Vector = self.position + points @ self.rotation.T
-        return placed
+        positions: Vector = self.position + points @ self.rotation.T
+        return positions
 
     def local(self, point: Vector) -> Vector:
         """Body-frame position of a world point (3,) m."""
-        placed: Vector = self.rotation.T @ (point - self.position)
-        return placed
+        points: Vector = self.rotation.T @ (point - self.position)
+        return points
 
     def speed_at(self, world: Vector) -> Vector:
         """Velocity (3,) m/s of the body's point at a world position (3,) m."""
@@ -313,19 +313,19 @@ class SpatialScene(Scene):
 
     @property
     def bends(self) -> bool:
-        """As of `Scene`."""
+        """As in `Scene`."""
         return bool(self.beams)
 
     def link_length(self, name: str) -> float:
-        """As of `Scene`."""
+        """As in `Scene`."""
         return next(beam.length for beam in self.beams if beam.name == name)
 
     def joint(self, name: str) -> SpatialJoint:  # type: ignore[override]
-        """As of `Scene`."""
+        """As in `Scene`."""
         return next(joint for joint in self.joints if joint.name == name)
 
     def body(self, name: str) -> SpatialRigidBody:  # type: ignore[override]
-        """As of `Scene`."""
+        """As in `Scene`."""
         return next(body for body in self.rigid if body.name == name)
 
     @cached_property
