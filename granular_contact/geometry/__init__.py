@@ -1,6 +1,6 @@
-"""Points and lines in the plane, triangles and rotations in space, of no body in particular.
+"""Geometry without bodies: points and lines in the plane, triangles and rotations in space.
 
-polygon, surface      outlines; the free surface
-mesh, mesh_quality    triangles and their files; closed, outward, in one piece
-rotations             matrices, roll-pitch-yaw, quaternions
+polygon, surface      polygons; the free surface
+mesh, mesh_quality    triangles and their files; checks of meshes: closed, outward, in one piece
+rotations             rotation matrices, roll-pitch-yaw angles, quaternions
 """

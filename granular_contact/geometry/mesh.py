@@ -1,6 +1,6 @@
-"""Triangles of a mesh: their areas, what is wrong with the surface they make, and their files.
+"""Triangles of a mesh: areas, faults of the surface that they form, and mesh files.
 
-It needs numpy alone; files but for binary STL are read by trimesh, which is loaded for this alone.
+The module needs NumPy only. Files other than binary STL are read by trimesh, which is imported only for them.
 """
 
 from __future__ import annotations
@@ -18,23 +18,46 @@ from numpy.typing import NDArray
 from granular_contact.errors import scene_error
 
 Vector = NDArray[np.float64]
-NO_AREA = 1e-12  # of the square of the extent
+NO_AREA = 1e-12  # greatest area, divided by the square of the extent, that counts as none
 
 
 def extent(points: Vector) -> float:
-    """Diagonal (m) of the box around points (..., 3)."""
+    """Diagonal (m) of the bounding box of points (..., 3) m."""
     flat = points.reshape(-1, 3)
     return float(np.linalg.norm(flat.max(axis=0) - flat.min(axis=0))) if len(flat) else 0.0
 
 
 def areas(corners: Vector) -> Vector:
-    """Areas (n,) m^2 of triangles (n, 3, 3) m, times their unit normals: vectors (n, 3)."""
+    """Area vectors of triangles: unit normal times area.
+
+    Parameters
+    ----------
+    corners : (n, 3, 3) array
+        Corners (m).
+
+    Returns
+    -------
+    (n, 3) array
+        Vectors (m^2); the normal is that of a counter-clockwise triangle.
+    """
     cross: Vector = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     return cross
 
 
 def joined(vertices: Vector, faces: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Faces (n, 3) by numbers that are the same for vertices at the same place, as files keep them apart."""
+    """Faces in which vertices at the same place have the same number, as files may store them several times.
+
+    Parameters
+    ----------
+    vertices : (k, 3) array
+        Vertices (m).
+    faces : (n, 3) array of int
+        Triangles by the numbers of their vertices.
+
+    Returns
+    -------
+    (n, 3) array of int
+    """
     low = vertices.min(axis=0)
     cell = max(1e-30, float((vertices.max(axis=0) - low).max())) / 2**20
     x, y, z = np.rint((vertices - low) / cell).astype(np.int64).T
@@ -43,13 +66,36 @@ def joined(vertices: Vector, faces: NDArray[np.int64]) -> NDArray[np.int64]:
 
 
 def without_area(vertices: Vector, faces: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """Which faces (n,) have no area, so that no medium acts on them."""
-    found: NDArray[np.bool_] = np.linalg.norm(areas(vertices[faces]), axis=1) <= NO_AREA * extent(vertices) ** 2
-    return found
+    """Mark the faces that have no area, on which no medium acts.
+
+    Parameters
+    ----------
+    vertices : (k, 3) array
+        Vertices (m).
+    faces : (n, 3) array of int
+        Triangles.
+
+    Returns
+    -------
+    (n,) array of bool
+    """
+    marks: NDArray[np.bool_] = np.linalg.norm(areas(vertices[faces]), axis=1) <= NO_AREA * extent(vertices) ** 2
+    return marks
 
 
 def empty_note(empty: NDArray[np.bool_]) -> tuple[str, ...]:
-    """What is said of faces (n,) without area: a sentence, or nothing if there are none."""
+    """Sentence on faces without area, if there are any.
+
+    Parameters
+    ----------
+    empty : (n,) array of bool
+        Marks of `without_area`.
+
+    Returns
+    -------
+    tuple of str
+        One sentence or none.
+    """
     if not empty.any():
         return ()
     first = int(np.argmax(empty)) + 1
@@ -57,9 +103,23 @@ def empty_note(empty: NDArray[np.bool_]) -> tuple[str, ...]:
 
 
 def faults(vertices: Vector, faces: NDArray[np.int64], thin: bool) -> Iterator[str]:
-    """What is wrong with a mesh, one sentence each; thin: it is a sheet, and need not enclose anything.
+    """Faults of a mesh, one sentence each.
 
-    Triangles without area count for whether it is closed, as they close what is open between their corners.
+    Triangles without area count when it is checked whether the mesh is closed, as they close gaps between their
+    corners.
+
+    Parameters
+    ----------
+    vertices : (k, 3) array
+        Vertices (m).
+    faces : (n, 3) array of int
+        Triangles.
+    thin : bool
+        Whether the mesh is a sheet, which need not enclose a volume.
+
+    Yields
+    ------
+    str
     """
     if without_area(vertices, faces).all():
         yield f"none of its {len(faces)} triangles has an area"
@@ -78,7 +138,7 @@ def faults(vertices: Vector, faces: NDArray[np.int64], thin: bool) -> Iterator[s
 
 
 def _edges(faces: NDArray[np.int64]) -> tuple[int, int]:
-    """Number of edges that belong to one triangle only, and of those that two run along in the same sense."""
+    """Number of edges that belong to one triangle only, and of edges along which two triangles run the same way."""
     kept = faces[(faces[:, 0] != faces[:, 1]) & (faces[:, 1] != faces[:, 2]) & (faces[:, 2] != faces[:, 0])]
     start, end = kept.ravel(), np.roll(kept, -1, axis=1).ravel()
     key = np.minimum(start, end) * (int(faces.max()) + 1) + np.maximum(start, end)
@@ -91,17 +151,27 @@ def _edges(faces: NDArray[np.int64]) -> tuple[int, int]:
 
 FORMATS = ("stl", "obj", "ply", "dae", "glb", "gltf")
 MOST_BYTES = 300_000_000
-# A facet of a binary STL file.
+# Record of a facet in a binary STL file.
 _FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attributes", "<u2")])
 
 
 def read(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Vertices (n, 3) and faces (m, 3) of a file, in its own unit; in m if the file states one (Collada, glTF).
+    """Vertices and faces of a mesh file, in the unit of the file; in m if the file states its unit (Collada, glTF).
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+
+    Returns
+    -------
+    (n, 3) array, (m, 3) array of int
+        Vertices and faces. They can't be written to.
 
     Raises
     ------
     SceneError
-        There is no such file, it is of another format, too large or can't be read, or trimesh is not installed.
+        The file does not exist, has another format, is too large or can't be read, or trimesh is not installed.
     """
     if path.suffix[1:].lower() not in FORMATS:
         raise scene_error(str(path), f"got a {path.suffix or 'nameless'} file, allowed are {', '.join(FORMATS)}")
@@ -112,21 +182,24 @@ def read(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     return _read(path, path.stat().st_mtime_ns)
 
 
-@lru_cache(maxsize=64)  # many bodies share a mesh, and the runs of a sweep share all
+@lru_cache(maxsize=64)  # many bodies share a mesh, and all runs of a sweep share them
 def _read(path: Path, changed: int) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """As `read`; changed: when the file was, for the cache. The arrays can't be written to."""
+    """Cached part of `read`; changed: time of the last change of the file, for the cache."""
     del changed
     points, faces = _binary_stl(path) or _by_trimesh(path)
     if len(faces) == 0 or not np.isfinite(points).all():
-        what = "has no triangles" if len(faces) == 0 else "has vertices that are not finite numbers"
-        raise scene_error(str(path), _unread(path, f"it {what}"))
+        fault = "has no triangles" if len(faces) == 0 else "has vertices that are not finite numbers"
+        raise scene_error(str(path), _unread(path, f"it {fault}"))
     points.setflags(write=False)
     faces.setflags(write=False)
     return points, faces
 
 
 def _binary_stl(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]] | None:
-    """Mesh of a binary STL file, whose length says whether it is one; to load trimesh takes longer than to read it."""
+    """Mesh of a binary STL file; None for other files. The length of the file tells whether it is one.
+
+    To read it here takes less time than to load trimesh.
+    """
     if path.suffix.lower() != ".stl":
         return None
     raw = path.read_bytes()
@@ -138,28 +211,29 @@ def _binary_stl(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]] | N
 
 
 def _by_trimesh(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Mesh of a file that trimesh reads, in m if the file states its unit."""
     try:
         import trimesh
     except ImportError:
         raise scene_error(str(path), "mesh files are read by trimesh: pip install 'granular-contact[robot]'") from None
     try:
         logging.getLogger("trimesh").setLevel(logging.CRITICAL)  # it warns at length of missing textures
-        found = trimesh.load_mesh(path, process=False)
-        return np.asarray(found.vertices, float) * _unit(found), np.array(found.faces, np.int64)
+        loaded = trimesh.load_mesh(path, process=False)
+        return np.asarray(loaded.vertices, float) * _unit(loaded), np.array(loaded.faces, np.int64)
     except Exception as error:  # whatever its readers raise on a broken file
-        words = f"{type(error).__name__}: {' '.join(str(error).split())[:200]}"
-        raise scene_error(str(path), _unread(path, words)) from None
+        reason = f"{type(error).__name__}: {' '.join(str(error).split())[:200]}"
+        raise scene_error(str(path), _unread(path, reason)) from None
 
 
-def _unread(path: Path, words: str) -> str:
-    """Why a file can't be read, in one line; a repository may hold pointers of Git LFS in place of its files."""
+def _unread(path: Path, reason: str) -> str:
+    """Reason why a file can't be read, in one line. A repository may hold pointers of Git LFS in place of files."""
     with path.open("rb") as file:
         if file.read(40).startswith(b"version https://git-lfs"):
             return "is a pointer of Git LFS in place of a mesh; fetch the file with `git lfs pull`"
-    return f"can't be read: {words}"
+    return f"can't be read: {reason}"
 
 
-def _unit(found: Any) -> float:
-    """Length (m) of the unit that a Collada file states, as `0.01 * meters`."""
-    stated = re.fullmatch(r"([0-9.eE+-]+) \* meters", str(found.units or ""))
+def _unit(loaded: Any) -> float:
+    """Length (m) of the unit that a Collada file states, as `0.01 * meters`; 1 if none is stated."""
+    stated = re.fullmatch(r"([0-9.eE+-]+) \* meters", str(loaded.units or ""))
     return float(stated[1]) if stated else 1.0

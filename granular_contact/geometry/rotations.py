@@ -1,6 +1,6 @@
-"""Rotations: matrices R (..., 3, 3) that take components along a body's axes to those along the axes around it.
+"""Rotations: matrices R (..., 3, 3) that take components in the frame of a body to components in the outer frame.
 
-Roll, pitch and yaw are those of robot files, R = Rz(yaw) Ry(pitch) Rx(roll); quaternions are w, x, y, z.
+Roll, pitch and yaw are those of robot files, R = Rz(yaw) Ry(pitch) Rx(roll). Quaternions are w, x, y, z.
 """
 
 from __future__ import annotations
@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 Vector = NDArray[np.float64]
-LOCKED = 1.0 - 1e-12  # sine of the pitch from which roll and yaw can't be distinguished: roll is 0 then
+LOCKED = 1.0 - 1e-12  # sine of the pitch above which roll and yaw can't be distinguished: then roll is 0
 
 
 def of_rpy(rpy: ArrayLike) -> Vector:
-    """Matrix (3, 3) of roll, pitch and yaw (rad)."""
+    """Rotation matrix (3, 3) of roll, pitch and yaw (rad)."""
     roll, pitch, yaw = np.asarray(rpy, float)
     cr, sr, cp, sp, cy, sy = (f(a) for a in (roll, pitch, yaw) for f in (math.cos, math.sin))
     return np.array(
@@ -28,7 +28,7 @@ def of_rpy(rpy: ArrayLike) -> Vector:
 
 
 def rpy_of(R: Vector) -> Vector:
-    """Roll, pitch and yaw (..., 3) rad of matrices (..., 3, 3)."""
+    """Roll, pitch and yaw (..., 3) rad of rotation matrices (..., 3, 3)."""
     pitch = np.arcsin(np.clip(-R[..., 2, 0], -1.0, 1.0))
     locked = np.abs(R[..., 2, 0]) > LOCKED
     roll = np.where(locked, 0.0, np.arctan2(R[..., 2, 1], R[..., 2, 2]))
@@ -37,7 +37,7 @@ def rpy_of(R: Vector) -> Vector:
 
 
 def of_quaternion(quaternion: ArrayLike) -> Vector:
-    """Matrices (..., 3, 3) of quaternions (..., 4) of any length."""
+    """Rotation matrices (..., 3, 3) of quaternions (..., 4) of any length."""
     e = np.asarray(quaternion, float)
     w, x, y, z = np.moveaxis(e / np.sqrt(np.sum(e * e, axis=-1, keepdims=True)), -1, 0)
     R = np.empty((*e.shape[:-1], 3, 3))
@@ -48,7 +48,7 @@ def of_quaternion(quaternion: ArrayLike) -> Vector:
 
 
 def quaternion_of(R: Vector) -> Vector:
-    """Unit quaternion (4,) of a matrix (3, 3), its greatest component positive."""
+    """Unit quaternion (4,) of a rotation matrix (3, 3); its component of greatest magnitude is positive."""
     trace = np.trace(R)
     squares = 0.25 * (1.0 + np.array([trace, *(2.0 * np.diag(R) - trace)]))
     k = int(squares.argmax())
@@ -58,15 +58,15 @@ def quaternion_of(R: Vector) -> Vector:
         2: [R[0, 2] - R[2, 0], R[0, 1] + R[1, 0], 4.0 * squares[2], R[1, 2] + R[2, 1]],
         3: [R[1, 0] - R[0, 1], R[0, 2] + R[2, 0], R[1, 2] + R[2, 1], 4.0 * squares[3]],
     }
-    found = np.array(pairs[k], float)
-    return np.asarray(found / np.linalg.norm(found))
+    quaternion = np.array(pairs[k], float)
+    return np.asarray(quaternion / np.linalg.norm(quaternion))
 
 
 def quaternion_rates(e: Vector, w: Vector) -> Vector:
-    """Rates (..., 4) of unit quaternions (..., 4) at angular velocities (..., 3) rad/s along the axes around."""
+    """Rates (..., 4) of unit quaternions (..., 4) at angular velocities (..., 3) rad/s in the outer frame."""
     e_0, e_1 = e[..., :1], e[..., 1:]
-    along = np.sum(w * e_1, axis=-1, keepdims=True)
-    return np.asarray(0.5 * np.concatenate([-along, e_0 * w + np.cross(w, e_1)], axis=-1))
+    scalar_part = np.sum(w * e_1, axis=-1, keepdims=True)
+    return np.asarray(0.5 * np.concatenate([-scalar_part, e_0 * w + np.cross(w, e_1)], axis=-1))
 
 
 def cross(w: ArrayLike) -> Vector:
@@ -82,13 +82,13 @@ def about(axis: Vector, angle: float) -> Vector:
 
 
 def of_vector(turn: Vector) -> Vector:
-    """Matrix (3, 3) of a rotation vector (3,) rad."""
+    """Rotation matrix (3, 3) of a rotation vector (3,) rad."""
     angle = float(np.linalg.norm(turn))
     return np.eye(3) if angle == 0.0 else about(turn / angle, angle)
 
 
 def vector_of(R: Vector) -> Vector:
-    """Rotation vector (3,) rad of a matrix (3, 3), at most half a turn."""
+    """Rotation vector (3,) rad of a rotation matrix (3, 3), of at most half a turn."""
     e = quaternion_of(R)
     e = e if e[0] >= 0.0 else -e
     size = float(np.linalg.norm(e[1:]))
@@ -96,7 +96,7 @@ def vector_of(R: Vector) -> Vector:
 
 
 def to_axis(axis: Vector) -> Vector:
-    """A rotation (3, 3) whose z axis is the direction of `axis` (3,)."""
+    """A rotation matrix (3, 3) whose z axis is the direction of `axis` (3,)."""
     z = axis / np.linalg.norm(axis)
     side = np.eye(3)[int(np.abs(z).argmin())]
     x = np.cross(side, z)

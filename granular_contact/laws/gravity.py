@@ -186,7 +186,7 @@ def _scaled_value(value: Any, factor: float) -> Any:
 
 def _scaling(field: FieldInfo) -> GravityScaling | None:
     """Scaling in the annotation of a field; None if it has none."""
-    return next((one for one in field.metadata if isinstance(one, GravityScaling)), None)
+    return next((item for item in field.metadata if isinstance(item, GravityScaling)), None)
 
 
 def gravity_notes(medium: Law, gravity: float) -> Iterator[str]:

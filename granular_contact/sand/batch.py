@@ -85,16 +85,16 @@ class Batch:
         """The medium as the kernels read it. The law is compiled when it is first used on a machine."""
         return medium_record(self._law_record, self.records, self.anchors.shape[1] > 2, spatial=self.has_spatial_bodies)
 
-    def renew(self, own: NDArray[np.void]) -> None:
+    def renew(self, law_record: NDArray[np.void]) -> None:
         """Take other coefficients of the same law; compiled functions and addresses stay.
 
         Parameters
         ----------
-        own : (1,) array
+        law_record : (1,) array
             Record of the law.
         """
-        self._law_record = own
-        self.medium["own"].view(np.uint8).ravel()[: own.nbytes] = own.view(np.uint8)
+        self._law_record = law_record
+        self.medium["own"].view(np.uint8).ravel()[: law_record.nbytes] = law_record.view(np.uint8)
         self.forget()
 
     def start(self, where: NDArray[np.int64] | None, reference: Vector) -> NDArray[np.int64]:
@@ -111,8 +111,8 @@ class Batch:
         self.reference = reference
         self._forces[:] = np.nan
         room, body = self.work
-        own = {name: getattr(self, name) for name in ARRAYS}
-        return LINES.addresses(own | {"lines": self.records, "room": room, "body": body})
+        arrays = {name: getattr(self, name) for name in ARRAYS}
+        return LINES.addresses(arrays | {"lines": self.records, "room": room, "body": body})
 
     @property
     def has_spatial_bodies(self) -> bool:

@@ -1,7 +1,4 @@
-"""Contact lines of shapes in the plane: stations along the boundary on which the medium acts.
-
-Sizes are checked here.
-"""
+"""Contact lines of shapes in the plane: stations along the boundary on which the medium acts."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Values of all files: `strict` classes, the meaning of plain YAML `scalars`; `files` that are written as a whole.
+"""Values of all files: `strict` base classes, plain YAML `scalars`, and `files` that are written as a whole.
 
-Types of `arrays` are for annotations everywhere.
+`arrays` has types for annotations.
 """

@@ -1,7 +1,7 @@
-"""What a plain YAML scalar means: the core schema of YAML 1.2, minus what reads as two different numbers.
+"""Meaning of a plain YAML scalar: the core schema of YAML 1.2, without texts that readers take for different numbers.
 
-YAML 1.1 turns `1:30` into 90, `010` into 8, `on` into true and leaves `1e-3` a text. Here a scalar is a number only if
-everybody would read the same one; all else stays text, and is refused where a number is wanted.
+YAML 1.1 turns `1:30` into 90, `010` into 8, `on` into true, and leaves `1e-3` a text. Here a scalar is a number only if
+every reader would take it for the same number. Anything else stays text, and is refused where a number is needed.
 """
 
 from __future__ import annotations
@@ -18,17 +18,25 @@ _CONSTANTS: dict[str, bool | None] = {
 _INTEGER = re.compile(r"[-+]?(0|[1-9][0-9]*)")
 _FLOAT = re.compile(r"[-+]?((0|[1-9][0-9]*)(\.[0-9]*)?|\.[0-9]+)([eE][-+]?[0-9]+)?")
 _NOT_FINITE = re.compile(r"[-+]?\.(inf|Inf|INF)|\.(nan|NaN|NAN)")
-# int() refuses texts beyond 4300 digits; nothing here needs an integer that long, so it is left to overflow as a float.
+# int() refuses texts of more than 4300 digits. No value here needs so many: a long integer is read as a float.
 _LONGEST_INTEGER = 300
 
 
 def resolve(text: str) -> ScalarValue:
-    """Value of the plain (unquoted) scalar `text`.
+    """Value of a plain (unquoted) scalar.
+
+    Parameters
+    ----------
+    text : str
+        The scalar.
+
+    Returns
+    -------
+    bool, int, float, str or None
 
     Examples
     --------
-    >>> [resolve(text) for text in ("1e-3", "12", "010", "1:30", "yes", "true")]
-    [0.001, 12, '010', '1:30', 'yes', True]
+    >>> [resolve(text) for text in ("1e-3", "12", "010", "1:30", "yes", "true")] [0.001, 12, '010', '1:30', 'yes', True]
     """
     if text in _CONSTANTS:
         return _CONSTANTS[text]

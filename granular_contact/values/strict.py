@@ -1,4 +1,4 @@
-"""Base of all schema classes: strictness, kinds of values, unions by tag, faults of several keys."""
+"""Base class of all schema classes: strict types, kinds of values, unions by tag, faults of several keys."""
 
 from __future__ import annotations
 
@@ -27,7 +27,9 @@ Faults = Iterator[LocalFault]
 
 
 class Strict(BaseModel):
-    """Frozen, without unknown keys, finite numbers only, and no value ever converted but whole numbers to floats.
+    """Frozen class without unknown keys, with finite numbers only.
+
+    Values are not converted, but for whole numbers to floats.
 
     The text under a field is its description in the JSON Schema for editors, see `config.export`.
     """
@@ -41,50 +43,118 @@ class Strict(BaseModel):
 
     @model_validator(mode="after")
     def _agrees(self) -> Strict:
-        """Refuse values that do not go together."""
+        """Refuse values that do not fit together."""
         if faults := list(self._faults()):
             raise refusal(faults)
         return self
 
     def _faults(self) -> Faults:
-        """What is wrong with values that are each allowed: paths below this one, and sentences."""
+        """Faults of values that are each allowed by themselves: a path below this value, and a sentence."""
         yield from ()
 
 
 def refusal(faults: Sequence[LocalFault]) -> PydanticCustomError:
-    """The error a validator raises for `faults`, each a path below the validated value and a sentence."""
+    """Error that a validator raises for faults.
+
+    Parameters
+    ----------
+    faults : sequence of LocalFault
+        Paths below the validated value, with a sentence each.
+
+    Returns
+    -------
+    PydanticCustomError
+    """
     text = "; ".join(f"{'.'.join(map(str, path))}: {message}" if path else message for path, message in faults)
     return PydanticCustomError(FAULTS, "{text}", {"text": text, FAULTS: list(faults)})
 
 
 def allow(words: str) -> Any:
-    """Mark a field or a type with the words for what is allowed, where those from the schema are unclear."""
+    """Annotation with the text for what is allowed, where the text from the schema is unclear.
+
+    Parameters
+    ----------
+    words : str
+        The text.
+
+    Returns
+    -------
+    FieldInfo
+    """
     return Field(json_schema_extra={ALLOWED: words})
 
 
 def listed(words: Sequence[str], between: str = ", ") -> str:
-    """Words in a list; only the first few of many, and how many more there are."""
+    """Texts in a list, with the first few of many and the number of the others.
+
+    Parameters
+    ----------
+    words : sequence of str
+        The texts.
+    between : str
+        Separator.
+
+    Returns
+    -------
+    str
+    """
     if len(words) <= MOST_LISTED:
         return between.join(words)
     return f"{between.join(words[:MOST_LISTED])}{between}... and {len(words) - MOST_LISTED} more"
 
 
 def did_you_mean(word: str, known: Collection[str]) -> str:
-    """Which of `known` the unknown `word` may have meant, as a question; empty if it is like none."""
-    near = get_close_matches(word, known, 1) or [one for one in known if one.startswith(f"{word}_")]  # without its unit
+    """Question for the known name that an unknown name probably means; empty if none is similar.
+
+    Parameters
+    ----------
+    word : str
+        The unknown name.
+    known : collection of str
+        The known names.
+
+    Returns
+    -------
+    str
+    """
+    near = get_close_matches(word, known, 1) or [name for name in known if name.startswith(f"{word}_")]  # no unit given
     return f"did you mean {near[0]}?" if near else ""
 
 
-def no_such(what: str, name: str, known: Collection[str]) -> str:
-    """That there is no body, joint or signal of a name, and which ones there are."""
-    there = ", ".join([*known][:_MOST_NAMES]) + ", ..." * (len(known) > _MOST_NAMES) or "none"
-    return f"there is no {what} {name!r}; {did_you_mean(name, known) or f'there are {there}'}"
+def no_such(kind: str, name: str, known: Collection[str]) -> str:
+    """Sentence that there is no body, joint or signal of a name, and which ones there are.
+
+    Parameters
+    ----------
+    what : str
+        Kind of the thing.
+    name : str
+        The unknown name.
+    known : collection of str
+        The known names.
+
+    Returns
+    -------
+    str
+    """
+    names = ", ".join([*known][:_MOST_NAMES]) + ", ..." * (len(known) > _MOST_NAMES) or "none"
+    return f"there is no {kind} {name!r}; {did_you_mean(name, known) or f'there are {names}'}"
 
 
 def form(value: Any) -> str | None:
-    """YAML form of a value, the tag of a union of forms: pydantic puts it between two keys of a location.
+    """YAML form of a value, the tag of a union of forms, which pydantic puts between two keys of a location.
 
-    An empty mapping has none, so that one fault says what it may be, and not one for each key that it lacks.
+    An empty mapping has no form, so that one fault lists all that it may be, and not a fault for each missing key.
+
+    Parameters
+    ----------
+    value
+        The value.
+
+    Returns
+    -------
+    str or None
+        A key of `_FORMS`.
     """
     if isinstance(value, bool) or value == {}:
         return None
@@ -93,7 +163,7 @@ def form(value: Any) -> str | None:
 
 @lru_cache(maxsize=1024)
 def _is_lost(text: str) -> bool:
-    """Whether PyYAML writes a text without quotes that this package reads as something else."""
+    """Return whether PyYAML writes a text without quotes that this package reads as another value."""
     written_plain = _RESOLVER.resolve(yaml.ScalarNode, text, (True, False)) == "tag:yaml.org,2002:str"
     return written_plain and not isinstance(resolve(text), str)
 
@@ -114,7 +184,17 @@ Listed = StrictnessOf(False)
 
 
 def directed(allowed: str) -> AfterValidator:
-    """Validator of a vector that has to point somewhere; allowed: what is, in words."""
+    """Validator of a vector that must have a direction.
+
+    Parameters
+    ----------
+    allowed : str
+        Text for what is allowed.
+
+    Returns
+    -------
+    AfterValidator
+    """
 
     def points_somewhere(axis: tuple[float, ...]) -> tuple[float, ...]:
         if not 0.0 < math.hypot(*axis) < math.inf:
@@ -125,9 +205,10 @@ def directed(allowed: str) -> AfterValidator:
 
 
 def _once(names: tuple[str, ...]) -> tuple[str, ...]:
-    twice = [name for name in dict.fromkeys(names) if names.count(name) > 1]
-    if twice:
-        raise refusal([((), f"names {name} twice; once is allowed") for name in twice])
+    """Refuse a name that is listed twice."""
+    duplicates = [name for name in dict.fromkeys(names) if names.count(name) > 1]
+    if duplicates:
+        raise refusal([((), f"names {name} twice; once is allowed") for name in duplicates])
     return names
 
 
@@ -135,7 +216,7 @@ Names = Annotated[tuple[Text, ...], Listed, Field(min_length=1), AfterValidator(
 
 
 class OrNull:
-    """Marks a field that may be null in a file; its class puts another value in its place, so it is never None."""
+    """Marks a field that may be null in a file. Its class sets another value, so the attribute is never None."""
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         """Core schema of the value or null."""
@@ -143,46 +224,63 @@ class OrNull:
 
 
 class OrName:
-    """Marks a field for which a file may name another file that has it, and that is put in its place."""
+    """Marks a field for which a file may name another file, whose value is used."""
 
     def __get_pydantic_json_schema__(self, core: CoreSchema, handler: Any) -> dict[str, Any]:
-        """Schema of the value, or a name."""
-        found = handler(core)
-        default = {key: found.pop(key) for key in ("default", "title") if key in found}
-        return {"anyOf": [found, {"type": "string"}], ALLOWED: "a list, or the name of what has it", **default}
+        """JSON Schema of the value, or a name."""
+        schema = handler(core)
+        default = {key: schema.pop(key) for key in ("default", "title") if key in schema}
+        return {"anyOf": [schema, {"type": "string"}], ALLOWED: "a list, or the name of what has it", **default}
 
 
 class Tagged:
-    """Marks a union whose member is named by the value of one key.
+    """Marks a union whose member is selected by the value of one key.
 
-    pydantic's own `discriminator` refuses a union of one member, which is what a map of laws starts as.
+    pydantic's own `discriminator` refuses a union of one member.
+
+    Parameters
+    ----------
+    key : str
+        The key.
+    choices : mapping of str to type
+        Classes by the value of the key.
     """
 
     def __init__(self, key: str, choices: Mapping[str, type[BaseModel]]) -> None:
         self.key, self.choices = key, choices
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        """Core schema of the union, whatever `source` says for the type checker."""
+        """Core schema of the union; `source`, the annotation, is for type checkers."""
         del source
         choices = {tag: handler.generate_schema(choice) for tag, choice in self.choices.items()}
         return core_schema.tagged_union_schema(choices, discriminator=self.key)
 
 
 def by_type(*classes: type[Strict]) -> dict[str, type[Strict]]:
-    """Classes by the one value that their field `type` may have."""
-    return {get_args(one.model_fields["type"].annotation)[0]: one for one in classes}
+    """Classes by the single allowed value of their field `type`.
+
+    Parameters
+    ----------
+    *classes : type
+        The classes.
+
+    Returns
+    -------
+    dict of str to type
+    """
+    return {get_args(each.model_fields["type"].annotation)[0]: each for each in classes}
 
 
 ONE, MANY = "one", "list"
 
 
 class OneOrMore:
-    """Marks a field that holds one value of a kind, or a list of them."""
+    """Marks a field that holds one value of a kind, or a list of such values."""
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         """Core schema of the two forms; the source is a tuple of the kind."""
-        (one, *_) = get_args(source)
-        single = handler.generate_schema(one)
+        (kind, *_) = get_args(source)
+        single = handler.generate_schema(kind)
         return core_schema.tagged_union_schema(
             {
                 ONE: single,

@@ -35,7 +35,7 @@ class SpatialBatch:
         Elements of shapes, all of one kind.
     law : type
         Class of the law of the medium.
-    own : (1,) array
+    law_record : (1,) array
         Record of the law for the kernels of the plane.
     ground : (4,) or longer array
         The surface, see `kernels.ground`.
@@ -62,7 +62,7 @@ class SpatialBatch:
         self,
         sets: Sequence[Elements],
         law: type,
-        own: NDArray[np.void],
+        law_record: NDArray[np.void],
         ground: Vector,
         turn: Vector,
         columns: Sequence[NDArray[np.int64]],
@@ -71,7 +71,8 @@ class SpatialBatch:
     ) -> None:
         self.ground, self.turn = ground, turn
         mapped = len(ground) > PLANE
-        self._record = partial(space_record, law, own, sets[0].element_kind, layer, paths=paths > 0, heights=mapped)
+        kind = sets[0].element_kind
+        self._record = partial(space_record, law, law_record, kind, layer, paths=paths > 0, heights=mapped)
         grouped: dict[Any, list[Elements]] = {}
         of_bodies = []
         for elements, element_columns in zip(sets, columns, strict=True):
@@ -120,8 +121,8 @@ class SpatialBatch:
         self.forget()
         self.proximity[:, EVER] = -np.inf
         self.reference = reference
-        own = {name: getattr(self, name) for name in ARRAYS}
-        return BODIES.addresses(own | {"medium": self._body_medium})
+        arrays = {name: getattr(self, name) for name in ARRAYS}
+        return BODIES.addresses(arrays | {"medium": self._body_medium})
 
     def immersed(self) -> set[tuple[str, Kind, float]]:
         """Name of the body, kind and size (m) of each set on the bodies that have ever been immersed."""
