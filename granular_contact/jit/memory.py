@@ -17,12 +17,15 @@ from typing import Any
 
 import numpy as np
 from llvmlite import ir
-from numba import types
-from numba.extending import lower_builtin, type_callable
+from numba import from_dtype, types
+from numba.extending import intrinsic, lower_builtin, type_callable
 from numpy.typing import NDArray
+
+from granular_contact.jit.compiled import COMPILES
 
 NUMBERS = types.Array(types.float64, 1, "C")
 _BYTE = ir.IntType(8).as_pointer()
+_ALIGNED = 64  # bytes, as of a cache line: records with arrays that are loaded into vector registers
 
 
 def array_at(address: int, shape: tuple[int, ...], dtype: np.dtype) -> NDArray[Any]:
@@ -170,6 +173,42 @@ def _room(context, builder, signature, values):
     with builder.goto_entry_block():
         begin = builder.alloca(ir.ArrayType(ir.DoubleType(), math.prod(shape)))
     return view_of(context, builder, signature.return_type, begin, [context.get_constant(types.intp, n) for n in shape])
+
+
+def record_room(kind: np.dtype) -> Any:
+    """Function for kernels: () -> record of this type, not yet set, that lives as long as the call it is made in."""
+    if not COMPILES:
+        return lambda: np.zeros(1, kind)[0]
+    record = from_dtype(kind)
+
+    @intrinsic
+    def room(typing_context):
+        def generate(context, builder, signature, values):
+            with builder.goto_entry_block():
+                begin = builder.alloca(context.get_data_type(record))
+            begin.align = _ALIGNED
+            return begin
+
+        return record(), generate
+
+    return room
+
+
+def as_records(kind: np.dtype) -> Any:
+    """Function for kernels: array (n, columns) of float64 -> view (n,) of its rows as records of this type."""
+    if not COMPILES:
+        return lambda array: array.view(kind)[:, 0]
+    records = types.Array(from_dtype(kind), 1, "C")
+
+    @intrinsic
+    def view(typing_context, array):
+        def generate(context, builder, signature, values):
+            rows = context.make_array(array)(context, builder, values[0])
+            return view_of(context, builder, records, rows.data, [builder.extract_value(rows.shape, 0)])
+
+        return records(array), generate
+
+    return view
 
 
 def clear(array):

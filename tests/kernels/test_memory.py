@@ -11,6 +11,7 @@ from numba import njit
 
 from granular_contact.jit import memory
 from granular_contact.jit.compiled import options
+from granular_contact.jit.records import record_dtype
 
 A = np.arange(60.0).reshape(5, 4, 3)
 STATIONS = np.array([(1.0, 2), (3.0, 4), (5.0, 6)], [("x", "f8"), ("k", "i8")])
@@ -71,3 +72,36 @@ def test_references_to_arrays_are_not_counted() -> None:
     assert counted(A) == uncounted(A) == A[1, 0, 0]
     texts = ["\n".join(one.inspect_llvm().values()) for one in (counted, uncounted)]
     assert ["NRT_decref" in text for text in texts] == [True, False]
+
+
+PAIR = record_dtype([("x", "f8", (2,)), ("k", "f8")])
+
+
+def test_rows_of_numbers_are_seen_as_records_and_changed_through_them() -> None:
+    pairs = memory.as_records(PAIR)
+
+    @njit(**options())
+    def double(numbers):  # type: ignore[no-untyped-def]
+        seen = pairs(numbers)
+        for i in range(seen.shape[0]):
+            seen[i].x[1] *= 2.0
+            seen[i].k *= 2.0
+
+    numbers = np.arange(6.0).reshape(2, 3)
+    double(numbers)
+    np.testing.assert_array_equal(numbers, [[0.0, 2.0, 4.0], [3.0, 8.0, 10.0]])
+
+
+def test_rooms_of_records_are_apart_and_live_as_long_as_the_call() -> None:
+    room = memory.record_room(PAIR)
+
+    @njit(**options())
+    def total(n):  # type: ignore[no-untyped-def]
+        found = 0.0
+        for i in range(n):  # one room for all turns, or the stack would grow with n
+            a, b = room(), room()
+            a.k, b.k, a.x[0], b.x[0] = 1.0, 2.0, i, -i
+            found += a.k + b.k + a.x[0] + b.x[0]
+        return found
+
+    assert total(3_000_000) == 9e6

@@ -16,7 +16,7 @@ from granular_contact.laws.static_friction import Elastoplastic
 from granular_contact.sand.kernels.facets import is_pulled, spread_along
 from granular_contact.sand.kernels.friction import ELASTOPLASTIC, SWITCH, sliding
 from granular_contact.sand.kernels.space_friction import FAST, factors_of_facet
-from granular_contact.sand.space.facets import Size, facet_rows, rectangle_facets, triangle_facets
+from granular_contact.sand.space.facets import Size, as_facets, facet_rows, rectangle_facets, triangle_facets
 
 DIAMETER, DEPTH, SPIN = 0.04, 0.06, np.array([0.3, 0.4, 0.0])  # m, m, rad/s
 SHEARED = PressureSinkage(4e5, 1.0, 30.0, shear_deformation_modulus=0.02, plate_width=0.05)
@@ -80,9 +80,9 @@ def test_the_spread_of_a_facet_is_that_of_an_even_one_with_its_variance(form: st
         b, g = np.cross(a, b), 1.0 / np.sqrt(3.0)
         flat = rectangle_facets(corner, a, b, Size(np.inf))
         weights, places = np.full(4, 0.25), [(g, g), (g, -g), (-g, g), (-g, -g)]
-    elements = facet_rows(flat, np.zeros((0, 8)), thin=False)
+    (facet,) = as_facets(facet_rows(flat, np.zeros((0, 8)), thin=False))
     along = np.array([np.cross(q, corner + x * a + y * b - flat.place[0]) @ flat.normal[0] for x, y in places])
-    s = np.linalg.norm(called(spread_along)(elements, 0, q))
+    s = np.linalg.norm(called(spread_along)(facet, q))
     assert s**2 == pytest.approx(3.0 * weights @ along**2, rel=1e-12)
 
 
@@ -93,14 +93,13 @@ def test_a_facet_is_looked_at_where_its_bristle_may_let_it_lead() -> None:
     for _ in range(60):
         corner, a, b, u, e = rng.normal(size=(5, 3))
         q = 4.0 * rng.normal(size=3)
-        elements = facet_rows(
-            triangle_facets(np.array([[corner, corner + a, corner + b]])), np.zeros((0, 8)), thin=False
-        )
-        along, spread = float(elements[0, 4:7] @ e), np.linalg.norm(spread_of(elements, 0, q))
+        flat = triangle_facets(np.array([[corner, corner + a, corner + b]]))
+        (facet,) = as_facets(facet_rows(flat, np.zeros((0, 8)), thin=False))
+        along, spread = float(facet["normal"] @ e), np.linalg.norm(spread_of(facet, q))
         share = max(0.0, float(e @ u) / float(u @ u))
         expected = bool(along > 0.0 or share * spread > abs(along))
         seen[expected] += along <= 0.0
-        assert looked_at(elements, 0, u, e, q) == expected
+        assert looked_at(facet, u, e, q) == expected
     assert min(seen.values()) > 5
 
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from granular_contact.engines.mujoco.engine import mujoco, name_of
 from granular_contact.errors import Fault, SceneError, scene_fault
-from granular_contact.sand.kernels.facets import PARALLELOGRAM
+from granular_contact.sand.kernels.facet_records import PARALLELOGRAM
 from granular_contact.sand.space import round_shapes, shapes
 from granular_contact.sand.space.facets import Facets, Size
 from granular_contact.sand.space.mesh_shape import Mesh

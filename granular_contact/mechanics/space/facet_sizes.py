@@ -10,24 +10,26 @@ import numpy as np
 from granular_contact.mechanics import mechanism
 from granular_contact.mechanics.space.kinematics import SpatialKinematics
 from granular_contact.mechanics.strip_error import asked, strip_error
-from granular_contact.sand.kernels.facets import FORM, RIM, TRIANGLE
+from granular_contact.sand.kernels.facet_records import RIM, TRIANGLE
+from granular_contact.sand.space.facets import as_facets
 from granular_contact.scene.space.types import Vector
 from granular_contact.scene.types import link_of
 
 
 def edges(rows: Vector) -> Vector:
-    """Greatest edge (n,) m of facets, rows of `sand.kernels.facets`."""
-    a, b = rows[:, 8:11], rows[:, 11:14]
+    """Greatest edge (n,) m of facets, rows as of `sand.space.facets`."""
+    facets = as_facets(rows)
+    a, b = facets["a"], facets["b"]
     lengths = [np.linalg.norm(one, axis=1) for one in (2.0 * a, 2.0 * b)]
     of_triangle = [np.linalg.norm(one, axis=1) for one in (a - b, 2.0 * a + b, a + 2.0 * b)]
-    return np.asarray(np.where(rows[:, FORM] == TRIANGLE, np.max(of_triangle, axis=0), np.max(lengths, axis=0)))
+    return np.asarray(np.where(facets["form"] == TRIANGLE, np.max(of_triangle, axis=0), np.max(lengths, axis=0)))
 
 
 def numbers(motion: SpatialKinematics, error: float) -> dict[str, Any]:
     """Of the summary: the estimated error; of each body number and edges."""
     bodies: dict[str, dict[str, float]] = {}
     for one in (one for one in motion.system.facets.lines if one.element_kind == "surface"):
-        rows = one.rows[one.rows[:, FORM] != RIM]
+        rows = one.rows[as_facets(one.rows)["form"] != RIM]
         body = bodies.setdefault(mechanism.label(link_of(one.body.name)), {"number": 0, "edge_m": 0.0})
         body["number"] += len(rows)
         body["edge_m"] = max(body["edge_m"], float(edges(rows).max()))

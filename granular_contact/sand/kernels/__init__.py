@@ -15,7 +15,8 @@ a bed in space      space_law, space_joining     as `law` and `joining`
                     space_sand, space_bodies     all media; one, with rigid bodies and all elements on them
                     space_coordinates            rotations of bodies
                     space_clusters               how deep clusters of elements are
-                    facets, facet_blocks, facet_parts, slices, facet_paths, space_balls    elements; bars: in `bars`
+                    facet_records, facets, facet_blocks, facet_parts, slices, facet_paths, space_balls
+                                                 elements; bars: in `bars`
                     space_tangents, facet_slopes how forces follow the motion
                     ground                       the surface
                     space_watched                `space_sand` with the walls of a container

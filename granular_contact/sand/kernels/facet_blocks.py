@@ -1,17 +1,19 @@
-"""A block of facets of which a law finds the tractions in one call: its layout, what leads, and what laws fill.
+"""What a law does with a block of facets: which of them lead, and their tractions.
 
-What a law needs of a facet stands in columns of the block, one number after another for the facets, and its equations
-are written for one facet in a loop over them, all inlined and without branches where that is easy: so compilers make
-vector instructions of it, which hide how long roots and quotients take.
+A block (BLOCK of `facet_records`) has an array of numbers of its facets for each quantity. The equations of a law are
+written for one facet, in a loop over the facets of a block, with all parts inlined and without branches where
+possible: so compilers make vector instructions of the loop, which hide the latency of roots and divisions.
 
-Only what leads is loaded. With the direction of motion u at the centroid, n . u grows along a and b by s_a and s_b, as
-the body turns and as the surface does. A facet counts with g = clip((n . u + s) / (edge + 2 s), 0, 1), s^2 = s_a^2 +
-s_b^2: the share of it that leads, n . u being spread evenly over as much as has its mean square, and the fading in of
-`plates` where nothing turns. Of a body that rests, with bristles below their yield, the faces beside
-it would be loaded or not within a hundredth of a micrometre; so there edge is no angle, but n . q reaches `pressed`, a
-part of the yield displacement, before the face is loaded as a whole [ours]. A ball that slides along slowly has up to
-1 % less resistance by it, and 4 % less lift, as the flat parts of its underside are loaded in part; at 10 mm/s it has
-all.
+Only the leading part of a facet is loaded. With the direction of motion u at the centroid, n . u grows along a and b
+by s_a and s_b, as the body turns and as the surface is curved. The load on a facet is multiplied by
+
+    g = clip((n . u + s) / (edge + 2 s), 0, 1),    s^2 = s_a^2 + s_b^2:
+
+the share of the facet that leads, for an n . u spread evenly with the same mean square, and the fade-in of `plates`
+where nothing turns. On a body at rest, with bristles below their yield, the faces beside it would switch between
+loaded and not loaded within a hundredth of a micrometre. There edge is no angle: a face is loaded as a whole once
+n . q reaches `pressed`, a part of the yield displacement [ours]. It reduces the resistance of a ball that slides along
+slowly by up to 1 %, and its lift by 4 %, as the flat parts of its underside are loaded in part; at 10 mm/s by nothing.
 """
 
 from __future__ import annotations
@@ -21,25 +23,11 @@ import math
 from granular_contact.jit.chosen import chosen_by
 from granular_contact.jit.compiled import part
 from granular_contact.jit.memory import room2
+from granular_contact.sand.kernels.facet_records import LANES
 from granular_contact.sand.kernels.friction import SMOOTH
 from granular_contact.sand.kernels.plates import EDGE
 from granular_contact.sand.kernels.space_friction import factors_of_facet
 from granular_contact.sand.kernels.vectors import times
-
-# A block (ROWS, LANES): facets that are loaded, in columns, so that a law treats several of them in one instruction.
-LANES = 32
-# What a law is told, see `space_law.facets`: mean depth of what is immersed, normal, velocity, stretch of the bristle,
-# spread along a and b, side, shear displacement. Three rows each where vectors are.
-Z, N, V, E, SPREAD, ONE_SIDE, SHEAR = 0, 1, 4, 7, 10, 12, 13
-# The immersed area (m^2), by how much the terms of the law scatter, where they act from the reference point (m), the
-# depth of the centroid (m), the row in elements; and what the law fills, its tractions.
-AREA, FIRST, SECOND, AT_FIRST, AT_SECOND, CENTRE, ROW = 14, 15, 16, 17, 20, 23, 24
-GROWING, CONSTANT = 25, 28
-# What `lead` fills: the direction in which the law sees the facet move, and the share of its static force. By how much
-# the normal of the facet turns along a and along b, three rows each.
-U, SHARE, TURN = 31, 34, 35
-ROWS = 41
-NOTED = GROWING  # rows that `facet_paths` works in before the law fills them
 
 
 @chosen_by("m")
@@ -49,124 +37,130 @@ def stress(n, u, m):
 
 @chosen_by("m")
 def traction(z, n, u, side, j, m):
-    """Stresses (3,) Pa of the first and of the second term of a law at a depth z > 0 (m), else as of `stress`.
+    """Stresses (3,) Pa of the growing and of the constant term of a law at a depth z > 0 (m).
 
-    side as of `space_law.facets`: where it is 1 the facet leads, if in part alone, so that n . u at its centroid may be
-    below 0; j (m): shear displacement.
+    n, u as of `stress`; side as of FACET: a facet with side 1 leads, perhaps only in part, so that n . u at its
+    centroid may be below 0; j (m): shear displacement.
     """
 
 
 @chosen_by("m")
 def inertia(n, v, side, m):
-    """Stress (3,) Pa of the second term of a law with a `stress`, which the velocity v (m/s) makes; side as there."""
+    """Stress (3,) Pa by the velocity v (m/s): constant term of a law with a `stress`; side as of `traction`."""
 
 
 @chosen_by("m")
 def force(z, n, v, e, spread, side, j, m):
-    """Tractions, two of (3,), of a law that says all of them by itself, on one facet; see `space_law.facets`."""
+    """Tractions on one facet, growing and constant (3,), of a law that does all by itself; arguments: see BLOCK."""
 
 
 @part(inline=True)
-def spread(B, k, x, y, z, factor):
-    """By how much n . (x, y, z) differs within a facet: s as above, m/s of a velocity.
+def spread(block, k, x, y, z, factor):
+    """By how much n . (x, y, z) grows from the centroid of facet k along its edges: s as above; of a velocity in m/s.
 
-    factor: that of the velocity in (x, y, z), 0 of what does not differ where the body turns.
+    factor: of the velocity in (x, y, z); 0 for a vector that does not change as the body turns.
     """
-    a = factor * B[SPREAD, k] + B[TURN, k] * x + B[TURN + 1, k] * y + B[TURN + 2, k] * z
-    b = factor * B[SPREAD + 1, k] + B[TURN + 3, k] * x + B[TURN + 4, k] * y + B[TURN + 5, k] * z
+    turn_a, turn_b = block.turn_a, block.turn_b
+    a = factor * block.spread[0, k] + turn_a[0, k] * x + turn_a[1, k] * y + turn_a[2, k] * z
+    b = factor * block.spread[1, k] + turn_b[0, k] * x + turn_b[1, k] * y + turn_b[2, k] * z
     return math.sqrt(a * a + b * b)
 
 
 @part(inline=True)
-def vector(B, row, k):
-    """A vector (3,) of a facet of a block."""
-    return B[row, k], B[row + 1, k], B[row + 2, k]
+def vector(field, k):
+    """Vector (3,) of facet k, from a field (3, LANES) of a block."""
+    return field[0, k], field[1, k], field[2, k]
 
 
 @part(inline=True)
-def write(a, B, row, k):
-    """Write a vector (3,) of a facet into a block."""
-    B[row, k], B[row + 1, k], B[row + 2, k] = a
+def write(a, field, k):
+    """Write a vector (3,) of facet k into a field (3, LANES) of a block."""
+    field[0, k], field[1, k], field[2, k] = a
 
 
 @part
-def lead(B, n, m):
-    """Fill rows U and SHARE of a block: the directions u in which a law sees facets move, and the shares g s."""
+def lead(block, n, m):
+    """Fill in the directions u in which a law sees the n facets move, and the shares g s of their resistance."""
     rest = m.v_eps if m.friction == SMOOTH else m.u_y
-    Q = room2(5, LANES)  # q and its factor of what v differs by, see `space_friction.factors_of_facet`; 1 / |q|
-    D = room2(4, LANES)  # what is filled
+    # Work arrays: q; its factor of what v differs by (see `space_friction.factors_of_facet`); 1 / |q|; u; share.
+    Q, W, U, S = room2(3, LANES), room2(2, LANES), room2(3, LANES), room2(1, LANES)
+    stretch, velocity, normal = block.stretch, block.velocity, block.normal
     if m.friction == SMOOTH:
         for k in range(n):
-            Q[0, k], Q[1, k], Q[2, k], Q[3, k] = B[V, k], B[V + 1, k], B[V + 2, k], 1.0
+            Q[0, k], Q[1, k], Q[2, k], W[0, k] = velocity[0, k], velocity[1, k], velocity[2, k], 1.0
     else:
         for k in range(n):
-            by_e, by_v, Q[3, k] = factors_of_facet(vector(B, E, k), vector(B, V, k), m)
+            by_e, by_v, W[0, k] = factors_of_facet(vector(stretch, k), vector(velocity, k), m)
             for i in range(3):
-                Q[i, k] = by_e * B[E + i, k] + by_v * B[V + i, k]
+                Q[i, k] = by_e * stretch[i, k] + by_v * velocity[i, k]
     for k in range(n):
         x, y, z = Q[0, k], Q[1, k], Q[2, k]
         h = math.sqrt(x * x + y * y + z * z)
         still = h == 0.0  # then any direction will do
-        one = 0.0 if still else 1.0 / h
-        D[0, k] = B[N, k] if still else one * x
-        D[1, k] = B[N + 1, k] if still else one * y
-        D[2, k] = B[N + 2, k] if still else one * z
-        D[3, k] = min(1.0, h / rest)
-        Q[4, k] = one
+        inverse = 0.0 if still else 1.0 / h
+        U[0, k] = normal[0, k] if still else inverse * x
+        U[1, k] = normal[1, k] if still else inverse * y
+        U[2, k] = normal[2, k] if still else inverse * z
+        S[0, k] = min(1.0, h / rest)
+        W[1, k] = inverse
     if m.friction == SMOOTH:
         for k in range(n):
-            D[3, k] = math.tanh(math.sqrt(Q[0, k] * Q[0, k] + Q[1, k] * Q[1, k] + Q[2, k] * Q[2, k]) / rest)
+            S[0, k] = math.tanh(math.sqrt(Q[0, k] * Q[0, k] + Q[1, k] * Q[1, k] + Q[2, k] * Q[2, k]) / rest)
     for k in range(n):
-        one = Q[4, k]
-        s = spread(B, k, D[0, k], D[1, k], D[2, k], Q[3, k] * one)
-        along = B[N, k] * D[0, k] + B[N + 1, k] * D[1, k] + B[N + 2, k] * D[2, k]
-        g = min(1.0, max(0.0, (along + s) / (max(EDGE, m.pressed * one) + 2.0 * s)))
-        D[3, k] *= 1.0 if B[ONE_SIDE, k] == 0.0 else g
-    for row in range(4):
+        inverse = W[1, k]
+        s = spread(block, k, U[0, k], U[1, k], U[2, k], W[0, k] * inverse)
+        along = normal[0, k] * U[0, k] + normal[1, k] * U[1, k] + normal[2, k] * U[2, k]
+        g = min(1.0, max(0.0, (along + s) / (max(EDGE, m.pressed * inverse) + 2.0 * s)))
+        S[0, k] *= 1.0 if block.side[k] == 0.0 else g
+    for row in range(3):
         for k in range(n):
-            B[U + row, k] = D[row, k]
+            block.direction[row, k] = U[row, k]
+    for k in range(n):
+        block.share[k] = S[0, k]
 
 
 @part
-def traction_facets(B, n, m):
-    """Static tractions of a law with a `traction`; arguments and result as of `space_law.facets`.
+def traction_facets(block, n, m):
+    """`space_law.facets`: static tractions of a law with a `traction`.
 
-    Over a facet the first term counts as growing in proportion to the depth, which errs by the square of its size.
+    Over a facet the first stress is taken as growing in proportion to the depth: the error goes with the square of
+    the size of the facet.
     """
     for k in range(n):
-        share, z = B[SHARE, k], B[Z, k]
-        first, second = traction(z, vector(B, N, k), vector(B, U, k), B[ONE_SIDE, k], B[SHEAR, k], m)
-        write(times(share / z, first), B, GROWING, k)
-        write(times(share, second), B, CONSTANT, k)
+        share, z, u = block.share[k], block.depth[k], vector(block.direction, k)
+        growing, constant = traction(z, vector(block.normal, k), u, block.side[k], block.shear[k], m)
+        write(times(share / z, growing), block.growing, k)
+        write(times(share, constant), block.constant, k)
 
 
 @part
-def static_facets(B, n, m):
-    """Static tractions of a law with a `stress`; arguments and result as of `space_law.facets`."""
+def static_facets(block, n, m):
+    """`space_law.facets`: static tractions of a law with a `stress`."""
     S = room2(3, LANES)
     for k in range(n):
-        share = B[SHARE, k]
-        x, y, z = stress(vector(B, N, k), vector(B, U, k), m)
+        share = block.share[k]
+        x, y, z = stress(vector(block.normal, k), vector(block.direction, k), m)
         S[0, k], S[1, k], S[2, k] = share * x, share * y, share * z
     for row in range(3):
         for k in range(n):
-            B[GROWING + row, k], B[CONSTANT + row, k] = S[row, k], 0.0
+            block.growing[row, k], block.constant[row, k] = S[row, k], 0.0
 
 
 @part
-def own_facets(B, n, m):
-    """Tractions of a law with a `force`; arguments and result as of `space_law.facets`."""
+def own_facets(block, n, m):
+    """`space_law.facets`: tractions of a law with a `force`."""
     for k in range(n):
-        v = vector(B, V, k)
-        s = spread(B, k, v[0], v[1], v[2], 1.0)
-        first, second = force(B[Z, k], vector(B, N, k), v, vector(B, E, k), s, B[ONE_SIDE, k], B[SHEAR, k], m)
-        write(first, B, GROWING, k)
-        write(second, B, CONSTANT, k)
+        v, e = vector(block.velocity, k), vector(block.stretch, k)
+        s = spread(block, k, v[0], v[1], v[2], 1.0)
+        growing, constant = force(block.depth[k], vector(block.normal, k), v, e, s, block.side[k], block.shear[k], m)
+        write(growing, block.growing, k)
+        write(constant, block.constant, k)
 
 
 @part
-def inertial_facets(B, n, m):
-    """Tractions of a law with a `stress` and an `inertia`; arguments and result as of `space_law.facets`."""
-    static_facets(B, n, m)
+def inertial_facets(block, n, m):
+    """`space_law.facets`: tractions of a law with a `stress` and an `inertia`."""
+    static_facets(block, n, m)
     for k in range(n):
-        write(inertia(vector(B, N, k), vector(B, V, k), B[ONE_SIDE, k], m), B, CONSTANT, k)
+        v = vector(block.velocity, k)
+        write(inertia(vector(block.normal, k), v, block.side[k], m), block.constant, k)

@@ -29,7 +29,8 @@ import math
 import numpy as np
 
 from granular_contact.jit.compiled import part
-from granular_contact.sand.kernels.facet_blocks import FIRST, NOTED, ROW, SHEAR, E, N, vector
+from granular_contact.sand.kernels.facet_blocks import vector
+from granular_contact.sand.kernels.facet_records import as_facets
 from granular_contact.sand.kernels.scatter import value
 from granular_contact.sand.kernels.vectors import at, dot, minus, norm, put, times
 
@@ -104,10 +105,10 @@ def along_surface(s, n):
 
 
 @part
-def keep(anchors, i, grain, x, y, z, area, cluster):
-    """Keep what a facet has within a grain (its number) of its path; its middle in the frame of its body (m), m^2."""
-    size = cluster.grain
-    s = cluster.scatter if area <= size * size else cluster.scatter * size / math.sqrt(area)
+def keep(anchors, i, grain, facet, cluster):
+    """Keep the scatter s r at both ends of a grain (its number) that the path of facet i has come into."""
+    x, y, z, size = facet.centroid[0], facet.centroid[1], facet.centroid[2], cluster.grain
+    s = cluster.scatter if facet.area <= size * size else cluster.scatter * size / math.sqrt(facet.area)
     cube = math.floor(x / size) * ALONG + math.floor(y / size) * ACROSS + math.floor(z / size) * UPWARD
     cube += cluster.body * BODY
     at, seed = int(grain), int(cluster.seed)
@@ -116,45 +117,47 @@ def keep(anchors, i, grain, x, y, z, area, cluster):
 
 
 @part
-def note(B, n, elements, anchors, cluster):
-    """Set in a block of n facets what depends on their paths: shear displacements, and by how much terms scatter."""
+def note(block, n, elements, anchors, cluster):
+    """Fill in what depends on the paths of the n facets of a block: shear displacements, and scatter of the terms."""
+    rows, stretch = block.row, block.stretch
     if shears(anchors):
         for k in range(n):
-            B[SHEAR, k] = slid(sheared(anchors, int(B[ROW, k])), vector(B, E, k), vector(B, N, k))[0]
+            block.shear[k] = slid(sheared(anchors, rows[k]), vector(stretch, k), vector(block.normal, k))[0]
     if scatters(anchors):
         for k in range(n):
-            i = int(B[ROW, k])
+            i = rows[k]
             square = 0.0
             for axis in range(3):
-                square += (anchors[i, axis] + B[E + axis, k] - anchors[i, LAST + axis]) ** 2
-            B[NOTED, k], B[NOTED + 1, k] = anchors[i, PATH], square
-            for column in range(3):
-                B[NOTED + 2 + column, k] = anchors[i, KEPT + column]
-        factors(B, n, NOTED, ROW, FIRST, elements, anchors, cluster)
+                square += (anchors[i, axis] + stretch[axis, k] - anchors[i, LAST + axis]) ** 2
+            block.path[k], block.ahead[k], block.grain[k] = anchors[i, PATH], square, anchors[i, KEPT]
+            block.grain_ends[0, k], block.grain_ends[1, k] = anchors[i, KEPT + 1], anchors[i, KEPT + 2]
+        scatter(block, n, elements, anchors, cluster)
 
 
 @part
-def factors(B, n, row, numbers, out, elements, anchors, cluster):
-    """Set rows `out` and out + 1 of a block to what the two static terms of its n facets are multiplied by.
+def scatter(block, n, elements, anchors, cluster):
+    """Fill in the factors of the two static terms of the n facets of a block, from the work arrays that `note` filled.
 
-    row: as of `note`; numbers: the row of the block with the rows of the facets in elements and anchors.
+    path: path length up to the last step (m), then all of it in grains; ahead: square of the distance since then (m^2);
+    grain, grain_ends: number of the grain kept last, and s r at its ends.
     """
-    others, one = 0.0, 1.0 / cluster.grain
+    path, grain, ends = block.path, block.grain, block.grain_ends
+    others, inverse = 0.0, 1.0 / cluster.grain
     for k in range(n):
-        path = (B[row, k] + math.sqrt(B[row + 1, k])) * one
-        B[row, k] = path
-        others += 0.0 if path - B[row + 2, k] >= 0.0 and path - B[row + 2, k] < 1.0 else 1.0
+        grains = (path[k] + math.sqrt(block.ahead[k])) * inverse
+        path[k] = grains
+        others += 0.0 if grains - grain[k] >= 0.0 and grains - grain[k] < 1.0 else 1.0
     if others > 0.0:
+        facets = as_facets(elements)
         for k in range(n):
-            grain = math.floor(B[row, k])
-            if grain != B[row + 2, k]:
-                i = int(B[numbers, k])
-                x, y, z, area = elements[i, 0], elements[i, 1], elements[i, 2], elements[i, 7]
-                keep(anchors, i, grain, x, y, z, area, cluster)
-                B[row + 2, k], B[row + 3, k], B[row + 4, k] = grain, anchors[i, KEPT + 1], anchors[i, KEPT + 2]
-    first, second = 1.0 if cluster.static & 1 else 0.0, 1.0 if cluster.static & 2 else 0.0
+            number = math.floor(path[k])
+            if number != grain[k]:
+                i = block.row[k]
+                keep(anchors, i, number, facets[i], cluster)
+                grain[k], ends[0, k], ends[1, k] = number, anchors[i, KEPT + 1], anchors[i, KEPT + 2]
+    growing, constant = 1.0 if cluster.static & 1 else 0.0, 1.0 if cluster.static & 2 else 0.0
     for k in range(n):
-        t = B[row, k] - B[row + 2, k]
+        t = path[k] - grain[k]
         q = t * t * (3.0 - 2.0 * t)
-        xi = ((1.0 - q) * B[row + 3, k] + q * B[row + 4, k]) / math.sqrt((1.0 - q) * (1.0 - q) + q * q)
-        B[out, k], B[out + 1, k] = 1.0 + first * xi, 1.0 + second * xi
+        xi = ((1.0 - q) * ends[0, k] + q * ends[1, k]) / math.sqrt((1.0 - q) * (1.0 - q) + q * q)
+        block.scatter[0, k], block.scatter[1, k] = 1.0 + growing * xi, 1.0 + constant * xi

@@ -20,6 +20,7 @@ from numba import from_dtype, types
 from granular_contact.jit.calls import OWN, caller
 from granular_contact.jit.layout import Layout
 from granular_contact.jit.records import fields, record_dtype
+from granular_contact.sand.kernels.facet_records import BLOCK
 from granular_contact.sand.kernels.law import FRICTION, SIZE, filled
 from granular_contact.sand.kernels.strip import strip_type
 
@@ -74,6 +75,7 @@ BODIES = Layout(
 
 _NUMBER, _CLUSTER = types.float64, from_dtype(CLUSTER)
 _ROW, _ROWS, _ENDS = (types.Array(_NUMBER, n, "C") for n in (1, 2, 3))
+_BLOCK = from_dtype(BLOCK), types.intp  # with the number of its facets
 _VECTOR = types.UniTuple(_NUMBER, 3)
 _OF_BODY = (_ROW, _ROW, from_dtype(BODY), BODIES.kind, from_dtype(SPACE_LAW))
 _OF_CLUSTER = (_ROWS, _ROWS, _CLUSTER, _ROWS, _ROW, from_dtype(SPACE_LAW))
@@ -81,17 +83,17 @@ SIGNATURES: dict[str, tuple[tuple[Any, ...], Any]] = {  # arguments, result
     "forces": ((*_OF_CLUSTER, _ROWS), types.none),
     "follow": ((*_OF_CLUSTER, _ROW), types.none),
     "gather": (
-        (_ROWS, _ROWS, _CLUSTER, _ROWS, _ROW, types.intp, from_dtype(SPACE_LAW), _ROWS),
+        (_ROWS, _ROWS, _CLUSTER, _ROWS, _ROW, types.intp, from_dtype(SPACE_LAW), _BLOCK[0]),
         types.UniTuple(types.intp, 2),
     ),
-    "facets": ((_ROWS, types.intp, OWN), types.none),
-    "lead": ((_ROWS, types.intp, from_dtype(SPACE_LAW)), types.none),
+    "facets": ((*_BLOCK, OWN), types.none),
+    "lead": ((*_BLOCK, from_dtype(SPACE_LAW)), types.none),
     "layer": ((types.boolean, *[_NUMBER] * 3, _VECTOR, _VECTOR, _NUMBER, _NUMBER), types.UniTuple(_NUMBER, 8)),
     "bar": ((strip_type(3), _CLUSTER, OWN, _ENDS), types.none),
     "cap": ((_VECTOR, _VECTOR, _CLUSTER, OWN, _ENDS), types.none),
     "ball": ((_NUMBER, _VECTOR, _VECTOR, _CLUSTER, OWN, _ROWS), types.none),
     "anchor": ((_VECTOR, _VECTOR, from_dtype(SPACE_LAW)), _VECTOR),
-    "note": ((_ROWS, types.intp, _ROWS, _ROWS, _CLUSTER), types.none),
+    "note": ((*_BLOCK, _ROWS, _ROWS, _CLUSTER), types.none),
     "count": ((_ROWS, types.intp, *[_VECTOR] * 3, types.boolean), types.none),
     "begin": ((_ROWS, types.intp, types.intp, types.boolean), types.none),
     "six": ((_ROW, from_dtype(BODY), _ROWS, _ROWS), types.none),
@@ -106,11 +108,7 @@ SIGNATURES: dict[str, tuple[tuple[Any, ...], Any]] = {  # arguments, result
 # follow    elements, anchors, cluster, pose, ground, row (3,): end of a step, anchors follow, or are released above the
 #           surface; row see DEPTH
 # gather    `facets.gather`, which several kernels call
-# facets    B, n: fill tractions on the first n facets of a block, see `facet_blocks`: of what grows with depth the
-#           stress per depth N/m^3, of the rest the stress Pa. What is told of a facet: z > 0 mean depth (m) of what is
-#           immersed of it; n unit normal; velocity v (m/s) and stretch e (m) of the bristle at its centroid; spread
-#           (m/s): by how much n . v differs from there along a and b; side 1: only what n . v > 0 is loaded, n
-#           pointing outward; 0: a thin plate, either face can lead; j (m): shear displacement, see `path_length`
+# facets    block, n: fill in the tractions on the first n facets of a block, see BLOCK in `facet_records`
 # lead      `facet_blocks.lead`, where the law asks for it
 # layer     `facet_parts.between`, of a medium in a layer
 # bar       strip, cluster, f: add the forces on a `strip.Strip` to f[term, end, xyz] (N)

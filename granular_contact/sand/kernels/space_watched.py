@@ -5,7 +5,7 @@ from __future__ import annotations
 from granular_contact.jit.compiled import kernel, part
 from granular_contact.jit.memory import piece, room1, room2, rows
 from granular_contact.sand.kernels import space_sand
-from granular_contact.sand.kernels.facets import COLUMNS, FORM, RIM, TRIANGLE
+from granular_contact.sand.kernels.facet_records import COLUMNS, RIM, TRIANGLE, as_facets
 from granular_contact.sand.kernels.ground import PLANE, surface_at
 from granular_contact.sand.kernels.lines import LEFT
 from granular_contact.sand.kernels.space_bodies import view
@@ -44,7 +44,7 @@ def reach(w, row):
             beside = 0.5 * cluster.width
             drop = beside if cluster.mass > 0.0 else 0.0
             for i in range(cluster.first, cluster.last):
-                for p in range(corners(elements[i], points)):
+                for p in range(corners(elements, i, points)):
                     x, y, z = plus(at(pose, 3, 0), turned(axes(pose), points[p]))
                     if surface_at(x, y, ground, medium[0], plane) - z + drop > 0.0:
                         row[0], row[1] = min(row[0], x - beside), min(row[1], y - beside)
@@ -52,16 +52,17 @@ def reach(w, row):
 
 
 @part
-def corners(element, points):
-    """Fill points (4, 3) m, frame of the body, with the corners of an element; how many it has."""
-    if element.shape[0] != COLUMNS:
-        points[0, 0], points[0, 1], points[0, 2] = element[0], element[1], element[2]
+def corners(elements, i, points):
+    """Fill points (4, 3) m, frame of the body, with the corners of element i, and return their number."""
+    if elements.shape[1] != COLUMNS:
+        points[0, 0], points[0, 1], points[0, 2] = elements[i, 0], elements[i, 1], elements[i, 2]
         return 1
-    if element[FORM] == RIM:
+    facet = as_facets(elements)[i]
+    if facet.form == RIM:
         return 0
-    four = element[FORM] != TRIANGLE
+    four = facet.form != TRIANGLE
     for k in range(3):
-        x, a, b = element[k], element[8 + k], element[11 + k]
+        x, a, b = facet.centroid[k], facet.a[k], facet.b[k]
         points[0, k], points[1, k], points[2, k] = x + a, x + b, x - a - b
         if four:
             points[0, k], points[1, k], points[3, k] = x + a + b, x + a - b, x - a + b

@@ -14,6 +14,12 @@ def vector(array, first):
 
 
 @part
+def xyz(array):
+    """Vector from an array (3,)."""
+    return array[0], array[1], array[2]
+
+
+@part
 def at(array, i, first):
     """Three numbers of row i, from one on."""
     return array[i, first], array[i, first + 1], array[i, first + 2]

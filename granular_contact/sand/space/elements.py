@@ -31,7 +31,7 @@ class Elements:
     kind : str
         Kind of shape in the plane, one of `laws.kinds.Kind`.
     rows : (n, columns) array
-        Rows of `kernels.facets`, `kernels.bars` or `kernels.space_balls`.
+        Rows of `kernels.facet_records`, `kernels.bars` or `kernels.space_balls`.
     clusters : (clusters,) array
         Records of `kernels.space_law.CLUSTER`.
     size : float
@@ -55,7 +55,7 @@ class CutSurface(NamedTuple):
     Parameters
     ----------
     rows : (n, columns) array
-        Rows of `kernels.facets`.
+        Rows as of `facets.facet_rows`.
     corners : (n, 3) array
         Corners of the uncut surface (m).
     thin : bool

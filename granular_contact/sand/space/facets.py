@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.geometry.mesh import areas
-from granular_contact.sand.kernels.facets import COLUMNS, CURVE, FORM, PARALLELOGRAM, PATCH, RIM, SIDE, TRIANGLE
+from granular_contact.sand.kernels.facet_records import COLUMNS, FACET, PARALLELOGRAM, PATCH, RIM, TRIANGLE
 from granular_contact.sand.space import triangles
 
 Vector = NDArray[np.float64]
@@ -60,7 +60,7 @@ class Facets(NamedTuple):
     a, b : (n, 3) array
         Of a triangle the vectors (m) from the centroid to two corners, the third being -a - b; else half edges (m).
     form : (n,) array of int
-        Forms of `kernels.facets`.
+        Forms of `kernels.facet_records`.
     curve : (n, 2) array
         Curvatures (1/m): by how much the normal turns per length along a and along b.
     """
@@ -188,7 +188,7 @@ def rim(z: float, *, circle: float = 0.0, ball: float = 0.0) -> Vector:
 
 
 def facet_rows(facets: Facets, rims: Vector, thin: bool) -> Vector:
-    """Rows of `kernels.facets`, with neighbours next to each other.
+    """Rows of numbers that kernels read as records FACET, with neighbours next to each other.
 
     Parameters
     ----------
@@ -206,15 +206,21 @@ def facet_rows(facets: Facets, rims: Vector, thin: bool) -> Vector:
     n, triangle = len(facets.area), facets.form == TRIANGLE
     third = np.where(triangle[:, None], -facets.a - facets.b, facets.a + facets.b)
     fourth = np.where(triangle[:, None], 0.0, facets.a - facets.b)
-    table = np.zeros((n + len(rims), COLUMNS))
-    table[:n, 0:3], table[:n, 4:7], table[:n, 7] = facets.place, facets.normal, facets.area
-    table[:n, 3] = np.max([np.linalg.norm(arm, axis=1) for arm in (facets.a, facets.b, third, fourth)], axis=0)
-    table[:n, 8:11], table[:n, 11:14] = facets.a, facets.b
-    table[:n, FORM], table[:n, CURVE : CURVE + 2] = facets.form, facets.curve
-    table[n:, 0:3], table[n:, 4:7], table[n:, 8:10], table[n:, FORM] = rims[:, :3], rims[:, 3:6], rims[:, 6:], RIM
-    table[n:, 3] = rims[:, 6:].sum(axis=1)
-    table[:, SIDE] = 0.0 if thin else 1.0
-    return np.ascontiguousarray(table[triangles.neighbours(table[:, :3])])
+    records = np.zeros(n + len(rims), FACET)
+    faces, edges = records[:n], records[n:]
+    faces["centroid"], faces["normal"], faces["area"] = facets.place, facets.normal, facets.area
+    faces["reach"] = np.max([np.linalg.norm(arm, axis=1) for arm in (facets.a, facets.b, third, fourth)], axis=0)
+    faces["a"], faces["b"], faces["form"], faces["curvatures"] = facets.a, facets.b, facets.form, facets.curve
+    edges["centroid"], edges["normal"], edges["a"][:, :2], edges["form"] = rims[:, :3], rims[:, 3:6], rims[:, 6:], RIM
+    edges["reach"] = rims[:, 6:].sum(axis=1)
+    records["side"] = 0.0 if thin else 1.0
+    rows = records.view(float).reshape(-1, COLUMNS)
+    return np.ascontiguousarray(rows[triangles.neighbours(records["centroid"])])
+
+
+def as_facets(rows: Vector) -> NDArray[np.void]:
+    """View (n,) of rows (n, columns) as records FACET, whose fields have names."""
+    return np.asarray(rows.view(FACET)[:, 0])
 
 
 def transformed_rows(rows: Vector, place: Vector, turn: Vector) -> Vector:
@@ -223,7 +229,7 @@ def transformed_rows(rows: Vector, place: Vector, turn: Vector) -> Vector:
     Parameters
     ----------
     rows : (n, columns) array
-        Rows of `kernels.facets`.
+        Rows as of `facet_rows`.
     place : (3,) array
         Position (m) of their frame in the other.
     turn : (3, 3) array
@@ -233,11 +239,13 @@ def transformed_rows(rows: Vector, place: Vector, turn: Vector) -> Vector:
     -------
     (n, columns) array
     """
-    moved, rims = rows.copy(), rows[:, FORM] == RIM
-    for first in (0, 4, 8, 11):
-        moved[:, first : first + 3] = rows[:, first : first + 3] @ turn.T
-    moved[:, :3] += place
-    moved[rims, 8:11] = rows[rims, 8:11]  # radii
+    moved = rows.copy()
+    facets, old = as_facets(moved), as_facets(rows)
+    rims = old["form"] == RIM
+    for name in ("centroid", "normal", "a", "b"):
+        facets[name] = old[name] @ turn.T
+    facets["centroid"] += place
+    facets["a"][rims] = old["a"][rims]  # radii
     return moved
 
 
@@ -247,17 +255,18 @@ def half_sides(rows: Vector) -> Vector:
     Parameters
     ----------
     rows : (n, columns) array
-        Rows of `kernels.facets`.
+        Rows as of `facet_rows`.
 
     Returns
     -------
     (n, 3) array
         Half sides (m).
     """
-    a, b, form = rows[:, 8:11], rows[:, 11:14], rows[:, [FORM]]
+    facets = as_facets(rows)
+    a, b, form = facets["a"], facets["b"], facets["form"][:, None]
     corners = np.max(np.abs([a, b, a + b]), axis=0)
     half = np.where(form == TRIANGLE, corners, np.abs(a) + np.abs(b))
-    return np.asarray(np.where(form == RIM, rows[:, [3]], half))
+    return np.asarray(np.where(form == RIM, facets["reach"][:, None], half))
 
 
 def transformed(facets: Facets, place: Vector, turn: Vector) -> Facets:

@@ -21,11 +21,11 @@ from granular_contact.sand.bed_arguments import check_floor, check_slope, direct
 from granular_contact.sand.contact_lines import Body
 from granular_contact.sand.history import SPACE, HistoryTable
 from granular_contact.sand.kernels import facet_paths, space_sand
-from granular_contact.sand.kernels.facets import SIDE
 from granular_contact.sand.kernels.space_joining import kinds_of, owner_of
 from granular_contact.sand.load import GranularLoad
 from granular_contact.sand.space import elements
 from granular_contact.sand.space.batch import SpatialBatch
+from granular_contact.sand.space.facets import as_facets
 from granular_contact.sand.space.heights import Heights
 from granular_contact.sand.space.round_shapes import Sphere
 from granular_contact.sand.space.shapes import Bar, Shape
@@ -262,7 +262,7 @@ def _two_sided(group: elements.Elements) -> elements.Elements:
     if group.element_kind != "surface":
         return group
     rows = group.rows.copy()
-    rows[:, SIDE] = 0.0
+    as_facets(rows)["side"] = 0.0
     return replace(group, rows=rows)
 
 

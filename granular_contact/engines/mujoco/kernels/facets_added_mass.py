@@ -12,26 +12,15 @@ from granular_contact.engines.mujoco.kernels.added_mass import add_inertia, add_
 from granular_contact.jit.compiled import part
 from granular_contact.jit.memory import clear, room2
 from granular_contact.sand.kernels import space_law as law
-from granular_contact.sand.kernels.facet_blocks import (
-    AREA,
-    CENTRE,
-    LANES,
-    ONE_SIDE,
-    ROW,
-    ROWS,
-    E,
-    N,
-    V,
-    Z,
-    spread,
-)
+from granular_contact.sand.kernels.facet_blocks import spread, vector
+from granular_contact.sand.kernels.facet_records import LANES, as_facets, block_room
 from granular_contact.sand.kernels.facet_slopes import force
 from granular_contact.sand.kernels.facets import add_up
 from granular_contact.sand.kernels.friction import SMOOTH
 from granular_contact.sand.kernels.law import TERMS
 from granular_contact.sand.kernels.plates import EDGE
 from granular_contact.sand.kernels.space_friction import factors_of_facet
-from granular_contact.sand.kernels.vectors import at, cross
+from granular_contact.sand.kernels.vectors import at, cross, xyz
 
 
 @part
@@ -41,35 +30,36 @@ def held_facets(elements, anchors, cluster, pose, ground, medium, step, bristle,
     W as of one term of `space_law.forces`. inertia is about the reference point, for angular velocity and then
     velocity, frame of the body; its upper triangle alone is filled.
     """
-    B, M, each, first = room2(ROWS, LANES), room2(2, LANES), room2(TERMS, 6), 0
+    block, M, each, first = block_room(), room2(2, LANES), room2(TERMS, 6), 0
+    facets = as_facets(elements)
     clear(each)
     while first < elements.shape[0]:
-        first, n = law.gather(medium, (elements, anchors, cluster, pose, ground, first, B))
+        first, n = law.gather(medium, (elements, anchors, cluster, pose, ground, first, block))
         if n == 0:
             continue
-        law.facets(medium, (B, n))
-        add_up(B, n, each)
-        weigh(B, n, step, bristle, M)
+        law.facets(medium, (block, n))
+        add_up(block, n, each)
+        weigh(block, n, step, bristle, M)
         for k in range(n):
             if M[0, k] == 0.0 and M[1, k] == 0.0:
                 continue
-            i = int(B[ROW, k])
-            x, y, z = elements[i, 0], elements[i, 1], elements[i, 2]
+            facet = facets[block.row[k]]
+            x, y, z = xyz(facet.centroid)
             mass, along = M[0, k], M[1, k]
-            reach = elements[i, 3] * ground[3]
-            if B[CENTRE, k] < reach:  # as if the surface did not cut it: in a step it may get all below
-                whole = 0.5 * (B[CENTRE, k] + reach) * elements[i, 7] / (B[AREA, k] * B[Z, k])
+            reach = facet.reach * ground[3]
+            if block.centroid_depth[k] < reach:  # as if the surface did not cut it: in a step it may get all below
+                whole = 0.5 * (block.centroid_depth[k] + reach) * facet.area / (block.area[k] * block.depth[k])
                 mass, along = mass * whole, along * whole
             add_point(mass, x, y, z, inertia)
             if along != 0.0:
-                add_inertia(along, elements[i, 4], elements[i, 5], elements[i, 6], x, y, z, inertia)
+                add_inertia(along, facet.normal[0], facet.normal[1], facet.normal[2], x, y, z, inertia)
     for term in range(TERMS):
         for k in range(6):
             W[k] += each[term, k]
 
 
 @part(inline=True)
-def weigh(B, n, step, bristle, M):
+def weigh(block, n, step, bristle, M):
     """Set M[0] (kg) to the masses of the facets of a block, and M[1] to what each has more of along its normal.
 
     Nothing where q is 0, or n . q not positive: such a facet has no bristle to weigh, or is not loaded. Where both
@@ -79,18 +69,19 @@ def weigh(B, n, step, bristle, M):
     """
     smooth = bristle.friction == SMOOTH
     for k in range(n):
-        ex, ey, ez, vx, vy, vz = B[E, k], B[E + 1, k], B[E + 2, k], B[V, k], B[V + 1, k], B[V + 2, k]
+        (ex, ey, ez), (vx, vy, vz) = vector(block.stretch, k), vector(block.velocity, k)
+        nx, ny, nz = vector(block.normal, k)
         share, tau, turns = factors_of_facet((ex, ey, ez), (vx, vy, vz), bristle)
         if smooth:
             share, tau, turns = 0.0, 1.0, 1.0
         qx, qy, qz = share * ex + tau * vx, share * ey + tau * vy, share * ez + tau * vz
         q = math.sqrt(qx * qx + qy * qy + qz * qz)
-        s = spread(B, k, qx, qy, qz, turns)
-        along = B[N, k] * qx + B[N + 1, k] * qy + B[N + 2, k] * qz + s
-        fades = B[ONE_SIDE, k] != 0.0 and bristle.pressed > EDGE * q and along < bristle.pressed + 2.0 * s
-        if B[ONE_SIDE, k] == 0.0:
+        s = spread(block, k, qx, qy, qz, turns)
+        along = nx * qx + ny * qy + nz * qz + s
+        fades = block.side[k] != 0.0 and bristle.pressed > EDGE * q and along < bristle.pressed + 2.0 * s
+        if block.side[k] == 0.0:
             along = q
-        fx, fy, fz = force(B, 0, k), force(B, 1, k), force(B, 2, k)
+        fx, fy, fz = force(block, 0, k), force(block, 1, k), force(block, 2, k)
         grown = step * (share * step + tau) * math.sqrt(fx * fx + fy * fy + fz * fz)
         M[0, k] = M[1, k] = 0.0
         if q > 0.0 and along > 0.0:

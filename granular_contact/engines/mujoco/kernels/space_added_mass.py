@@ -15,7 +15,7 @@ from granular_contact.jit.layout import Layout
 from granular_contact.jit.memory import clear, room1, room2
 from granular_contact.jit.memory import rows as rows_of
 from granular_contact.sand.kernels import space_law as law
-from granular_contact.sand.kernels.facets import COLUMNS
+from granular_contact.sand.kernels.facet_records import COLUMNS
 from granular_contact.sand.kernels.friction import SMOOTH
 from granular_contact.sand.kernels.friction import drive as drive_along
 from granular_contact.sand.kernels.law import TERMS
