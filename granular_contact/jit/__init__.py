@@ -1,16 +1,16 @@
-"""How functions are compiled, with numba: the only room that speaks to the compiler beyond `njit`.
+"""Compilation with numba: the only room that uses more of the compiler than `njit`.
 
-compiled    `kernel` for functions that Python calls, `part` for those that kernels call
-calls       a law called by its address, and why
+compiled    `kernel` for functions that Python calls, `part` for functions that kernels call
+calls       calls of functions by their addresses, and why
 chosen      functions chosen by the record type of an argument
-memory      views and small arrays within a kernel
+memory      views, small arrays and records within a kernel
 layout      arrays of Python at fixed addresses, which a kernel finds by their names
-records     record types whose fields are read and written
-compiling, loaded    telling that something is compiled; what was loaded
+records     record types whose fields are read and written as attributes
+compiling   notice and time of a compilation
+loaded      modules that worker processes have loaded in advance
 
-numba keeps what it compiled beside the sources and takes it again while the file of the called function is unchanged;
-it does not see that a function of another file, inlined into it, has changed. So what is older than any kernel or law
-is dropped.
+numba caches compiled code beside the sources and reuses it while the file of the called function is unchanged. It does
+not notice changes of inlined functions in other files. So cached code that is older than any kernel or law is deleted.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ _PACKAGE = Path(__file__).parents[1]
 
 
 def compiled_sources() -> list[Path]:
-    """Files of all that is compiled: rooms named `kernels`, this one, and laws."""
+    """Source files of compiled code: rooms named `kernels`, this room, and laws."""
     rooms = [*_PACKAGE.rglob("kernels"), _PACKAGE / "jit", _PACKAGE / "laws"]
     return sorted(file for room in rooms for file in room.glob("*.py"))
 
@@ -32,7 +32,7 @@ def _drop_stale_cache() -> None:
     newest = max(source.stat().st_mtime for source in sources)
     for folder in {source.parent for source in sources}:
         for cached in (folder / "__pycache__").glob("*.nb[ic]"):
-            with suppress(OSError):  # another process was faster, or the folder is not ours to change
+            with suppress(OSError):  # another process was faster, or the folder is read-only
                 if cached.stat().st_mtime < newest:
                     cached.unlink()
 

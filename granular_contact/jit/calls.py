@@ -1,20 +1,20 @@
-"""Calls of compiled functions by their addresses, as through the table of virtual functions of a class.
+"""Calls of compiled functions by their addresses, like a table of virtual functions.
 
-Why. Numba compiles a function together with all that it calls, and anew for each type of its arguments. Were a law an
-argument, the kernels of lines, facets, friction and layers would be compiled for each law anew, 10 to 20 CPU s each; so
-would a march of a tree with and without sand. Called by address, kernels are compiled once for all laws, and a law in
-about a second. A call takes some 10 ns, where a strip takes 100.
+Why. Numba compiles a function together with all functions that it calls, and again for each combination of argument
+types. If a law were an argument, the kernels of lines, facets, friction and layers would be compiled again for each
+law, which takes 10 to 20 CPU s; likewise the march of a tree with and without sand. With calls by address, kernels are
+compiled once for all laws, and a law in about a second. A call takes some 10 ns, a strip 100 ns.
 
-How. `address_of` compiles a function for arguments of fixed types as a C function (`numba.cfunc`), whose address goes
-into a field of a record; `caller` makes the function that kernels call what stands in that field by. Public parts of
-numba are used alone: `cfunc` and `extending.intrinsic`, with LLVM's builder.
+How. `address_of` compiles a function for fixed argument types as a C function (`numba.cfunc`), whose address goes into
+a field of a record. `caller` makes the function by which kernels call the address in that field. Both use public parts
+of numba alone: `cfunc` and `extending.intrinsic`, with LLVM's builder.
 
-Limits. A C function cannot raise: numba prints what was raised and goes on with zeros. Kernels and laws raise nothing;
-laws from outside are refused if they do (`laws.functions`). Its arguments are those of its types to the letter, so that
-`caller` and `address_of` are given the same ones.
+Limits. A C function cannot raise: numba prints the exception and continues with zeros. Kernels and laws raise nothing;
+laws from outside the package that raise are refused (`laws.functions`). Argument types are not checked, so `caller` and
+`address_of` must be given the same types.
 
-Where nothing is compiled (`jit.compiled.COMPILES`), an address is the number of a function in a list of this module,
-and `caller` makes a function of Python that calls what stands there: so a debugger steps from a kernel into a law.
+Where nothing is compiled (`jit.compiled.COMPILES`), an address is the index of a function in a list of this module, and
+`caller` makes a Python function that calls it: so a debugger steps from a kernel into a law.
 """
 
 from __future__ import annotations
@@ -28,51 +28,51 @@ from numba.extending import intrinsic
 
 from granular_contact.jit.compiled import COMPILES, from_outside, options
 
-OWN = None  # among the types of arguments: where a law's function takes its own record
-_BYTE, _WORD = ir.IntType(8).as_pointer(), ir.IntType(64)
-_compiled: dict[tuple[Any, ...], Any] = {}  # what has an address has to be kept
-_listed: list[tuple[Any, Any]] = [(None, None)]  # where nothing is compiled: functions, their laws' records
+OWN = None  # among argument types: the own record of a law
+_BYTE, _INTEGER = ir.IntType(8).as_pointer(), ir.IntType(64)
+_compiled: dict[tuple[Any, ...], Any] = {}  # keeps functions alive whose addresses are in use
+_listed: list[tuple[Any, Any]] = [(None, None)]  # where nothing is compiled: functions, with record types of laws
 
 
 def address_of(function: Any, kinds: tuple[Any, ...], result: Any, own: np.dtype | None = None) -> int:
-    """Address of a function as compiled for arguments of these types.
+    """Address of a function compiled for arguments of these types.
 
     Parameters
     ----------
     function
         Plain or compiled.
     kinds, result
-        Numba's types of the arguments and of what it gives back.
+        Numba's types of the arguments and of the result.
     own
-        Type of the record that a law's function takes where OWN stands.
+        Type of the law's own record, which stands for OWN.
     """
     plain = getattr(function, "py_func", function)
     if not COMPILES:
         if (plain, own) not in _listed:
             _listed.append((plain, own))
         return _listed.index((plain, own))
-    known = plain, kinds, own
-    if known not in _compiled:
+    key = plain, kinds, own
+    if key not in _compiled:
         signature = result(*(from_dtype(own) if kind is OWN else kind for kind in kinds))
-        told = options(from_outside(plain))
+        chosen = options(from_outside(plain))
         try:
-            _compiled[known] = cfunc(signature, cache=True, **told)(plain)
+            _compiled[key] = cfunc(signature, cache=True, **chosen)(plain)
         except RuntimeError:  # it has no file, as in a notebook
-            _compiled[known] = cfunc(signature, **told)(plain)
-    address: int = _compiled[known].address
+            _compiled[key] = cfunc(signature, **chosen)(plain)
+    address: int = _compiled[key].address
     return address
 
 
 def caller(name: str, kinds: tuple[Any, ...], result: Any, layout: np.dtype) -> Any:
-    """Function for kernels: (record, arguments) -> what the function gives whose address the record has.
+    """Function for kernels: (record, arguments) -> result of the function whose address is in the record.
 
     Parameters
     ----------
     name
-        Of the field with the address.
+        Name of the field with the address.
     kinds, result
-        As of `address_of`. The record itself, or the law's own record in its field `own` where OWN stands, is put among
-        the arguments and is none of those given.
+        As of `address_of`. The caller does not pass the record among the arguments: it is put in where its type stands,
+        and the law's own record, in its field `own`, where OWN stands.
     layout
         Type of the record.
     """
@@ -82,18 +82,18 @@ def caller(name: str, kinds: tuple[Any, ...], result: Any, layout: np.dtype) -> 
 
     @intrinsic
     def call(typing_context, record, arguments):
-        if record != record_type:  # a law's own record, say, which has no addresses
+        if record != record_type:  # as a law's own record, which has no addresses
             raise TypeError(f"got {record}, allowed is a record of {layout.names}")
 
         def generate(context, builder, signature, values):
-            there = [record if kind is OWN else kind for kind in kinds]  # any record is a pointer
-            begin = builder.bitcast(values[0], _BYTE)
+            expected = [record if kind is OWN else kind for kind in kinds]  # any record is a pointer
+            start = builder.bitcast(values[0], _BYTE)
 
-            def field(of: str) -> Any:
-                return builder.gep(begin, [ir.Constant(_WORD, layout.fields[of][1])])  # type: ignore[index]
+            def field(name: str) -> Any:
+                return builder.gep(start, [ir.Constant(_INTEGER, layout.fields[name][1])])  # type: ignore[index]
 
             passed, given = [], iter(range(len(arguments)))
-            for kind, expected in zip(kinds, there, strict=True):
+            for kind, wanted in zip(kinds, expected, strict=True):
                 if kind is OWN:
                     passed.append(builder.bitcast(field("own"), values[0].type))
                 elif kind == record:
@@ -101,10 +101,10 @@ def caller(name: str, kinds: tuple[Any, ...], result: Any, layout: np.dtype) -> 
                 else:
                     i = next(given)
                     value = builder.extract_value(values[1], i)
-                    passed.append(context.cast(builder, value, arguments[i], expected))
-            kinds_there = [context.get_value_type(kind) for kind in there]
-            pointer = ir.FunctionType(context.get_value_type(result), kinds_there).as_pointer()
-            address = builder.load(builder.bitcast(field(name), _WORD.as_pointer()))
+                    passed.append(context.cast(builder, value, arguments[i], wanted))
+            values_of = [context.get_value_type(kind) for kind in expected]
+            pointer = ir.FunctionType(context.get_value_type(result), values_of).as_pointer()
+            address = builder.load(builder.bitcast(field(name), _INTEGER.as_pointer()))
             value = builder.call(builder.inttoptr(address, pointer), passed)
             return context.get_dummy_value() if result is types.none else value
 
@@ -114,7 +114,7 @@ def caller(name: str, kinds: tuple[Any, ...], result: Any, layout: np.dtype) -> 
 
 
 def _caller_in_python(name: str, kinds: tuple[Any, ...], record_type: Any) -> Any:
-    """What `caller` makes where nothing is compiled."""
+    """`caller` where nothing is compiled."""
 
     def call(record, arguments):
         function, own = _listed[record[name]]
@@ -129,5 +129,5 @@ def _caller_in_python(name: str, kinds: tuple[Any, ...], record_type: Any) -> An
 
 
 def _own_record(record: Any, own: np.dtype) -> Any:
-    """A law's own record, in the field `own` of another."""
+    """A law's own record, from the field `own` of another record."""
     return record.own.view(np.uint8)[: own.itemsize].view(own)[0]

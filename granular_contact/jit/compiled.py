@@ -1,21 +1,23 @@
-"""How functions are compiled: `kernel` for those that Python calls, `part` for those that kernels call.
+"""Decorators of compiled functions: `kernel` for functions that Python calls, `part` for functions that kernels call.
 
-A kernel is numba's `njit`. A part stays the function of Python that it is, of which kernels take a compiled form
-(`numba.extending.register_jitable`): what turns arguments of Python into those of compiled code would be compiled with
-each part, a tenth of all compiling. Python would run a part as it is written; one that calls by address (`calls`) it
-can't. Both are kept on disk. A division by zero gives an infinite number or none, as in numpy, and no exception, whose
-text and branches would be compiled with every quotient. Neither is a C function as well, which would be compiled with
-each of them, a tenth of all compiling: what is called by address is one (`calls`).
+A kernel is numba's `njit`. A part remains a Python function, and kernels call a compiled form of it
+(`numba.extending.register_jitable`): this saves the wrapper that converts Python arguments, a tenth of all compilation.
+Python can run a part as it is written, unless it calls by address (`calls`). Both are cached on disk.
 
-Each product and each sum is rounded. Were both rounded as one where the processor can (LLVM's "contract"), runs in
-space would take 6 to 8 % less; but copies of one function within several compiled ones would be rounded otherwise, and
-the process that compiles would have other numbers than those that read its code, by round-off.
+Division by zero gives inf or nan, as in numpy, and no exception, whose text and branches would be compiled with each
+division. Neither gets a C wrapper, which is a tenth of all compilation, too: functions called by address get one in
+`calls`.
 
-Nobody counts references to arrays (numba's option `_nrt`), as arrays outlive the call that they are passed to. Counted,
-a run of a tree takes 8 to 12 % longer. So a function that makes arrays has to say so, and none gives an array back.
+Products and sums are rounded separately. With fused multiply-add (LLVM's "contract") runs in space would take 6 to 8 %
+less time. But copies of a function inlined into several callers would round differently, and the process that compiles
+would get other numbers, by round-off, than processes that read its code from the cache.
 
-With NUMBA_DISABLE_JIT=1 in the environment both leave the function as it is, and Python runs all of it: to follow a
-run in a debugger, a hundred times as slow. What has to differ then is in this room alone, and goes by COMPILES.
+References to arrays are not counted (numba's option `_nrt`), as arrays outlive the call that takes them. Reference
+counts would make a run of a tree 8 to 12 % longer. So a function that makes arrays has to declare it (`allocates`), and
+no function returns an array.
+
+With NUMBA_DISABLE_JIT=1 in the environment both leave the function as it is, and Python runs all code: to follow a run
+in a debugger, a hundred times slower. Code that has to differ then is in this room alone, and asks COMPILES.
 """
 
 from __future__ import annotations
@@ -31,15 +33,15 @@ from granular_contact.jit import compiling
 
 COMPILES = not config.DISABLE_JIT
 PLAIN = {"error_model": "numpy"}
-BY_KERNELS = {"no_cfunc_wrapper": True}  # of what kernels call
+BY_KERNELS = {"no_cfunc_wrapper": True}  # no C wrapper
 _parts: set[Any] = set()
 compiling.listen()
 
 
 def kernel(function: Callable[..., Any] | None = None, *, nogil: bool = False, allocates: bool = False) -> Any:
-    """Compile a function for each kind of arguments when it first comes.
+    """Compile a function for each combination of argument types at its first call.
 
-    nogil: other threads of Python run meanwhile; allocates: whether it makes arrays.
+    nogil: release Python's lock, so that other threads run meanwhile; allocates: the function makes arrays.
     """
     if function is None:
         return lambda function: kernel(function, nogil=nogil, allocates=allocates)
@@ -49,10 +51,10 @@ def kernel(function: Callable[..., Any] | None = None, *, nogil: bool = False, a
 def part(
     function: Callable[..., Any] | None = None, *, cache: bool = True, inline: bool = False, allocates: bool = False
 ) -> Any:
-    """Let kernels call a function, compiled for each kind of arguments; cache: keep that on disk.
+    """Let kernels call a function, compiled for each combination of argument types; cache: keep the code on disk.
 
-    inline: always within its callers, so that loops over it can become vector instructions; allocates: whether it makes
-    arrays, none of which it gives back.
+    inline: always within its callers, so that loops over it can become vector instructions; allocates: the function
+    makes arrays, none of which it returns.
     """
     if function is None:
         return lambda function: part(function, cache=cache, inline=inline, allocates=allocates)
@@ -61,7 +63,7 @@ def part(
 
 
 def from_outside(function: Callable[..., Any]) -> bool:
-    """Whether a function is none of this package, as that of a user's law: it may make arrays."""
+    """Return whether a function is from outside the package, as of a user's law: it may make arrays."""
     return not str(function.__module__).startswith("granular_contact.")
 
 
@@ -71,22 +73,22 @@ def options(allocates: bool = False) -> dict[str, Any]:
 
 
 def is_part(function: Callable[..., Any]) -> bool:
-    """Whether kernels can call a function of Python already."""
+    """Return whether a Python function is a part already."""
     return function in _parts
 
 
 def ready(function: Any, *arguments: Any) -> Any:
-    """The kernel itself, compiled for arguments of these types: compiling is no part of the first step of a solve."""
+    """The kernel, compiled for arguments of these types, so that the first step of a solve does not compile it."""
     if COMPILES:
         function.compile(tuple(map(typeof, arguments)))
     return function
 
 
 def bound(function: Any, *arguments: Any, keep: object = None) -> Callable[[], Any]:
-    """The kernel with all its arguments, compiled for them: arrays whose contents change from call to call.
+    """The kernel bound to its arguments and compiled for them: arrays whose contents change from call to call.
 
-    keep: what has to live as long as this function, as the arrays whose addresses a kernel is given.
+    keep: objects that have to live as long as the bound kernel, as the arrays whose addresses it takes.
     """
-    found = partial(ready(function, *arguments), *arguments)
-    vars(found)["keep"] = keep
-    return found
+    call = partial(ready(function, *arguments), *arguments)
+    vars(call)["keep"] = keep
+    return call

@@ -1,11 +1,11 @@
-"""Whether a kernel is being compiled, told when it begins: with the first run of a law in an installation.
+"""Notice that a kernel is being compiled, when the compilation begins: at the first run of a law in an installation.
 
-Numba tells of what it compiles as it begins (its events `numba:compile` of a function, `numba:run_pass` of each pass
-over one, which alone tell of C functions), and says nothing when it finds the kernel in its cache on the disk; so
-nothing needs to be guessed beforehand.
+Numba announces each compilation as it begins, by its events `numba:compile` of a function and `numba:run_pass` of each
+compiler pass, which alone announce C functions. It announces nothing when it finds the kernel in its cache on disk, so
+no guess beforehand is needed.
 
-Meanwhile nobody looks for cycles of objects that are no longer used (Python's `gc`): numba makes a million objects that
-mostly stay, and looking at all of them time and again takes a tenth of all compiling.
+During compilation Python's cyclic garbage collector (`gc`) is off: numba makes a million objects that mostly stay, and
+scanning them repeatedly takes a tenth of all compilation.
 """
 
 from __future__ import annotations
@@ -17,20 +17,20 @@ from contextlib import contextmanager
 from functools import partial
 from typing import Any
 
-_spent = 0.0  # by this process so far (s)
-_tell: Callable[[], object] | None = None  # called once, when the first kernel is compiled
+_spent = 0.0  # compilation time of this process so far (s)
+_tell: Callable[[], object] | None = None  # called once, when the first kernel compiles
 
 
 def seconds() -> float:
-    """Wall time (s) that this process has compiled, so that it can be left out of a run's."""
+    """Wall time (s) of compilation in this process, so that the time of a run can exclude it."""
     return _spent
 
 
 @contextmanager
 def announced(tell: Callable[[str], None] | None, what: str) -> Iterator[None]:
-    """Call `tell` with a sentence once, when the first kernel is compiled inside; `what` is being compiled.
+    """Call `tell` once with a sentence that names `what`, when the first kernel inside is compiled.
 
-    Of a numba without such events nothing is told.
+    A version of numba without these events tells nothing.
     """
     global _tell
     outer, _tell = _tell, None
@@ -43,14 +43,14 @@ def announced(tell: Callable[[str], None] | None, what: str) -> Iterator[None]:
 
 
 def listen() -> None:
-    """Have numba tell from now on; called where it is loaded, since it is not loaded for this."""
+    """Listen to numba's events; called where numba is loaded, as it is not loaded for this alone."""
     try:
         from numba.core import event
     except ImportError:
         return
 
     class Listener(event.Listener):  # type: ignore[misc]  # numba has no types
-        """Adds up the time from each start to its end, without `gc`; compilations may be nested."""
+        """Adds up the time from start to end of compilations, with `gc` off; compilations may be nested."""
 
         depth, begin, collects = 0, 0.0, False
 

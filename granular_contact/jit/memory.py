@@ -1,11 +1,11 @@
-"""Views of arrays, arrays on the stack, zeros and copies in compiled functions: a few instructions each.
+"""Views of arrays, arrays and records on the stack, zeros and copies in compiled functions: a few instructions each.
 
 Compiled functions neither count references to arrays nor make arrays on the heap (`compiled`). A view is an array at an
-address, good for as long as the array that it is a view of. Nothing is checked: bounds are those that the caller knows
-to be good, arrays are contiguous (C).
+address, valid for as long as the viewed array lives. Nothing is checked: callers pass valid bounds and contiguous
+arrays (C order).
 
-The bodies of the functions are what they mean, and what runs where nothing is compiled (NUMBA_DISABLE_JIT). What is
-compiled for them is written by numba's low-level interface (`numba.extending`), without a function of its own.
+The bodies of the functions define what they do, and run where nothing is compiled (NUMBA_DISABLE_JIT). Their compiled
+code is written with numba's low-level interface (`numba.extending`), in place and without a call.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _ALIGNED = 64  # bytes, as of a cache line: records with arrays that are loaded 
 
 
 def array_at(address: int, shape: tuple[int, ...], dtype: np.dtype) -> NDArray[Any]:
-    """Array of what lies at an address, for Python; good for as long as somebody keeps that."""
+    """Array at an address, for Python; valid for as long as the memory there is kept alive."""
     size = int(math.prod(shape)) * dtype.itemsize
     if size == 0:
         return np.zeros(shape, dtype)
@@ -37,7 +37,7 @@ def array_at(address: int, shape: tuple[int, ...], dtype: np.dtype) -> NDArray[A
 
 
 def view_of(context: Any, builder: Any, kind: Any, data: Any, shape: Sequence[Any]) -> Any:
-    """The array of a type of numba's that begins where a pointer is, in LLVM's code; data, shape: values there."""
+    """LLVM code of an array of a numba type that begins at a pointer; data, shape: LLVM values."""
     array, word = context.make_array(kind)(context, builder), types.intp
     sizes = [context.get_constant(word, context.get_abi_sizeof(context.get_data_type(kind.dtype)))]
     number = context.get_constant(word, 1)
@@ -45,7 +45,7 @@ def view_of(context: Any, builder: Any, kind: Any, data: Any, shape: Sequence[An
         sizes.insert(0, builder.mul(sizes[0], size))
         number = builder.mul(number, size)
     axes = types.UniTuple(word, kind.ndim)
-    array.shape, array.strides = (context.make_tuple(builder, axes, some) for some in (shape, sizes[1:]))
+    array.shape, array.strides = (context.make_tuple(builder, axes, entries) for entries in (shape, sizes[1:]))
     array.data = builder.bitcast(data, array.data.type)
     array.itemsize, array.nitems = sizes[-1], number
     array.meminfo = context.get_constant_null(types.MemInfoPointer(kind.dtype))
@@ -54,26 +54,26 @@ def view_of(context: Any, builder: Any, kind: Any, data: Any, shape: Sequence[An
 
 
 def _of(array: Any, axes: int) -> Any:
-    """Type of views of an array with so many axes; None of what is no array."""
+    """Type of views of an array with this number of axes; None if it is no array."""
     return types.Array(array.dtype, axes, "C") if isinstance(array, types.Array) else None
 
 
 def _from(context: Any, builder: Any, signature: Any, values: Any, *given: int) -> tuple[list[Any], Any]:
-    """Shape of the array that is the first argument, and where the part of it begins whose indices are those given.
+    """Shape of the array that is the first argument, and pointer to its part at given indices.
 
-    given: places of the indices among the arguments, of the first axis first.
+    given: positions of these indices among the arguments, the index of the first axis first.
     """
     array = context.make_array(signature.args[0])(context, builder, values[0])
     shape = [builder.extract_value(array.shape, axis) for axis in range(signature.args[0].ndim)]
     begin = builder.bitcast(array.data, _BYTE)
-    for axis, place in enumerate(given):
-        index = context.cast(builder, values[place], signature.args[place], types.intp)
+    for axis, position in enumerate(given):
+        index = context.cast(builder, values[position], signature.args[position], types.intp)
         begin = builder.gep(begin, [builder.mul(index, builder.extract_value(array.strides, axis))])
     return shape, begin
 
 
 def numbers_at(address, count):
-    """Array (count,) of the float64 that lie at an address, a whole number, which a record may have as a float."""
+    """Array (count,) of float64 at an address, a whole number, which a record may hold as a float."""
     return array_at(int(address), (int(count),), np.dtype(np.float64))
 
 
@@ -84,12 +84,12 @@ def _type_of_numbers(context):
 
 @lower_builtin(numbers_at, types.Number, types.Integer)
 def _numbers_at(context, builder, signature, values):
-    address, count = (context.cast(builder, *one, types.intp) for one in zip(values, signature.args, strict=True))
+    address, count = (context.cast(builder, *pair, types.intp) for pair in zip(values, signature.args, strict=True))
     return view_of(context, builder, NUMBERS, builder.inttoptr(address, _BYTE), [count])
 
 
 def rows(array, first, count):
-    """View of so many rows of an array, from one on."""
+    """View of `count` rows of an array, from row `first` on."""
     return array[first : first + count]
 
 
@@ -106,7 +106,7 @@ def _rows(context, builder, signature, values):
 
 
 def piece(array, i, count, first=0):
-    """View of so many entries of array[i], from one on."""
+    """View of `count` entries of array[i], from entry `first` on."""
     return array[i, first : first + count]
 
 
@@ -124,7 +124,7 @@ def _piece(context, builder, signature, values):
 
 
 def flat(array):
-    """View of all entries of an array, row by row."""
+    """View (n,) of all entries of an array, row by row."""
     return array.reshape(-1)
 
 
@@ -140,7 +140,7 @@ def _flat(context, builder, signature, values):
 
 
 def room1(n):
-    """Array (n,) of float64, not yet set, that lives as long as the call it is made in; its size is a constant."""
+    """Uninitialised array (n,) of float64 that lives as long as the call that makes it; n is a constant."""
     return np.empty(n)
 
 
@@ -155,7 +155,7 @@ def room3(n, m, k):
 
 
 def _constant(*sizes: Any) -> Any:
-    """Type of a room of these sizes, which are constants; None, so that numba tries constants, of other numbers."""
+    """Type of an array of constant sizes; None for other sizes, so that numba tries them as constants."""
     known = all(isinstance(size, types.IntegerLiteral) for size in sizes)
     return types.Array(types.float64, len(sizes), "C") if known else None
 
@@ -176,7 +176,7 @@ def _room(context, builder, signature, values):
 
 
 def record_room(kind: np.dtype) -> Any:
-    """Function for kernels: () -> record of this type, not yet set, that lives as long as the call it is made in."""
+    """Function for kernels: () -> uninitialised record of this type that lives as long as the call that makes it."""
     if not COMPILES:
         return lambda: np.zeros(1, kind)[0]
     record = from_dtype(kind)
@@ -230,7 +230,7 @@ def _clear(context, builder, signature, values):
 
 
 def copy(to, given):
-    """Set all entries of an array to those of another of its size and type."""
+    """Set all entries of an array to the entries of another array of the same size and type."""
     to[...] = given
 
 
@@ -241,13 +241,13 @@ def _type_of_copy(context):
 
 @lower_builtin(copy, types.Array, types.Array)
 def _copy(context, builder, signature, values):
-    (begin, size), (given, _) = (_bytes(context, builder, *one) for one in zip(signature.args, values, strict=True))
+    (begin, size), (given, _) = (_bytes(context, builder, *array) for array in zip(signature.args, values, strict=True))
     move = builder.module.declare_intrinsic("llvm.memcpy", [_BYTE, _BYTE, size.type])
     builder.call(move, [begin, given, size, ir.IntType(1)(0)])
     return context.get_dummy_value()
 
 
 def _bytes(context: Any, builder: Any, kind: Any, value: Any) -> tuple[Any, Any]:
-    """Where the bytes of an array begin, and how many they are."""
+    """Pointer to the bytes of an array, and their number."""
     array = context.make_array(kind)(context, builder, value)
     return builder.bitcast(array.data, _BYTE), builder.mul(array.nitems, array.itemsize)

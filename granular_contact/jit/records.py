@@ -1,7 +1,7 @@
 """Record types: numpy's structured types, whose fields kernels read and write as attributes, `line.width`.
 
-numba gives records their fields as attributes; numpy does so for classes of records of one's own. Where nothing is
-compiled (`jit.compiled.COMPILES`), types have such a class.
+In compiled code numba makes the fields of records attributes. Where nothing is compiled (`jit.compiled.COMPILES`) the
+types have a record class of this module, which does the same.
 """
 
 from __future__ import annotations
@@ -15,21 +15,21 @@ from granular_contact.jit.compiled import COMPILES
 
 
 def fields(kind: str, *names: str) -> list[tuple[str, str]]:
-    """Fields of a record type that are all of one kind, as `f8`."""
+    """Fields of a record type, all of one kind such as `f8`."""
     return [(name, kind) for name in names]
 
 
 def record_dtype(fields: Iterable[tuple[Any, ...]]) -> np.dtype:
-    """Type of records with these fields, as numpy writes them: every array of records that kernels take has one.
+    """Record type with fields as in `numpy.dtype`, for every array of records that kernels take.
 
-    A field may have the name of what numpy's records have of themselves, as `size`.
+    A field may have the name of an attribute of numpy's records, such as `size`.
     """
-    found = np.dtype(list(fields))
-    return found if COMPILES else np.dtype((_Record, found))
+    kind = np.dtype(list(fields))
+    return kind if COMPILES else np.dtype((_Record, kind))
 
 
 class _Record(np.record):  # type: ignore[misc]  # final in the stubs of numpy alone
-    """Record that has its fields as attributes, before what numpy's records have of themselves."""
+    """Record whose fields are attributes and come before the attributes of numpy's records."""
 
     def __getattribute__(self, name: str) -> Any:
         own = np.void.__getattribute__

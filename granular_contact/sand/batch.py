@@ -16,7 +16,7 @@ from granular_contact.sand.kernels.forces import medium_record
 from granular_contact.sand.kernels.kinematics import SPATIAL
 from granular_contact.sand.kernels.path_length import COLUMNS
 from granular_contact.sand.kernels.planar_sand import LINES
-from granular_contact.sand.kernels.proximity import DEEPEST, EVER
+from granular_contact.sand.kernels.proximity import DEEPEST, GREATEST
 
 Vector = NDArray[np.float64]
 # Attributes of a batch that are arrays of `planar_sand.LINES` of the same name.
@@ -136,7 +136,7 @@ class Batch:
 
     def immersed(self) -> set[tuple[str, Kind, float]]:
         """Name of the body, kind and width (m) of each line that has ever been immersed."""
-        lines = [line for line, depth in zip(self.lines, self.proximity[:, EVER], strict=True) if depth > 0.0]
+        lines = [line for line, depth in zip(self.lines, self.proximity[:, GREATEST], strict=True) if depth > 0.0]
         return {(line.body.name, line.kind, float(line.record["width"][0])) for line in lines}
 
     def forget(self) -> None:

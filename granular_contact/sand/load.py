@@ -34,7 +34,7 @@ from granular_contact.sand.contact_lines import ContactLine
 from granular_contact.sand.history import HistoryTable, LoadHistory
 from granular_contact.sand.kernels import planar_sand
 from granular_contact.sand.kernels.lines import FIRST
-from granular_contact.sand.kernels.proximity import EVER
+from granular_contact.sand.kernels.proximity import GREATEST
 from granular_contact.sand.state import batch_states, restore_batches
 
 Vector = NDArray[np.float64]
@@ -262,7 +262,7 @@ class GranularLoad:
         self.add_forces = partial(self._compiled.force, sand)
         self._compiled.accept(sand, q, np.zeros_like(q), np.zeros(FIRST), True)
         for batch in self.batches:
-            batch.proximity[:, EVER] = -np.inf
+            batch.proximity[:, GREATEST] = -np.inf
 
     def addresses(self, where: NDArray[np.int64] | None, reference: Vector) -> NDArray[np.int64]:
         """Begin all batches, and return the addresses of their arrays; arguments as of `start`.

@@ -1,6 +1,6 @@
 """A ball in the medium: one force at its centre, by a law of its depth and velocity.
 
-For the kernels of lines it is a strip of no length: two stations, both at its centre; the first takes the force.
+Kernels of lines treat it as a strip without length: two stations at its centre, of which the first takes the force.
 """
 
 from __future__ import annotations

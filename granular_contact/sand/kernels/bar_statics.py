@@ -1,12 +1,12 @@
-"""Static resistance of a round bar along its axis, by components; what several laws are made of.
+"""Static resistance of a round bar along its axis, by components; terms of several laws.
 
 With depth z, unit tangent t, and the regularised signs sigma of `friction`, per unit of arc length:
 
     dF_x/ds = -2 k z |t_y| sigma_x                       over a bar that pierces the surface: -k z_T^2 sigma_x
     dF_y/ds = -(lam + 1) k (z/l)^lam sigma_y             likewise: -k (z_T/l)^lam L_i sigma_y
 
-A strip has c = p_1 - p_0, so that |t_y| ds = |c_y| dxi and ds = |c| dxi. Along it s is linear, and sigma(s) is the sign
-of s but for where |s| < 1, where it is linear as well; all integrals are closed forms.
+A strip has c = p_1 - p_0, so |t_y| ds = |c_y| dxi and ds = |c| dxi. Along a strip s is linear, and sigma(s) is s where
+|s| < 1, else the sign of s; all integrals are closed forms.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ def mobilised_integrals(a, b, z0, z1, lam, s0, s1, m):
 
 @part
 def linear_integrals(a, b, z0, z1, lam, sa, sb):
-    """`mobilised_integrals` where sigma = s, which is sa and sb at a and b."""
+    """`mobilised_integrals` where sigma = s, with sa and sb at a and b."""
     dz = z1 - z0
     za, zb = max(0.0, z0 + a * dz), max(0.0, z0 + b * dz)
     j0, j1, k11 = moments(za, zb, lam)
@@ -86,24 +86,24 @@ def horizontal_force(strip, k, m, f):
 def vertical_force(strip, k, eta, lam, scale, m, f):
     """Add the vertical term to f[end, xy] (N); strip as in `law.strip_force`.
 
-    k (N/m) times eta is that of the equation; (eta, lam) are pairs for plunging and withdrawing; scale: length l (m).
+    k (N/m) times eta is the k of the equation; eta and lam: pairs, for plunging and withdrawing; scale: length l (m).
     """
     add_vertical_force(strip, 1, k, eta, lam, scale, m, f)
 
 
 @part
 def add_vertical_force(strip, up, k, eta, lam, scale, m, f):
-    """`vertical_force` in the plane and in space; up: which of the components of vectors is upward."""
+    """`vertical_force` in the plane and in space; up: index of the upward component of vectors."""
     s0, s1 = drive(strip.e0[up], strip.v0[up], m), drive(strip.e1[up], strip.v1[up], m)
     k *= norm(strip.c)
     c = sign_change(strip.a, strip.b, s0, s1)
     for start, end in ((strip.a, c), (c, strip.b)):
-        way = 0 if s0 + 0.5 * (start + end) * (s1 - s0) < 0.0 else 1
-        if eta[way] == 0.0:
+        phase = 0 if s0 + 0.5 * (start + end) * (s1 - s0) < 0.0 else 1
+        if eta[phase] == 0.0:
             continue
-        j0, j1 = mobilised_integrals(start, end, strip.z0 / scale, strip.z1 / scale, lam[way], s0, s1, m)
-        f[0, up] -= k * eta[way] * (lam[way] + 1.0) * j0
-        f[1, up] -= k * eta[way] * (lam[way] + 1.0) * j1
+        j0, j1 = mobilised_integrals(start, end, strip.z0 / scale, strip.z1 / scale, lam[phase], s0, s1, m)
+        f[0, up] -= k * eta[phase] * (lam[phase] + 1.0) * j0
+        f[1, up] -= k * eta[phase] * (lam[phase] + 1.0) * j1
 
 
 @part

@@ -1,4 +1,4 @@
-"""Thin round bars in space: strips between stations on a polyline, and the terms that laws of bars are made of.
+"""Thin round bars in space: strips between stations on a polyline, and the terms of which laws of bars consist.
 
 With depth z, unit tangent t, velocity v, and the regularised signs of `space_friction` (sigma_h along the horizontal
 direction r of the motion, sigma_v along the vertical), per unit of arc length:
@@ -7,10 +7,10 @@ direction r of the motion, sigma_v along the vertical), per unit of arc length:
     dF_h/ds = -2 k z |t x r| sigma_h r          |t x r| ds: length of the bar as its horizontal motion sees it [ours]
     dF_v/ds = -(lam + 1) k (z/l)^lam sigma_v
 
-In the plane of a bar and its motion these are the terms of `bar_statics`, and integrals are the same there: exact in
-pieces between the surface, the points where a bristle comes to its yield, and the one where the motion turns round.
+If a bar moves in its own vertical plane these are the terms and the integrals of `bar_statics`: exact in pieces between
+the surface, the points where a bristle reaches its yield, and the point where the motion changes its direction.
 
-A row of `elements` is a station (m); the strips of a cluster lie between neighbours.
+A row of `elements` is a station (m); strips of a cluster lie between neighbouring stations.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from granular_contact.sand.kernels.vectors import at, axes, cross, dot, minus, m
 
 @part
 def station(E, pose, ground, medium):
-    """Position (3,) m and velocity (3,) m/s of a station of a body, E (3,) m in its frame, and its depth (m)."""
+    """Position (3,) m, velocity (3,) m/s and depth (m) of a station at E (3,) m in the frame of its body."""
     x, v, w = pose[3], pose[4], pose[5]
     r = turned(axes(pose), E)
     p = plus(x, r)
@@ -76,7 +76,7 @@ def bar_forces(elements, anchors, cluster, pose, ground, medium, W):
 
 @part
 def follow_stations(elements, anchors, cluster, pose, ground, medium, row):
-    """`space_law.follow` of the stations of bars, whose anchors are free unless a strip at them is immersed."""
+    """`space_law.follow` of the stations of bars; anchors are free unless a strip beside them is immersed."""
     n = elements.shape[0]
     p, v, z = station(elements[0], pose, ground, medium)
     before = z
@@ -97,7 +97,7 @@ def follow_stations(elements, anchors, cluster, pose, ground, medium, row):
 
 @part
 def nearest(a, b, p, q):
-    """Where in [a, b] a vector (3,) that varies linearly from p to q along a strip is shortest."""
+    """Position in [a, b] along a strip at which a vector (3,) that varies linearly from p to q is shortest."""
     d = minus(q, p)
     square = dot(d, d)
     return b if square == 0.0 else min(b, max(a, -dot(p, d) / square))
@@ -105,7 +105,7 @@ def nearest(a, b, p, q):
 
 @part
 def mixed(xi, p, q):
-    """Vector (3,) at xi along a strip, p and q at its ends."""
+    """Linear interpolation (3,) at xi between p and q at the ends of a strip."""
     return plus(times(1.0 - xi, p), times(xi, q))
 
 
@@ -135,7 +135,7 @@ def horizontal_force(strip, k, m, f):
     q0x, q0y = drive((strip.e0[0], strip.e0[1]), (strip.v0[0], strip.v0[1]), m)
     q1x, q1y = drive((strip.e1[0], strip.e1[1]), (strip.v1[0], strip.v1[1]), m)
     turn = nearest(a, b, (q0x, q0y, 0.0), (q1x, q1y, 0.0))
-    first, last = turn, turn  # between them bristles are below their yield
+    first, last = turn, turn  # bristles between these positions are below their yield
     if m.friction != SMOOTH:
         dx, dy = q1x - q0x, q1y - q0y
         square = dx * dx + dy * dy

@@ -1,25 +1,25 @@
-"""Batches: contact lines on any bodies in one medium, of which `planar_sand` treats all at once.
+"""Batches: contact lines of any bodies in one medium, which `planar_sand` treats in one call.
 
-So a call from Python, which costs more than the law on a few strips, is paid once for hundreds of bodies. Arrays of a
+A call from Python costs more than the law on a few strips, so it is paid once for hundreds of bodies. Arrays of a
 batch, and arguments of the functions here:
 
     system_q, system_v  coordinates (without reference values) and rates of the whole system, views of the engine's
                         memory
     reference           reference values of the system's coordinates
-    active              (lines,) whether a line may touch the surface in this step; the others are passed over
-    ends                (lines + 1, 2) first station and first coordinate of each line, and the ends of the last
-    places              (coordinates, 2) place of each coordinate of a line in the system and among those of the bed
+    active              (lines,) whether a line may touch the surface in this step; the others are skipped
+    ends                (lines + 1, 2) first station and first coordinate of each line; the last row: their numbers
+    places              (coordinates, 2) index of each coordinate of a line in the system and in the bed
     geometry            stations of all lines, one after another
     lines               (lines,) records of `law`
     profile, medium     see `kernels.lines`; medium (1,)
-    anchors             (stations, 2) m, the friction state; (stations, 6) with those of `path_length`
-    room, body          to work in, see `work`
+    anchors             (stations, 2) m, the friction state; (stations, 6) with the columns of `path_length`
+    room, body          work arrays, see `work`
     columns             (lines, 3), see `lines`
-    proximity           (lines, 3), see there
+    proximity           (lines, 3), see `proximity`
 
-Forces that `planar_sand.force` found for a line stay in `room` and `body` with the coordinates that they belong to. A
-step mostly ends where the last forces were asked for, and then `accept` takes them from there: they are not computed
-again. Nor does `tangent` compute them, which the engine asks for where it asked for forces before.
+The last forces on a line stay in `room` and `body`, with the coordinates they belong to. A step usually ends at the
+state of the last evaluation, so `accept` reuses these forces; so does `tangent`, which the engine calls at a state at
+which it has called `force`.
 """
 
 from __future__ import annotations
@@ -33,13 +33,13 @@ from granular_contact.sand.kernels.law import TERMS
 from granular_contact.sand.kernels.proximity import APPROACH, DEEPEST, may_touch
 
 BLOCK = 6  # rows of `body` before a line's tangent
-# Rows at the end of `body` for each line: coordinates and rates of its last forces, their totals, and these; and the
-# rates of the forces before these, which were others.
+# Rows at the end of `body` for each line: coordinates and rates of its last forces, totals, the forces, and the rates
+# of the last forces with other rates.
 KEPT, RATES, BEFORE = 5, 1, 4
 
 
 def work(ends: Any, anchors: Any) -> tuple[Any, Any]:
-    """Room for all lines: six times for their stations, and rows for coordinates, a tangent and what is kept."""
+    """Work arrays `room` and `body`: six arrays for all stations; rows for coordinates, a tangent and kept forces."""
     coordinates = int(np.max(np.diff(ends[:, 1]), initial=0))
     lines = len(ends) - 1
     return np.zeros((6, *anchors.shape)), np.full(
@@ -49,16 +49,16 @@ def work(ends: Any, anchors: Any) -> tuple[Any, Any]:
 
 @part
 def gather(system_q, system_v, reference, places, q, v):
-    """Fill q and v with the coordinates at these places of the system."""
+    """Fill q and v with the coordinates and rates of a line; places: its rows of the array of this name."""
     for i in range(places.shape[0]):
-        at = places[i, 0]
-        q[i] = system_q[at] + reference[at]
-        v[i] = system_v[at]
+        index = places[i, 0]
+        q[i] = system_q[index] + reference[index]
+        v[i] = system_v[index]
 
 
 @part
 def keep(body, row, q, v, f, totals):
-    """Keep the generalised forces f found at q and v, and their totals."""
+    """Keep the generalised forces f at q and v, and their totals, in the rows from `row` on."""
     moved = False
     for i in range(q.shape[0]):
         moved = moved or body[row + RATES, i] != v[i]
@@ -73,7 +73,7 @@ def keep(body, row, q, v, f, totals):
 
 @part
 def known_at(body, row, q, v):
-    """Whether the last forces were found at q and v."""
+    """Return whether the kept forces belong to q and v."""
     known = True
     for i in range(q.shape[0]):
         known = known and body[row, i] == q[i] and body[row + 1, i] == v[i]
@@ -82,7 +82,7 @@ def known_at(body, row, q, v):
 
 @part
 def recall(body, row, q, v, totals):
-    """Whether the last forces were found at q and v, with their totals; they are not known any more from then on."""
+    """Return whether the kept forces belong to q and v, and fill totals with theirs; then mark them as invalid."""
     known = known_at(body, row, q, v)
     if known:
         for term in range(TERMS):
@@ -94,12 +94,9 @@ def recall(body, row, q, v, totals):
 
 @part
 def update_active(proximity, step, active):
-    """Mark the lines that may touch the surface within a step (s); whether there are any.
-
-    active (lines,) is filled.
-    """
-    some = False
+    """Fill active (lines,): whether a line may touch the surface within a step (s); return whether any may."""
+    reached = False
     for r in range(active.shape[0]):
         active[r] = may_touch(proximity[r, DEEPEST], proximity[r, APPROACH], step)
-        some = some or active[r]
-    return some
+        reached = reached or active[r]
+    return reached

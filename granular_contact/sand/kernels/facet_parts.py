@@ -1,17 +1,17 @@
-"""What of a facet lies below the surface: its area and its moments, in closed form.
+"""Area and first moments of the immersed part of a facet, in closed form.
 
-Over the part of a facet of area A that is immersed, with the depth z, which is linear in the place d,
+Over the immersed part of a facet of area A, with the depth z, which is linear in the position d,
 
     int dA = A s,    int z dA = A m,    int d dA = A o,    int z d dA = A p.
 
-Of a whole triangle with the corners d_i, whose depths are z_i, these are s = 1, m = mean(z_i), o = mean(d_i) and
-p = (sum z_i sum d_i + sum z_i d_i) / 12. A part of it with one corner k is a triangle again, whose other corners lie at
-the shares z_k / (z_k - z_j) of the edges; one with two corners is the whole without that. A parallelogram is two
-triangles; the whole of one with half edges a and b, along which the depth grows by z_a and z_b, has about its centre
-p = (z_a a + z_b b) / 3.
+A whole triangle with the corners d_i at the depths z_i has s = 1, m = mean(z_i), o = mean(d_i) and
+p = (sum z_i sum d_i + sum z_i d_i) / 12. A part with one corner k is a triangle, whose other corners lie at the shares
+z_k / (z_k - z_j) of the edges; a part with two corners is the whole triangle minus a part with one. A parallelogram is
+two triangles; a whole parallelogram with half edges a and b, along which the depth grows by z_a and z_b, has
+p = (z_a a + z_b b) / 3 about its centre.
 
-In a layer it is what lies below its top less what lies below its bottom: with the moments of what is below an edge at
-the depth D, where depths count from that edge, those of depths that count from the surface are
+The part within a layer is the part below its top minus the part below its bottom. The moments of a part below a level
+at the depth D, with depths from that level, give the moments with depths from the surface:
 
     int dA = A s,    int z dA = A (m + D s),    int d dA = A o,    int z d dA = A (p + D o).
 """
@@ -20,14 +20,15 @@ from __future__ import annotations
 
 from granular_contact.jit.compiled import part
 
-LEAST = 1e-13  # of a facet in a layer: less than that is round-off of the difference
+LEAST = 1e-13  # of a facet in a layer: smaller parts are round-off of the difference
 
 
 @part
 def corner_part(zk, zi, zj, k, i, j):
-    """Moments s, m, o (3,), p (3,) of the part of a triangle on that side of the surface where its corner k alone lies.
+    """Moments s, m, o (3,), p (3,) of the part of a triangle that has only its corner k, on one side of the surface.
 
-    zk of another sign than the depths zi and zj (m) of the others; corners (3,) m from any origin, as are o and p.
+    zk: its depth, of another sign than the depths zi and zj (m) of the other corners; corners (3,) m, o and p from any
+    origin.
     """
     s, t = zk / (zk - zi), zk / (zk - zj)
     x = k[0] + (s * (i[0] - k[0]) + t * (j[0] - k[0])) / 3.0
@@ -41,7 +42,7 @@ def corner_part(zk, zi, zj, k, i, j):
 @part
 def triangle_part(za, zb, zc, a, b, c):
     """Moments of the immersed part of a triangle; za, zb, zc (m): depths of its corners a, b, c (3,) m."""
-    below = int(za > 0.0) + int(zb > 0.0) + int(zc > 0.0)  # (a sum of truths of numpy is one, in Python)
+    below = int(za > 0.0) + int(zb > 0.0) + int(zc > 0.0)  # (a sum of numpy booleans is a boolean, in Python)
     if below == 0:
         return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     z = (za + zb + zc) / 12.0
@@ -81,8 +82,7 @@ def immersed_part(four, z, za, zb, a, b):
     """Moments s, m (m), o (3,) m, p (3,) m2 of the part of a facet below the surface, about its centroid.
 
     four: whether it is a parallelogram with half edges a and b (3,) m, else a triangle with the corners a, b and
-    -a - b; z (m): depth of the centroid; za, zb (m): by how much the depth grows along a and b. s is 0 where nothing is
-    below.
+    -a - b; z (m): depth of the centroid; za, zb (m): growth of the depth along a and b. s is 0 if no part is immersed.
     """
     (ax, ay, az), (bx, by, bz), zc = a, b, -za - zb
     if four:
@@ -109,7 +109,7 @@ def immersed_part(four, z, za, zb, a, b):
 
 @part
 def between(four, z, za, zb, a, b, top, bottom):
-    """As `immersed_part`, of what lies between the depths top and bottom (m, 0 <= top)."""
+    """`immersed_part` for the part between the depths top and bottom (m, 0 <= top)."""
     s, m, ox, oy, oz, px, py, pz = immersed_part(four, z - top, za, zb, a, b)
     if s <= 0.0 or bottom <= top:
         return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0

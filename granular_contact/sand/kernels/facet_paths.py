@@ -1,25 +1,27 @@
-"""What of facets depends on their paths: shear displacement (see `path_length`) and scatter (see `scatter`).
+"""Quantities of facets that depend on their paths: shear displacement (see `path_length`) and scatter (see `scatter`).
 
-Compiled for media that ask for either alone, see `space_joining`.
+Compiled only for media that need one of them, see `space_joining`.
 
-Of scatter a facet takes the value of a cube of the size of a grain, fixed to its body: facets whose middles lie in one
-cube share it, and as they stay there nothing jumps. One larger than a grain takes s L / sqrt(area).
+Scatter: a facet takes the value of a cube of the size of a grain, fixed to its body. Facets with their centroids in one
+cube share its value, and they stay in their cube, so no force jumps. A facet larger than a grain has the standard
+deviation s L / sqrt(area).
 
-Where a medium scatters the anchors of facets have more columns: PATH, the path length (m) of the middle since the
-start; LAST and the two after it, where it was at the end of the last step (m); KEPT and the two after it: the number of
-the grain that its path was in when forces were last asked for, and s r of `scatter` at both ends of that grain. These
-change once a grain only, and to find them costs more than all the rest; none is taken for another grain, so that they
-are no part of any state.
+With scatter the anchors of facets have more columns: PATH, the path length (m) of the centroid since the start; LAST
+and the two columns after it, the position of the centroid at the end of the last step (m); KEPT and the two columns
+after it: the number of the grain in which the path was at the last evaluation of forces, and s r of `scatter` at both
+ends of this grain. These three change once a grain only, and to find them costs more than all other work. They are
+never used for another grain, so they are no part of the state.
 
-Where a medium shears their last three columns are the displacement S (m) of the anchor along the surface since the
-middle got into the medium, which turns with the normal. With the displacement d (m) of the middle from its anchor along
-the surface, whose direction is e,
+With shear displacements the last three columns of anchors are the displacement S (m) of the anchor along the surface
+since the centroid got into the medium; S turns with the normal. With the displacement d (m) of the centroid from its
+anchor along the surface, whose direction is e,
 
     j = max(0, S . e) + |d|,    S <- S - min(0, S . e) e + d    with the d of the anchor, where it is dragged.
 
-So what was sheared against e is counted anew, as in the plane (`path_length`), and what was sheared across it counts
-again where the motion turns back to it. Sums of vectors in the frame of the ground are those of Wong and Chiang (2001)
-for tracks that turn. A sum of path lengths would depend on the length of steps: what turns within one is lost to it.
+So a shear displacement against e is counted anew, as in the plane (`path_length`), and a shear displacement across e
+counts again when the motion turns back to its direction. Wong and Chiang (2001) sum vectors in the frame of the ground
+likewise, for tracks that turn. A sum of path lengths would depend on the length of steps, as it misses turns within a
+step.
 """
 
 from __future__ import annotations
@@ -35,25 +37,25 @@ from granular_contact.sand.kernels.scatter import value
 from granular_contact.sand.kernels.vectors import at, dot, minus, norm, put, times
 
 PATH, LAST, KEPT = 3, 4, 7
-COLUMNS, SHEARED = 10, 3  # of anchors, without those of the shear displacement; of it
-ALONG, ACROSS, UPWARD, BODY = 73856093, 19349663, 83492791, 49979687  # primes: cubes nearby have numbers of their own
+COLUMNS, SHEARED = 10, 3  # of anchors with scatter, without shear displacement; of the shear displacement
+ALONG, ACROSS, UPWARD, BODY = 73856093, 19349663, 83492791, 49979687  # primes: cubes nearby have different numbers
 
 
 @part
 def scatters(anchors):
-    """Whether anchors have these columns."""
+    """Return whether anchors have the columns of scatter."""
     return anchors.shape[1] >= COLUMNS
 
 
 @part
 def shears(anchors):
-    """Whether the last three columns of anchors are the shear displacement (m)."""
+    """Return whether the last three columns of anchors are the shear displacement (m)."""
     return anchors.shape[1] == 3 + SHEARED or anchors.shape[1] > COLUMNS
 
 
 @part
 def begin(anchors, first, last, anew):
-    """Begin the shear displacements of facets where their anchors are; anew: their paths, too."""
+    """Begin the shear displacements of facets first to last - 1 at their anchors; anew: their paths, too."""
     for i in range(first, last):
         if shears(anchors):
             for k in range(1, 1 + SHEARED):
@@ -71,7 +73,7 @@ def sheared(anchors, i):
 
 @part
 def slid(s, e, n):
-    """Shear displacement j (m) of a facet at e (3,) m from its anchor, and its direction (3,); s: S; n: normal."""
+    """Shear displacement j (m) of a facet and its direction (3,); s: S; e (3,) m: from the anchor; n: normal."""
     along = minus(e, times(dot(n, e), n))
     d = norm(along)
     if d == 0.0:
@@ -82,7 +84,7 @@ def slid(s, e, n):
 
 @part
 def count(anchors, i, p, a, n, immersed):
-    """Add a step that ends with the middle of a facet at p (3,) m, before its anchor goes to a (3,) m; n: normal."""
+    """Add a step that ends with the centroid of facet i at p (3,) m; then its anchor goes to a (3,) m; n: normal."""
     if scatters(anchors):
         anchors[i, PATH] += norm(minus(p, at(anchors, i, LAST)))
         put(p, anchors, i, LAST)

@@ -1,4 +1,4 @@
-"""What kernels take for a medium: its law, and how it acts on lines of a kind."""
+"""Record of a medium for kernels: its law, and its forces on lines of a kind."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from granular_contact.sand.kernels.wheels import lowering
 
 @part
 def line_forces(P, V, anchors, line, profile, medium, F, totals):
-    """`law.forces` in the form that the line asks for."""
+    """`law.forces` of strips, in the form that the line has."""
     if line.resultant:
         resultant_forces(P, V, anchors, line, profile, medium, F, totals)
     else:
@@ -31,10 +31,10 @@ def medium_record(
     bodies: bool = True,
     spatial: bool = True,
 ) -> np.ndarray:
-    """Record (1,) of `law.LAW` for a law's own record (1,), with what its lines ask for.
+    """Record (1,) of `law.LAW` for a law's own record (1,), with the functions that its lines need.
 
-    lines: their records, None of any; paths: whether path lengths of stations are counted; bodies: whether lines are on
-    bodies, by whose coordinates `lines` moves them; spatial: whether on some of `spatial`, too.
+    lines: their records, None for any lines; paths: whether path lengths of stations are counted; bodies: whether lines
+    are on bodies, with whose coordinates `lines` moves them; spatial: whether some of these bodies are of `spatial`.
 
     Raises
     ------
@@ -42,25 +42,25 @@ def medium_record(
         The law has no force in the plane; further as of `law.record_of`.
     """
 
-    def asked(field: str) -> bool:
+    def any_has(field: str) -> bool:
         return lines is None or bool(np.any(lines[field] > 0))
 
     if not {"ball_force", "strip_force"} & LAWS[own.dtype].keys():
         raise TypeError(f"the law {OWN_LAWS[own.dtype].__name__} has no force in the plane, such as a stress")
     if "ball_force" in LAWS[own.dtype]:
-        found = {"forces": ball_forces}
+        functions = {"forces": ball_forces}
     else:
-        found = {"forces": line_forces if asked("resultant") else distributed_forces}
+        functions = {"forces": line_forces if any_has("resultant") else distributed_forces}
         if paths:
-            found["count_shear"] = count_shear
-        if asked("scatter"):
-            found["scattered"] = scattered
-        if asked("behind"):
-            found["lowering"] = lowering
+            functions["count_shear"] = count_shear
+        if any_has("scatter"):
+            functions["scattered"] = scattered
+        if any_has("behind"):
+            functions["lowering"] = lowering
     if paths:
-        found["count_path"] = count_path
+        functions["count_path"] = count_path
     if bodies:
-        found |= {"line_force": force, "line_accept": accept}
+        functions |= {"line_force": force, "line_accept": accept}
         if spatial:
-            found |= {"spatial_stations": spatial_stations, "spatial_scatter": spatial_scatter}
-    return record_of(own, found)
+            functions |= {"spatial_stations": spatial_stations, "spatial_scatter": spatial_scatter}
+    return record_of(own, functions)

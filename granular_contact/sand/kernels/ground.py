@@ -1,10 +1,10 @@
-"""The surface in space: height and rise at a place, as the plane that what is there sees.
+"""The surface in space: its height and its tangent plane at a position.
 
-ground (4,): height (m) of a plane above the origin, its rise per length along x and y, and by how much a depth may grow
-with a distance. A map of heights adds, from MAP on, its cell (m), the place x, y of its first point (m), its numbers of
-rows and columns, and the heights (m) above the plane, row by row; ground[3] is then that of its steepest place. Between
-its points the map is that of Catmull and Rom, with a rise that does not jump; beyond its edge it goes on level. It is
-compiled for a bed that has one alone, see `space_joining`.
+ground (4,): height (m) of a plane above the origin, its rise per length along x and y, and the greatest growth of a
+depth with a distance, sqrt(1 + rise^2). A map of heights adds its cell (m), the position x, y of its first point (m),
+its numbers of rows and columns, and, from MAP on, the heights (m) above the plane, row by row; the growth is then that
+of its steepest point. Between its points the map is a Catmull-Rom surface, with a continuous slope; beyond its edge it
+continues level. It is compiled only for a bed with a map, see `space_joining`.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ PLANE, MAP = 4, 9
 
 @part
 def surface_at(x, y, ground, medium, plane):
-    """Fill plane (4,) with the surface as what is at x, y (m) sees it; its height (m) there."""
+    """Fill plane (4,) with the tangent plane of the surface at x, y (m), as `ground`; return its height (m) there."""
     if medium.heights != 0:
         law.tangent_plane(medium, (ground, x, y, plane))
     else:
@@ -28,7 +28,7 @@ def surface_at(x, y, ground, medium, plane):
 
 @part(inline=True)
 def _weights(t):
-    """Weights of four neighbours at a share t of the middle interval."""
+    """Weights of four neighbouring points at a share t of their middle interval."""
     return (
         0.5 * t * (-1.0 + t * (2.0 - t)),
         1.0 + 0.5 * t * t * (3.0 * t - 5.0),
@@ -39,7 +39,7 @@ def _weights(t):
 
 @part(inline=True)
 def _slopes(t):
-    """Their derivatives by t."""
+    """Derivatives of `_weights` by t."""
     return (
         0.5 * (-1.0 + t * (4.0 - 3.0 * t)),
         0.5 * t * (9.0 * t - 10.0),
@@ -50,7 +50,7 @@ def _slopes(t):
 
 @part
 def tangent_plane(ground, x, y, plane):
-    """Fill plane (4,) with the one that touches a surface with a map at x, y (m), as `ground` of a plane."""
+    """`surface_at` for a surface with a map; fills plane alone."""
     for i in range(PLANE):
         plane[i] = ground[i]
     cell, rows, columns = ground[4], int(ground[7]), int(ground[8])
@@ -63,10 +63,10 @@ def tangent_plane(ground, x, y, plane):
     for k in range(4):
         row = MAP + columns * min(max(j + k - 1, 0), rows - 1)
         h0, h1, h2, h3 = ground[row + before], ground[row + i], ground[row + i + 1], ground[row + after]
-        here = wx[0] * h0 + wx[1] * h1 + wx[2] * h2 + wx[3] * h3
-        height += wy[k] * here
+        in_row = wx[0] * h0 + wx[1] * h1 + wx[2] * h2 + wx[3] * h3
+        height += wy[k] * in_row
         along += wy[k] * (dx[0] * h0 + dx[1] * h1 + dx[2] * h2 + dx[3] * h3)
-        across += dy[k] * here
+        across += dy[k] * in_row
     along = along / cell if u == a else 0.0
     across = across / cell if v == b else 0.0
     plane[0] += height - along * x - across * y

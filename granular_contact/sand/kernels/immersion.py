@@ -5,8 +5,8 @@ z(xi) = (1 - xi) z0 + xi z1, positive below. With N_0 = 1 - xi and N_1 = xi, the
 
     J_e = int z^lam N_e dxi        over a part of the strip with z > 0
 
-are what turns a force density proportional to z^lam into forces at the two ends. They are closed forms, so the point
-where the strip crosses the surface costs no accuracy. lam = 1, which most laws have, needs no power.
+turn a force density proportional to z^lam into forces at the two ends. They are closed forms, so the point where the
+strip crosses the surface costs no accuracy. lam = 1, which most laws have, needs no power.
 """
 
 from __future__ import annotations
@@ -21,14 +21,14 @@ GAUSS_HIGH = 0.5 + 0.5 / math.sqrt(3.0)
 # Below this relative difference of the end depths the closed forms cancel (to 1e-12), and three Gauss points are as
 # accurate.
 LEVEL = 0.01
-TINY = 1e-90  # whose third power is a number still
-FAR = 0.5 * math.sqrt(0.6)  # of the outer two from the middle; weights 5/18, 8/18, 5/18
+TINY = 1e-90  # its third power does not underflow
+FAR = 0.5 * math.sqrt(0.6)  # of the outer points from the middle; weights 5/18, 8/18, 5/18
 THREE_POINTS = ((0.5 - FAR, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.5 + FAR, 5.0 / 18.0))
 
 
 @part
 def immersed_interval(z0: float, z1: float) -> tuple[float, float]:
-    """Part (a, b) of a strip with end depths z0, z1 (m) that lies below the surface; (0, 0) when none does."""
+    """Part (a, b) of a strip with end depths z0, z1 (m) that lies below the surface; (0, 0) if there is none."""
     if z0 <= 0.0 and z1 <= 0.0:
         return 0.0, 0.0
     crossing = z0 / (z0 - z1) if z0 != z1 else 0.0
@@ -37,10 +37,10 @@ def immersed_interval(z0: float, z1: float) -> tuple[float, float]:
 
 @part
 def inside(z0, z1, line):
-    """Part (a, b) of a strip with end depths z0, z1 (m) that lies in the medium; (0, 0) when none does.
+    """Part (a, b) of a strip with end depths z0, z1 (m) that lies in the medium; (0, 0) if there is none.
 
-    In a layer strips are cut at its boundaries. Depths stay those below the free surface, so the pressure of what lies
-    above is in them as if it were the same medium.
+    Strips are cut at the boundaries of a layer. Depths count from the free surface, so they include the pressure of the
+    layers above as if these were the same medium.
     """
     if not line.layered:
         return immersed_interval(z0, z1)
@@ -69,7 +69,7 @@ def part_integrals(a, b, z0, z1, lam):
 def moments(z0, z1, lam):
     """Integrals of z^lam times 1 - xi, xi and xi^2 over a strip that is immersed from end to end, z0, z1 >= 0 (m^lam).
 
-    The powers, most of what each costs, are those of all three.
+    All three share the powers, which take most of the time.
     """
     dz = z1 - z0
     if lam == 1.0:
@@ -90,6 +90,6 @@ def moments(z0, z1, lam):
 
 @part
 def sign_change(a, b, w0, w1):
-    """Where in [a, b] what varies linearly from w0 to w1 along the strip changes its sign; b where it does not."""
+    """Position in [a, b] at which a quantity linear from w0 to w1 along the strip changes its sign; b if none."""
     c = w0 / (w0 - w1) if w0 * w1 < 0.0 else b
     return min(b, max(a, c))

@@ -1,8 +1,7 @@
-"""A law in plain Python -> what kernels call: a record type, and compiled forces.
+"""A law in plain Python -> a record type, and functions that kernels call.
 
-What numba keeps of them on disk it finds again by the types of the arguments alone. So the record type of a law begins
-with a field named after the file of the law and its content: a law that was changed has another type, wherever its file
-is.
+Numba finds cached code on disk by the types of the arguments alone. So the record type of a law begins with a field
+named after the class and the content of its file: a changed law has another type, wherever its file is.
 """
 
 from __future__ import annotations
@@ -27,20 +26,20 @@ from granular_contact.sand.kernels.bar_statics import component_return
 from granular_contact.sand.kernels.planar_friction import radial_return
 from granular_contact.sand.kernels.signatures import IN_PLANE, IN_SPACE
 
-PARTS = {"constants", "by_component", *IN_PLANE, *IN_SPACE}  # of a law, that make it another one for the kernels
+PARTS = {"constants", "by_component", *IN_PLANE, *IN_SPACE}  # attributes of a law that kernels depend on
 
 
 def blank(owner: Any) -> NDArray[np.void]:
-    """Record (1,) of a law with all numbers 0; owner as in `record_type`."""
+    """Record (1,) of a law with all numbers 0; owner as of `record_type`."""
     return np.zeros(1, record_type(owner))
 
 
 @cache
 def record_type(owner: Any) -> np.dtype:
-    """Record type of a law, which the kernels know from then on.
+    """Record type of a law; registers its functions for kernels.
 
-    owner: class with `constants`, the names of its numbers, and static methods named as in
-    `signatures.IN_PLANE`; what it leaves out of anchors and static forces follows from `by_component` and its stress.
+    owner: class with `constants`, the names of its numbers, and static methods named as in `signatures.IN_PLANE`.
+    A missing drag_anchor follows from `by_component`, a missing strip_force from the stress or the traction.
     """
     own = [(f"{owner.__name__}_{_content(owner)}", "f8"), *((name, "f8") for name in owner.constants)]
     dtype = record_dtype(own + law.FRICTION)
@@ -62,7 +61,7 @@ def record_type(owner: Any) -> np.dtype:
 
 
 def _content(owner: Any) -> str:
-    """Digest of the file of a class; another one every time where there is none, as in a notebook or of `python -`."""
+    """Digest of the file of a class; another at each call if there is no file, as in a notebook or with `python -`."""
     file = getattr(sys.modules.get(owner.__module__), "__file__", None)
     if file is None or not Path(file).is_file():
         return uuid.uuid4().hex
@@ -70,14 +69,14 @@ def _content(owner: Any) -> str:
 
 
 def let_call_others(function: Callable[..., Any], inline: bool = False) -> None:
-    """Let compiled code call the plain functions that a plain function calls; inline: always within it."""
-    if not isinstance(function, FunctionType) or is_part(function):  # it does already
+    """Let kernels call the plain functions that a plain function calls; inline: always within it."""
+    if not isinstance(function, FunctionType) or is_part(function):  # compiled already
         return
-    new = [function]
-    while new:
-        one = new.pop()
-        others = map(one.__globals__.get, one.__code__.co_names)
-        new += [
+    callers = [function]
+    while callers:
+        caller = callers.pop()
+        others = map(caller.__globals__.get, caller.__code__.co_names)
+        callers += [
             part(other, cache=False, inline=inline)
             for other in others
             if isinstance(other, FunctionType) and not is_part(other)

@@ -1,9 +1,9 @@
-"""How the coordinates of a body move its stations, and how forces at the stations become generalised forces.
+"""Motion of stations from the coordinates of their body, and generalised forces from forces at stations.
 
 Rigid body in the plane: coordinates (x, y, phi), stations r (n, 2) in the body frame, p = x + R(phi) r. Run of n_e
 planar ANCF cable elements: 4 coordinates (r_x, r_y, r'_x, r'_y) for each of its n_e + 1 nodes; a station lies in one
-element, p = N_1 r_0 + N_2 r'_0 + N_3 r_1 + N_4 r'_1 with the Hermite polynomials N_k of its place. Rigid body in space
-that moves in the plane: see `spatial`. All are of one record type, so that what calls them is compiled once.
+element, p = N_1 r_0 + N_2 r'_0 + N_3 r_1 + N_4 r'_1 with the Hermite polynomials N_k at its position. Rigid body in
+space that moves in the plane: see `spatial`. All stations have one record type, so callers are compiled once.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ from granular_contact.jit.records import fields, record_dtype
 # Kinds of bodies; a line is on one body.
 RIGID, CABLE, SPATIAL = 0, 1, 2
 
-# x, y, z: place on a rigid body (m). first, shape: first coordinate of a cable's element, and N_1 .. N_4 there.
-# kept: whether a station also belongs to the division into strips of twice the length.
+# x, y, z: position in the frame of a rigid body (m). first, shape: first coordinate of the element of a cable, and
+# N_1 .. N_4 at the station. kept: whether the station also belongs to the division into strips of twice the length.
 STATION = record_dtype(
     [("kind", "i8"), *fields("f8", "x", "y", "z"), ("first", "i8"), ("shape", "f8", (4,)), ("kept", "?")]
 )
@@ -26,37 +26,37 @@ STATION = record_dtype(
 
 def ball_stations(center: NDArray[np.float64]) -> NDArray[np.void]:
     """Stations of a ball with its centre (2,) m in the body frame; see `balls`."""
-    return _at_places(np.stack([center, center]))
+    return _at_positions(np.stack([center, center]))
 
 
 def curved_stations(
     points: NDArray[np.float64], turns: NDArray[np.float64], strips: int, split: int = 1
 ) -> list[tuple[NDArray[np.void], float]]:
-    """Stations of about `strips` strips of like length along the polyline points (k, 2) m of the body frame.
+    """Stations of about `strips` strips of similar length along the polyline points (k, 2) m of the body frame.
 
-    Every side is the chord of an arc that turns by an angle (rad), 0 of a straight one, and has at least one strip.
-    Runs of neighbouring sides whose strips turn by the same angle, and that angle. split: into how many each of the
-    strips is divided.
+    Each side is the chord of an arc that turns by an angle (rad), 0 if it is straight, and has at least one strip.
+    Returns runs of neighbouring sides whose strips turn by the same angle, each with this angle. split: number of
+    parts into which each strip is divided.
     """
     lengths = np.linalg.norm(np.diff(points, axis=0), axis=1)
     shares = split * np.maximum(1, np.rint(strips * lengths / lengths.sum())).astype(int)
-    each = turns / shares
+    angles = turns / shares
     runs = []
     first = 0
-    for i in range(1, len(each) + 1):
-        if i < len(each) and abs(each[i] - each[first]) < 1e-9:
+    for i in range(1, len(angles) + 1):
+        if i < len(angles) and abs(angles[i] - angles[first]) < 1e-9:
             continue
-        places = _along(points[first : i + 1], turns[first:i], shares[first:i])
-        stations = _at_places(places)
-        pieces = shares[first:i] if each[first] == 0.0 else [shares[first:i].sum()]
+        positions = _along(points[first : i + 1], turns[first:i], shares[first:i])
+        stations = _at_positions(positions)
+        pieces = shares[first:i] if angles[first] == 0.0 else [shares[first:i].sum()]
         stations["kept"] = np.concatenate([*map(_every_second, pieces), [True]])
-        runs.append((stations, float(each[first])))
+        runs.append((stations, float(angles[first])))
         first = i
     return runs
 
 
 def _along(points: NDArray[np.float64], turns: NDArray[np.float64], strips: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Ends (strips + 1, 2) of so many strips of like length on each side, the chord of an arc that turns (rad)."""
+    """Ends (n + 1, 2) m of n strips, a number for each side, which is the chord of an arc that turns (rad)."""
     side = np.repeat(np.arange(len(strips)), strips)
     share = (np.arange(len(side)) - (np.cumsum(strips) - strips)[side]) / strips[side]
     corners = points @ (1.0, 1.0j)
@@ -65,19 +65,19 @@ def _along(points: NDArray[np.float64], turns: NDArray[np.float64], strips: NDAr
     way = share.astype(complex)
     half = 0.5 * turn[bent]
     way[bent] = np.sin(share[bent] * half) / np.sin(half) * np.exp(1j * (share[bent] - 1.0) * half)
-    places = start + way * chord
-    return np.vstack([np.column_stack([places.real, places.imag]), points[-1:]])
+    ends = start + way * chord
+    return np.vstack([np.column_stack([ends.real, ends.imag]), points[-1:]])
 
 
 def _every_second(strips: int) -> NDArray[np.bool_]:
-    """Which of the first stations of the strips of a piece stay where its strips are joined in pairs."""
+    """Whether the first station of each strip of a piece stays when its strips are joined in pairs, (strips,)."""
     kept: NDArray[np.bool_] = np.arange(strips) % 2 == 0
     return kept
 
 
-def _at_places(places: NDArray[np.float64]) -> NDArray[np.void]:
-    stations = np.zeros(len(places), STATION)
-    stations["x"], stations["y"] = places.T
+def _at_positions(positions: NDArray[np.float64]) -> NDArray[np.void]:
+    stations = np.zeros(len(positions), STATION)
+    stations["x"], stations["y"] = positions.T
     stations["kept"] = True
     return stations
 
@@ -100,10 +100,10 @@ def cable_stations(lengths: NDArray[np.float64], strips: int) -> NDArray[np.void
     stations = np.zeros(len(lengths) * strips + 1, STATION)
     stations["kind"] = CABLE
     for e, length in enumerate(lengths):
-        place = slice(e * strips, (e + 1) * strips + 1)
-        stations["first"][place] = 4 * e
-        stations["shape"][place] = hermite(np.linspace(0.0, 1.0, strips + 1), length)
-        stations["kept"][place] = [*_every_second(strips), True]
+        element = slice(e * strips, (e + 1) * strips + 1)
+        stations["first"][element] = 4 * e
+        stations["shape"][element] = hermite(np.linspace(0.0, 1.0, strips + 1), length)
+        stations["kept"][element] = [*_every_second(strips), True]
     return stations
 
 
@@ -118,7 +118,7 @@ def in_space(planar: NDArray[np.void]) -> NDArray[np.void]:
 def stations(q, v, geometry, P, V):
     """Fill P (n, 2) m and V (n, 2) m/s from the coordinates q and rates v of the body; geometry (n,) records.
 
-    Of spatial bodies see `spatial`.
+    Spatial bodies: see `spatial`.
     """
     if geometry[0].kind == CABLE:
         _cable_stations(q, v, geometry, P, V)
@@ -128,7 +128,7 @@ def stations(q, v, geometry, P, V):
 
 @part
 def scatter(q, geometry, P, F, out):
-    """Add the generalised forces J^T F of station forces F (n, 2) N to out (m,); of spatial bodies see `spatial`."""
+    """Add the generalised forces J^T F of station forces F (n, 2) N to out (m,); spatial bodies: see `spatial`."""
     if geometry[0].kind == CABLE:
         _cable_scatter(geometry, F, out)
     else:
@@ -137,8 +137,8 @@ def scatter(q, geometry, P, F, out):
 
 @part
 def spacing(geometry):
-    """How far apart coordinates are that no generalised force has in common; 0 where each acts on all."""
-    return 12 if geometry[0].kind == CABLE else 0  # a node of four acts on itself and on both of its neighbours
+    """Distance of coordinates that have no generalised force in common; 0 if each coordinate changes all forces."""
+    return 12 if geometry[0].kind == CABLE else 0  # four of each node, whose forces follow it and both neighbours
 
 
 @part

@@ -1,14 +1,15 @@
-"""What a law of resistance provides, and how kernels call it: by the addresses in the record of a medium.
+"""Functions of a law of resistance, which kernels call by the addresses in the record of a medium.
 
-A law is a record type with its coefficients and compiled functions; `joining` makes both of the class of a law. Laws
-for strips have strip_force and drag_anchor, and cap_force if they know end faces; laws for balls ball_force and
-drag_anchor. A law has up to TERMS terms, told apart in results. Tangents are differences of these forces, see
+A law is a record type with its coefficients, and compiled functions; `joining` makes both from the class of a law. Laws
+for strips have strip_force and drag_anchor, and cap_force if they treat end faces; laws for balls have ball_force and
+drag_anchor. A law has up to TERMS terms, which results list separately. Tangents are differences of these forces, see
 `lines.differences`.
 
-Kernels know no law: `medium` is a record LAW with the addresses of the law's functions and a copy of its own record,
-and the functions here call what stands there. So kernels are compiled once for all laws, and a law is compiled without
-them. What a medium or its lines may ask for and most do not is there too, and is compiled where it is asked for, as is
-what several kernels call, which would be compiled within each of them. A call by address takes some 10 ns.
+Kernels depend on no law: `medium` is a record LAW with the addresses of the law's functions and a copy of the law's own
+record, and the functions here call by these addresses. So kernels are compiled once for all laws, and a law is compiled
+without them. The record also has the addresses of functions that only some media or lines need, which are compiled only
+if needed, and of functions that several kernels call, which would else be compiled within each of them. A call by
+address takes some 10 ns.
 """
 
 from __future__ import annotations
@@ -26,18 +27,20 @@ from granular_contact.sand.kernels.strip import strip_type
 
 TERMS = 3
 
-# A contact line: width (m) is the diameter of a round section or a ball, or the width of a plate normal to the plane.
-# side: 0 where both faces can lead, else the outward normal of an outline lies to the left (+1) or right (-1) of its
-# direction. turn (rad): angle by which the line turns along each of its strips, counter-clockwise: 0 where they are
-# straight, else they are chords of one circle. drop (m): how far below its stations it reaches, the radius of a ball;
-# beside (m): how far to their sides in the plane, half the width of a round section or a ball; mass (kg): of a ball.
-# layered: the medium lies between the depths top and bottom (m) only. ahead and back (m): shear displacements of the
-# medium at the ends 0 and 1 of the strip that is in work, of what moves along it and against it, infinite where nothing
-# keeps count of them, see `path_length`. Of a wheel radius
-# (m) is that of its rim, hub_along and hub_left (m) are where its axle lies, from the first station along the first
-# strip and to its left, and behind (s^2/m) is by how much (r omega)^2 lowers the surface behind it, see `wheels`. Of a
-# medium that scatters (see `scatter`) scatter (-) is the standard deviation, 0 of one that does not, grain (m) the
-# length, place (m) where the line begins, seed a whole number, and static has the bits of the terms that scatter.
+# A contact line:
+# - width (m): diameter of a round section or a ball, or width of a plate normal to the plane; mass (kg): of a ball.
+# - side: 0 if both faces can lead, else the outward normal of an outline lies to the left (+1) or right (-1) of its
+#   direction. turn (rad): angle by which the line turns along each of its strips, counter-clockwise: 0 if strips are
+#   straight, else they are chords of one circle.
+# - drop (m): how far the line reaches below its stations, the radius of a ball; beside (m): how far it reaches to the
+#   sides of its stations in the plane, half the width of a round section or a ball.
+# - layered: the medium lies between the depths top and bottom (m) only. cap, resultant: see `strips`.
+# - ahead0, ahead1, back0, back1 (m): shear displacements of the medium at the ends 0 and 1 of the current strip, for
+#   motion along the strip and against it; infinite if they are not counted, see `path_length`.
+# - Of a wheel (see `wheels`): radius (m) of its rim; hub_along, hub_left (m): position of its axle from the first
+#   station, along the first strip and to its left; behind (s^2/m): factor of (r omega)^2 in the lowering.
+# - Of a medium with scatter (see `scatter`): scatter, standard deviation (-), 0 without scatter; grain, its length (m);
+#   place (m) at which the line begins; seed, a whole number; static has a bit for each term that scatters.
 LINE = record_dtype(
     [
         *fields("f8", "width", "side", "turn", "drop", "beside", "mass", "top", "bottom"),
@@ -48,7 +51,7 @@ LINE = record_dtype(
     ]
 )
 
-# Constants of `friction`, and what n . q reaches before an element of a surface is loaded as a whole, see `plates`.
+# Constants of `friction`; pressed (m): n . q from which on an element of a surface is loaded as a whole, see `plates`.
 FRICTION = [("friction", "i8"), *fields("f8", "u_y", "tau", "v_eps", "pressed")]
 
 SIZE = 64  # numbers of a law's record, at most
@@ -68,7 +71,7 @@ _STATIONS = types.Array(from_dtype(STATION), 1, "C")
 
 
 class Contact(NamedTuple):
-    """A contact line on a body, in one medium: what `lines` is told of it.
+    """A contact line on a body in one medium, with work arrays: argument of `lines`.
 
     Parameters
     ----------
@@ -81,9 +84,9 @@ class Contact(NamedTuple):
     medium : (1,) array
         Record of LAW.
     anchors : (n, 2) array
-        Of the bristles at the stations (m), see `friction`; (n, 6) with those of `path_length`.
+        Of the bristles at the stations (m), see `friction`; (n, 6) with the columns of `path_length`.
     P, V, F : (n, 2) array
-        Room for positions, velocities and forces of the stations; more columns are not used.
+        Work arrays for positions, velocities and forces of the stations; further columns are not used.
     """
 
     geometry: Any
@@ -121,7 +124,7 @@ SIGNATURES: dict[str, tuple[tuple[Any, ...], Any]] = {  # arguments, result
 _forces, _strip, _cap, _ball, _anchor, _line, _accept, _shear, _path, _scattered, _lowering, *_of_spatial = (
     caller(name, *SIGNATURES[name], LAW) for name in FUNCTIONS
 )
-spatial_stations, spatial_scatter = _of_spatial  # (medium, arguments), those of `spatial` where bodies are such
+spatial_stations, spatial_scatter = _of_spatial  # (medium, arguments): functions of `spatial`
 
 
 @part
@@ -137,7 +140,7 @@ def forces(P, V, anchors, line, profile, medium, F, totals):
 
 @part
 def strip_force(strip, line, medium, f):
-    """Add the forces (N) on what of a `strip.Strip` is in the medium, as end forces of the strip, to f[term, end, xy].
+    """Add the forces on the immersed part of a `strip.Strip` to f[term, end, xy] (N), as forces at its ends.
 
     line and medium: records.
     """
@@ -155,15 +158,15 @@ def cap_force(c, v, line, medium, f):
 def ball_force(z, v, e, line, medium, f):
     """Add the force at the centre of a ball to f[term, xy] (N).
 
-    z depth of its lowest point (m, positive); velocity v (m/s) and stretch e of the bristle (m) at its centre;
-    line.width is its diameter.
+    z: depth of its lowest point (m, positive); v, e: velocity (m/s) and stretch of the bristle (m) at its centre;
+    line.width: its diameter.
     """
     _ball(medium, (z, v, e, line, f))
 
 
 @part
 def drag_anchor(p, anchor, medium):
-    """Where an anchor (2,) m is after an accepted step that ended with its station at p (2,) m."""
+    """Position of an anchor (2,) m after an accepted step that ended with its station at p (2,) m."""
     return _anchor(medium, (p, anchor))
 
 
@@ -181,25 +184,25 @@ def line_accept(q, v, contact, totals, out, row, columns, begins, known):
 
 @part
 def count_shear(P, anchors, i, line, medium):
-    """`path_length.count_shear`, where the medium keeps count of it."""
+    """`path_length.count_shear`, if the medium counts shear displacements."""
     _shear(medium, (P, anchors, i, line))
 
 
 @part
 def count_path(P, anchors, i, x, y, immersed, medium):
-    """`path_length.count_path`, where the medium keeps count of it."""
+    """`path_length.count_path`, if the medium counts paths."""
     _path(medium, (P, anchors, i, x, y, immersed))
 
 
 @part
 def scattered(f, P, anchors, i, place, length, line, medium):
-    """`scatter.scattered`, where the medium scatters."""
+    """`scatter.scattered`, if the medium has scatter."""
     _scattered(medium, (f, P, anchors, i, place, length, line))
 
 
 @part
 def lowering(P, V, i, line, medium):
-    """`wheels.lowering`, where the line is of a wheel behind which the surface is lowered."""
+    """`wheels.lowering`, if the line belongs to a wheel that lowers the surface behind it."""
     return _lowering(medium, (P, V, i, line))
 
 
@@ -207,12 +210,12 @@ LAWS: dict[np.dtype, dict[str, Any]] = {}  # by record type: functions of a law,
 
 
 def record_of(own: np.ndarray, forms: dict[str, Any]) -> np.ndarray:
-    """Record (1,) of LAW for a law's own record (1,) and compiled forms of it; compiles what is not yet.
+    """Record (1,) of LAW for a law's own record (1,) and further functions by name; compiles those not compiled yet.
 
     Raises
     ------
     TypeError
-        The law has too many numbers, or, of one from outside the package, can't be compiled.
+        The law has too many numbers, or is from outside the package and can't be compiled.
     """
     return filled(own, LAWS[own.dtype] | forms, LAW, SIGNATURES)
 
@@ -239,7 +242,7 @@ OWN_LAWS: dict[np.dtype, Any] = {}  # by record type: classes of laws from outsi
 
 
 def _address_of_law(function: Any, kinds: tuple[Any, ...], result: Any, own: np.dtype) -> int:
-    """`address_of`; what can't be compiled of a law from outside is told in one sentence."""
+    """`address_of`; raises one sentence if a law from outside the package can't be compiled."""
     try:
         return address_of(function, kinds, result, own)
     except Exception as error:

@@ -1,14 +1,12 @@
-"""What a medium does on one contact line, seen in the coordinates of its body: force, tangent, end of a step.
+"""Effect of a medium on one contact line, in the coordinates of its body: force, tangent, end of a step.
 
-Arguments that they share:
+Shared arguments:
     q, v        (m,) coordinates (reference values included) and rates of the body
     contact     `law.Contact`: the line, its medium and its friction state
     totals      (TERMS, 3), see `law`
 
-`force` and `accept` are called by their addresses in the record of the medium, as `law.line_force` and its like: they
-are compiled once, not within what calls them, too.
-
-`planar_sand` calls them for many lines at once.
+`force` and `accept` are called by their addresses in the record of the medium, as `law.line_force` and
+`law.line_accept`: so they are compiled once, and not again within each caller. `planar_sand` calls them for many lines.
 """
 
 from __future__ import annotations
@@ -29,25 +27,25 @@ from granular_contact.sand.kernels.surface import height
 __all__ = ["DEPTH", "FIRST", "LEFT", "LINE", "LOWEST", "RIGHT", "SPEED", "TIME"]
 
 # First columns of a history row: time (s), depth of the deepest point (m), and of the immersed stations the greatest
-# speed (m/s), the least height and the least and greatest x (m) that they reach. The bed lays out the rest; `columns`
-# (3,) tells `accept` where a line's power, the terms of its medium and the resultant of its body stand.
+# speed (m/s), the least height and the least and greatest x (m) that they reach. The bed lays out the other columns;
+# `columns` (3,) are those of a line's power, of the terms of its medium and of the resultant on its body.
 TIME, DEPTH, SPEED, LOWEST, LEFT, RIGHT, FIRST = range(7)
 
 
 @part
 def drag_anchors(P, anchors, line, profile, m):
-    """Move the anchors after an accepted step: dragged along at the ends of strips that are immersed, else free."""
+    """Move the anchors after an accepted step: dragged along at the ends of immersed strips, else put at stations."""
     n = P.shape[0]
-    before, here = False, height(profile, P[0, 0])[0] - P[0, 1] + line.drop > 0.0
+    before, below = False, height(profile, P[0, 0])[0] - P[0, 1] + line.drop > 0.0  # immersed: station i - 1, i
     for i in range(n):
         after = i + 1 < n and height(profile, P[i + 1, 0])[0] - P[i + 1, 1] + line.drop > 0.0
         x, y = P[i, 0], P[i, 1]
-        if before or here or after:
+        if before or below or after:
             x, y = drag_anchor((x, y), (anchors[i, 0], anchors[i, 1]), m)
         if anchors.shape[1] > 2:
-            count_path(P, anchors, i, x, y, here, m)
+            count_path(P, anchors, i, x, y, below, m)
         anchors[i, 0], anchors[i, 1] = x, y
-        before, here = here, after
+        before, below = below, after
 
 
 @part
@@ -61,11 +59,11 @@ def release(P, anchors, m):
 
 @part
 def immersed(P, line, profile):
-    """Whether any station is below the surface."""
-    some = False
+    """Return whether any station is below the surface."""
+    below = False
     for i in range(P.shape[0]):
-        some = some or height(profile, P[i, 0])[0] - P[i, 1] + line.drop > 0.0
-    return some
+        below = below or height(profile, P[i, 0])[0] - P[i, 1] + line.drop > 0.0
+    return below
 
 
 @part
@@ -79,7 +77,7 @@ def upright(P, i):
 
 @part
 def place(q, v, contact):
-    """Find positions and velocities of the stations."""
+    """Fill positions and velocities of the stations."""
     if contact.geometry[0].kind == SPATIAL:
         law.spatial_stations(contact.medium[0], (q, v, contact.geometry, contact.P, contact.V))
     else:
@@ -103,11 +101,11 @@ def force(q, v, contact, totals, out):
 
 @part
 def accept(q, v, contact, totals, out, row, columns, begins, known):
-    """End of a step: the anchors follow; power, depth, speed and totals go into a history row.
+    """End a step: let the anchors follow; add power, depth, speed and totals to a history row.
 
-    out (m,) to work in; begins: whether a motion begins here instead, without any stretched bristle. known: whether P,
-    V, F and totals are those of this state already. Returns the line's depth (m, negative above the surface) and the
-    greatest speed at which a station approaches the surface (m/s).
+    out (m,): work array; begins: a motion begins here instead, without any stretched bristle. known: P, V, F and
+    totals belong to this state already. Returns the line's depth (m, negative above the surface) and the greatest speed
+    at which a station approaches the surface (m/s).
     """
     P, V, F, anchors, line = contact.P, contact.V, contact.F, contact.anchors, contact.line[0]
     profile, medium = contact.profile, contact.medium[0]
@@ -150,11 +148,11 @@ def accept(q, v, contact, totals, out, row, columns, begins, known):
 
 @part
 def difference(q, fq, fv):
-    """Length d of a difference that moves a coordinate by d fq and its rate by d fv.
+    """Step d of a finite difference that moves a coordinate by d fq and its rate by d fv.
 
-    By at most 10 nm and 1 um/s, little of what a bristle yields at, yet far above the round-off of q, to which a rate
-    adds what it comes to over SWITCH: were q to be above it alone, short steps a kilometre away would move rates by
-    more than a face begins to lead within, and their Jacobian lead nowhere.
+    By at most 10 nm and 1 um/s, a small part of the yield displacement, yet far above the round-off of q. A rate counts
+    by its displacement over SWITCH: if d fq alone had to exceed round-off, then a kilometre from the origin short steps
+    would move rates by more than a face needs to begin to lead, and the Jacobian would mislead Newton's method.
     """
     greatest = 1.0
     for j in range(q.shape[0]):
@@ -166,21 +164,21 @@ def difference(q, fq, fv):
 
 @part
 def chord(d, v, v_before, fv):
-    """Length by which one coordinate is moved for a difference: to where its rate was before, by d at the least."""
+    """Step of the difference of one coordinate: as far as its rate of the iteration before, at least d."""
     far = (v_before - v) / fv if fv != 0.0 else 0.0
     return far if abs(far) > d else d
 
 
 @part
 def differences(q, v, v_before, contact, room, at_state, fq, fv, out):
-    """Add fq df/dq + fv df/dv of the generalised forces f of a line that is immersed to out (m, m).
+    """Add fq df/dq + fv df/dv of the generalised forces f of an immersed line to out (m, m).
 
-    at_state (m,): f at q and v.
+    at_state (m,): f at q and v; v_before (m,): rates of the iteration before; room (3, m): work array.
 
-    q and v are moved together, by d fq and d fv along each coordinate, see `difference`; where the rates v_before
-    (m,) of the iteration before are farther away, to these. A bristle that yields has no slope, one that does not has
-    a steep one, and Newton's method goes round from one to the other where both have their tangents; the chord between
-    them leads it to where they meet. Coordinates whose forces do not meet are moved at once. room (3, m) to work in.
+    q and v are moved together, by d fq and d fv along each coordinate, see `difference`; as far as v_before, if that is
+    farther. The tangent of a bristle that yields is zero, below the yield it is steep: with these tangents Newton's
+    method may alternate between both branches, while the chord between them leads it to their intersection.
+    Coordinates with no generalised force in common are moved at the same time.
     """
     size, totals, moved = q.shape[0], room2(TERMS, 3), piece(room, 0, q.shape[0])
     q_there, v_there, least = piece(room, 1, size), piece(room, 2, size), difference(q, fq, fv)

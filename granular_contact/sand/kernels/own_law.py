@@ -1,4 +1,4 @@
-"""Why a law from outside the package can't be compiled, in one sentence: Numba says it in a page of its own."""
+"""Error of a law from outside the package that can't be compiled, in one sentence instead of a page of Numba's."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ _LOCATION = re.compile(r'File "([^"]+)", line (\d+)')
 
 
 def why_not(owner: Any, dtype: np.dtype, error: Exception) -> str:
-    """Why the functions of a law can't be compiled, in words: owner as of `joining.record_type`, dtype of its record.
+    """One sentence that says why a law can't be compiled; owner as of `joining.record_type`, dtype of its record.
 
-    error: what compiling raised, told where each function can be compiled by itself.
+    error: raised by the compilation, named if each function compiles by itself.
     """
     reasons = "; ".join(_reasons(owner, from_dtype(dtype))) or _first_line(error)
     return f"the law {owner.__name__} can't be compiled: {reasons}"

@@ -1,21 +1,21 @@
 """Path lengths of stations and shear displacements of the medium, kept with the anchors of its bristles.
 
-Where a medium asks for it the array of the anchors has more columns: SHEARED, the displacement S (m) of the anchor
-along the surface since its station got into the medium, or since the shear turned back, positive along the line; PATH,
-the path length (m) of the station since the start, and X, Y (m), where it was at the end of the last step. With the
-unit tangent t, the place p at the end of a step and d = t . (p - anchor)
+For media that need them the array of anchors has more columns: SHEARED, the displacement S (m) of the anchor along the
+surface since its station got into the medium, or since the shear reversed, positive along the line; PATH, the path
+length (m) of the station since the start; X, Y (m), its position at the end of the last step. With the unit tangent t,
+the position p at the end of a step and d = t . (p - anchor)
 
-    j = max(0, S) + max(0, d) of what moves along t,      j = max(0, -S) + max(0, -d) of what moves against it,
+    j = max(0, S) + max(0, d) for motion along t,      j = max(0, -S) + max(0, -d) for motion against t,
     w = PATH + |p - (X, Y)|.
 
-So the shear displacement is counted anew where the shear turns back, as in Wong and Reece's towed wheel (1967, part
-II). They place the point where it turns by the zones of failure in front of the wheel; here it is where the surface
-itself begins to move the other way, which needs no wheel, and sand that is sheared again has to be displaced as far as
-before for the same stress [ours].
+So the shear displacement is counted anew where the shear reverses, as in Wong and Reece's towed wheel (1967, part II).
+They place the point of reversal by the zones of failure in front of the wheel. Here it is where the surface itself
+begins to move the other way, which needs no wheel, and sand that is sheared again has to be displaced as far as before
+for the same stress [ours].
 
-A bristle at its yield displacement is dragged along, so that S is the path of the station along the surface since then;
-where a body rests it is not counted, as the bristle may be stretched and slacken again. Within a step all this is
-continuous, and where the path bends it errs by the square of the step.
+A bristle at its yield displacement is dragged along, so S is the path of the station along the surface since then.
+At rest nothing is counted, as the bristle may be stretched and slacken again. Within a step j and w are continuous;
+where the path bends their error goes with the square of the step.
 """
 
 from __future__ import annotations
@@ -43,9 +43,10 @@ def path_length(P, anchors, i):
 
 @part
 def count_shear(P, anchors, i, line):
-    """Note in the line how far the medium was sheared at both ends of strip i, ahead and back.
+    """Set the shear displacements ahead and back of the line at both ends of strip i.
 
-    Where the shear turns back between them, what has not turned yet goes on as at the end that has not.
+    If S changes its sign between them, the end with the smaller |S| takes at least the other end's value in the
+    direction of the other end's S.
     """
     cx, cy = P[i + 1, 0] - P[i, 0], P[i + 1, 1] - P[i, 1]
     length = math.sqrt(cx * cx + cy * cy)
@@ -66,9 +67,9 @@ def count_shear(P, anchors, i, line):
 
 @part
 def count_path(P, anchors, i, x, y, immersed):
-    """Add to the path of station i in a step that is accepted, before its anchor goes to (x, y) m.
+    """Add an accepted step to the path of station i; then its anchor goes to (x, y) m.
 
-    immersed: whether the station is.
+    immersed: whether the station is immersed.
     """
     anchors[i, PATH] = path_length(P, anchors, i)
     anchors[i, X], anchors[i, Y] = P[i, 0], P[i, 1]
@@ -85,7 +86,7 @@ def count_path(P, anchors, i, x, y, immersed):
 
 @part
 def start(P, anchors):
-    """Begin at the stations (n, 2) m: no bristle is stretched, and paths are counted from here."""
+    """Begin at the stations (n, 2) m, without stretched bristles; paths are counted from here."""
     for i in range(P.shape[0]):
         anchors[i, 0], anchors[i, 1] = P[i, 0], P[i, 1]
         if anchors.shape[1] > SHEARED:

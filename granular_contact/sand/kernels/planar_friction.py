@@ -1,4 +1,4 @@
-"""Direction of a resistance that opposes the motion as a whole, not component by component.
+"""Direction of a static resistance that opposes the motion as a vector, not by components.
 
 The bristle of `friction`, in the plane: with the stretch p - anchor and the velocity v at the end of a step,
 
@@ -6,15 +6,15 @@ The bristle of `friction`, in the plane: with the stretch p - anchor and the vel
     q = e + tau v,    u = q / |q|,    s = min(1, |q| / u_y)          elastoplastic
     q = v,            u = q / |q|,    s = tanh(|q| / v_eps)          smooth
 
-u is the direction that the law sees as that of the motion, s the share of its static force that is mobilised. Along a
-strip q varies linearly between the bristles at its two stations, as e and v do, and u and s follow from it. The
-anchor is dragged along the line of the bristle so that |p - anchor| <= u_y (radial return of perfect plasticity), and
-within the step h the bristle is no longer than that either: p - anchor is the path of the whole step, which points
-where the body went in the middle of it, so that beside tau v the direction would come late by h^2 / 2 (h + tau). At
-rest nothing moves, and the force is continuous in p and v. A law whose force is not along -u has no potential inside
-the yield surface, so that one closed path there may return up to u_y times its force; sliding always takes energy.
+u is the direction of motion that a law takes, s the mobilised share of its static force. Along a strip q varies
+linearly between the bristles at its two stations, as e and v do; u and s follow from q. After a step the anchor is
+dragged along the line of the bristle so that |p - anchor| <= u_y (radial return of perfect plasticity). Within a step h
+the stretch e is limited to u_y, too: p - anchor is the path of the whole step, with the direction of motion in its
+middle, so that beside tau v the direction would come late by h^2 / 2 (h + tau). At rest nothing moves, and the force is
+continuous in p and v. A law whose force is not along -u has no potential inside the yield surface: one closed path
+there may return up to u_y times its force. Sliding always dissipates energy.
 
-Lengths are plain square roots: what `hypot` does for numbers near the ends of their range takes longer than the law.
+Lengths are plain square roots: the care of `hypot` for very large and very small numbers takes longer than the law.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from granular_contact.sand.kernels.friction import SMOOTH, sliding
 
 @part
 def factors(e, v, m):
-    """Factors of e = p - anchor (2,) m and of the velocity v (2,) m/s in q, of which the second is in s."""
+    """Factors of e = p - anchor (2,) m and of the velocity v (2,) m/s in q: a number, and a time (s)."""
     if m.friction == SMOOTH:
         return 0.0, 1.0
     h, speed = math.sqrt(e[0] * e[0] + e[1] * e[1]), math.sqrt(v[0] * v[0] + v[1] * v[1])
@@ -40,7 +40,7 @@ def factors(e, v, m):
 
 @part
 def drive(e, v, m):
-    """Vector q (2,) along which a law sees the motion: m, or m/s where smooth; arguments as of `factors`."""
+    """Vector q (2,) of the direction of motion that a law takes: m, or m/s if smooth; arguments as of `factors`."""
     k, tau = factors(e, v, m)
     return k * e[0] + tau * v[0], k * e[1] + tau * v[1]
 

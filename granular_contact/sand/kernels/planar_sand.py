@@ -1,6 +1,6 @@
-"""What all media in the plane do, in one call from Python: force, tangent, end of a step, active set.
+"""All media in the plane, in one call from Python: force, tangent, end of a step, active lines.
 
-Arguments that they share:
+Shared arguments:
 
     sand                (media, addresses): addresses of the arrays of each batch, of the layout LINES (`jit.layout`)
     system_q, system_v  coordinates (without reference values) and rates of the whole system, views of the engine's
@@ -14,7 +14,7 @@ import numpy as np
 from granular_contact.jit.compiled import kernel, part
 from granular_contact.jit.layout import Layout
 from granular_contact.jit.memory import clear, piece, room2, rows
-from granular_contact.sand.kernels import lines as one
+from granular_contact.sand.kernels import lines as contact_lines
 from granular_contact.sand.kernels.batches import (
     BEFORE,
     BLOCK,
@@ -27,7 +27,7 @@ from granular_contact.sand.kernels.batches import (
 from granular_contact.sand.kernels.batches import update_active as mark
 from granular_contact.sand.kernels.kinematics import STATION
 from granular_contact.sand.kernels.law import LAW, LINE, TERMS, Contact, line_accept, line_force
-from granular_contact.sand.kernels.proximity import APPROACH, DEEPEST, EVER, touches_in
+from granular_contact.sand.kernels.proximity import APPROACH, DEEPEST, GREATEST, touches_in
 
 LINES = Layout(
     "lines",
@@ -50,7 +50,7 @@ def batch(sand, b):
 
 
 @part
-def ask(w, r, q, v, f, totals):
+def evaluate(w, r, q, v, f, totals):
     """Fill f (m,) and totals (TERMS, 3) with the forces on line r of a batch at q and v, and keep them."""
     body = w.body
     clear(f)
@@ -61,13 +61,13 @@ def ask(w, r, q, v, f, totals):
 
 @part
 def contact_of(w, r):
-    """Line r of a batch, with room of its own, which keeps what was found last."""
+    """Line r of a batch, with its own rows of `room`, which keep its last P, V and F."""
     return on_line(w, r, 0, w.ends[r, 0])
 
 
 @part
 def on_line(w, r, row, first):
-    """Line r of a batch; its P, V and F in three rows of the room, from a row and a station there on."""
+    """Line r of a batch, with P, V and F in three rows of `room`, from this row and this station on."""
     ends, profile, medium, room = w.ends, w.profile, w.medium, w.room
     s, n = ends[r, 0], ends[r + 1, 0] - ends[r, 0]
     stations, anchors = rows(w.geometry, s, n), rows(w.anchors, s, n)
@@ -77,7 +77,7 @@ def on_line(w, r, row, first):
 
 @kernel
 def force(sand, system_q, system_v, out):
-    """Add the generalised forces of all active lines to out, the coordinates of the bed."""
+    """Add the generalised forces on all active lines to out (coordinates of the bed,)."""
     totals = room2(TERMS, 3)
     for b in range(sand.shape[0]):
         w = batch(sand, b)
@@ -89,7 +89,7 @@ def force(sand, system_q, system_v, out):
             q, v, f = piece(body, 0, m), piece(body, 1, m), piece(body, 2, m)
             at = rows(w.places, c, m)
             gather(system_q, system_v, w.reference, at, q, v)
-            ask(w, r, q, v, f, totals)
+            evaluate(w, r, q, v, f, totals)
             for i in range(m):
                 out[at[i, 1]] += f[i]
 
@@ -115,12 +115,12 @@ def tangent(sand, system_q, system_v, fq, fv, triplets):
             gather(system_q, system_v, w.reference, at, q, v)
             f = piece(body, row + 3, m)
             if not known_at(body, row, q, v):
-                ask(w, r, q, v, f, totals)
-            if not one.immersed(P, lines[r], w.profile):
+                evaluate(w, r, q, v, f, totals)
+            if not contact_lines.immersed(P, lines[r], w.profile):
                 continue
             clear(block)
             contact = on_line(w, r, 3, 0)
-            one.differences(q, v, piece(body, row + BEFORE, m), contact, rows(body, 3, 3), f, fq, fv, block)
+            contact_lines.differences(q, v, piece(body, row + BEFORE, m), contact, rows(body, 3, 3), f, fq, fv, block)
             for i in range(m):
                 for j in range(m):
                     if block[i, j] != 0.0:
@@ -131,7 +131,7 @@ def tangent(sand, system_q, system_v, fq, fv, triplets):
 
 @kernel
 def accept(sand, system_q, system_v, row, begins):
-    """End of a step for all lines, see `lines.accept`, added to a row of the history."""
+    """End a step of all lines, see `lines.accept`, and add it to a row of the history."""
     totals = room2(TERMS, 3)
     for b in range(sand.shape[0]):
         w = batch(sand, b)
@@ -144,22 +144,22 @@ def accept(sand, system_q, system_v, row, begins):
             contact, out, columns = contact_of(w, r), piece(body, 2, m), w.columns[r]
             deepest, speed = line_accept(q, v, contact, totals, out, row, columns, begins, known)
             proximity[r, DEEPEST], proximity[r, APPROACH] = deepest, speed
-            proximity[r, EVER] = max(proximity[r, EVER], deepest)
+            proximity[r, GREATEST] = max(proximity[r, GREATEST], deepest)
 
 
 @kernel
 def update_active(sand, step):
-    """Mark the lines that may touch the surface within a step (s), see `batches`; whether there are any."""
-    some = False
+    """Mark the lines that may touch the surface within a step (s), see `batches`; return whether any may."""
+    reached = False
     for b in range(sand.shape[0]):
         w = batch(sand, b)
-        some = mark(w.proximity, step, w.active) or some
-    return some
+        reached = mark(w.proximity, step, w.active) or reached
+    return reached
 
 
 @kernel
 def soonest(sand):
-    """Time (s) after `accept` until the first of the lines above the surface may touch it; infinite of none."""
+    """Time (s) after `accept` until the first line above the surface may touch it; infinite if none may."""
     least = np.inf
     for b in range(sand.shape[0]):
         least = min(least, touches_in(batch(sand, b).proximity))

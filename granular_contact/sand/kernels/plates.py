@@ -1,24 +1,26 @@
-"""Laws of a surface element: a stress that grows with depth and depends on how the element lies and moves.
+"""Laws of a surface element: a stress that grows with depth and depends on the element's orientation and motion.
 
-A strip is a plate of width b normal to the plane; with its unit tangent t, the direction u in which it moves and the
-depth z, a law gives the stress z S(t, u) (Pa), S in N/m^3. The direction is regularised as in `planar_friction` (vector
-q, share s), and varies along the strip:
+A strip is a plate of width b normal to the plane. With its unit tangent t, its direction of motion u and the depth z, a
+law gives the stress z S(t, u) (Pa), S in N/m^3. The direction is regularised as in `planar_friction` (vector q, share
+s), and varies along the strip:
 
     f_e = b |c| int s g z S(t, u) N_e dxi.
 
-Where q . n changes its sign along the strip the integral is split; on either side two Gauss points integrate a depth
-and a stress that are linear in xi exactly. Both faces of a plate are in S, so S(-t, u) = S(t, u). A round bar counts as
-a plate of width d [ours]. On a one-sided outline with the outward normal n only what has n . v > 0 is loaded, from the
-point where that begins. As S does not vanish where n . v does, an outline that slides along one of its flat sides would
-be loaded there or not by round-off: the stress is faded in over the first EDGE of n . u, g = clip(n . u / EDGE, 0, 1)
-[ours], too narrow to change what turns (0.1 % of the force on a turning disc). Of a body that rests, with bristles
-below their yield, that would be a hundredth of a micrometre, a spring so stiff that Newton's method goes round in
-circles beside it; so n . q reaches PRESSED of the yield displacement before an element is loaded as a whole [ours].
+The integral is split where q . n changes its sign along the strip; on either side two Gauss points are exact for depth
+and stress linear in xi. S contains both faces of a plate, so S(-t, u) = S(t, u). A round bar counts as a plate of width
+d [ours].
 
-A law whose stress is another function of the depth gives it as a `traction`, which is integrated by three Gauss points:
-of a stress z^1.3 from the surface down that leaves an error of 0.05 % in the one strip that pierces it.
+On a one-sided outline with the outward normal n only the part with n . v > 0 is loaded. S does not vanish where n . v
+does, so an outline that slides along one of its flat sides would be loaded there or not by round-off: the stress is
+faded in over the first EDGE of n . u, g = clip(n . u / EDGE, 0, 1) [ours], too narrow to change the load on bodies that
+turn (0.1 % of the force on a turning disc). On a body at rest, with bristles below their yield, EDGE would be a
+hundredth of a micrometre, a spring so stiff that Newton's method cycles. So an element is loaded as a whole once n . q
+reaches PRESSED times the yield displacement [ours].
 
-A strip of a curved line turns by the angle `turn` of the line: its tangent is that of the arc, and its depth as well.
+A law whose stress is another function of the depth gives a `traction`, which is integrated by three Gauss points: for a
+stress z^1.3 from the surface down the error is 0.05 %, in the one strip that pierces the surface.
+
+A strip of a curved line turns by the angle `turn` of the line: its tangent and its depth are those of the arc.
 """
 
 from __future__ import annotations
@@ -34,7 +36,7 @@ from granular_contact.sand.kernels.vectors import norm
 STATIC, SHEAR = 0, 1
 SMALL = 0.2  # rad, up to which the series of sine and cosine below are exact to round-off
 EDGE = 1e-3  # sine of the angle between an element and its motion up to which the stress is faded in: 0.06 degrees
-PRESSED = 0.1  # of the yield displacement: what n . q reaches at the least before an element is loaded as a whole
+PRESSED = 0.1  # of the yield displacement: least n . q at which an element is loaded as a whole
 
 
 @chosen_by("m")
@@ -53,7 +55,7 @@ def traction(z, t, u, width, side, j, m):
 
 @part
 def leading(t, q, side, m):
-    """Factor g in [0, 1] of an element of an outline along t, at q; 1 on a thin plate (side 0)."""
+    """Factor g in [0, 1] of an element along t of an outline, by q; 1 for a thin plate (side 0)."""
     if side == 0:
         return 1.0
     across = side * (t[0] * q[1] - t[1] * q[0])
@@ -65,7 +67,7 @@ def leading(t, q, side, m):
 
 @part
 def turned_by(x):
-    """Cosine and sine of an angle x (rad), up to SMALL by series: a third of the time of the library."""
+    """Cosine and sine of an angle x (rad), up to SMALL by series, which takes a third of the library's time."""
     if abs(x) > SMALL:
         return math.cos(x), math.sin(x)
     w = x * x
@@ -85,7 +87,7 @@ def tangent_at(t, turn, xi):
 
 @part(inline=True)
 def turning_point(strip, t, turn, m):
-    """Vectors q at both ends of a strip with the chord t, and where along it q . n changes its sign."""
+    """Vectors q at both ends of a strip with the chord t, and the position at which q . n changes its sign."""
     q0, q1 = drive(strip.e0, strip.v0, m), drive(strip.e1, strip.v1, m)
     t0, t1 = tangent_at(t, turn, 0.0), tangent_at(t, turn, 1.0)
     return q0, q1, sign_change(strip.a, strip.b, t0[0] * q0[1] - t0[1] * q0[0], t1[0] * q1[1] - t1[1] * q1[0])
@@ -93,9 +95,9 @@ def turning_point(strip, t, turn, m):
 
 @part(inline=True)
 def element(strip, xi, chord, bulge, q0, q1, line, m):
-    """Of the element at xi of a strip depth z (m), tangent t, q, its direction u and g s.
+    """Depth z (m), tangent t, q, direction u and share g s of the element at xi of a strip.
 
-    bulge: of the arc below its chord (m), times xi (1 - xi).
+    bulge (m): the arc is bulge xi (1 - xi) deeper than its chord.
     """
     q = (1.0 - xi) * q0[0] + xi * q1[0], (1.0 - xi) * q0[1] + xi * q1[1]
     z, t = strip.z0 + xi * (strip.z1 - strip.z0) + bulge * xi * (1.0 - xi), tangent_at(chord, line.turn, xi)

@@ -1,16 +1,16 @@
-"""Scatter of the static resistance from place to place: grains are no continuum.
+"""Scatter of the static resistance from place to place, as grains are no continuum.
 
-The static terms of a strip are times 1 + s xi. xi is a smooth random function of the path length w of the strip
-(`path_length`) and of its place along the line that it is on, so that neighbours share it; it is no function of time,
-so that a run with one seed converges with its steps as any other. On a lattice of cells of the length L, the grain, in
-w and in place, stand values of +1 or -1; between them
+The static terms of a strip are multiplied by 1 + s xi. xi is a smooth random function of the path length w of the strip
+(`path_length`) and of its place along its line, so that neighbours share it. It does not depend on time, so a run with
+one seed converges with its step as any other run. A lattice over w and place, with cells of the length L of a grain,
+has values of +1 or -1; between them
 
     xi = sum_ij a_i b_j r_ij,      a = (1 - q, q) / sqrt((1 - q)^2 + q^2),    q = t^2 (3 - 2 t),    t in [0, 1),
 
-and b likewise in the other direction: squares of the weights add to 1, so that xi has the mean 0 and the variance 1
-everywhere, a continuous first derivative, and no value beyond 2. With s <= MOST no strip is ever driven. A strip that
-is longer than a grain takes the mean of several, s sqrt(L / length). Facets in space: `facet_paths`. The form is
-[ours]; no published spectrum is known.
+and b likewise in the other direction. The squares of the weights add to 1, so xi has the mean 0 and the variance 1
+everywhere, a continuous first derivative, and |xi| <= 2. With s <= MOST the factor is never negative: no strip is
+driven. A strip longer than a grain has the standard deviation of a mean over several grains, s sqrt(L / length). Facets
+in space: `facet_paths`. The form is [ours]; no published spectrum is known.
 """
 
 from __future__ import annotations
@@ -38,10 +38,10 @@ def value(seed, i, j):
 
 @part
 def weights(t):
-    """Weights of the two values around a place t in [0, 1) of a cell."""
+    """Weights of the two values around a position t in [0, 1) in a cell."""
     q = t * t * (3.0 - 2.0 * t)
-    one = 1.0 / math.sqrt((1.0 - q) * (1.0 - q) + q * q)
-    return (1.0 - q) * one, q * one
+    inverse = 1.0 / math.sqrt((1.0 - q) * (1.0 - q) + q * q)
+    return (1.0 - q) * inverse, q * inverse
 
 
 @part
@@ -58,7 +58,7 @@ def xi(seed, path, place):
 
 @part
 def factor(path, place, length, line):
-    """What the static terms of a strip are multiplied by; path, place of its middle and length (m) of the strip."""
+    """Factor of the static terms of a strip; path, place of its middle and length (m) of the strip."""
     s = line.scatter if length <= line.grain else line.scatter * math.sqrt(line.grain / length)
     return 1.0 + s * xi(int(line.seed), path / line.grain, place / line.grain)
 

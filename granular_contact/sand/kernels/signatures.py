@@ -1,14 +1,14 @@
-"""Arguments of a law's functions, in their order, and what they give back.
+"""Arguments of a law's functions, in their order, and what the functions return.
 
-What they mean: `law.strip_force`, `cap_force`, `ball_force`, `drag_anchor`, `plates.stress` and `traction`; in space
-`facet_blocks.stress`, `traction`, `inertia` and `force`, and `space_law`. Vectors are tuples: t, n, u, v, e, c, p and
-anchor, of two numbers in the plane, of three in space. Numba is not imported here: laws are checked when a config is
-read.
+Meaning of the arguments: `law.strip_force`, `cap_force`, `ball_force`, `drag_anchor`, `plates.stress`, `traction`; in
+space `facet_blocks.stress`, `traction`, `inertia` and `force`, and `space_law`. The vectors t, n, u, v, e, c, p and
+anchor are tuples of two numbers in the plane, of three in space. Numba is not imported here, as laws are checked when a
+config is read.
 """
 
 from __future__ import annotations
 
-IN_PLANE: dict[str, tuple[str, int]] = {  # by name: arguments, vectors given back; 0: it adds to f
+IN_PLANE: dict[str, tuple[str, int]] = {  # by name: arguments, number of vectors returned; 0: it adds to f
     "strip_force": ("strip, line, m, f", 0),
     "cap_force": ("c, v, line, m, f", 0),
     "ball_force": ("z, v, e, line, m, f", 0),
@@ -26,7 +26,7 @@ IN_SPACE: dict[str, tuple[str, int]] = {
     "space_ball_force": ("z, v, e, cluster, m, f", 0),
 }
 VECTORS = {"t", "n", "u", "v", "e", "c", "p", "anchor"}  # among the arguments
-# Of these, what a law needs at least for what it takes: bars, plates and outlines, or balls.
+# Functions of which a law needs one, for bars, plates and outlines, and for balls.
 OF_SURFACES = ("stress", "traction", "strip_force", "facet_stress", "facet_traction", "facet_force", "bar_force")
 OF_BALLS = ("ball_force", "space_ball_force")
 
@@ -37,7 +37,7 @@ def arguments(name: str) -> list[str]:
 
 
 def wanted(name: str) -> str:
-    """A law's function as it has to be written, with what it gives."""
+    """Signature of a law's function as it has to be written, with its result."""
     given, count = (IN_PLANE | IN_SPACE)[name]
     vector = f"of {2 if name in IN_PLANE else 3} numbers"
     gives = ("adds to f", f"gives a tuple {vector}", f"gives two tuples {vector}")[count]

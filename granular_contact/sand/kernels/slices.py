@@ -1,12 +1,12 @@
-"""A law of surface elements that was measured in the plane, used in space [ours].
+"""Use in space of a law of surface elements that was measured in the plane [ours].
 
-Every slice of a body along the vertical plane of its motion is taken for a planar body. With the horizontal direction
-of motion r and the normal n of an element, its section with that plane has the normal (n_r, n_z) / w, w^2 = n_r^2 +
-n_z^2, and an area A of it is w A of slices. So what moves along its own side (w = 0) is not resisted, and an extruded
-planar body is what it is in the plane.
+Each slice of a body along the vertical plane of its motion counts as a planar body. With the horizontal direction of
+motion r and the normal n of an element, its section with this plane has the normal (n_r, n_z) / w, w^2 = n_r^2 + n_z^2,
+and an element of area A has slices of area w A. So an element that moves along its own side (w = 0) has no resistance,
+and an extruded planar body has the same load as in the plane.
 
-Where an element moves up or down r has no direction: over the last |u_r| < UPRIGHT |n_r'| of it, r' being the
-horizontal direction of the normal, the stress turns to that of the vertical plane of the normal.
+If an element moves up or down, r has no direction: for |u_r| < UPRIGHT |n_r'|, with the horizontal direction r' of the
+normal, the stress turns to the stress in the vertical plane of the normal.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ UPRIGHT = 0.02
 
 @part
 def slice_stress(n, u, m):
-    """Stress per depth (3,) N/m^3 of a law with a planar one, see `facet_blocks.stress`."""
+    """Stress per depth (3,) N/m^3 of a law with a planar `stress`; as `facet_blocks.stress`."""
     (nx, ny, nz), (ux, uy, uz) = n, u
     level, ahead = math.sqrt(nx * nx + ny * ny), math.sqrt(ux * ux + uy * uy)
     share = 1.0 if ahead >= UPRIGHT * level else ahead / (UPRIGHT * level)

@@ -1,4 +1,4 @@
-"""A ball in space: one force at its centre, as in `balls`. Its row of `elements` is its centre (m)."""
+"""A ball in space: one force at its centre, as in `balls`. Its row of `elements` is the centre (m)."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from granular_contact.sand.kernels.vectors import at, minus, norm, put
 
 @part
 def space_ball_forces(elements, anchors, cluster, pose, ground, medium, W):
-    """`space_law.forces` of a ball; its depth is that of its lowest point, as in the plane."""
+    """`space_law.forces` of a ball; its depth is the depth of its lowest point, as in the plane."""
     x = pose[3]
     p, v, z = station(elements[0], pose, ground, medium)
     z += 0.5 * cluster.width

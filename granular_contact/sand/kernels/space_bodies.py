@@ -1,6 +1,6 @@
-"""Rigid bodies in space and all elements on them, in one call: force, tangent, end of a step, what may be touched.
+"""Rigid bodies in space with all elements on them, in one call: force, tangent, end of a step, active clusters.
 
-Arguments that they share:
+Shared arguments:
 
     addresses           of the arrays of elements of one kind in one medium, of the layout `space_law.BODIES`
                         (`jit.layout`), of which w is a view
@@ -10,26 +10,27 @@ Arguments that they share:
 These arrays are:
 
     reference           reference values of the system's coordinates
-    places              (coordinates, 2) place of each coordinate of a body in the system and among those of the bed
+    places              (coordinates, 2) index of each coordinate of a body in the system and in the bed
     bodies              (bodies,) records BODY
-    turn                (3, 3) from the world to the frame of the bed, whose z is up
-    clusters            (clusters,) records of `space_law`, those of a body one after another
+    turn                (3, 3) rotation from the world to the frame of the bed, whose z is up
+    clusters            (clusters,) records of `space_law`; clusters of a body stand one after another
     elements, anchors   rows of all clusters, one after another, see `facets`, `bars`, `space_balls`
-    active              (clusters,) whether one may touch the surface in this step; the others are passed over
+    active              (clusters,) whether a cluster may touch the surface in this step; the others are skipped
     ground              see `ground`
     medium              see `space_law`; (1,)
     poses, proximity    (bodies, 6, 3) and (bodies, 3), of the last accepted step
-    asked, wrenches     (bodies, 2, 7) coordinates and rates at which forces were asked for last, and (bodies, TERMS, 6)
-                        what was found there, see below
-    columns             (bodies, 3) where the power of the medium, its terms and the wrench of a body stand in a row of
-                        the history, six numbers each: force (N) and moment about the world origin (N m), world frame
+    asked, wrenches     (bodies, 2, 7) coordinates and rates of the last evaluation of forces, and (bodies, TERMS, 6)
+                        its wrenches, see below
+    columns             (bodies, 3) first columns of the history for the power of the medium, the terms, and the wrench
+                        of a body; a term and a wrench have six: force (N) and moment about the world origin (N m),
+                        world frame
 
-A step mostly ends where forces were asked for last, and then `accept` does not compute them again; nor does `force`
-where a tangent was asked for, with which they come. A first coordinate that is no number says that they are not known
-any more, as anchors follow or other clusters are active.
+The last wrenches are kept with the coordinates they belong to (`asked`). A step usually ends at the state of the last
+evaluation, so `accept` reuses them, and `force` reuses the wrenches of a tangent. NaN as first coordinate marks them as
+invalid: the anchors have moved, or other clusters became active.
 
 Coordinates of a body: see `space_coordinates`. A piece of a cubic cable element has the position and the slope
-r' = dr/ds at its middle, y = S q of the 12 coordinates q of the element (`BODY`), and acts on them by S^T.
+r' = dr/ds of its middle, y = S q with the 12 coordinates q of the element (`BODY`); its forces f give S^T f.
 """
 
 from __future__ import annotations
@@ -41,7 +42,7 @@ from granular_contact.jit.memory import clear, copy, piece, room1, room2, rows
 from granular_contact.sand.kernels import space_law as law
 from granular_contact.sand.kernels.batches import gather
 from granular_contact.sand.kernels.law import TERMS
-from granular_contact.sand.kernels.proximity import APPROACH, DEEPEST, EVER, may_touch
+from granular_contact.sand.kernels.proximity import APPROACH, DEEPEST, GREATEST, may_touch
 from granular_contact.sand.kernels.space_clusters import bound, bound_cluster, reach_below, release
 from granular_contact.sand.kernels.space_coordinates import by_parameters
 from granular_contact.sand.kernels.vectors import at, axes, moving, seen
@@ -51,7 +52,7 @@ view = law.BODIES.view
 
 @part
 def read(system_q, system_v, reference, at, body, q, v):
-    """Fill q and v with the coordinates of a body, at these places of the system."""
+    """Fill q and v with the coordinates and rates of a body; at (coordinates, 2): its rows of `places`."""
     if body.places == body.size:
         gather(system_q, system_v, reference, at, q, v)
         return
@@ -59,16 +60,16 @@ def read(system_q, system_v, reference, at, body, q, v):
     for i in range(3):
         x, y, vx, vy = 0.0, 0.0, 0.0, 0.0
         for k in range(4):
-            place = at[3 * k + i, 0]
-            now, rate = system_q[place] + reference[place], system_v[place]
-            x, y = x + shape[k] * now, y + shape[4 + k] * now
+            index = at[3 * k + i, 0]
+            coordinate, rate = system_q[index] + reference[index], system_v[index]
+            x, y = x + shape[k] * coordinate, y + shape[4 + k] * coordinate
             vx, vy = vx + shape[k] * rate, vy + shape[4 + k] * rate
         q[i], q[3 + i], v[i], v[3 + i] = x, y, vx, vy
 
 
 @part
 def place(q, v, body, turn, medium, pose, G):
-    """Fill the pose of a body in the frame of the bed, and its G (3, 4) in the world's."""
+    """Fill the pose of a body in the frame of the bed, and G (3, 4) of `space_coordinates` in the world frame."""
     R, size = room2(3, 3), body.size
     if size == 7:
         by_parameters(q, R, G)
@@ -90,9 +91,9 @@ def place(q, v, body, turn, medium, pose, G):
 
 @part
 def body_forces(q, v, body, w, medium, pose, W, out):
-    """Set out (7,) to the generalised forces on a body; whether there are any.
+    """Set out (7,) to the generalised forces on a body; return whether any is not 0.
 
-    W (TERMS, 6) is filled with its wrench in the bed's frame.
+    Fills W (TERMS, 6) with the wrench in the frame of the bed.
     """
     clusters, elements, anchors = w.clusters, w.elements, w.anchors
     active, ground, G = w.active, w.ground, room2(3, 4)
@@ -100,16 +101,16 @@ def body_forces(q, v, body, w, medium, pose, W, out):
     clear(W)
     for c in range(body.first, body.last):
         if active[c] and reach_below(clusters[c], pose, ground, medium) > 0.0:
-            one = clusters[c]
-            s, n = one.first, one.last - one.first
-            law.forces(medium, (rows(elements, s, n), rows(anchors, s, n), one, pose, ground, W))
+            cluster = clusters[c]
+            s, n = cluster.first, cluster.last - cluster.first
+            law.forces(medium, (rows(elements, s, n), rows(anchors, s, n), cluster, pose, ground, W))
     return generalise(W, w.turn, G, body, out)
 
 
 @part
 def generalise(W, turn, G, body, out):
-    """Set out (7,) to the generalised forces of a wrench W (TERMS, 6); whether there are any."""
-    some = 0.0
+    """Set out (7,) to the generalised forces of a wrench W (TERMS, 6); return whether any is not 0."""
+    size = 0.0
     clear(out)
     for i in range(3):
         force, moment = 0.0, 0.0
@@ -117,16 +118,16 @@ def generalise(W, turn, G, body, out):
             for term in range(TERMS):
                 force += turn[j, i] * W[term, j]
                 moment += turn[j, i] * W[term, 3 + j]
-                some += abs(W[term, j]) + abs(W[term, 3 + j])
+                size += abs(W[term, j]) + abs(W[term, 3 + j])
         out[i] = force
         for k in range(body.size - 3):
             out[3 + k] += G[i, k] * moment
-    return some > 0.0
+    return size > 0.0
 
 
 @part
 def force(addresses, system_q, system_v, out):
-    """Add the generalised forces of the active clusters to out, the coordinates of the bed."""
+    """Add the generalised forces on the active clusters to out (coordinates of the bed,)."""
     w = view(addresses)
     q, v, f, pose, G = room1(7), room1(7), room1(7), room2(6, 3), room2(3, 4)
     bodies, active, medium = w.bodies, w.active, w.medium[0]
@@ -149,7 +150,7 @@ def force(addresses, system_q, system_v, out):
 
 @part
 def spread(f, body, i):
-    """Generalised force on the coordinate i of a body's places, from those on its own coordinates."""
+    """Generalised force on coordinate i of the system's for a body, from the forces f on its own coordinates."""
     if body.places == body.size:
         return f[i]
     return body.shape[i // 3] * f[i % 3] + body.shape[4 + i // 3] * f[3 + i % 3]
@@ -157,7 +158,7 @@ def spread(f, body, i):
 
 @part
 def acts(body, active):
-    """Whether any cluster of a body is active."""
+    """Return whether any cluster of a body is active."""
     for c in range(body.first, body.last):  # noqa: SIM110  # for the compiler
         if active[c]:
             return True
@@ -166,7 +167,7 @@ def acts(body, active):
 
 @part
 def tangent(addresses, system_q, system_v, fq, fv, triplets, count):
-    """Append the entries of fq df/dq + fv df/dv as rows (row, column, value) to the first `count` triplets."""
+    """Append the entries of fq df/dq + fv df/dv to `count` triplets (row, column, value); return the new count."""
     w = view(addresses)
     K = room2(7, 7)
     bodies, active, medium = w.bodies, w.active, w.medium[0]
@@ -183,9 +184,9 @@ def tangent(addresses, system_q, system_v, fq, fv, triplets, count):
 
 @part
 def append(K, body, at, triplets, count):
-    """Append the tangent K of a body's own coordinates, on its places, to the first `count`; how many there are then.
+    """Append the tangent K of a body to the first `count` triplets, as of `tangent`.
 
-    Where these are more, it is S^T K S.
+    K is by the body's own coordinates; of a piece of a cable S^T K S is appended.
     """
     whole = body.places == body.size
     for i in range(body.places):
@@ -206,10 +207,10 @@ def append(K, body, at, triplets, count):
 
 @part
 def accept(addresses, system_q, system_v, row, begins):
-    """End of a step: power and wrenches go into a history row, then the anchors of the active clusters follow.
+    """End a step: add power and wrenches to a history row, let the anchors of the active clusters follow.
 
-    poses and proximity are filled. The row begins with `space_law.DEPTH` and its neighbours, after the time. begins: a
-    solve begins here instead, with no bristle stretched; of poses, proximity and row only the poses are filled.
+    Fills poses and proximity. After the time the row begins with depth, speed and height as of `space_law.DEPTH`.
+    begins: a solve begins instead, without any stretched bristle; then only the poses are filled.
     """
     w = view(addresses)
     q, v, f, G = room1(7), room1(7), room1(7), room2(3, 4)
@@ -241,7 +242,7 @@ def accept(addresses, system_q, system_v, row, begins):
 
 @part
 def known(asked, body, q, v):
-    """Whether the last forces on a body were found at q and v."""
+    """Return whether the last wrench on a body belongs to q and v."""
     same = True
     for i in range(body.size):
         same = same and asked[0, i] == q[i] and asked[1, i] == v[i]
@@ -250,24 +251,24 @@ def known(asked, body, q, v):
 
 @part
 def follow(body, w, medium, pose, near, row):
-    """Let the anchors of a body's active clusters follow; what was seen of it goes into a history row.
+    """Let the anchors of a body's active clusters follow; note depth, speed and height in a history row.
 
-    near (3,): its proximity, of which `DEEPEST` is a bound of the depth. Where nothing is active the bounds of its
-    clusters are the depth: the sphere around a long body can be deep in the bed though the body is above it.
+    near (3,): its proximity, whose `DEEPEST` is an upper bound of the depth. If no cluster is active the upper bounds
+    of the clusters stand for the depth: the sphere around a long body can be deep in the bed though the body is not.
     """
     clusters, elements, anchors, active = w.clusters, w.elements, w.anchors, w.active
-    seen, some = room1(3), False
+    seen, loaded = room1(3), False
     seen[law.DEPTH], seen[law.SPEED], seen[law.LOWEST] = -np.inf, 0.0, np.inf
     for c in range(body.first, body.last):
         if active[c]:
-            one = clusters[c]
-            s, n = one.first, one.last - one.first
-            law.follow(medium, (rows(elements, s, n), rows(anchors, s, n), one, pose, w.ground, seen))
-            some = True
+            cluster = clusters[c]
+            s, n = cluster.first, cluster.last - cluster.first
+            law.follow(medium, (rows(elements, s, n), rows(anchors, s, n), cluster, pose, w.ground, seen))
+            loaded = True
     depth = seen[law.DEPTH]
-    if not some and near[DEEPEST] > row[1]:  # or another body is deeper
+    if not loaded and near[DEEPEST] > row[1]:  # else another body is deeper
         depth = min(near[DEEPEST], deepest_cluster(body, w, medium, pose))
-    near[EVER] = max(near[EVER], depth)
+    near[GREATEST] = max(near[GREATEST], depth)
     row[1] = max(row[1], depth)
     row[2] = max(row[2], seen[law.SPEED])
     row[3] = min(row[3], seen[law.LOWEST])
@@ -275,7 +276,7 @@ def follow(body, w, medium, pose, near, row):
 
 @part
 def deepest_cluster(body, w, medium, pose):
-    """Bound for the depth (m) of all clusters of a body."""
+    """Upper bound of the depth (m) of all clusters of a body."""
     clusters, near, depth = w.clusters, room1(2), -np.inf
     for c in range(body.first, body.last):
         bound_cluster(clusters[c], pose, w.ground, medium, near)
@@ -285,9 +286,9 @@ def deepest_cluster(body, w, medium, pose):
 
 @part
 def write(W, term, turn, q, row, first):
-    """Add the wrench of a term, about a body's reference point in the bed's frame, to that about the world's origin.
+    """Add the wrench of a term to a row of the history, from column `first` on.
 
-    The latter stands in the row from `first` on.
+    W: about the reference point q of a body, frame of the bed; in the row: about the world origin, world frame.
     """
     f = seen(axes(turn), at(W, term, 0))
     m = moving(seen(axes(turn), at(W, term, 3)), q, f)
@@ -298,23 +299,23 @@ def write(W, term, turn, q, row, first):
 
 @part
 def update_active(addresses, step):
-    """Mark the clusters that may touch the surface within a step (s) from the accepted poses; whether there are any.
+    """Mark the clusters that may touch the surface within a step (s) from the accepted poses; return whether any may.
 
-    What comes into reach has its anchors put where it is.
+    Anchors of clusters that come into reach are put at their elements.
     """
     w = view(addresses)
     bodies, clusters, active, medium = w.bodies, w.clusters, w.active, w.medium[0]
-    some, near = False, room1(2)
+    reached, near = False, room1(2)
     for b in range(bodies.shape[0]):
         body, pose, within = bodies[b], w.poses[b], may_touch(w.proximity[b, DEEPEST], w.proximity[b, APPROACH], step)
         for c in range(body.first, body.last):
-            one, now = clusters[c], within
-            if now:
-                bound_cluster(one, pose, w.ground, medium, near)
-                now = may_touch(near[DEEPEST], near[APPROACH], step)
-            if now and not active[c]:
-                release(w.elements, w.anchors, one, pose, medium, False)
+            cluster, touches = clusters[c], within
+            if touches:
+                bound_cluster(cluster, pose, w.ground, medium, near)
+                touches = may_touch(near[DEEPEST], near[APPROACH], step)
+            if touches and not active[c]:
+                release(w.elements, w.anchors, cluster, pose, medium, False)
                 w.asked[b, 0, 0] = np.nan
-            active[c] = now
-            some = some or now
-    return some
+            active[c] = touches
+            reached = reached or touches
+    return reached

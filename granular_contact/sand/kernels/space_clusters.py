@@ -1,6 +1,7 @@
-"""How deep clusters of elements may be, whether they may touch the surface, and anchors of those that do not.
+"""Bounds for the depth and the speed of approach of clusters of elements, and release of their anchors.
 
-Arguments as of `space_bodies` and `space_law`; one: a cluster; near (2,) or more: of proximity.
+Arguments as of `space_bodies` and `space_law`. ball: record with a bounding sphere, of a cluster or of a body; near
+(2,) or more: DEEPEST and APPROACH of `proximity`.
 """
 
 from __future__ import annotations
@@ -14,48 +15,48 @@ from granular_contact.sand.kernels.vectors import axes, moving, norm, plus, put,
 
 
 @part
-def depth_of(one, pose, ground, medium):
-    """Depth (m) of the middle of a cluster, or of a body, and where it is (3,) m from the body's reference point."""
-    r = turned(axes(pose), (one.x, one.y, one.z))
+def depth_of(ball, pose, ground, medium):
+    """Depth (m) of the centre of a bounding sphere, and its position (3,) m from the reference point of the body."""
+    r = turned(axes(pose), (ball.x, ball.y, ball.z))
     x, y, z = plus(pose[3], r)
     return surface_at(x, y, ground, medium, room1(PLANE)) - z, r
 
 
 @part
-def bound(one, pose, ground, medium, near):
-    """Fill near[DEEPEST] and near[APPROACH] with bounds for all that lies in the sphere of a cluster, or of a body."""
-    depth, r = depth_of(one, pose, ground, medium)
+def bound(ball, pose, ground, medium, near):
+    """Fill near[DEEPEST] and near[APPROACH] with upper bounds for all points in a bounding sphere."""
+    depth, r = depth_of(ball, pose, ground, medium)
     w = vector(pose[5], 0)
-    near[DEEPEST] = depth + one.radius * ground[3]
-    near[APPROACH] = (norm(moving(pose[4], w, r)) + norm(w) * one.radius) * ground[3]
+    near[DEEPEST] = depth + ball.radius * ground[3]
+    near[APPROACH] = (norm(moving(pose[4], w, r)) + norm(w) * ball.radius) * ground[3]
 
 
 @part
-def bound_cluster(one, pose, ground, medium, near):
-    """`bound` for all that lies in a cluster, whose box may reach less deep than its sphere."""
-    bound(one, pose, ground, medium, near)
-    near[DEEPEST] = min(near[DEEPEST], reach_below(one, pose, ground, medium))
+def bound_cluster(cluster, pose, ground, medium, near):
+    """`bound` of a cluster, by its box where the box reaches less deep than the sphere."""
+    bound(cluster, pose, ground, medium, near)
+    near[DEEPEST] = min(near[DEEPEST], reach_below(cluster, pose, ground, medium))
 
 
 @part
-def reach_below(one, pose, ground, medium):
-    """Bound for the depth (m) of a cluster.
+def reach_below(cluster, pose, ground, medium):
+    """Upper bound of the depth (m) of a cluster.
 
-    Of a plane surface that of the deepest corner of its box; of a map of heights that of its sphere, where the surface
-    is steepest.
+    Below a plane surface: depth of the deepest corner of its box. Below a map of heights: bound by its sphere and the
+    steepest slope of the map.
     """
-    depth = depth_of(one, pose, ground, medium)[0]
+    depth = depth_of(cluster, pose, ground, medium)[0]
     if medium.heights != 0:
-        return depth + one.radius * ground[3]
+        return depth + cluster.radius * ground[3]
     dx, dy, dz = seen(axes(pose), (ground[1], ground[2], -1.0))
-    return depth + abs(dx) * one.along_x + abs(dy) * one.along_y + abs(dz) * one.along_z
+    return depth + abs(dx) * cluster.along_x + abs(dy) * cluster.along_y + abs(dz) * cluster.along_z
 
 
 @part
 def release(elements, anchors, cluster, pose, medium, anew):
-    """Put the anchors of a cluster where its elements are; anew: their paths begin here, too.
+    """Put the anchors of a cluster at its elements; anew: the paths of its elements begin here, too.
 
-    The path through the air counts in a straight line, so that it does not matter when what flies became active.
+    The path through the air counts as a straight line, so that it does not matter when the cluster became active.
     """
     for i in range(cluster.first, cluster.last):
         put(plus(pose[3], turned(axes(pose), elements[i])), anchors, i, 0)

@@ -1,8 +1,8 @@
 """Rotation and angular velocity of a body in space from its coordinates.
 
 A body has seven coordinates, its position and Euler parameters, or six, its position and Tait-Bryan angles with
-R = R_x R_y R_z, or position and slope of a cable. Its angular velocity is w = G(q) q', so a moment M gives the
-generalised forces G^T M.
+R = R_x R_y R_z, or position and slope of a cable. Its angular velocity is w = G q', with the rates q' of its
+coordinates after the position, so a moment M gives the generalised forces G^T M.
 """
 
 from __future__ import annotations
@@ -29,14 +29,14 @@ def by_parameters(q, R, G):
 
 @part
 def _by_axis(i, j, k, a, x, y, z, R, G):
-    """Rows i of R, but for its diagonal, and of G; x, y, z: Euler parameters of the axes i, j, k."""
+    """Row i of R without its diagonal, and row i of G; x, y, z: Euler parameters of the axes i, j, k."""
     R[i, j], R[i, k] = 2.0 * (x * y - a * z), 2.0 * (x * z + a * y)
     G[i, 0], G[i, 1 + i], G[i, 1 + j], G[i, 1 + k] = -2.0 * x, 2.0 * a, -2.0 * z, 2.0 * y
 
 
 @part
 def by_six(q, body, R, G):
-    """As `by_parameters`, of bodies with six coordinates; compiled for beds that have such alone."""
+    """As `by_parameters`, for bodies with six coordinates; compiled only for beds with such bodies."""
     if body.places > body.size:
         by_slope(q, body, R, G)
     else:
@@ -45,9 +45,9 @@ def by_six(q, body, R, G):
 
 @part
 def by_slope(q, body, R, G):
-    """As `by_parameters`, from a place and a slope y (6,), with w = y x y' / |y|^2: a cable does not turn about itself.
+    """As `by_parameters`, from position and slope y, (6,), with w = y x y' / |y|^2: no turn about the axis of a cable.
 
-    R is the least rotation from the direction of the slope in the reference configuration, where it is the unit matrix.
+    R is the smallest rotation from the direction of the slope in the reference configuration, where R is the identity.
     """
     x, y, z = q[3], q[4], q[5]
     square = x * x + y * y + z * z

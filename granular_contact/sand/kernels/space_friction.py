@@ -1,24 +1,26 @@
-"""The bristle of `planar_friction` in space: direction of the static resistance, and where anchors go.
+"""The bristle of `planar_friction` in space: direction of the static resistance, and return of anchors.
 
-Stretch, velocity and direction have three components; all equations are those of the plane, where the third is zero.
-A law that opposes the components of the motion one by one has two bristles in space: one in the horizontal plane, by
-radial return, and one along the vertical.
+Stretch, velocity and direction have three components; the equations are the same as in the plane. A law that opposes
+the motion by components has two bristles in space: one in the horizontal plane, by radial return, and one along the
+vertical.
 
-A facet has one bristle for all its places, and is loaded by where n . q is above 0, to a thousandth of |q|. Where a
-body turns that needs two things more of it. Each place moves by another velocity, and a bristle that slides on is
-stretched along that of its own place: q = e + tau v differs between two places by
+A facet has one bristle for all its points, and is loaded where n . q > 0, to a thousandth of |q|. For a body that turns
+the bristle has two corrections.
+
+First, each point of a facet has its own velocity, and a bristle that slides on is stretched along the velocity of its
+own point: q = e + tau v differs between two points by
 
     (tau + u_y / (|v| + u_y / T)) (v - v')        across v.
 
-Without the second term a ball that slides slowly and turns would be loaded on facets that trail, the more so the
-larger they are. And p - anchor, the path of the step, points where the facet went in its middle. A bristle that is
-dragged much farther than u_y therefore leans towards v: the direction of e is that of
+Without the second term a ball that slides slowly and turns would be loaded on trailing facets, the more the larger the
+facets are. Second, p - anchor, the path of the step, has the direction of motion in the middle of the step. A bristle
+that is dragged much farther than u_y therefore leans towards v: e has the direction of
 
     (1 - f) e / |e| + f v / |v|,    f = cos(e, v) (1 - u_y / |p - anchor|) |v| / (|v| + FAST u_y / T).
 
-Without u_y / T both would jump where a body comes to rest. So would the first where the middle of a facet does as its
-body turns, since cos(e, v) is any number there: what it has beside the damping time is taken times
-v^2 / (v^2 + w^2) with w = STILL u_y / T.
+Without u_y / T both corrections would jump where a body comes to rest. The first would also jump where the centroid of
+a facet comes to rest while its body turns, as cos(e, v) is arbitrary there: so its part beside the damping time is
+multiplied by v^2 / (v^2 + w^2), w = STILL u_y / T.
 """
 
 from __future__ import annotations
@@ -30,10 +32,10 @@ from granular_contact.sand.kernels.friction import SMOOTH, SWITCH, drag_componen
 from granular_contact.sand.kernels.planar_friction import radial_return
 from granular_contact.sand.kernels.vectors import dot, minus, norm, plus, times
 
-TINY = 1e-300  # so that nothing is divided by zero where nothing is stretched, or at rest
-# With 1 a hexapod at long steps takes a quarter more iterations, with 10 a ball that spins in place is 0.9 % off.
+TINY = 1e-300  # prevents division by zero without stretch or at rest
+# With 1 a hexapod takes a quarter more iterations at long steps; with 10 a ball that spins in place is 0.9 % off.
 FAST = 5.0
-# With none the force on a slow facet jumps by a third; that ball is as far off up to 0.1, and by a tenth more with 0.3.
+# With 0 the force on a slow facet jumps by a third. The error of that ball grows by a tenth with 0.3, not with 0.1.
 STILL = 0.1
 
 
@@ -56,15 +58,15 @@ def factors(e, v, m):
 
 @part(inline=True)
 def lengths(e, v):
-    """Lengths of two vectors (3,), and their product where it is above 0."""
+    """Lengths of two vectors (3,), and their scalar product, at least 0."""
     return norm(e), norm(v), max(0.0, dot(e, v))
 
 
 @part(inline=True)
 def factors_of_facet(e, v, m):
-    """`factors` of a facet with a bristle, and the factor of what v differs by within it.
+    """`factors` of the bristle of a facet, and the factor of differences of v within the facet.
 
-    Without a branch, so that compilers make one of several of them at once.
+    Without a branch, so that compilers vectorise loops over facets.
     """
     h, speed, along = lengths(e, v)
     k = m.u_y / h if h > m.u_y else 1.0
@@ -102,6 +104,6 @@ def whole_return(p, anchor, m):
 
 @part
 def parted_return(p, anchor, m):
-    """Anchor after an accepted step that ended at p (3,) m: across by radial return, upward within u_y of it."""
+    """Anchor after an accepted step that ended at p (3,) m: radial return in the plane, upward within u_y of p."""
     x, y = radial_return((p[0], p[1]), (anchor[0], anchor[1]), m)
     return x, y, drag_component(p[2], anchor[2], m)

@@ -1,8 +1,8 @@
-"""A law in plain Python -> what kernels call in space; beside `joining`, and loaded by what lies in space alone.
+"""A law in plain Python -> functions that kernels call in space; as `joining`, loaded for models in space alone.
 
-Of a law for surfaces its planar `stress` is enough, see `slices`; `facet_stress` and `facet_traction` give its own for
-any direction, `facet_inertia` a second term beside a stress, `facet_force` all by itself. Laws of bars have `bar_force`
-and, if they know one, `bar_cap`; those of balls `space_ball_force`.
+A law of surfaces needs only its planar `stress`, see `slices`. Instead it may have `facet_stress` or `facet_traction`
+for any direction, `facet_inertia` as a second term beside a stress, or `facet_force` for all terms. Laws of bars have
+`bar_force` and, for free end faces, `bar_cap`; laws of balls have `space_ball_force`.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from granular_contact.sand.kernels.space_coordinates import by_six
 from granular_contact.sand.kernels.space_friction import parted_return, whole_return
 from granular_contact.sand.kernels.space_tangents import by_differences, by_elements
 
-# What a medium meets, by the kernels of its clusters and the functions of a law that it takes.
+# Kinds of elements, each with the kernels of its clusters (forces, end of a step).
 KINDS: dict[str, tuple[Any, Any]] = {
     "surface": (facets.facet_forces, facets.follow_facets),
     "bar": (bars.bar_forces, bars.follow_stations),
@@ -40,13 +40,13 @@ NEEDED = {
 
 
 def kinds_of(law: type) -> set[str]:
-    """What a law meets in space: surfaces, bars or balls."""
+    """Kinds of elements in space on which a law acts: surface, bar, ball."""
     return {kind for kind, names in NEEDED.items() if any(hasattr(law, name) for name in names)}
 
 
 def owner_of(law: type) -> type:
-    """Class that makes a law another one for the kernels, see `joining.record_type`: itself, or one that it is of."""
-    return next(one for one in law.__mro__ if PARTS & vars(one).keys())
+    """First class with functions or constants for kernels, see `joining.record_type`: of a law, or a base class."""
+    return next(base for base in law.__mro__ if PARTS & vars(base).keys())
 
 
 def space_record(
@@ -60,27 +60,27 @@ def space_record(
     bodies: bool = False,
     six: bool = False,
 ) -> NDArray[np.void]:
-    """Record (1,) of `space_law.SPACE_LAW` for what a law does to elements of a kind.
+    """Record (1,) of `space_law.SPACE_LAW` for a law and a kind of elements.
 
-    own: the law's record (1,); layer: depths (m) that the medium lies between, None if it fills the bed; paths: whether
-    paths of facets are counted; heights: whether the bed has a map of heights; bodies: whether elements are on bodies
-    that `space_bodies` moves by their coordinates; six: whether some of these have six coordinates.
+    own: the law's record (1,); layer: depths (m) of top and bottom of the medium, None if it fills the bed; paths:
+    whether paths of facets are counted; heights: whether the bed has a map of heights; bodies: whether elements are on
+    bodies that `space_bodies` moves by their coordinates; six: whether some bodies have six coordinates.
     """
     forces, follow = KINDS[kind]
-    found = {"forces": forces, "follow": follow, **_functions(owner, kind)}
+    functions = {"forces": forces, "follow": follow, **_functions(owner, kind)}
     if paths:
-        found |= {"note": facet_paths.note, "count": facet_paths.count, "begin": facet_paths.begin}
+        functions |= {"note": facet_paths.note, "count": facet_paths.count, "begin": facet_paths.begin}
     if heights:
-        found["heights"] = tangent_plane
+        functions["heights"] = tangent_plane
     if bodies and kind == "surface":
-        found |= {"body": body_forces, "tangent": by_elements, "slopes": facet_slopes}
+        functions |= {"body": body_forces, "tangent": by_elements, "slopes": facet_slopes}
     elif bodies:
-        found |= {"body": body_forces, "tangent": by_differences}
+        functions |= {"body": body_forces, "tangent": by_differences}
     if six:
-        found["six"] = by_six
+        functions["six"] = by_six
     if layer is not None and kind == "surface":
-        found["layer"] = between
-    medium = space_law.record_of(own, found)
+        functions["layer"] = between
+    medium = space_law.record_of(own, functions)
     if layer is not None:
         medium["layered"], medium["top"], medium["bottom"] = 1, *layer
     return medium
@@ -88,22 +88,22 @@ def space_record(
 
 @cache
 def _functions(owner: Any, kind: str) -> dict[str, Any]:
-    """Compiled functions of a law for elements of a kind, by their names in the record."""
+    """Functions of a law for elements of a kind, by their names in the record."""
     dtype = record_type(owner)
-    found: dict[str, Any] = {"anchor": parted_return if owner.by_component else whole_return}
+    functions: dict[str, Any] = {"anchor": parted_return if owner.by_component else whole_return}
     if kind == "surface":
-        found["gather"], found["facets"] = facets.gather, _of_facets(owner, dtype)
+        functions["gather"], functions["facets"] = facets.gather, _of_facets(owner, dtype)
         if not hasattr(owner, "facet_force"):
-            found["lead"] = facet_blocks.lead
+            functions["lead"] = facet_blocks.lead
     for method, name in METHODS[kind].items():
         if hasattr(owner, method):
-            found[name] = getattr(owner, method)
-            let_call_others(found[name])
-    return found
+            functions[name] = getattr(owner, method)
+            let_call_others(functions[name])
+    return functions
 
 
 def _of_facets(owner: Any, dtype: np.dtype) -> Any:
-    """What fills the tractions of a block, by what a law gives."""
+    """Function that fills in the tractions of a block, by the functions that a law has."""
     if hasattr(owner, "facet_force"):
         let_call_others(owner.facet_force)
         provide(facet_blocks.force, dtype, owner.facet_force)

@@ -1,13 +1,14 @@
-"""What a law provides in space, and how kernels call it there: as in `law`, by the addresses in a record.
+"""Functions of a law in space, which kernels call by the addresses in a record, as in `law`.
 
 Elements of a rigid body are kept in its frame, in clusters of one kind: facets of a surface, stations of a bar, a ball.
-Kernels work in the frame of the bed, with z up: its origin is that of the world, see `space_bodies`.
+Kernels work in the frame of the bed, with z up, whose origin is the world origin, see `space_bodies`.
 
 pose (6, 3): the rotation R of a body, row by row, then the position of its reference point (m), its velocity (m/s) and
-angular velocity (rad/s). ground (4,): height (m) of the surface above the origin, its rise per length along x and y,
-and by how much a depth may grow with a distance, sqrt(1 + rise^2). W (TERMS, 6): of each term the force (N) and the
-moment about the reference point (N m). anchors (n, 3) m: one for each element, see `space_friction`; more columns
-where `facet_paths` keeps paths: (n, 6) with those of the shear displacement, (n, 10) of scatter, (n, 13) of both.
+its angular velocity (rad/s). ground (4,): height (m) of the surface above the origin, its rise per length along x and
+y, and the greatest growth of a depth with a distance, sqrt(1 + rise^2); a map of heights may follow, see `ground`.
+W (TERMS, 6): force (N) of each term and its moment about the reference point (N m). anchors (n, 3) m: one for each
+element, see `space_friction`. `facet_paths` keeps paths in more columns: (n, 6) with shear displacements, (n, 10) with
+scatter, (n, 13) with both.
 """
 
 from __future__ import annotations
@@ -24,10 +25,10 @@ from granular_contact.sand.kernels.facet_records import BLOCK
 from granular_contact.sand.kernels.law import FRICTION, SIZE, filled
 from granular_contact.sand.kernels.strip import strip_type
 
-# A cluster: sphere around it in the frame of its body (m), and half the sides of a box around the same centre, along
-# the axes of that frame (m); its first element and the one after its last, its body; width (m): diameter of a bar or a
-# ball; mass (kg) of a ball; cap: whether the end of a bar is a free face. scatter, grain (m), seed, static: of the
-# medium, see `scatter`; static has a bit for each term that scatters.
+# A cluster: bounding sphere in the frame of its body (m), and half the sides of a bounding box with the same centre,
+# along the axes of that frame (m); first and last: its first element and the element after its last; body: index of
+# its body; width (m): diameter of a bar or a ball; mass (kg) of a ball; cap: whether the end of a bar is a free face.
+# scatter, grain (m), seed, static: of the medium, see `scatter`; static has a bit for each term that scatters.
 CLUSTER = record_dtype(
     [
         *fields("f8", "x", "y", "z", "radius", "along_x", "along_y", "along_z"),
@@ -38,9 +39,10 @@ CLUSTER = record_dtype(
         *fields("i8", "seed", "static"),
     ]
 )
-# size: number of coordinates; places: of those of the system that they are, from `start` on; first, last: clusters;
-# x, y, z, radius (m): sphere around all of them. Of a piece of a cable 6 coordinates are at 12 places: shape (8,) are
-# the Hermite polynomials of its middle, then their derivatives, and axis (3,) the direction there in the reference.
+# A body: size: number of its coordinates; places: number of the system's coordinates that they follow from, whose rows
+# of the array `places` begin at `start`; first, last: its clusters; x, y, z, radius (m): bounding sphere. A piece of a
+# cable has 6 coordinates that follow from 12: shape (8,) are the Hermite polynomials at its middle, then their
+# derivatives, and axis (3,) is the direction of the cable there in the reference configuration.
 BODY = record_dtype(
     [
         *fields("i8", "size", "places", "start", "first", "last"),
@@ -48,19 +50,19 @@ BODY = record_dtype(
         *(("shape", "f8", (8,)), ("axis", "f8", (3,))),
     ]
 )
-# Of a row that `follow` fills: depth of the deepest point (m), greatest speed (m/s) and least height (m) of what is
-# immersed.
+# Entries of a row that `follow` fills: depth of the deepest point (m), greatest speed (m/s) and least height (m) of
+# immersed elements.
 DEPTH, SPEED, LOWEST = 0, 1, 2
 
 FUNCTIONS = (
     *("forces", "follow", "gather", "facets", "layer", "bar", "cap", "ball", "anchor", "body"),
     *("note", "count", "begin", "heights", "six", "lead", "tangent", "slopes"),
 )
-# layered: the medium lies between the depths top and bottom (m) only. Of friction there is a copy of what the law's own
-# record has, so that what needs nothing else of a law is compiled once for all of them.
+# layered: the medium lies between the depths top and bottom (m) only. The constants of friction are copied from the
+# law's own record, so that functions that need nothing else of a law are compiled once for all laws.
 LAYER = [("layered", "i8"), ("top", "f8"), ("bottom", "f8")]
 SPACE_LAW = record_dtype([*fields("i8", *FUNCTIONS), *LAYER, *FRICTION, ("own", "f8", (SIZE,))])
-# What `space_bodies` does with all elements of one kind in one medium, see there.
+# Arrays of all elements of one kind in one medium, see `space_bodies`.
 BODIES = Layout(
     "bodies",
     **dict.fromkeys(("reference", "ground"), (float, 1)),
@@ -102,28 +104,29 @@ SIGNATURES: dict[str, tuple[tuple[Any, ...], Any]] = {  # arguments, result
     "tangent": ((*_OF_BODY, _NUMBER, _NUMBER, _ROWS, _ROWS), types.boolean),
     "slopes": ((*_OF_CLUSTER, _NUMBER, _NUMBER, _ROWS, _ROWS), types.none),
 }
-# What calls a function of the medium: (medium, its other arguments).
+# Callers of the functions of a medium, with the arguments (medium, (the function's other arguments)):
 #
 # forces    elements, anchors, cluster, pose, ground, W: add the wrench on a cluster to W
-# follow    elements, anchors, cluster, pose, ground, row (3,): end of a step, anchors follow, or are released above the
-#           surface; row see DEPTH
+# follow    elements, anchors, cluster, pose, ground, row (3,): end a step: anchors follow their elements, or are
+#           released above the surface; for row see DEPTH
 # gather    `facets.gather`, which several kernels call
 # facets    block, n: fill in the tractions on the first n facets of a block, see BLOCK in `facet_records`
-# lead      `facet_blocks.lead`, where the law asks for it
-# layer     `facet_parts.between`, of a medium in a layer
+# lead      `facet_blocks.lead`, if the law has no forces of its own on facets
+# layer     `facet_parts.between`, if the medium is a layer
 # bar       strip, cluster, f: add the forces on a `strip.Strip` to f[term, end, xyz] (N)
 # cap       c of a strip, velocity at its end 1, cluster, f: add the force on a free end face there to f[term, 1, xyz]
-#           (N); of laws that know one
+#           (N), if the law has one
 # ball      z, v, e, cluster, f: as `law.ball_force`, to f[term, xyz] (N)
-# anchor    p (3,) m, anchor (3,) m: where it is after an accepted step that ended with its element at p
+# anchor    p (3,) m, anchor (3,) m: position of the anchor after an accepted step that ended with its element at p
 # body      `space_bodies.body_forces`, which several kernels call
 # tangent   q, v, body, w, fq, fv, K, W: fill K (7, 7) with fq df/dq + fv df/dv of the generalised forces f on a body,
-#           and W (TERMS, 6) with its wrench; whether there are any; w: a view of BODIES; of `space_tangents`
-# slopes    elements, anchors, cluster, pose, ground, fq, fv, S, W: add the wrench on a cluster to W, to S (6, 6) how
-#           it follows a small motion m (6,) of its body at the reference point, moved by fq m, its velocities by fv m
-# note, count, begin    those of `facet_paths`, of media whose facets have paths
-# heights   `ground.tangent_plane`, of a bed with a map of heights
-# six       `space_coordinates.by_six`, where bodies have six coordinates
+#           and W (TERMS, 6) with its wrench; return whether it is loaded; w: a view of BODIES; see `space_tangents`
+# slopes    elements, anchors, cluster, pose, ground, fq, fv, S, W: add the wrench on a cluster to W, and to S (6, 6)
+#           its derivative by a motion m (6,) of the body at its reference point, whose pose moves by fq m and whose
+#           velocity changes by fv m
+# note, count, begin    functions of `facet_paths`, for media whose facets have paths
+# heights   `ground.tangent_plane`, for a bed with a map of heights
+# six       `space_coordinates.by_six`, if any body has six coordinates
 forces, follow, gather, facets, in_layer, bar_force, cap_force, ball_force, drag_anchor, body_forces, *_others = (
     caller(name, *SIGNATURES[name], SPACE_LAW) for name in FUNCTIONS
 )

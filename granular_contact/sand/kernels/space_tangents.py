@@ -1,4 +1,4 @@
-"""How the forces on a body in space follow its coordinates and rates: `space_law.tangent`, by one of two ways."""
+"""Tangent of the forces on a body in space by its coordinates and rates: two forms of `space_law.tangent`."""
 
 from __future__ import annotations
 
@@ -14,27 +14,27 @@ from granular_contact.sand.kernels.space_clusters import reach_below
 @part
 def by_differences(q, v, body, w, medium, fq, fv, K, W):
     """`space_law.tangent` by differences of the forces on a body, see `lines.differences`."""
-    there, moved, pose, other = room1(7), room1(7), room2(6, 3), room2(TERMS, 6)
-    if not law.body_forces(medium, (q, v, body, w, pose, W, there)):
+    at_state, moved, pose, other = room1(7), room1(7), room2(6, 3), room2(TERMS, 6)
+    if not law.body_forces(medium, (q, v, body, w, pose, W, at_state)):
         return False
     d = difference(rows(q, 0, body.size), fq, fv)
     for j in range(body.size):
-        at_q, at_v = q[j], v[j]
+        q_j, v_j = q[j], v[j]
         q[j] += d * fq
         v[j] += d * fv
         law.body_forces(medium, (q, v, body, w, pose, other, moved))
-        q[j], v[j] = at_q, at_v
+        q[j], v[j] = q_j, v_j
         for i in range(body.size):
-            K[i, j] = (moved[i] - there[i]) / d
+            K[i, j] = (moved[i] - at_state[i]) / d
     return True
 
 
 @part
 def by_elements(q, v, body, w, medium, fq, fv, K, W):
-    """`space_law.tangent` by the slopes S (6, 6) of the wrench on each cluster: T^T S T, with (x, t) = T q."""
+    """`space_law.tangent` by the tangents S (6, 6) of the wrench on each cluster: T^T S T, with (x, t) = T q."""
     turn, clusters, active, ground = w.turn, w.clusters, w.active, w.ground
     elements, anchors = w.elements, w.anchors
-    pose, G, S, T, some = room2(6, 3), room2(3, 4), room2(6, 6), room2(6, 7), False
+    pose, G, S, T, loaded = room2(6, 3), room2(3, 4), room2(6, 6), room2(6, 7), False
     place(q, v, body, turn, medium, pose, G)
     clear(S)
     clear(W)
@@ -42,7 +42,7 @@ def by_elements(q, v, body, w, medium, fq, fv, K, W):
         if active[c] and reach_below(clusters[c], pose, ground, medium) > 0.0:
             s, n = clusters[c].first, clusters[c].last - clusters[c].first
             law.slopes(medium, (rows(elements, s, n), rows(anchors, s, n), clusters[c], pose, ground, fq, fv, S, W))
-            some = True
+            loaded = True
     clear(T)
     for i in range(3):
         for j in range(3):
@@ -57,4 +57,4 @@ def by_elements(q, v, body, w, medium, fq, fv, K, W):
                 for b in range(6):
                     along += S[a, b] * T[b, j]
                 K[i, j] += T[a, i] * along
-    return some
+    return loaded

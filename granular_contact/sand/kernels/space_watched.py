@@ -1,4 +1,4 @@
-"""`space_sand` of a bed with walls: how far what is immersed reaches stands in the history, too."""
+"""`space_sand` for a bed with walls: the history also has the extent of the immersed elements."""
 
 from __future__ import annotations
 
@@ -28,9 +28,9 @@ def accept(sand, system_q, system_v, row, begins):
 
 @part
 def reach(w, row):
-    """Bring row (4,), the least x and y and the greatest (m), up to date; w: a view of `space_bodies`.
+    """Update row (4,): least x, least y, greatest x, greatest y (m) of immersed elements; w: a view of `space_bodies`.
 
-    Of facets the immersed corners count; of bars the stations, half a diameter to all sides; of balls their equator.
+    Facets reach to their immersed corners, bars half a diameter around their immersed stations, balls to their equator.
     """
     plane, points = room1(PLANE), room2(4, 3)
     bodies, clusters, elements, active = w.bodies, w.clusters, w.elements, w.active

@@ -1,9 +1,9 @@
-"""Rigid body in space with Euler parameters that moves in the x-y plane: its stations, and forces at them.
+"""Rigid body in space with Euler parameters that moves in the x-y plane: its stations and its generalised forces.
 
 Coordinates (x, y, z, e_0, e_1, e_2, e_3); stations r (n, 3) in the body frame, p = x + A(e) r. A is quadratic in e, so
 its derivative J(e) by e is linear, the velocity is V = x' + J(e) e', and dV/de = J(e'). Off the unit sphere A may be
-continued in any way: what of a generalised force points along e is taken up by the engine's constraint on e. Compiled
-for beds with such bodies alone, see `forces`.
+continued in any way: the engine's constraint on e takes the component of a generalised force along e. Compiled only for
+beds with such bodies, see `forces`.
 """
 
 from __future__ import annotations

@@ -17,7 +17,7 @@ class Strip(NamedTuple):
     Parameters
     ----------
     a, b : float
-        0 <= a < b <= 1; no depth between them is negative.
+        0 <= a < b <= 1; depths between them are not negative.
     z0, z1 : float
         Depths at the ends of the strip (m), positive below the surface.
     c : tuple of float

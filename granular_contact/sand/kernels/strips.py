@@ -1,8 +1,8 @@
-"""From the motion of a line of stations to the granular forces on it, in two forms.
+"""Granular forces on a line of stations from their motion, in two forms.
 
-Between two neighbouring stations of a contact line lies a straight strip. `distributed` integrates a law along every
-strip. `resultant` is the source paper's form: the immersed part is one straight piece that moves with the velocity of
-its middle, and the whole force acts there. Arguments are those of `law.forces`.
+Between two neighbouring stations of a contact line lies a straight strip. `distributed_forces` integrates a law along
+each strip. `resultant_forces` has the form of the source paper: the immersed part is one straight segment that moves
+with the velocity of its middle, where the whole force acts. Arguments: as of `law.forces`.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ def collect(f, i, P, F, totals):
 
 @part
 def apart(A, i, B, j):
-    """Vector (2,) from row i of an array to row j of another."""
+    """Vector (2,) from row i of A to row j of B."""
     return B[j, 0] - A[i, 0], B[j, 1] - A[i, 1]
 
 
@@ -78,10 +78,7 @@ def distributed_forces(P, V, anchors, line, profile, medium, F, totals):
 
 @part
 def immersed_segment(P, profile):
-    """First and last immersed point of a line with stations P (n, 2) m as positions i + xi along them.
-
-    (0, 0) when none is immersed.
-    """
+    """First and last immersed point of a line with stations P (n, 2) m, as positions i + xi; else (0, 0)."""
     first, last = 0.0, 0.0
     found, z1 = False, depth(profile, P[0, 0], P[0, 1])
     for i in range(P.shape[0] - 1):
@@ -97,14 +94,14 @@ def immersed_segment(P, profile):
 
 @part
 def length_within(P, i, first, last):
-    """Length (m) of what of strip i lies between two positions i + xi."""
+    """Length (m) of the part of strip i between two positions i + xi."""
     share = min(last, i + 1.0) - max(first, float(i))
     return share * math.hypot(P[i + 1, 0] - P[i, 0], P[i + 1, 1] - P[i, 1]) if share > 0.0 else 0.0
 
 
 @part
 def halfway(P, first, last):
-    """Middle, by length along the stations P (n, 2) m, of what lies between two positions i + xi; a position."""
+    """Middle position by length, between two positions i + xi along the stations P (n, 2) m."""
     left = 0.0
     for i in range(P.shape[0] - 1):
         left += 0.5 * length_within(P, i, first, last)
@@ -127,7 +124,7 @@ def at(A, position):
 
 @part
 def resultant_forces(P, V, anchors, line, profile, medium, F, totals):
-    """Law for the immersed part as one straight piece; it moves, and its bristle is stretched, as its middle."""
+    """Law for the immersed part as one straight segment, with the velocity and the bristle of its middle."""
     clear(F)
     first, last = immersed_segment(P, profile)
     if last == first:

@@ -1,6 +1,6 @@
-"""Height of the free surface, a line of straight pieces.
+"""Height of the free surface in the plane, a polyline.
 
-profile (k, 2) m: corners x, y with rising x; its first and last pieces have no end, and one corner is a level bed.
+profile (k, 2) m: corners x, y with rising x; the first and the last piece extend to infinity; one corner: a level bed.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Numbers of a law that are too many for its record: an array elsewhere, whose address is in the record."""
+"""Laws with more numbers than a record holds: an array outside the record, whose address is in the record."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ __all__ = ["interval", "numbers_at"]
 
 @part
 def interval(values, first, count, x):
-    """Place i and share in [0, 1] of x among values[first : first + count], which rise; beyond them those of an end."""
+    """Interval i of x in the rising values[first : first + count], and the share of x in it, clipped to [0, 1]."""
     low, high = 0, count - 1
     while high - low > 1:
         middle = (low + high) // 2

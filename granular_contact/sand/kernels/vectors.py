@@ -9,7 +9,7 @@ from granular_contact.jit.compiled import part
 
 @part
 def vector(array, first):
-    """Three numbers of an array, from one on."""
+    """Vector (3,) from an array, from entry `first` on."""
     return array[first], array[first + 1], array[first + 2]
 
 
@@ -21,19 +21,19 @@ def xyz(array):
 
 @part
 def at(array, i, first):
-    """Three numbers of row i, from one on."""
+    """Vector (3,) from row i of an array, from column `first` on."""
     return array[i, first], array[i, first + 1], array[i, first + 2]
 
 
 @part
 def fill(a, array, first):
-    """Write a vector into three numbers of an array, from one on."""
+    """Write a vector (3,) into an array, from entry `first` on."""
     array[first], array[first + 1], array[first + 2] = a
 
 
 @part
 def put(a, array, i, first):
-    """Write a vector into three numbers of row i."""
+    """Write a vector (3,) into row i of an array, from column `first` on."""
     array[i, first], array[i, first + 1], array[i, first + 2] = a
 
 
@@ -63,7 +63,7 @@ def times(x, a):
 
 @part
 def norm(a):
-    """Length of a vector in the plane or in space: a plain root of the sum of squares, see `planar_friction`."""
+    """Length of a vector in the plane or in space, by a plain square root, see `planar_friction`."""
     square = 0.0
     for x in a:
         square += x * x
@@ -91,14 +91,14 @@ def moving(v, w, r):
 
 @part(inline=True)
 def axes(R):
-    """Rows of a matrix (3, 3), or the first of a pose, one after another (9,): numbers that stay in registers."""
+    """Entries (9,) of a matrix (3, 3), or of the rotation in a pose, row by row: numbers that stay in registers."""
     x, y, z = R[0], R[1], R[2]
     return x[0], x[1], x[2], y[0], y[1], y[2], z[0], z[1], z[2]
 
 
 @part(inline=True)
 def turned(R, a):
-    """R a (3,) of a matrix R, row by row (9,): a vector of the frame of a body, whose axes they are, in that around."""
+    """R a (3,), with R (9,) row by row: from the frame of a body with the axes R to the frame around the body."""
     return (
         R[0] * a[0] + R[1] * a[1] + R[2] * a[2],
         R[3] * a[0] + R[4] * a[1] + R[5] * a[2],
@@ -108,7 +108,7 @@ def turned(R, a):
 
 @part(inline=True)
 def seen(R, a):
-    """R^T a (3,): back."""
+    """R^T a (3,), with R (9,) row by row: from the frame around a body to the frame of the body."""
     return (
         R[0] * a[0] + R[3] * a[1] + R[6] * a[2],
         R[1] * a[0] + R[4] * a[1] + R[7] * a[2],
@@ -118,13 +118,13 @@ def seen(R, a):
 
 @part
 def column(R, k):
-    """Axis k (3,) of a frame, of its rows (9,)."""
+    """Axis k (3,) of a frame: column k of R (9,), which is row by row."""
     return R[k], R[3 + k], R[6 + k]
 
 
 @part
 def framed(R, P):
-    """R P (9,), row by row: axes of a frame P (3, 3) in a body with the axes R (9,)."""
+    """R P (9,), row by row: axes of a frame P (3, 3) in the frame of a body with the axes R (9,)."""
     a = turned(R, (P[0, 0], P[1, 0], P[2, 0]))
     b = turned(R, (P[0, 1], P[1, 1], P[2, 1]))
     c = turned(R, (P[0, 2], P[1, 2], P[2, 2]))

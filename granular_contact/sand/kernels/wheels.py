@@ -1,7 +1,7 @@
-"""The free surface behind a turning wheel (Agarwal et al. 2021), lowered by delta_h = r (r omega^2 / g).
+"""Lowering of the free surface behind a turning wheel, delta_h = r (r omega^2 / g) (Agarwal et al. 2021).
 
-On the rear half of its contact, seen in the direction in which it would roll. Within ROUND radii of the middle the
-surface goes from one height to the other, so that forces stay continuous [ours].
+It acts on the rear half of the contact, seen in the direction in which the wheel would roll. Over ROUND radii around
+the axle the lowering goes from 0 to delta_h, so that forces stay continuous [ours].
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ ROUND = 0.1
 
 @part
 def lowering(P, V, i, line):
-    """By how much (m) the surface is lowered at station i of the wheel that a line belongs to."""
+    """Lowering (m) of the surface at station i of a line of a wheel."""
     cx, cy = P[1, 0] - P[0, 0], P[1, 1] - P[0, 1]
     length = math.sqrt(cx * cx + cy * cy)
     tx, ty = cx / length, cy / length

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from granular_contact.laws.kinds import Kind
 from granular_contact.sand.kernels.ground import PLANE
 from granular_contact.sand.kernels.law import TERMS
-from granular_contact.sand.kernels.proximity import DEEPEST, EVER
+from granular_contact.sand.kernels.proximity import DEEPEST, GREATEST
 from granular_contact.sand.kernels.space_joining import space_record
 from granular_contact.sand.kernels.space_law import BODIES, BODY
 from granular_contact.sand.space.elements import Elements
@@ -119,14 +119,14 @@ class SpatialBatch:
         self.anchors[:] = 0.0
         self.proximity[:] = 0.0
         self.forget()
-        self.proximity[:, EVER] = -np.inf
+        self.proximity[:, GREATEST] = -np.inf
         self.reference = reference
         arrays = {name: getattr(self, name) for name in ARRAYS}
         return BODIES.addresses(arrays | {"medium": self._body_medium})
 
     def immersed(self) -> set[tuple[str, Kind, float]]:
         """Name of the body, kind and size (m) of each set on the bodies that have ever been immersed."""
-        groups = [group for group, depth in zip(self._groups, self.proximity[:, EVER], strict=True) if depth > 0.0]
+        groups = [group for group, depth in zip(self._groups, self.proximity[:, GREATEST], strict=True) if depth > 0.0]
         return {(elements.body.name, elements.kind, elements.size) for group in groups for elements in group}
 
     @property
