@@ -33,9 +33,10 @@ from granular_contact.sand.kernels.law import TERMS
 from granular_contact.sand.kernels.proximity import APPROACH, DEEPEST, may_touch
 
 BLOCK = 6  # rows of `body` before a line's tangent
-# Rows at the end of `body` for each line: coordinates and rates of its last forces, totals, the forces, and the rates
-# of the last forces with other rates.
-KEPT, RATES, BEFORE = 5, 1, 4
+# Rows at the end of `body` for each line: coordinates and rates of its last forces, their totals, the forces, and the
+# rates of the last forces with other rates; KEPT: their number.
+COORDINATES, RATES, TOTALS, FORCES, BEFORE = 0, 1, 2, 3, 4
+KEPT = 5
 
 
 def work(ends: Any, anchors: Any) -> tuple[Any, Any]:
@@ -65,10 +66,10 @@ def keep(body, row, q, v, f, totals):
     for i in range(q.shape[0]):
         if moved:
             body[row + BEFORE, i] = body[row + RATES, i]
-        body[row, i], body[row + 1, i], body[row + 3, i] = q[i], v[i], f[i]
+        body[row + COORDINATES, i], body[row + RATES, i], body[row + FORCES, i] = q[i], v[i], f[i]
     for term in range(TERMS):
         for k in range(3):
-            body[row + 2, 3 * term + k] = totals[term, k]
+            body[row + TOTALS, 3 * term + k] = totals[term, k]
 
 
 @part
@@ -76,7 +77,7 @@ def known_at(body, row, q, v):
     """Return whether the kept forces belong to q and v."""
     known = True
     for i in range(q.shape[0]):
-        known = known and body[row, i] == q[i] and body[row + 1, i] == v[i]
+        known = known and body[row + COORDINATES, i] == q[i] and body[row + RATES, i] == v[i]
     return known
 
 
@@ -87,8 +88,8 @@ def recall(body, row, q, v, totals):
     if known:
         for term in range(TERMS):
             for k in range(3):
-                totals[term, k] = body[row + 2, 3 * term + k]
-    body[row, 0] = np.nan
+                totals[term, k] = body[row + TOTALS, 3 * term + k]
+    body[row + COORDINATES, 0] = np.nan
     return known
 
 

@@ -18,7 +18,7 @@ from granular_contact.jit.memory import room1, room2
 from granular_contact.sand.kernels import space_law as law
 from granular_contact.sand.kernels.facet_records import LANES, block_room
 from granular_contact.sand.kernels.facets import add_up
-from granular_contact.sand.kernels.ground import PLANE, surface_at
+from granular_contact.sand.kernels.ground import PLANE, RISE_X, RISE_Y, surface_at
 from granular_contact.sand.kernels.lines import difference
 
 
@@ -65,7 +65,7 @@ def begin(block, n, fq, pose, ground, medium, F, K):
         for i in range(3):
             F[i, k] = force(block, i, k)
             by_depth = fq * block.area[k] * block.scatter[0, k] * block.growing[i, k]
-            K[i, k], K[3 + i, k], K[6 + i, k] = plane[1] * by_depth, plane[2] * by_depth, -by_depth
+            K[i, k], K[3 + i, k], K[6 + i, k] = plane[RISE_X] * by_depth, plane[RISE_Y] * by_depth, -by_depth
 
 
 @part

@@ -23,7 +23,7 @@ from granular_contact.sand.kernels import space_law as law
 from granular_contact.sand.kernels.facet_blocks import write
 from granular_contact.sand.kernels.facet_parts import immersed_part
 from granular_contact.sand.kernels.facet_records import LANES, PATCH, RIM, TRIANGLE, as_facets, block_room
-from granular_contact.sand.kernels.ground import PLANE, surface_at
+from granular_contact.sand.kernels.ground import GROWTH, HEIGHT, PLANE, RISE_X, RISE_Y, surface_at
 from granular_contact.sand.kernels.space_friction import TINY
 from granular_contact.sand.kernels.vectors import (
     at,
@@ -76,11 +76,11 @@ def gather(elements, anchors, cluster, pose, ground, first, medium, block):
     Looks at the rows of a cluster's elements from `first` on, until the block is full; other arguments as of
     `space_law.forces`. On a map of heights each facet sees the tangent plane of the surface at its centroid.
     """
-    R, v, w, steep = axes(pose), at(pose, 4, 0), at(pose, 5, 0), ground[3]
+    R, v, w, steep = axes(pose), at(pose, 4, 0), at(pose, 5, 0), ground[GROWTH]
     x0, y0, z0 = x = at(pose, 3, 0)
     # In the frame of the body: gradient of the depth, angular velocity, velocity of the reference point.
-    d, q, velocity = seen(R, (ground[1], ground[2], -1.0)), seen(R, w), seen(R, v)
-    depth = ground[0] + ground[1] * x0 + ground[2] * y0 - z0  # of the reference point
+    d, q, velocity = seen(R, (ground[RISE_X], ground[RISE_Y], -1.0)), seen(R, w), seen(R, v)
+    depth = ground[HEIGHT] + ground[RISE_X] * x0 + ground[RISE_Y] * y0 - z0  # of the reference point
     mapped, plane = medium.heights != 0, room1(PLANE)
     high = highest(cluster, R, pose[3], ground, medium, plane) if mapped else 0.0
     facets = as_facets(elements)
@@ -105,7 +105,7 @@ def gather(elements, anchors, cluster, pose, ground, first, medium, block):
         gradient = d
         if mapped:
             z = surface_at(x0 + r[0], y0 + r[1], ground, medium, plane) - z0 - r[2]
-            gradient = seen(R, (plane[1], plane[2], -1.0))
+            gradient = seen(R, (plane[RISE_X], plane[RISE_Y], -1.0))
         moments = below_surface(facet, z, gradient, medium)
         if moments[0] <= 0.0 or moments[1] <= 0.0:
             continue
@@ -131,7 +131,7 @@ def gather(elements, anchors, cluster, pose, ground, first, medium, block):
 def highest(cluster, R, x, ground, medium, plane):
     """Upper bound of the height (m) of a surface with a map over a cluster; its body is at x (3,) m with the axes R."""
     cx, cy, _ = turned(R, (cluster.x, cluster.y, cluster.z))
-    rise = math.sqrt(ground[3] * ground[3] - 1.0)
+    rise = math.sqrt(ground[GROWTH] * ground[GROWTH] - 1.0)
     return surface_at(x[0] + cx, x[1] + cy, ground, medium, plane) + rise * cluster.radius
 
 
@@ -219,8 +219,8 @@ def add_term(block, n, traction, arm, term, W):
 @part
 def follow_facets(elements, anchors, cluster, pose, ground, medium, row):
     """`space_law.follow` of facets; most are above the surface, or less deep than a facet before them."""
-    R, x, v, w, steep = axes(pose), at(pose, 3, 0), at(pose, 4, 0), at(pose, 5, 0), ground[3]
-    d, down = seen(R, (ground[1], ground[2], -1.0)), seen(R, (0.0, 0.0, -1.0))
+    R, x, v, w, steep = axes(pose), at(pose, 3, 0), at(pose, 4, 0), at(pose, 5, 0), ground[GROWTH]
+    d, down = seen(R, (ground[RISE_X], ground[RISE_Y], -1.0)), seen(R, (0.0, 0.0, -1.0))
     mapped, plane = medium.heights != 0, room1(PLANE)
     high = highest(cluster, R, x, ground, medium, plane) if mapped else 0.0
     facets = as_facets(elements)
@@ -228,10 +228,10 @@ def follow_facets(elements, anchors, cluster, pose, ground, medium, row):
         facet = facets[i]
         r = turned(R, xyz(facet.centroid))
         px, py, pz = anchor = p = plus(x, r)
-        z = high - pz if mapped else ground[0] + ground[1] * px + ground[2] * py - pz
+        z = high - pz if mapped else ground[HEIGHT] + ground[RISE_X] * px + ground[RISE_Y] * py - pz
         if mapped and (z + facet.reach * steep > min(0.0, row[law.DEPTH]) or medium.count != 0):
             z = surface_at(px, py, ground, medium, plane) - pz
-            d = seen(R, (plane[1], plane[2], -1.0))
+            d = seen(R, (plane[RISE_X], plane[RISE_Y], -1.0))
         if z + facet.reach * steep <= min(0.0, row[law.DEPTH]) and medium.count == 0:
             put(p, anchors, i, 0)
             continue

@@ -1,10 +1,10 @@
 """The surface in space: its height and its tangent plane at a position.
 
-ground (4,): height (m) of a plane above the origin, its rise per length along x and y, and the greatest growth of a
-depth with a distance, sqrt(1 + rise^2). A map of heights adds its cell (m), the position x, y of its first point (m),
-its numbers of rows and columns, and, from MAP on, the heights (m) above the plane, row by row; the growth is then that
-of its steepest point. Between its points the map is a Catmull-Rom surface, with a continuous slope; beyond its edge it
-continues level. It is compiled only for a bed with a map, see `space_joining`.
+ground (4,): HEIGHT (m) of a plane above the origin, its RISE_X and RISE_Y per length along x and y, and GROWTH, the
+greatest growth of a depth with a distance, sqrt(1 + rise^2). A map of heights adds its CELL (m), the position FIRST_X,
+FIRST_Y of its first point (m), its numbers of ROWS and COLUMNS, and, from MAP on, the heights (m) above the plane, row
+by row; GROWTH is then that of its steepest point. Between its points the map is a Catmull-Rom surface, with a
+continuous slope; beyond its edge it continues level. It is compiled only for a bed with a map, see `space_joining`.
 """
 
 from __future__ import annotations
@@ -12,6 +12,9 @@ from __future__ import annotations
 from granular_contact.jit.compiled import part
 from granular_contact.sand.kernels import space_law as law
 
+# Entries of ground and of a plane; entries of a map; size of a plane, and first height of a map.
+HEIGHT, RISE_X, RISE_Y, GROWTH = 0, 1, 2, 3
+CELL, FIRST_X, FIRST_Y, ROWS, COLUMNS = 4, 5, 6, 7, 8
 PLANE, MAP = 4, 9
 
 
@@ -23,7 +26,7 @@ def surface_at(x, y, ground, medium, plane):
     else:
         for i in range(PLANE):
             plane[i] = ground[i]
-    return plane[0] + plane[1] * x + plane[2] * y
+    return plane[HEIGHT] + plane[RISE_X] * x + plane[RISE_Y] * y
 
 
 @part(inline=True)
@@ -53,8 +56,8 @@ def tangent_plane(ground, x, y, plane):
     """`surface_at` for a surface with a map; fills plane alone."""
     for i in range(PLANE):
         plane[i] = ground[i]
-    cell, rows, columns = ground[4], int(ground[7]), int(ground[8])
-    u, v = (x - ground[5]) / cell, (y - ground[6]) / cell
+    cell, rows, columns = ground[CELL], int(ground[ROWS]), int(ground[COLUMNS])
+    u, v = (x - ground[FIRST_X]) / cell, (y - ground[FIRST_Y]) / cell
     a, b = min(max(u, 0.0), columns - 1.0), min(max(v, 0.0), rows - 1.0)
     i, j = min(int(a), columns - 2), min(int(b), rows - 2)
     wx, dx, wy, dy = _weights(a - i), _slopes(a - i), _weights(b - j), _slopes(b - j)
@@ -69,6 +72,6 @@ def tangent_plane(ground, x, y, plane):
         across += dy[k] * in_row
     along = along / cell if u == a else 0.0
     across = across / cell if v == b else 0.0
-    plane[0] += height - along * x - across * y
-    plane[1] += along
-    plane[2] += across
+    plane[HEIGHT] += height - along * x - across * y
+    plane[RISE_X] += along
+    plane[RISE_Y] += across

@@ -18,6 +18,7 @@ from granular_contact.sand.kernels import lines as contact_lines
 from granular_contact.sand.kernels.batches import (
     BEFORE,
     BLOCK,
+    FORCES,
     KEPT,
     gather,
     keep,
@@ -113,7 +114,7 @@ def tangent(sand, system_q, system_v, fq, fv, triplets):
             P = piece(w.room, 0, n, s)
             at, row = rows(w.places, c, m), body.shape[0] - KEPT * (active.shape[0] - r)
             gather(system_q, system_v, w.reference, at, q, v)
-            f = piece(body, row + 3, m)
+            f = piece(body, row + FORCES, m)
             if not known_at(body, row, q, v):
                 evaluate(w, r, q, v, f, totals)
             if not contact_lines.immersed(P, lines[r], w.profile):

@@ -39,6 +39,7 @@ import numpy as np
 
 from granular_contact.jit.compiled import part
 from granular_contact.jit.memory import clear, copy, piece, room1, room2, rows
+from granular_contact.sand.kernels import lines
 from granular_contact.sand.kernels import space_law as law
 from granular_contact.sand.kernels.batches import gather
 from granular_contact.sand.kernels.law import TERMS
@@ -209,7 +210,7 @@ def append(K, body, at, triplets, count):
 def accept(addresses, system_q, system_v, row, begins):
     """End a step: add power and wrenches to a history row, let the anchors of the active clusters follow.
 
-    Fills poses and proximity. After the time the row begins with depth, speed and height as of `space_law.DEPTH`.
+    Fills poses and proximity. The row begins with the columns of `lines` up to LOWEST.
     begins: a solve begins instead, without any stretched bristle; then only the poses are filled.
     """
     w = view(addresses)
@@ -266,12 +267,12 @@ def follow(body, w, medium, pose, near, row):
             law.follow(medium, (rows(elements, s, n), rows(anchors, s, n), cluster, pose, w.ground, seen))
             loaded = True
     depth = seen[law.DEPTH]
-    if not loaded and near[DEEPEST] > row[1]:  # else another body is deeper
+    if not loaded and near[DEEPEST] > row[lines.DEPTH]:  # else another body is deeper
         depth = min(near[DEEPEST], deepest_cluster(body, w, medium, pose))
     near[GREATEST] = max(near[GREATEST], depth)
-    row[1] = max(row[1], depth)
-    row[2] = max(row[2], seen[law.SPEED])
-    row[3] = min(row[3], seen[law.LOWEST])
+    row[lines.DEPTH] = max(row[lines.DEPTH], depth)
+    row[lines.SPEED] = max(row[lines.SPEED], seen[law.SPEED])
+    row[lines.LOWEST] = min(row[lines.LOWEST], seen[law.LOWEST])
 
 
 @part

@@ -9,7 +9,7 @@ from __future__ import annotations
 from granular_contact.jit.compiled import part
 from granular_contact.jit.memory import room1
 from granular_contact.sand.kernels import space_law as law
-from granular_contact.sand.kernels.ground import PLANE, surface_at
+from granular_contact.sand.kernels.ground import GROWTH, PLANE, RISE_X, RISE_Y, surface_at
 from granular_contact.sand.kernels.proximity import APPROACH, DEEPEST
 from granular_contact.sand.kernels.vectors import axes, moving, norm, plus, put, seen, turned, vector
 
@@ -27,8 +27,8 @@ def bound(ball, pose, ground, medium, near):
     """Fill near[DEEPEST] and near[APPROACH] with upper bounds for all points in a bounding sphere."""
     depth, r = depth_of(ball, pose, ground, medium)
     w = vector(pose[5], 0)
-    near[DEEPEST] = depth + ball.radius * ground[3]
-    near[APPROACH] = (norm(moving(pose[4], w, r)) + norm(w) * ball.radius) * ground[3]
+    near[DEEPEST] = depth + ball.radius * ground[GROWTH]
+    near[APPROACH] = (norm(moving(pose[4], w, r)) + norm(w) * ball.radius) * ground[GROWTH]
 
 
 @part
@@ -47,8 +47,8 @@ def reach_below(cluster, pose, ground, medium):
     """
     depth = depth_of(cluster, pose, ground, medium)[0]
     if medium.heights != 0:
-        return depth + cluster.radius * ground[3]
-    dx, dy, dz = seen(axes(pose), (ground[1], ground[2], -1.0))
+        return depth + cluster.radius * ground[GROWTH]
+    dx, dy, dz = seen(axes(pose), (ground[RISE_X], ground[RISE_Y], -1.0))
     return depth + abs(dx) * cluster.along_x + abs(dy) * cluster.along_y + abs(dz) * cluster.along_z
 
 

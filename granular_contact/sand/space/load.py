@@ -21,6 +21,7 @@ from granular_contact.sand.bed_arguments import check_floor, check_slope, direct
 from granular_contact.sand.contact_lines import Body
 from granular_contact.sand.history import SPACE, HistoryTable
 from granular_contact.sand.kernels import facet_paths, space_sand
+from granular_contact.sand.kernels.ground import GROWTH, HEIGHT
 from granular_contact.sand.kernels.space_joining import kinds_of, owner_of
 from granular_contact.sand.load import GranularLoad
 from granular_contact.sand.space import elements
@@ -95,10 +96,10 @@ class SpatialLoad(GranularLoad):
         self.ground = _ground(surface, slope, self.turn)
         check_slope(self.media, math.hypot(*self.ground[1:3]))
         if heights is None and not self.ground[1:3].any():
-            check_floor(floor, float(self.ground[0]))
+            check_floor(floor, float(self.ground[HEIGHT]))
         if heights is not None:
             self.ground = np.concatenate([self.ground, heights.numbers])
-            self.ground[3] = np.sqrt(1.0 + heights.steepest**2)
+            self.ground[GROWTH] = np.sqrt(1.0 + heights.steepest**2)
         self.resultant, self.end_cap = False, end_cap
         self._cut: dict[Any, tuple[Shape, elements.CutSurface]] = {}  # see `_surface`
 
@@ -216,7 +217,7 @@ class SpatialLoad(GranularLoad):
             medium = layer.medium
             drop = float(getattr(medium, "surface_drop", 0.0))
             ground = self.ground.copy()
-            ground[0] -= drop
+            ground[HEIGHT] -= drop
             depths = None if layer.whole else (max(0.0, layer.top - drop), max(0.0, layer.bottom - drop))
             for kind in element_kinds(medium):
                 paths = 0

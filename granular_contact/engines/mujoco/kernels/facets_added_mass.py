@@ -17,6 +17,7 @@ from granular_contact.sand.kernels.facet_records import LANES, as_facets, block_
 from granular_contact.sand.kernels.facet_slopes import force
 from granular_contact.sand.kernels.facets import add_up
 from granular_contact.sand.kernels.friction import SMOOTH
+from granular_contact.sand.kernels.ground import GROWTH
 from granular_contact.sand.kernels.law import TERMS
 from granular_contact.sand.kernels.plates import EDGE
 from granular_contact.sand.kernels.space_friction import factors_of_facet
@@ -46,7 +47,7 @@ def held_facets(elements, anchors, cluster, pose, ground, medium, step, bristle,
             facet = facets[block.row[k]]
             x, y, z = xyz(facet.centroid)
             mass, along = M[0, k], M[1, k]
-            reach = facet.reach * ground[3]
+            reach = facet.reach * ground[GROWTH]
             if block.centroid_depth[k] < reach:  # as if the surface did not cut it: in a step it may get all below
                 whole = 0.5 * (block.centroid_depth[k] + reach) * facet.area / (block.area[k] * block.depth[k])
                 mass, along = mass * whole, along * whole
