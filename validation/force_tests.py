@@ -31,7 +31,7 @@ from granular_contact.sand.load import GranularLoad
 from granular_contact.sand.steady import SteadyBody
 from granular_contact.scene import build
 from granular_contact.studies.fit import fit, load_specification, prepare
-from granular_contact.studies.fit.law_alone import Motion, measured
+from granular_contact.studies.fit.law_alone import Motion, steady_forces
 from granular_contact.studies.fit.problem import Problem
 from granular_contact.studies.processes import cores, local_processes
 from validation.study import Claim, Outcome, script
@@ -136,7 +136,7 @@ def problem(case: Case, rows: int = ROWS, starts: int = 1) -> Problem:
             key, value = one.split(": ")
             sets = [f"medium={_medium(case, case.true)}", f"{key}={value}"]
             body = SteadyBody(build(load_scenario(CONFIGS / f"{case.config}.yaml", sets)))
-            force = measured(body, Motion(depth, speed, np.zeros(rows), case.direction))["force_N"]
+            force = steady_forces(body, Motion(depth, speed, np.zeros(rows), case.direction))["force_N"]
             if case.scatter is not None:  # or they were one measurement several times, which is refused
                 force = pressed(case.scatter.model_copy(update={"seed": i}), case.true["zeta"], depth)
             lines = [f"{z:.9g},{v:.9g},{f:.12g}" for z, v, f in zip(depth, speed, force, strict=True)]

@@ -14,7 +14,7 @@ from granular_contact.config.schema.fit import ForceTest
 from granular_contact.sand.steady import SteadyBody
 from granular_contact.scene import build
 from granular_contact.studies.fit import Fit, fit, load_specification, prepare
-from granular_contact.studies.fit.law_alone import Motion, measured
+from granular_contact.studies.fit.law_alone import Motion, steady_forces
 from granular_contact.studies.fit.problem import Problem
 
 Vector = NDArray[np.float64]
@@ -26,7 +26,7 @@ def forces(config: Path, sets: Sequence[str], depth: Vector, speed: float | Vect
     """Columns of a test by the law itself."""
     body = SteadyBody(build(load_scenario(config, list(sets))))
     speeds = np.broadcast_to(np.asarray(speed, float), depth.shape)
-    return measured(body, Motion(depth, speeds, np.zeros(len(depth)), direction))
+    return steady_forces(body, Motion(depth, speeds, np.zeros(len(depth)), direction))
 
 
 def table(file: Path, head: str, *columns: Vector, noise: float = 0.0, seed: int = 0) -> Path:

@@ -47,13 +47,13 @@ def test_a_column_made_of_another_is_found_under_a_pattern(two: Problem) -> None
     f[0][:, 2] = f[0][:, 1] + 0.3 * f[0][:, 2]
     smooth = np.sin(np.linspace(0.0, 3.0, 50))[:, None]
     (words,) = data_warnings(two, [0.5 * one + smooth for one in f], SIGMA)
-    assert words.startswith("the noise of tip_y_m and pivot_angle_deg is the same for the most part")
+    assert words.startswith("the noise of tip_y_m and pivot_angle_deg is mostly the same")
 
 
 def test_columns_with_the_same_noise_are_named_once(two: Problem) -> None:
     f = [np.repeat(one[:, :1], 3, axis=1) for one in residuals(0)]
     (words,) = data_warnings(two, f, SIGMA)
-    assert words.startswith("the noise of tip_x_m and tip_y_m and pivot_angle_deg is the same")
+    assert words.startswith("the noise of tip_x_m and tip_y_m and pivot_angle_deg is mostly the same")
 
 
 def test_a_pattern_in_two_columns_is_no_common_noise(two: Problem) -> None:
@@ -65,7 +65,7 @@ def test_runs_with_the_same_noise_are_found(two: Problem) -> None:
     f = residuals(0)
     f[1][:, 0] = -f[0][:, 0]
     (words,) = data_warnings(two, f, SIGMA)
-    assert words.startswith("the noise of tip_x_m in 0 and 1 is the same")
+    assert words.startswith("the noise of tip_x_m in 0 and 1 is mostly the same")
 
 
 def test_the_same_numbers_twice_are_refused(tmp_path: Path) -> None:
@@ -75,7 +75,7 @@ def test_the_same_numbers_twice_are_refused(tmp_path: Path) -> None:
         problem(tmp_path, text(2))
     (fault,) = caught.value.faults
     assert fault.line == 6
-    assert fault.message.endswith("0.csv again; a measurement counts once")
+    assert fault.message.endswith("0.csv; a measurement may be used only once")
 
 
 @pytest.mark.parametrize(("factor", "told"), [(1.0, False), (1.5, False), (1e4, True)])
@@ -85,7 +85,7 @@ def test_a_noise_given_far_too_large(two: Problem, factor: float, told: bool) ->
     found = data_warnings(given, f, SIGMA * [factor, 1.0, 1.0])
     assert len(found) == told
     if told:
-        assert "of the noise that was given, 1: is its unit right?" in found[0]
+        assert "of the given noise, 1: is its unit right?" in found[0]
 
 
 def test_outliers_are_named_by_file_and_line(two: Problem) -> None:

@@ -19,7 +19,7 @@ from granular_contact.laws.rft import GENERIC
 from granular_contact.sand.steady import SteadyBody
 from granular_contact.scene import build
 from granular_contact.studies.fit import fit
-from granular_contact.studies.fit.measurements import OF_FORCE_TESTS, plain, recognise
+from granular_contact.studies.fit.measurements import FORCE_TEST_COLUMNS, plain, recognise
 
 RFT = "medium={law: rft, zeta: 0.9}"
 DEPTH = np.linspace(0.5e-3, 0.04, 40)
@@ -42,7 +42,7 @@ START = "set: {medium: {law: rft, zeta: 0.3}}\n"
 )
 def test_units_may_stand_in_brackets(header: str, name: str) -> None:
     assert plain(header) == name
-    assert recognise(header, OF_FORCE_TESTS) == recognise(name, OF_FORCE_TESTS)
+    assert recognise(header, FORCE_TEST_COLUMNS) == recognise(name, FORCE_TEST_COLUMNS)
 
 
 def test_a_table_that_is_no_force_test_for_a_name_says_what_one_has(tmp_path: Path) -> None:
@@ -211,7 +211,7 @@ NOISE = np.random.default_rng(3).standard_normal(40)
 FAULTY: dict[str, tuple[Callable[[], list[str]], int, str, str]] = {
     "above the surface": (lambda: rows(Z - 3.0, F), 2, "depth_m", "got -2 mm, which is above the surface"),
     "unloading": (lambda: rows(BACK, 2.5 * BACK), 42, "depth_m", "to line 59 the depth goes back from 40 to 22 mm"),
-    "noise alone": (lambda: rows(Z, 1e-3 * NOISE), 2, "force_N", "is noise alone"),
+    "noise alone": (lambda: rows(Z, 1e-3 * NOISE), 2, "force_N", "contains only noise"),
     "sign": (lambda: rows(Z, -F), 41, "force_N", "got -100, but the law gives +34"),
     "depth in mm that says m": (lambda: rows(Z, F, "depth_m,force_N"), 41, "depth_m", "got 40 m, but the body is"),
     "no depth": (lambda: rows(Z, F, "path_length_mm,force_N"), 1, "", "has no column of depths"),
@@ -219,7 +219,7 @@ FAULTY: dict[str, tuple[Callable[[], list[str]], int, str, str]] = {
     "two units of one": (lambda: [f"{line},1" for line in rows(Z, F, "depth_mm,force_N,force_kN")][:0]
                          or ["depth_mm,force_N,force_kN", *(f"{z},{2 * z},{z}" for z in Z)], 1, "force_N",
                          "is measured by two columns"),
-    "pressure without an area": (lambda: rows(Z, F, "depth_mm,pressure_kPa"), 1, "pressure_Pa", "that is not said"),
+    "pressure without an area": (lambda: rows(Z, F, "depth_mm,pressure_kPa"), 1, "pressure_Pa", "needs an area"),
     "hole": (lambda: [*rows(Z, F)[:5], "5,", *rows(Z, F)[6:]], 6, "force_N", "is empty"),
     "few": (lambda: rows(Z[:3], F[:3]), 1, "", "got 3 rows; allowed are 4 or more"),
 }  # fmt: skip
@@ -244,7 +244,7 @@ def test_rows_of_unloading_can_be_left_out_and_that_is_told(tmp_path: Path) -> N
     text = f"parameters: [medium.zeta]\n{START}force_test: {{unloading: leave_out}}\n"
     one = fitted(tmp_path, f"{text}runs: [{{config: {PLATE}, data: data.csv}}]")
     assert abs(found(one)["medium.zeta"][0] - 0.9) < 4.0 * found(one)["medium.zeta"][1]
-    assert any("lines 42 to 59, in which the body goes back, are left out" in words for words in one.warnings)
+    assert any("lines 42 to 59 are left out, because the body moves back in them" in words for words in one.warnings)
 
 
 def test_tests_in_units_that_do_not_belong_together_are_told(tmp_path: Path) -> None:

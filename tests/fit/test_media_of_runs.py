@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from support_fit import CONFIG, RIGID, fitted, measure, problem
 
-from granular_contact.studies.fit.fitting import carrier, words
+from granular_contact.studies.fit.fitting import media_warnings, reference_run
 from granular_contact.studies.fit.writing import media, summary
 
 ALBERT = "medium: {law: albert, density_kg_m3: 2500, eta_h: 8}"
@@ -35,9 +35,9 @@ def test_the_medium_is_that_of_a_run_that_has_the_coefficient(tmp_path: Path) ->
 def test_what_the_run_of_the_medium_does_not_have_is_said_to_be_left_out(tmp_path: Path) -> None:
     other = "medium: {law: rft}"
     made = problem(tmp_path, two(tmp_path, "", other, "medium.plunging.eta_v, medium.zeta"))
-    said = list(words(made, made.values(made.start)))
-    assert said[0].endswith("the medium written is that of run_0, without medium.zeta")
-    assert carrier(made) == 0
+    said = list(media_warnings(made, made.values(made.start)))
+    assert said[0].endswith("the written medium is that of run_0, without medium.zeta")
+    assert reference_run(made) == 0
 
 
 @pytest.mark.parametrize("more", ["medium.eta_h: 9", "medium: null"])

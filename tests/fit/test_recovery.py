@@ -103,8 +103,8 @@ def test_a_given_noise_that_is_too_small_is_a_misfit(tmp_path: Path) -> None:
     assert by_column["tip_x_m"].reduced_chi_square == pytest.approx(4.0, rel=0.6)
     assert by_column["tip_y_m"].reduced_chi_square == pytest.approx(1.0, rel=0.6)
     assert found.goodness.status == "misfit"
-    assert "tip_x_m are" in found.goodness.words[0]
-    assert len(found.goodness.words) == 1
+    assert "tip_x_m are" in found.goodness.reasons[0]
+    assert len(found.goodness.reasons) == 1
 
 
 @pytest.mark.slow
@@ -179,7 +179,7 @@ def test_one_impact_does_not_tell_the_static_coefficients_apart(tmp_path: Path) 
     measure(tmp_path / "data.csv")
     text = one_run().replace("[medium.eta_d, medium.plunging.eta_v]", "[medium.eta_h, medium.plunging.eta_v]")
     found = fitted(tmp_path, text)
-    (words,) = (w for w in found.uncertainty.words if "only their combination" in w)
+    (words,) = (w for w in found.uncertainty.warnings if "only their combination" in w)
     assert words.startswith("medium.eta_h and medium.plunging.eta_v: only their combination is determined")
     assert abs(found.uncertainty.correlation[0, 1]) > 0.99
 

@@ -113,5 +113,5 @@ def test_the_medium_that_is_written_scatters(tmp_path: Path, capsys: pytest.Capt
 def test_what_does_not_tell_the_way_is_refused(tmp_path: Path) -> None:
     table(tmp_path / "0.csv", "speed_m_s,force_N", np.linspace(0.1, 0.5, 9), np.full(9, 3.0), noise=0.1)
     head = "scatter: true\nparameters: [medium.zeta]\nforce_test: {direction: right, depth_m: 0.05}\n"
-    with pytest.raises(ConfigError, match="does not say how far the body went; allowed is a column path_length_m"):
+    with pytest.raises(ConfigError, match="does not determine the path of the body; allowed is a column path_length_m"):
         problem(tmp_path, f"{head}set: {{medium: rft_generic}}\nruns: [{{config: {PLATE}, data: 0.csv}}]")

@@ -58,7 +58,7 @@ def test_covariance_is_that_of_linear_least_squares(exact: Problem) -> None:
     found = uncertainty(made, solution)
     # Noise of each column as the residuals have it, with as many degrees of freedom as the fit has left it.
     free = 1.0 - 3 / len(solution.residuals)
-    column = made.column_of()
+    column = made.column_indices()
     sizes = np.array([np.sqrt(np.mean(solution.residuals[column == k] ** 2) / free) for k in range(2)])
     slopes = solution.jacobian / sizes[column][:, None]
     # The noise that the fit weighed with is that of its last round but one, settled to 1e-3.
@@ -88,7 +88,7 @@ def test_a_noise_given_far_too_large_leaves_the_errors_of_the_other_column(exact
     slopes = jacobian(made, made.start, made.times())
     stated = np.sqrt(np.diag(uncertainty(made, at_truth(made, added, slopes)).covariance))
     # x says next to nothing, being 50 times as rough: the errors are those of y alone, with its 202 values.
-    own = slopes[made.column_of() == 1]
+    own = slopes[made.column_indices() == 1]
     alone = NOISE * np.sqrt(np.diag(np.linalg.inv(own.T @ own)))
     # A scatter of 202 values is known to 1 in sqrt(404), 5 %; three of these. Pooled, errors would be 0.7 of this.
     np.testing.assert_allclose(stated, alone, rtol=0.15)
@@ -100,12 +100,12 @@ def test_what_the_data_do_not_move_is_not_determined(exact: Problem) -> None:
     slopes[:, 1] = 0.0
     with np.errstate(all="raise"):
         found = uncertainty(made, at_truth(made, added, slopes))
-    assert found.words[0] == "medium.plunging.eta_v is not determined by these data: its error is of any size"
+    assert found.warnings[0] == "medium.plunging.eta_v is not determined by these data: its standard error is unlimited"
     one = found.estimates[1]
     assert (one.error, one.low, one.high) == (np.inf, 0.0, np.inf)
     # and the others are as if it were not there
     without = np.delete(slopes, 1, axis=1)
-    sizes = np.array([np.std(added[made.column_of() == k]) for k in range(2)])[made.column_of()][:, None]
+    sizes = np.array([np.std(added[made.column_indices() == k]) for k in range(2)])[made.column_indices()][:, None]
     rest = np.linalg.inv((without / sizes).T @ (without / sizes))
     np.testing.assert_allclose(found.covariance[np.ix_([0, 2], [0, 2])], rest, rtol=0.1)
     assert np.isnan(found.correlation[0, 1])

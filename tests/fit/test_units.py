@@ -79,7 +79,7 @@ def refused(folder: Path, depth: np.ndarray, force: np.ndarray, more: str = "", 
     return str(caught.value)
 
 
-TURN = "depths count downward from the surface: turn the sign of the column"
+TURN = "depths are positive below the surface: change the sign of the column"
 
 
 @pytest.mark.parametrize(
@@ -113,7 +113,7 @@ def test_a_medium_of_null_is_told_where_it_is_said(tmp_path: Path, force: np.nda
         )
     (fault,) = caught.value.faults
     assert (Path(fault.file).name, fault.line, fault.key) == ("fit.yaml", 3, "medium")
-    assert fault.message == "no force test can be made of it: a steady motion needs a medium; got none"
+    assert fault.message == "this config can't be used for a force test: a steady motion needs a medium; got none"
 
 
 def test_of_a_run_too(tmp_path: Path) -> None:

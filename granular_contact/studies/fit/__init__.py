@@ -1,18 +1,18 @@
-"""Coefficients from measurements: configs and data of many runs -> parameters, their errors, and warnings about them.
+"""Fit coefficients to measurements of one or many runs: parameters, standard errors, and warnings about both.
 
-specification             a fit file, or the command line in its place -> what is asked for
-measurements              names and units of what was measured; CSV files; how faults of all steps are gathered
-force_tests               the same of force tests: tables of forces against depth or speed, checked by the law
-law_alone                 a force test by the law, without a run
-parameters                keys of a config -> start, bounds and scale
-prepare, checks           all of it read and checked -> Problem
-problem, responses        parameters -> curves of every run
-solve                     least squares from many starts, weighted by the noise that is left; central differences
-uncertainty, goodness     errors, what can't be distinguished; whether residuals are noise
+specification             the requested fit, from a fit file or the command line
+measurements              names and units of measured columns; tables as numbers; collection of faults
+force_tests               the same for force tests: tables of forces against depth or speed, checked with the law
+law_alone                 forces of a force test by the law, without a run
+parameters                start, bounds and scale of the keys of a config that are fitted
+prepare, checks           all inputs read and checked: the `Problem`
+problem, responses        curves of every run for given parameters
+solve                     weighted least squares from many starting points; derivatives by central differences
+uncertainty, goodness     standard errors, parameters that the data can't distinguish; whether residuals are noise
 diagnostics               estimates of noise, and other checks of the data
 scatter                   scatter of grains, separated from noise and coefficients in force tests
-fitting                   Fit, and what is implausible about it: units, media that differ
-writing                   the medium found; fit.json, medium.yaml, residuals.csv and figures
+fitting                   the `Fit`, and warnings about units and media that differ
+writing                   the fitted medium; fit.json, medium.yaml, residuals.csv and figures
 """
 
 from granular_contact.studies.fit.fitting import Fit, fit

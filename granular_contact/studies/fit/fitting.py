@@ -1,9 +1,9 @@
-"""Problem -> Fit: parameters, how well they are known, whether the model describes the data at all.
+"""Fit a problem: parameters, their uncertainty, whether the model describes the data, and warnings.
 
-Coefficients are compared with those published, and forces with those that the law gives. A depth in cm under a header
-in mm, or a force in mN under one in N, can be fitted as well as any other: what tells it is a coefficient that no sand
-has, or a force that the law does not reach. It is also found here whose medium gets the coefficients, and in what else
-the media of the runs differ.
+Wrong units are found by comparison of coefficients with published ones, and of forces with those of the law. A depth in
+cm under a header in mm, or a force in mN under a header in N, can be fitted like any other data. But it gives a
+coefficient that no sand has, or forces that the law does not reach. This module also selects the run whose medium is
+written with the fitted coefficients, and lists other differences between the media of the runs.
 """
 
 from __future__ import annotations
@@ -36,9 +36,9 @@ DISTRUST = "the model does not describe these data, and the standard errors are 
 
 @dataclass(frozen=True)
 class Fit:
-    """Result of a fit. residuals: data less model (n, columns) of each run.
+    """Result of a fit. residuals: data minus model (n, columns) of each run.
 
-    scatter: of the grains, where it was separated from noise.
+    scatter: of the grains; None if it was not separated from noise.
     """
 
     problem: Problem
@@ -55,32 +55,32 @@ class Fit:
 
     @property
     def agreeing(self) -> int:
-        """How many starts ended at the best cost, within a tolerance."""
+        """Number of starting points that led to the best cost, within a tolerance."""
         costs = np.array([start.cost for start in self.solution.starts])
         return int(np.sum(costs <= np.min(costs) * (1.0 + SAME_COST) + NEGLIGIBLE_COST * len(self.solution.residuals)))
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """Reasons against trusting the numbers, in sentences."""
-        found = []
+        """Reasons not to trust the numbers, as sentences."""
+        listed = []
         if self.goodness.status == "misfit":
-            found.append(f"misfit: {'; '.join(self.goodness.words)}: {DISTRUST}")
+            listed.append(f"misfit: {'; '.join(self.goodness.reasons)}: {DISTRUST}")
         if not self.solution.converged:
-            found.append("the fit did not converge: try more starts, narrower bounds or fewer parameters")
-        found += [*self.goodness.warnings, *self.uncertainty.words]
-        found += dict.fromkeys(note for run in self.problem.runs for note in run.measured.notes)
-        found += words(self.problem, self.values)
-        found += unit_warnings(self.problem, self.values, self.residuals)
+            listed.append("the fit did not converge: try more starts, narrower bounds or fewer parameters")
+        listed += [*self.goodness.warnings, *self.uncertainty.warnings]
+        listed += dict.fromkeys(note for run in self.problem.runs for note in run.measured.notes)
+        listed += media_warnings(self.problem, self.values)
+        listed += unit_warnings(self.problem, self.values, self.residuals)
         if self.scatter is not None and self.scatter.relative > MOST:
             size = f"{self.scatter.relative:.2g}"
-            found.append(f"the medium would scatter by {size}, and {MOST:g} is the most that one can: that is written")
+            listed.append(f"the fitted scatter of the medium, {size}, is above the limit of {MOST:g}, which is written")
         count = len(self.solution.starts)
         if count > 1 and self.agreeing == 1:
-            found.append(f"only 1 of {count} starting points led to this fit; there may be a better one: more starts")
+            listed.append(f"only 1 of {count} starting points led to this fit; try more starts to find a better one")
         died = sum(start.problem == DIED for start in self.solution.starts)
         if died:
-            found.append(f"{died} of {count} starting points failed: {DIED}, perhaps for lack of memory")
-        return tuple(found)
+            listed.append(f"{died} of {count} starting points failed: {DIED}, perhaps for lack of memory")
+        return tuple(listed)
 
 
 def fit(problem: Problem, workers: int = 1, progress: Progress | None = None) -> Fit:
@@ -91,62 +91,63 @@ def fit(problem: Problem, workers: int = 1, progress: Progress | None = None) ->
     problem : Problem
         Runs, data and parameters.
     workers : int, optional
-        Processes that the starting points are shared out to.
+        Number of processes for the starting points.
     progress : callable, optional
-        Told how many starting points are done, and of how many.
+        Called with the number of finished starting points and their total number.
 
     Raises
     ------
     SolveError
-        The model fails wherever it is started.
+        The model fails at every starting point.
     """
     solution = solve(problem, workers, progress)
-    grains, judged, covariance = None, solution, None
+    scatter, judged, covariance = None, solution, None
     if problem.scatter:
         try:
-            solution, grains = separate(problem, solution)
+            solution, scatter = separate(problem, solution)
         except ModelFailed as error:
             raise SolveError(f"the model fails near the best parameters: {error}") from error
-        judged, covariance = replace(solution, residuals=grains.white * grains.noise), grains.covariance
-    known = uncertainty(problem, solution, covariance)
+        judged, covariance = replace(solution, residuals=scatter.white * scatter.noise), scatter.covariance
+    errors = uncertainty(problem, solution, covariance)
     residuals = tuple(problem.split(solution.residuals))
-    return Fit(problem, solution, known, goodness(problem, judged), residuals, grains)
+    return Fit(problem, solution, errors, goodness(problem, judged), residuals, scatter)
 
 
-BEYOND = 2.0  # times the greatest of several published values, or below the least: more is unlikely for a sand
-TABLES = ("alpha_N_cm3",)  # whose single numbers are not judged: small ones differ by more from sand to sand
-UNLIKE = 2.0  # factor between measured forces and those of the fitted law: a fit of their size makes it 1
-ASKED = "is a column of the data in another unit than its name says?"
+BEYOND = 2.0  # greatest plausible factor above the largest, or below the smallest published value
+TABLES = ("alpha_N_cm3",)  # tables whose single numbers are not judged: small ones vary more from sand to sand
+UNLIKE = 2.0  # greatest plausible factor between measured forces and those of the fitted law; for a good fit it is 1
+UNIT_QUESTION = "is a column of the data in another unit than its name says?"
 
 
 def unit_warnings(problem: Problem, values: Vector, residuals: Sequence[Vector]) -> Iterator[str]:
-    """Sentences on what looks like another unit.
+    """Warnings about data that seem to be in another unit.
 
-    values: parameters (p,); residuals: data less model (n, columns) of each run.
+    values: parameters (p,); residuals: data minus model (n, columns) of each run.
     """
-    for one in fitted(problem):
-        value = float(values[problem.parameters.index(one)])
-        if (words := _beyond(one.key, abs(value))) is not None:
-            yield f"{one.label}, {value:.3g}, is {words}: {ASKED}"
-    for run, left in zip(problem.runs, residuals, strict=True):
-        held = run.measured
-        for k, name in enumerate(held.columns):
-            data, model = held.values[:, k], held.values[:, k] - left[:, k]
-            size, share = float(model @ model), float(data @ model)
-            if name in SIGNS and share > 0.0 and not 1.0 / UNLIKE < share / size < UNLIKE:
-                yield f"{held.file}: {name} is {share / size:.3g} times what the fitted law gives: {ASKED}"
+    for parameter in fitted(problem):
+        value = float(values[problem.parameters.index(parameter)])
+        if (excess := _beyond(parameter.key, abs(value))) is not None:
+            yield f"{parameter.label}, {value:.3g}, is {excess}: {UNIT_QUESTION}"
+    for run, block in zip(problem.runs, residuals, strict=True):
+        measured = run.measured
+        for k, name in enumerate(measured.columns):
+            data, model = measured.values[:, k], measured.values[:, k] - block[:, k]
+            square, product = float(model @ model), float(data @ model)
+            if name in SIGNS and product > 0.0 and not 1.0 / UNLIKE < product / square < UNLIKE:
+                factor = f"{product / square:.3g}"
+                yield f"{measured.file}: {name} is {factor} times what the fitted law gives: {UNIT_QUESTION}"
 
 
 def _beyond(key: Key, value: float) -> str | None:
-    """How far a coefficient is from those of the media that are shipped, in words; None where it is not.
+    """Describe how far a coefficient is outside the range of the shipped media; None if it is not.
 
-    One published value is no range, and is not compared with.
+    A single published value is no range, so nothing is compared with it.
     """
-    known = published().get(_name(key), [])
-    if len(set(known)) < 2 or value == 0.0 or key[-2] in TABLES:
+    values = published().get(_name(key), [])
+    if len(set(values)) < 2 or value == 0.0 or key[-2] in TABLES:
         return None
-    low, high = min(known), max(known)
-    span = f"{low:g} to {high:g} in the media that are shipped"
+    low, high = min(values), max(values)
+    span = f"{low:g} to {high:g} in the shipped media"
     if value > BEYOND * high:
         return f"{value / high:.2g} times the greatest published value ({span})"
     if value < low / BEYOND:
@@ -156,13 +157,13 @@ def _beyond(key: Key, value: float) -> str | None:
 
 @cache
 def published() -> dict[str, list[float]]:
-    """Values other than 0 of each coefficient, by its dotted key, in the media that are shipped."""
-    found: dict[str, list[float]] = {}
+    """Values other than 0 of each coefficient in the shipped media, by dotted key."""
+    values: dict[str, list[float]] = {}
     for name in medium_names():
         plain = load_medium(name).model_dump(by_alias=True, exclude_unset=True)
         for key, value in _numbers(plain, ()):
-            found.setdefault(_name(("", *key)), []).append(value)
-    return found
+            values.setdefault(_name(("", *key)), []).append(value)
+    return values
 
 
 def _numbers(plain: Any, path: Key) -> Iterator[tuple[Key, float]]:
@@ -173,47 +174,51 @@ def _numbers(plain: Any, path: Key) -> Iterator[tuple[Key, float]]:
 
 
 def _name(key: Key) -> str:
-    """Key of a coefficient within its medium, of which there may be several."""
+    """Dotted key of a coefficient within its medium, without the index of the medium."""
     return ".".join(part for part in key[1:] if not part.isdecimal())
 
 
 MEDIUM = "medium"
 MOST_SHOWN = 6
-# What a medium is called, and where its numbers are from: no property of the sand.
+# Keys of a medium that are no property of the sand.
 _ABOUT = {"name", "source", "provenance", "range", "standing"}
 
 
 def fitted(problem: Problem) -> list[Parameter]:
-    """The shared parameters that belong to a medium."""
+    """Shared parameters that are coefficients of a medium."""
     return [p for p in problem.parameters if p.key[0] == MEDIUM and p.shared]
 
 
-def carrier(problem: Problem) -> int:
-    """Index of the first run on which all the fitted coefficients act; if none has them all, most of them."""
+def reference_run(problem: Problem) -> int:
+    """Index of the run whose medium is written: the first on which most of the fitted coefficients act."""
     counts = [sum(i in p.runs for p in fitted(problem)) for i in range(len(problem.runs))]
     return counts.index(max(counts))
 
 
-def words(problem: Problem, values: NDArray[Any]) -> Iterator[str]:
-    """Notes for a reader of the medium, for parameters (p,): what it does not contain, in what other runs differ."""
+def media_warnings(problem: Problem, values: NDArray[Any]) -> Iterator[str]:
+    """Warnings about the written medium, for parameters (p,): missing coefficients, differences to other runs."""
     if not fitted(problem):
         return
-    held = carrier(problem)
-    name = problem.runs[held].name
-    lacking = [p.label for p in fitted(problem) if held not in p.runs]
-    if lacking:
-        yield f"no run has all the coefficients: the medium written is that of {name}, without {', '.join(lacking)}"
+    reference = reference_run(problem)
+    name = problem.runs[reference].name
+    missing = [p.label for p in fitted(problem) if reference not in p.runs]
+    if missing:
+        yield f"no run has all fitted coefficients: the written medium is that of {name}, without {', '.join(missing)}"
     shared = {p.key[1:] for p in fitted(problem)}
     media = [_medium(problem, i, values) for i in range(len(problem.runs))]
+    changes = (change for medium in media for change in differences(media[reference], medium))
     differing: dict[str, None] = {}
-    for path, mine, other in (found for one in media for found in differences(media[held], one)):
+    for path, first, second in changes:
         key = tuple(map(str, path))
-        nothing = mine in (None, MISSING) and other in (None, MISSING)  # null is as good as left out
-        if not nothing and key not in shared and not _ABOUT & set(key):
-            differing[".".join(key) or "law"] = None  # or one has none, or several
+        both_unset = first in (None, MISSING) and second in (None, MISSING)  # null means the same as no key
+        if not both_unset and key not in shared and not _ABOUT & set(key):
+            differing[".".join(key) or "law"] = None  # no key if a run has no medium, or several
     if differing:
         listed = ", ".join([*differing][:MOST_SHOWN]) + (", ..." if len(differing) > MOST_SHOWN else "")
-        yield f"the media of the runs differ in {listed}, not fitted to all of them: the one written is that of {name}"
+        yield (
+            f"the media of the runs differ in {listed}, which is not fitted to all of them: the written medium is that "
+            f"of {name}"
+        )
 
 
 def _medium(problem: Problem, i: int, values: NDArray[Any]) -> Any:

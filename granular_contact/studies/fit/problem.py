@@ -1,4 +1,4 @@
-"""The problem of a fit: runs with their data, shared parameters and parameters of single runs."""
+"""Problem of a fit: measured runs, parameters shared by runs, and parameters of single runs."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ OFFSET: Key = ("time_offset_s",)
 class Parameter:
     """A number to be estimated between `low` and `high`; it acts on `runs` (indices).
 
-    Solvers see it scaled: its logarithm, or its position between low (0) and high (1).
+    The solver works with scaled values: the logarithm, or the value divided by high - low.
     """
 
     key: Key
@@ -36,7 +36,7 @@ class Parameter:
 
     @property
     def shared(self) -> bool:
-        """Whether it is shared by runs, and not the clock or the start of a single one."""
+        """Whether it is a parameter of the config of all runs, and not of a single run."""
         return "@" not in self.label
 
     @property
@@ -45,27 +45,28 @@ class Parameter:
         return self.high - self.low
 
     def scaled(self, value: float) -> float:
-        """The value as solvers see it."""
+        """Scale a value."""
         return math.log(value) if self.log else value / self.unit
 
     def value(self, scaled: float) -> float:
-        """The value of what solvers see, kept within the bounds where round-off would leave them."""
+        """Inverse of `scaled`, limited to the bounds, which round-off could exceed."""
         return min(max(self.unbounded(scaled), self.low), self.high)
 
     def unbounded(self, scaled: float) -> float:
-        """The same beyond the bounds of the search, as an end of an interval may be."""
+        """Inverse of `scaled` without the bounds, for the ends of confidence intervals."""
         return math.exp(scaled) if self.log else scaled * self.unit
 
     def slope(self, value: float) -> float:
-        """Derivative of the value by the scaled one."""
+        """Derivative of the value with respect to the scaled value."""
         return value if self.log else self.unit
 
 
 @dataclass(frozen=True)
 class MeasuredRun:
-    """A measured run and its model. acting: indices of the problem's parameters, in the order of the simulator's keys.
+    """A measured run and its model.
 
-    offset: model time is measured time less this (s), or less the parameter of index `offset_index`.
+    acting: indices of the parameters that act on the run, in the order of the simulator's keys. offset: model time is
+    measured time minus this offset (s), or minus the parameter of index `offset_index` if the offset is fitted.
     """
 
     name: str
@@ -76,17 +77,18 @@ class MeasuredRun:
     offset_index: int | None = None
 
     def at(self, x: Vector, time: Vector) -> Vector:
-        """Model values (n, columns) at times (n,) s of the measurement, for parameters x (parameters,)."""
+        """Model values (n, columns) at measured times (n,) s, for parameters x (parameters,), not scaled."""
         offset = self.offset if self.offset_index is None else x[self.offset_index]
         return self.simulator.response(tuple(float(x[i]) for i in self.acting)).at(time - offset)
 
 
 @dataclass(frozen=True)
 class Problem:
-    """Runs, parameters and noise (of a column, in its unit; None: unknown), and how to solve.
+    """Runs, parameters, noise and options of a fit.
 
-    loss: of residuals in units of the noise; starts: how many points to start from; seed: of their choice. scatter:
-    whether that of grains is separated from noise.
+    noise: standard deviation of each column, in its unit; None if unknown. loss: of residuals in units of the noise;
+    starts: number of starting points; seed: of their random choice. scatter: whether the scatter of grains is separated
+    from noise.
     """
 
     name: str
@@ -100,56 +102,57 @@ class Problem:
 
     @property
     def columns(self) -> list[str]:
-        """What was measured in any run."""
+        """Columns measured in at least one run."""
         return list(self.noise)
 
     @property
     def start(self) -> Vector:
         """Start values (parameters,), scaled."""
-        return np.array([p.scaled(p.start) for p in self.parameters])
+        return np.array([parameter.scaled(parameter.start) for parameter in self.parameters])
 
     @property
     def bounds(self) -> tuple[Vector, Vector]:
-        """Lower and upper bounds, scaled."""
-        low, high = np.array([(p.scaled(p.low), p.scaled(p.high)) for p in self.parameters]).T
+        """Lower and upper bounds (parameters,), scaled."""
+        pairs = [(parameter.scaled(parameter.low), parameter.scaled(parameter.high)) for parameter in self.parameters]
+        low, high = np.array(pairs).T
         return low, high
 
     def values(self, scaled: Vector) -> Vector:
-        """Parameters (parameters,) from what solvers see."""
-        return np.array([p.value(float(s)) for p, s in zip(self.parameters, scaled, strict=True)])
+        """Parameters (parameters,) from scaled values."""
+        return np.array([parameter.value(float(s)) for parameter, s in zip(self.parameters, scaled, strict=True)])
 
     def times(self) -> list[Vector]:
         """Times (n,) s of each run's data."""
         return [run.measured.time for run in self.runs]
 
     def data(self) -> Vector:
-        """All measured values in a row: run by run, instant by instant."""
+        """All measured values (values,): run by run, in each run row by row."""
         return np.concatenate([run.measured.values.ravel() for run in self.runs])
 
     def split(self, values: Vector, times: Sequence[Vector] | None = None) -> list[Vector]:
-        """Values in the order of `data`, or of `model` at these times, as (n, columns) of each run."""
+        """Split values in the order of `data`, or of `model` at the given times, into (n, columns) of each run."""
         counts = [len(time) for time in (self.times() if times is None else times)]
         shapes = [(n, len(run.measured.columns)) for n, run in zip(counts, self.runs, strict=True)]
         parts = np.split(values, np.cumsum([n * m for n, m in shapes])[:-1])
         return [part.reshape(shape) for part, shape in zip(parts, shapes, strict=True)]
 
     def by_column(self, blocks: Sequence[Vector] | None = None) -> dict[str, list[Vector]]:
-        """Series (n,) of each column in one run after another, of blocks (n, columns) of all runs or of the data."""
-        found: dict[str, list[Vector]] = {name: [] for name in self.columns}
+        """For each column the list of its series (n,) in all runs, from blocks (n, columns) of each run or the data."""
+        columns: dict[str, list[Vector]] = {name: [] for name in self.columns}
         for run, block in zip(self.runs, blocks or [run.measured.values for run in self.runs], strict=True):
             for name, series in zip(run.measured.columns, block.T, strict=True):
-                found[name].append(series)
-        return found
+                columns[name].append(series)
+        return columns
 
     def model(self, scaled: Vector, times: Sequence[Vector]) -> Vector:
-        """The model at times of each run, in the order of `data`; raises ModelFailed."""
+        """Model values at the given times of each run, in the order of `data`; raises ModelFailed."""
         x = self.values(scaled)
         return np.concatenate([run.at(x, time).ravel() for run, time in zip(self.runs, times, strict=True)])
 
-    def column_of(self) -> NDArray[np.intp]:
+    def column_indices(self) -> NDArray[np.intp]:
         """Index into `columns` of each value of `data`."""
         indices = []
         for run in self.runs:
-            own = [self.columns.index(name) for name in run.measured.columns]
-            indices.append(np.tile(own, len(run.measured.time)))
+            row = [self.columns.index(name) for name in run.measured.columns]
+            indices.append(np.tile(row, len(run.measured.time)))
         return np.concatenate(indices).astype(np.intp)

@@ -1,4 +1,4 @@
-"""One run of the model for given parameters, as smooth curves of what was measured."""
+"""Model of a measured run: the run of a config for given parameters, as smooth curves of the measured columns."""
 
 from __future__ import annotations
 
@@ -21,21 +21,22 @@ from granular_contact.values.arrays import Vector
 
 Key = tuple[str, ...]
 
-_KEPT = 64  # runs of one config that are remembered
+_KEPT = 64  # greatest number of cached runs of one config
 HERE = Position("fit", None)
-# Every accepted step is needed; pictures are not.
+# Curves need every accepted step.
 _ALL_ROWS = (Override(("output", "interval_s"), Scalar(HERE, None, "null"), HERE),)
 
 
 class ModelFailed(Exception):
-    """The model gives no curve for these parameters; the text says why."""
+    """The model cannot be computed for these parameters; the text gives the reason."""
 
 
 @dataclass(frozen=True)
 class Response:
-    """Curves of a run over its time (s), from 0 to `end`; at rest they stay where they are.
+    """Curves of a run over its time (s), from 0 to `end`, and constant after it.
 
-    before: the same motion backwards in free flight, over the time before the start; None if nothing is asked there.
+    rests: whether the run ended at rest. before: curves over the time before the start, counted backwards, in free
+    flight; None if no data lie there.
     """
 
     curves: CubicSpline
@@ -53,10 +54,10 @@ class Response:
 
 
 class Simulator:
-    """The runs of one config, by the values of some of its keys; the latest are remembered.
+    """Runs of one config for given values of some of its keys; the latest runs are cached.
 
-    template: of `config.changed.filled`. columns: which of the time series are kept. early: time (s) before the start
-    for which curves are needed.
+    template: of `config.changed.filled`. columns: of the time series that become curves. early: time (s) before the
+    start for which curves are needed.
     """
 
     def __init__(self, template: Template, keys: Sequence[Key] = (), columns: Sequence[str] = ()) -> None:
@@ -66,11 +67,11 @@ class Simulator:
         self._build = Builder()
 
     def __getstate__(self) -> dict[str, object]:
-        """What is sent to a worker: all but the cached runs, which it computes faster than it receives them."""
+        """State for a worker, without the cached runs, which a worker computes faster than it receives them."""
         return self.__dict__ | {"_responses": {}}
 
     def load(self, values: Sequence[float], more: Sequence[Override] = ()) -> Loaded:
-        """Scenario for values of the keys; raises ConfigError for a value that is not allowed."""
+        """Scenario for values of the keys; raises ConfigError if a value is not allowed."""
         varied = [
             Override(key, Scalar(HERE, float(value), repr(float(value))), HERE)
             for key, value in zip(self._keys, values, strict=True)
@@ -78,12 +79,12 @@ class Simulator:
         return self._template.make(effective([*varied, *_ALL_ROWS, *more]))
 
     def results(self, values: Sequence[float], more: Sequence[Override] = ()) -> Results:
-        """A whole run.
+        """Results of the run for values of the keys.
 
         Raises
         ------
         ModelFailed
-            There is none for these values.
+            The run fails for these values.
         """
         try:
             scenario = self.load(values, more).scenario
@@ -111,16 +112,17 @@ class Simulator:
         return CubicSpline(results["time_s"], np.column_stack([results[name] for name in self.columns]))
 
     def _approach(self, values: tuple[float, ...]) -> Results:
-        """What came before the start: free flight is the same backwards, a run in vacuum at the turned rate."""
+        """Motion before the start: a run in vacuum with reversed rate, because free flight is reversible in time."""
         scenario = self.load(values).scenario
-        turned = {
+        changes = {
             ("medium",): None,
             ("initial", "impact_speed_rad_s"): -scenario.initial.impact_speed_rad_s,
             ("solver", "end_time_s"): max(self.early, 2.0 * steps(scenario).step_s),
             ("solver", "rest_time_s"): None,
         }
         if "depth_m" in self.columns:
-            turned["surface_height_m",] = self._build(scenario).surface
+            changes["surface_height_m",] = self._build(scenario).surface
         if "bed" in scenario_to_dict(scenario):
-            turned["bed",] = None
-        return self.results(values, [Override(key, Scalar(HERE, v, repr(v)), HERE) for key, v in turned.items()])
+            changes["bed",] = None
+        overrides = [Override(key, Scalar(HERE, value, repr(value)), HERE) for key, value in changes.items()]
+        return self.results(values, overrides)

@@ -1,12 +1,11 @@
-"""Problem -> the best parameters: least squares from several starting points, then weighted by the noise.
+"""Solve a fit: least squares from several starting points, then refined with weights from the noise.
 
-Derivatives of the model by its parameters, by central differences in the scaled parameters.
-
-A reduced run with the default rtol of 1e-6 is off by 2e-8 m, and rough by less. A step of 0.3 % is long against that
-and short against the curvature of the curves: derivatives are right to 1e-5 for a rigid link. For one that bends the
-steps that the integrator chooses differ between neighbouring runs: over six impacts errors were 0.03 to 0.2 % by the
-median, and 1.2 % at the worst, 1.6 % with another integrator (measured against rtol 1e-10, tests/fit/test_jacobian.py).
-Standard errors inherit that.
+Derivatives of the model with respect to the scaled parameters are central differences. A reduced run with the default
+rtol of 1e-6 has an error of 2e-8 m, and is smooth to less than that. A step of 0.3 % is large compared with this error
+and small compared with the curvature of the curves: for a rigid link derivatives have an error of 1e-5. For a flexible
+link neighbouring runs have different time steps: over six impacts errors were 0.03 to 0.2 % in the median and at most
+1.2 %, 1.6 % with another integrator (measured against rtol 1e-10, tests/fit/test_jacobian.py). Standard errors have the
+same relative error.
 """
 
 from __future__ import annotations
@@ -27,22 +26,22 @@ from granular_contact.studies.fit.problem import Loss, Parameter, Problem
 from granular_contact.studies.fit.responses import ModelFailed
 from granular_contact.values.arrays import Vector
 
-# Told after each starting point how many are done, and of how many.
+# Called after each starting point with the number of finished starting points and their total number.
 Progress = Callable[[int, int], None]
 
-MOST_EVALUATIONS = 60
-MOST_ROUNDS = 8  # of weights and parameters in turn
-NOISE_TOLERANCE = 1e-3  # relative change of the noise that ends them
-COARSE_TOLERANCE, FINE_TOLERANCE = 1e-4, 1e-7  # tolerances of the path into a basin, and to its bottom
+MOST_EVALUATIONS = 60  # greatest number of evaluations in one minimisation
+MOST_ROUNDS = 8  # greatest number of alternations between parameters and noise
+NOISE_TOLERANCE = 1e-3  # relative change of the noise that ends the alternation
+COARSE_TOLERANCE, FINE_TOLERANCE = 1e-4, 1e-7  # tolerances of the search from each start, and of the refinement
 FAILED_RESIDUAL = 1e6  # residual of parameters for which the model fails
-SAME_COST = 0.02  # relative difference of cost between starts that came to the same end
+SAME_COST = 0.02  # relative tolerance of the cost of starts that ended at the same minimum
 DIED = "the process died"
-NEGLIGIBLE_COST = 1e-7  # cost for each value of data that are met but for the errors of the computation
+NEGLIGIBLE_COST = 1e-7  # cost per value that is due to errors of the computation alone
 
 
 @dataclass(frozen=True)
 class Start:
-    """End of one start: scaled parameters and half the sum of squares, or the problem that it ended with."""
+    """Result of the search from one starting point: scaled parameters and half the sum of squares, or its failure."""
 
     scaled: Vector
     cost: float
@@ -51,9 +50,9 @@ class Start:
 
 @dataclass(frozen=True)
 class Solution:
-    """The best fit. scaled: parameters (p,); sigma: noise (columns,); residuals: (values,) data less model.
+    """The best fit. scaled: parameters (p,); sigma: noise (columns,); residuals: (values,) data minus model.
 
-    jacobian: of the model (values, p); at_bound: -1, 0, 1 for each parameter; starts: of all tries.
+    jacobian: of the model (values, p); at_bound: -1, 0 or 1 for each parameter; starts: results of all starting points.
     """
 
     scaled: Vector
@@ -66,18 +65,18 @@ class Solution:
 
 
 def solve(problem: Problem, workers: int = 1, progress: Progress | None = None) -> Solution:
-    """Fit from several starts, in `workers` processes, and refine the best.
+    """Fit from several starting points, in `workers` processes, and refine the best result.
 
     Raises
     ------
     SolveError
-        The model fails wherever it is started.
+        The model fails at every starting point.
     """
     starts = _from_all(problem, workers, progress)
-    alive = [one for one in starts if one.problem is None]
-    if not alive:
+    successful = [start for start in starts if start.problem is None]
+    if not successful:
         raise SolveError(f"the model fails at every starting point; at the first: {starts[0].problem}")
-    best = min(alive, key=lambda one: one.cost)
+    best = min(successful, key=lambda start: start.cost)
     try:
         return _refined(problem, best.scaled, tuple(starts))
     except ModelFailed as error:
@@ -85,35 +84,38 @@ def solve(problem: Problem, workers: int = 1, progress: Progress | None = None) 
 
 
 def starting_points(problem: Problem) -> list[Vector]:
-    """The given start, then a Sobol sequence within the bounds (scaled); offsets of clocks start as given."""
+    """Starting points (scaled): the given start, then a Sobol sequence within the bounds.
+
+    Parameters of single runs, as offsets of clocks, always have their given start.
+    """
     low, high = problem.bounds
     points = [np.clip(problem.start, low, high)]
     if problem.starts > 1:
-        shares = qmc.Sobol(len(low), seed=problem.seed).random_base2(int(np.ceil(np.log2(problem.starts))))
-        for share in shares[: problem.starts - 1]:
-            point = low + share * (high - low)
-            own = np.array([not p.shared for p in problem.parameters])
-            points.append(np.where(own, points[0], point))
+        is_own = np.array([not parameter.shared for parameter in problem.parameters])
+        fractions = qmc.Sobol(len(low), seed=problem.seed).random_base2(int(np.ceil(np.log2(problem.starts))))
+        for fraction in fractions[: problem.starts - 1]:
+            point = low + fraction * (high - low)
+            points.append(np.where(is_own, points[0], point))
     return points
 
 
 def _from_all(problem: Problem, workers: int, progress: Progress | None) -> list[Start]:
     points = starting_points(problem)
     workers = min(workers, len(points))
-    here = ((i, descend(problem, point)) for i, point in enumerate(points))
-    found: dict[int, Start] = {}
-    for i, start in _from_processes(problem, points, workers) if workers > 1 else here:
-        found[i] = start
+    in_this_process = ((i, descend(problem, point)) for i, point in enumerate(points))
+    starts: dict[int, Start] = {}
+    for i, start in _from_processes(problem, points, workers) if workers > 1 else in_this_process:
+        starts[i] = start
         if progress is not None:
-            progress(len(found), len(points))
-    return [found[i] for i in range(len(points))]
+            progress(len(starts), len(points))
+    return [starts[i] for i in range(len(points))]
 
 
 def _from_processes(problem: Problem, points: list[Vector], workers: int) -> Iterator[tuple[int, Start]]:
-    """Index and end of each start, as they come.
+    """Yield index and result of each starting point, in the order in which they finish.
 
-    A start whose process dies is tried once more in a new process, as it may have been killed from outside; never in
-    this process.
+    A start whose process dies is repeated once in a new process, because the process may have been killed from outside.
+    It is never repeated in this process, which could die as well.
     """
     from granular_contact.studies.processes import local_processes
 
@@ -133,22 +135,25 @@ def _from_processes(problem: Problem, points: list[Vector], workers: int) -> Ite
 
 
 def descend(problem: Problem, point: Vector) -> Start:
-    """Least squares from a point; columns are weighted by their standard deviation, as the noise is not known yet."""
-    data, column = problem.data(), problem.column_of()
-    spread = np.array([max(float(np.std(data[column == k])), 1e-12) for k in range(len(problem.columns))])
+    """Search from a starting point by least squares.
+
+    Columns are weighted by the standard deviation of their data, because the noise is not known yet.
+    """
+    data, column = problem.data(), problem.column_indices()
+    deviation = np.array([max(float(np.std(data[column == k])), 1e-12) for k in range(len(problem.columns))])
     try:
         problem.model(point, problem.times())
-        found = minimise(problem, point, spread, "linear", COARSE_TOLERANCE, rough=True)
+        minimum = minimise(problem, point, deviation, "linear", COARSE_TOLERANCE, rough=True)
     except ModelFailed as error:
         return Start(point, np.inf, str(error))
-    return Start(found.x, float(found.cost))
+    return Start(minimum.x, float(minimum.cost))
 
 
 def minimise(
     problem: Problem, point: Vector, sigma: Vector, loss: Loss, tolerance: float = FINE_TOLERANCE, rough: bool = False
 ) -> Any:
-    """`scipy.optimize.least_squares` of residuals in units of sigma (columns,); raises ModelFailed."""
-    data, weights, times = problem.data(), 1.0 / sigma[problem.column_of()], problem.times()
+    """Minimise residuals in units of sigma (columns,) by `scipy.optimize.least_squares`; raises ModelFailed."""
+    data, weights, times = problem.data(), 1.0 / sigma[problem.column_indices()], problem.times()
 
     def residuals(scaled: Vector) -> Vector:
         try:
@@ -172,19 +177,19 @@ def minimise(
 
 
 def _refined(problem: Problem, point: Vector, starts: tuple[Start, ...]) -> Solution:
-    """Parameters and noise in turn, until the noise has converged."""
-    column, floors = problem.column_of(), diagnostics.floors(problem)
+    """Refine the parameters: fit and estimate the noise in turn, until the noise has converged."""
+    column, floors = problem.column_indices(), diagnostics.floors(problem)
     residuals = problem.data() - problem.model(point, problem.times())
     sigma = estimate_noise(problem, residuals, column, floors)
-    settled = False
+    noise_converged = False
     for _ in range(MOST_ROUNDS):
-        found = minimise(problem, point, sigma, problem.loss)
-        point = found.x
+        minimum = minimise(problem, point, sigma, problem.loss)
+        point = minimum.x
         residuals = problem.data() - problem.model(point, problem.times())
         new = estimate_noise(problem, residuals, column, floors)
-        settled = bool(np.all(np.abs(new - sigma) <= NOISE_TOLERANCE * sigma))
+        noise_converged = bool(np.all(np.abs(new - sigma) <= NOISE_TOLERANCE * sigma))
         sigma = new
-        if settled:
+        if noise_converged:
             break
     return Solution(
         scaled=point,
@@ -193,12 +198,12 @@ def _refined(problem: Problem, point: Vector, starts: tuple[Start, ...]) -> Solu
         jacobian=jacobian(problem, point, problem.times()),
         at_bound=_at_bound(problem, point),
         starts=starts,
-        converged=bool(found.status > 0) and settled,
+        converged=bool(minimum.status > 0) and noise_converged,
     )
 
 
 def estimate_noise(problem: Problem, residuals: Vector, column: NDArray[np.intp], floors: Vector) -> Vector:
-    """Noise (columns,): as given, else from the residuals (values,)."""
+    """Noise (columns,): as given, otherwise estimated from the residuals (values,)."""
     share = min(len(problem.parameters) / len(residuals), 0.5)
     return np.array(
         [
@@ -212,15 +217,18 @@ def estimate_noise(problem: Problem, residuals: Vector, column: NDArray[np.intp]
 
 def _at_bound(problem: Problem, point: Vector) -> NDArray[np.int64]:
     low, high = problem.bounds
-    near = 1e-4 * (high - low)
-    return np.where(point <= low + near, -1, np.where(point >= high - near, 1, 0))
+    tolerance = 1e-4 * (high - low)
+    return np.where(point <= low + tolerance, -1, np.where(point >= high - tolerance, 1, 0))
 
 
-STEP = 3e-3
+STEP = 3e-3  # of a difference, in scaled parameters
 
 
 def jacobian(problem: Problem, scaled: Vector, times: Sequence[Vector], rough: bool = False) -> Vector:
-    """Derivatives (values, parameters) of `problem.model`; rough: one-sided, for half the runs. Raises ModelFailed."""
+    """Derivatives (values, parameters) of `problem.model`; raises ModelFailed.
+
+    rough: one-sided differences, which need half the runs.
+    """
     blocks = [len(time) * len(run.measured.columns) for run, time in zip(problem.runs, times, strict=True)]
     ends = np.cumsum(blocks)
     result = np.zeros((ends[-1], len(problem.parameters)))
@@ -230,14 +238,14 @@ def jacobian(problem: Problem, scaled: Vector, times: Sequence[Vector], rough: b
             run = problem.runs[i]
             block = slice(ends[i] - blocks[i], ends[i])
             for shift, weight in zip(shifts, weights, strict=True):
-                moved = scaled.copy()
-                moved[j] += shift
-                result[block, j] += weight * run.at(problem.values(moved), times[i]).ravel()
+                shifted = scaled.copy()
+                shifted[j] += shift
+                result[block, j] += weight * run.at(problem.values(shifted), times[i]).ravel()
     return result
 
 
 def _stencil(parameter: Parameter, at: float, rough: bool) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Shifts and weights of a difference that stays within the bounds, of second order unless rough."""
+    """Shifts and weights of a finite difference within the bounds; of second order, or of first order if rough."""
     low, high = parameter.scaled(parameter.low), parameter.scaled(parameter.high)
     h = min(STEP, 0.25 * (high - low))
     if rough:

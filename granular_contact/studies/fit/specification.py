@@ -1,6 +1,6 @@
-"""A fit file, or the options of the command line -> Specification; keys: `config.schema.fit`.
+"""Specification of a fit: runs, parameters and options, as written in a fit file or on the command line.
 
-The request for a fit: runs, parameters and options, as they were written.
+The keys of a fit file are in `config.schema.fit`.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ from granular_contact.config.yaml_source import read_file
 from granular_contact.errors import ConfigError, Fault
 
 
-def looked_for(zero: str | float | ClockBounds | None, reach: float) -> tuple[float, float, float] | None:
-    """Least, greatest and start of a zero, of a clock, a depth or a force, that is to be found; None if it is known.
+def search_range(zero: str | float | ClockBounds | None, reach: float) -> tuple[float, float, float] | None:
+    """Lower bound, upper bound and start of a fitted zero (of a clock, a depth or a force); None if the zero is given.
 
-    reach: how far it is looked for where only `fit` is said.
+    reach: half width of the search if the file only says `fit`.
     """
     if isinstance(zero, str):
         return -reach, reach, 0.0
@@ -35,7 +35,7 @@ def looked_for(zero: str | float | ClockBounds | None, reach: float) -> tuple[fl
 
 @dataclass(frozen=True)
 class ParameterRequest:
-    """A requested parameter."""
+    """A requested parameter: its key, the position of its request in the file, and its bounds."""
 
     key: tuple[str, ...]
     position: Position
@@ -49,10 +49,11 @@ class ParameterRequest:
 
 @dataclass(frozen=True)
 class RunRequest:
-    """A requested run. columns: measured name -> header and place; rows: header -> number and place.
+    """A requested run.
 
-    offset: by how much its clock is ahead (s), or least, greatest and start of what is to be found. force_test: how the
-    body was moved; None: as the columns say.
+    columns: measured name -> header and position in the file; rows: header -> number and position. offset: by which the
+    clock of the data is ahead (s), or lower bound, upper bound and start if it is fitted. force_test: prescribed motion
+    of the body; None if the columns decide whether the data are a force test.
     """
 
     name: str
@@ -70,7 +71,7 @@ class RunRequest:
 
 @dataclass(frozen=True)
 class Specification:
-    """A requested fit. noise: measured name -> value and place; file: with the options of the solver."""
+    """A requested fit. noise: measured name -> value and position in the file; file: with the options of the solver."""
 
     name: str
     file: FitFile
@@ -81,25 +82,25 @@ class Specification:
 
 
 def load_specification(path: str | PathLike[str]) -> Specification:
-    """Specification of a fit file; raises ConfigError with every fault of it."""
+    """Read a fit file; raises ConfigError with all its faults."""
     path = examples.named(Path(path))
     faults: list[Fault] = []
     return specification(read_file(path, faults), path, faults)
 
 
 def specification(root: tree.Node, path: Path, faults: list[Fault]) -> Specification:
-    """Specification of the tree of a fit file in `path`, whose folder files are looked for in.
+    """Make the specification from the tree of a fit file; paths in it are relative to the folder of `path`.
 
     Raises
     ------
     ConfigError
-        With `faults` and every other one.
+        With `faults` and all further ones.
     """
     root = root_of_kind(root, FitFile, "not a fit file", faults)
     file = validated(FitFile, root, faults)
     if file is None:
         raise ConfigError(sorted(faults, key=by_place))
-    found = Specification(
+    request = Specification(
         name=path.stem,
         file=file,
         runs=tuple(_named(_runs(root, file, path.parent, faults))),
@@ -107,16 +108,16 @@ def specification(root: tree.Node, path: Path, faults: list[Fault]) -> Specifica
         common=tuple(read_overrides(root.nodes.get("set"), ("set",), faults)),
         noise={name: (size, _at(root, "noise", name)) for name, size in file.noise.items()},
     )
-    if not found.parameters and not any(run.parameters for run in found.runs) and not faults:
+    if not request.parameters and not any(run.parameters for run in request.runs) and not faults:
         at = root.keys.get("parameters", root.position)
         faults.append(at.fault(("parameters",), "names none; allowed are dotted keys of the config, as medium.eta_h"))
     if faults:
         raise ConfigError(sorted(dict.fromkeys(faults), key=by_place))
-    return found
+    return request
 
 
 def _at(node: tree.Node, *path: str | int) -> tree.Position:
-    """Where the last key of a path was written."""
+    """Position in the file of the last key of a path."""
     return tree.key_position(node, path)
 
 
@@ -132,7 +133,7 @@ def _runs(root: tree.Mapping, file: FitFile, folder: Path, faults: list[Fault]) 
             _at(node, "data"),
             tuple(read_overrides(tree.child(node, "set"), (*path, "set"), faults)),
             _columns(root, file) if run.columns is None else _columns(node, run),
-            looked_for(clock, OFFSET_RANGE[1]) or (clock if isinstance(clock, float) else 0.0),
+            search_range(clock, OFFSET_RANGE[1]) or (clock if isinstance(clock, float) else 0.0),
             _parameters(node, path, run.parameters, faults),
             {header: (value, _at(node, "rows", header)) for header, value in (run.rows or {}).items()},
             file.force_test if run.force_test is None else run.force_test,
@@ -140,7 +141,7 @@ def _runs(root: tree.Mapping, file: FitFile, folder: Path, faults: list[Fault]) 
 
 
 def _named(runs: Iterator[RunRequest]) -> Iterator[RunRequest]:
-    """The runs under names that no other has: two files of one name get a number."""
+    """Give the runs unique names: a repeated name gets a number."""
     names: set[str] = set()
     for run in runs:
         name, count = run.name, 2
@@ -150,8 +151,8 @@ def _named(runs: Iterator[RunRequest]) -> Iterator[RunRequest]:
         yield replace(run, name=name)
 
 
-def _columns(node: tree.Node, of: FitFile | FitRun) -> dict[str, tuple[str, tree.Position]]:
-    return {name: (header, _at(node, "columns", name)) for name, header in (of.columns or {}).items()}
+def _columns(node: tree.Node, holder: FitFile | FitRun) -> dict[str, tuple[str, tree.Position]]:
+    return {name: (header, _at(node, "columns", name)) for name, header in (holder.columns or {}).items()}
 
 
 def _parameters(
@@ -160,13 +161,13 @@ def _parameters(
     given: tuple[str, ...] | Mapping[str, Bounds | None] | None,
     faults: list[Fault],
 ) -> tuple[ParameterRequest, ...]:
-    """Parameters of a run, or of all runs, in the order of the file."""
+    """Requested parameters of one run, or of all runs, in the order of the file."""
     path = (*path, "parameters")
     bounds = given if isinstance(given, Mapping) else dict.fromkeys(given or ())
-    found = []
-    for i, (name, held) in enumerate(bounds.items()):
+    requests = []
+    for i, (name, limits) in enumerate(bounds.items()):
         at = _at(node, "parameters", name if isinstance(given, Mapping) else i)
         parts = split(name, at, faults, form=f"dotted key: {tree.dotted(path)} has {name!r}")
         if parts is not None:
-            found.append(ParameterRequest(parts, at, held or Bounds()))
-    return tuple(found)
+            requests.append(ParameterRequest(parts, at, limits or Bounds()))
+    return tuple(requests)
