@@ -77,7 +77,7 @@ DATA = {
     "unknown column": (lambda g: ["time_s,tip_q_m,tip_y_m", *g[1:]], 1, "tip_q_m", "did you mean tip_"),
     "unlike any": (lambda g: ["time_s,frame,tip_y_m", *g[1:]], 1, "frame", "allowed are pivot_angle_deg (rad), tip"),
     "no time": (lambda g: ["mean_rate_rad_s,tip_x_m,tip_y_m", *g[1:]], 1, "", "has no column of times"),
-    "time alone": (lambda g: ["time_s,drag_force_x_N,kinetic_J", *g[1:]], 1, "", "has no column to compare with the run"),
+    "time alone": (lambda g: ["time_s,drag_force_x_N,kinetic_J", *g[1:]], 1, "", "no column to compare with the run"),
     "two of one": (lambda g: ["time_s,tip_x_m,tip_x_mm", *g[1:]], 1, "tip_x_m", "is measured by two columns"),
     "capitals": (lambda g: ["time_s,Tip_X_m,tip_y_m", *g[1:]], 1, "Tip_X_m", "did you mean tip_x_m?"),
     "no name": (lambda g: ["time_s,,tip_y_m", *g[1:]], 1, "", "has no name for column 2"),
