@@ -111,7 +111,7 @@ class OnStrips:
 
     @staticmethod
     def drag_anchor(p, anchor, m):
-        """Return the anchor unchanged, as a floor has no bristles."""
+        """Return the anchor unchanged, as a floor has no bristles; arguments as in `laws.law`."""
         return anchor
 
 

@@ -183,7 +183,20 @@ def term_factors(d, m):
 
 
 def face_factor(d, m):
-    """Factor eta_d rho A (kg/m) of the drag on an end face; d: diameter (m), m: constants of the law."""
+    """Factor of the drag on an end face.
+
+    Parameters
+    ----------
+    d : float
+        Diameter of the bar (m).
+    m : record
+        Constants of the law.
+
+    Returns
+    -------
+    float
+        eta_d rho A (kg/m).
+    """
     return m.eta_d * m.rho * 0.25 * math.pi * d * d
 
 

@@ -82,7 +82,7 @@ class Scatter(Coefficients):
 
         Parameters
         ----------
-        known : sequence of MeasuredScatter
+        measurements : sequence of MeasuredScatter
             Measured scatter of forces in the medium.
         in_space : bool
             Whether bodies are in space.

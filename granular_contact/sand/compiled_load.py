@@ -48,4 +48,12 @@ def compiled_load(kernels: Any) -> CompiledLoad:
 
 
 def add_nothing(q: Vector, v: Vector, out: Vector) -> None:
-    """Add no forces to out (m,): the forces of a load without contact lines."""
+    """Add no forces: `add_forces` of a load without contact lines.
+
+    Parameters
+    ----------
+    q, v : (m,) array
+        Coordinates and rates.
+    out : (m,) array
+        Generalised forces.
+    """

@@ -204,7 +204,17 @@ class HistoryTable:
         return row
 
     def wrenches(self, row: Vector) -> Vector:
-        """Wrenches (bodies, size) of a row (columns,)."""
+        """Wrenches on the bodies in a row.
+
+        Parameters
+        ----------
+        row : (columns,) array
+            A row.
+
+        Returns
+        -------
+        (bodies, size) array
+        """
         return row[self._first_body :].reshape(-1, self._size).copy()
 
     def snapshot(self) -> tuple[Vector, tuple[int, float]]:
@@ -270,5 +280,11 @@ class HistoryTable:
         )
 
     def replace_rows(self, rows: Vector) -> None:
-        """Use rows (n, columns) that were filled elsewhere, as the table's own."""
+        """Use rows that were filled elsewhere as those of the table.
+
+        Parameters
+        ----------
+        rows : (n, columns) array
+            The rows, not copied.
+        """
         self._rows, self.length = rows, len(rows)

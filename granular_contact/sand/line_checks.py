@@ -15,7 +15,17 @@ Vector = NDArray[np.float64]
 
 
 def fault(message: str) -> SceneError:
-    """Error of a bed, with this message."""
+    """Error of a bed.
+
+    Parameters
+    ----------
+    message : str
+        The sentence.
+
+    Returns
+    -------
+    SceneError
+    """
     return scene_error("bed", message)
 
 

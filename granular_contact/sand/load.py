@@ -346,7 +346,17 @@ class GranularLoad:
         return self.active
 
     def lean(self, q: Vector) -> float:
-        """Sine of the greatest angle by which a spatial body leans out of the plane; q (m,): coordinates."""
+        """Sine of the greatest angle by which a spatial body leans out of the plane.
+
+        Parameters
+        ----------
+        q : (m,) array
+            Coordinates.
+
+        Returns
+        -------
+        float
+        """
         return max(batch.lean(q) for batch in self._leaning_batches) if self._leaning_batches else 0.0
 
     @contextmanager

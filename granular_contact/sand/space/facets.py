@@ -42,7 +42,18 @@ class Size(NamedTuple):
     turn: float = MOST_TURN
 
     def around(self, radius: float) -> float:
-        """Greatest edge (m) along a circle of this radius (m)."""
+        """Greatest edge along a circle.
+
+        Parameters
+        ----------
+        radius : float
+            Radius (m).
+
+        Returns
+        -------
+        float
+            m.
+        """
         return min(self.edge, self.turn * radius)
 
 
@@ -74,7 +85,17 @@ class Facets(NamedTuple):
     curve: Vector
 
     def subset(self, which: NDArray[Any]) -> Facets:
-        """Some of the facets, by a mask or numbers."""
+        """Some of the facets.
+
+        Parameters
+        ----------
+        which : array of bool or int
+            A mask, or numbers of facets.
+
+        Returns
+        -------
+        Facets
+        """
         return Facets(*(np.asarray(column)[which] for column in self))
 
 
@@ -290,7 +311,20 @@ def transformed(facets: Facets, place: Vector, turn: Vector) -> Facets:
 
 
 def piece_count(length: float, edge: float) -> int:
-    """Number of pieces, no longer than an edge, of a length; bounded, as there can be too many."""
+    """Number of equal pieces of a length. It is bounded, as there can be far too many.
+
+    Parameters
+    ----------
+    length : float
+        Length (m).
+    edge : float
+        Greatest length of a piece (m).
+
+    Returns
+    -------
+    int
+        At least 1.
+    """
     return max(1, int(np.ceil(min(length / edge - 1e-9, triangles.MOST_FACETS + 1.0))))
 
 
