@@ -86,7 +86,7 @@ def _plain_names(kind: str, names: Iterable[str], reader: Reader) -> dict[str, s
     for name in names:
         plain = plain_name(kind, name)
         if plain in plain_names.values():
-            reader.fault(None, f"{kind}.{name}", f"is written as {plain} here, as another is; give it another name")
+            reader.fault(None, f"{kind}.{name}", f"is written as {plain} here, as is another name; give it another one")
         plain_names[name] = plain
     return plain_names
 

@@ -156,10 +156,10 @@ def _mend_inertia(inertial: Element, tensor: Vector, mass: float, corners: Vecto
         )
         return (
             f"its smaller moments of inertia are raised from {old_moments} to {new_moments} kg m^2; "
-            "all else of it stays"
+            "nothing else changes"
         )
     if len(corners) == 0:
-        return "its inertia stays, as it has no shape to take one from"
+        return "its inertia is not mended, as it has no shape to compute one from"
     if (origin := inertial.find("origin")) is not None:  # the new tensor is along the axes of the link
         origin.attrib.pop("rpy", None)
     _write_tensor(inertial, _of_hull(corners, mass))

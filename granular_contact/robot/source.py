@@ -84,7 +84,7 @@ def _undecodable(raw: bytes, encoding: str, error: UnicodeDecodeError) -> Notice
     """Notice on the first byte that an encoding does not have."""
     byte = f"the byte {raw[error.start]:#x}"
     line = raw.count(b"\n", 0, error.start) + 1
-    return Notice(line, f"holds {byte}, which the encoding {encoding[:40]} has not; read as UTF-8 or Latin-1")
+    return Notice(line, f"holds {byte}, which the encoding {encoding[:40]} does not have; read as UTF-8 or Latin-1")
 
 
 def parse_text(text: str) -> tuple[Any, list[Notice]]:
@@ -158,7 +158,7 @@ def _tolerated(log: list[Any]) -> Iterator[Notice]:
         if entry.type_name == "NS_ERR_UNDEFINED_NAMESPACE":
             match = _PREFIX.search(entry.message)
             prefix = match[1][:40] if match is not None else "?"
-            words = f"the prefix {prefix!r} is not declared (xmlns:{prefix}); what has it is ignored"
+            words = f"the prefix {prefix!r} is not declared (xmlns:{prefix}); names with it are ignored"
         elif entry.type_name == "ERR_HYPHEN_IN_COMMENT":
             words = "a comment holds --, which XML does not allow"
         elif entry.type_name == "ERR_RESERVED_XML_NAME":

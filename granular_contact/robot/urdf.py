@@ -102,7 +102,7 @@ def root_link(reader: Reader, links: Mapping[str, Link], joints: Mapping[str, Jo
         reader.fault(None, "link", "is missing; a robot has one link or more")
     elif len(roots) > 1 and complete:
         words = (
-            f"no joint has {roots[1]} as its child, nor {roots[0]}; allowed is one root, every other link is a child"
+            f"no joint has {roots[1]} or {roots[0]} as its child; allowed is one such root, every other link is a child"
         )
         reader.fault(links[roots[1]].line, f"link.{roots[1]}", words)
     _check_loops(reader, links, above)

@@ -134,7 +134,7 @@ def faults_without_medium(scenario: schema.Scenario, given: dict[str, Any]) -> I
     for key, value in given.items():
         if value is not None:
             got = "a floor" if key == "depth_m" else "a container"
-            why = f"got {got}, but no medium, and a bed needs one; for one with almost no resistance take {bare}"
+            why = f"got {got}, but no medium, and a bed needs one; a medium with almost no resistance is {bare}"
             yield scene_fault(f"bed.{key}", why)
 
 
@@ -145,7 +145,7 @@ def _resultant_faults(scenario: schema.Scenario, layers: tuple[Layer, ...]) -> I
     scattering = next((key for medium, key, *_ in places(scenario) if medium.scatter is not None), None)
     if scattering is not None:
         yield scene_fault(
-            f"{scattering}.scatter", "stands beside load.form: resultant, one force in all; allowed is null"
+            f"{scattering}.scatter", "stands beside load.form: resultant, which is a single force; allowed is null"
         )
     without = dict.fromkeys(medium.law for medium, *_ in places(scenario) if not medium.resultant)
     if without:

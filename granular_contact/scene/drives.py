@@ -78,9 +78,11 @@ def _undersampled(signal: signals.Signal, solver: Steps, key: str) -> list[Fault
     shortest = shortest_period(signal, solver.end_time_s)
     if solver.accuracy is not None or shortest > UNDERSAMPLED * solver.step_s * (1.0 + 1e-9):
         return []
-    words = f"goes to and fro within {shortest:.3g} s ({1.0 / shortest:.4g} Hz), of which steps of {solver.step_s:g} s"
+    words = (
+        f"goes to and fro within {shortest:.3g} s ({1.0 / shortest:.4g} Hz), which steps of {solver.step_s:g} s do not"
+    )
     allowed = f"solver.accuracy, which chooses shorter steps, or solver.step_s: {shortest / WELL_SAMPLED:.2g}"
-    return [scene_fault(key, f"{words} see next to nothing; allowed are {allowed}")]
+    return [scene_fault(key, f"{words}; allowed are {allowed}")]
 
 
 def _jump_fault(key: str, jumps: list[signals.Jump]) -> Fault:

@@ -114,7 +114,7 @@ def home_notes(loops: Loops, written: Mapping[str, Any], states: Mapping[str, An
     for name, joint in loops.joints.items():
         if joint.type not in ("hinge", "slider"):
             if _differ(written[name], states[name]):
-                words = "the loops do not close as it stands at the start; its child is placed where they do"
+                words = "the loops do not close with its child at the home pose; they close at the pose that is taken"
                 yield HomeNote("", None, f"model.joints.{name}", words)
             continue
         before, after = written[name].coordinate, states[name].coordinate

@@ -130,7 +130,7 @@ def medium_obstacles(scene: Scene) -> Iterator[str]:
     true_sign = isinstance(scene.method, Reduced) and scene.method.static == "true_sign"
     for medium in scene.media:
         if medium.needs_path_length:
-            yield f"{medium.name} scatters, or its shear grows with the path, which the engine alone keeps count of"
+            yield f"{medium.name} scatters, or its shear grows with the path, which the engine alone records"
         if true_sign and not medium.by_component:
             yield f"the law of {medium.name} has no sign of each component of the velocity for static: true_sign"
 

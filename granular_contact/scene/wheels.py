@@ -81,8 +81,8 @@ def wheel_notes(scenario: schema.Scenario) -> Iterator[Fault]:
         return
     for medium, key, *_ in places(scenario):
         if isinstance(medium, SurfacePressure) and not medium.shear_grows:
-            words = "is 0, so that all of the shear is there at once, and the pull of a wheel hardly depends on its "
-            words += "slip; give K (m), as cmu_dry_sand_bekker has it"
+            words = "is 0, so that the full shear stress acts at once, and the pull of a wheel hardly depends on its "
+            words += "slip; give K (m), as in cmu_dry_sand_bekker"
             yield scene_fault(f"{key}.shear_deformation_modulus_m", words)
 
 

@@ -258,5 +258,5 @@ def test_a_medium_of_surfaces_that_leaves_out_round_links_is_told() -> None:
     assert note.message.startswith("it does not act on round links, which are bars for play_sand")
     assert scene_of(run).notes == ()
     run["model"]["bodies"]["box"] = {"type": "rigid", "mass_kg": 1, "inertia_kg_m2": {"xx": 1, "yy": 1, "zz": 1}}
-    with pytest.raises(SceneError, match="nothing of the kind; round links are bars beside a medium that takes these"):
+    with pytest.raises(SceneError, match="nothing of the kind; round links are bars if another medium takes bars"):
         scene_of(run | {"medium": ["rft3d_sand", "play_sand"]})

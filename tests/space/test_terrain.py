@@ -137,7 +137,7 @@ def test_what_begins_beside_a_map_is_told(tmp_path: Path) -> None:
     (note,) = build(load(run(ground))).notes
     assert note.key == "bed.height_map"
     assert "from x = 0 to 2 m and from y = 0 to 1 m" in note.message
-    assert note.message.endswith("there at the start: box; corner_m moves the map")
+    assert note.message.endswith("beyond it at the start: box; corner_m moves the map")
     around = written(tmp_path, np.zeros((11, 21)), cell_m=0.1, corner_m=[-1, -0.5])
     assert build(load(run(around))).notes == ()
 

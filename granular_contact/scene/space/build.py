@@ -135,7 +135,7 @@ def _inapplicable_at(top: float, media: dict[str, Law], parts: list[Part]) -> It
     for key, medium in media.items():
         if not present & set(kinds_of[key]):
             words = f"in space {medium.name} takes {_listed(kinds_of[key])}, and there is nothing of the kind"
-            why = "; round links are bars beside a medium that takes these" if {"bar"} <= taken & present else ""
+            why = "; round links are bars if another medium takes bars" if {"bar"} <= taken & present else ""
             yield scene_fault(key, words + why)
 
 
@@ -153,8 +153,8 @@ def _beside_map(bed: SpatialBed | None, rigid: tuple[SpatialRigidBody, ...]) -> 
     if beside:
         (a, b), (c, d) = low, high
         names = ", ".join(list(dict.fromkeys(beside))[:MOST_NAMED])
-        words = f"the map is from x = {a:g} to {c:g} m and from y = {b:g} to {d:g} m, and the ground level beyond;"
-        yield scene_fault("bed.height_map", f"{words} there at the start: {names}; corner_m moves the map")
+        words = f"the map is from x = {a:g} to {c:g} m and from y = {b:g} to {d:g} m, and the ground is level beyond it"
+        yield scene_fault("bed.height_map", f"{words}; beyond it at the start: {names}; corner_m moves the map")
 
 
 def _links_as_bars(scenario: schema.SpatialScenario) -> Iterator[Fault]:

@@ -104,10 +104,12 @@ def independent_constraints(
     constraints, rows = _independent(model, {name: jacobian[:, movable] for name, jacobian in jacobians.items()})
     for name, mask in constraints.items():
         if mask != with_stretch[name]:
-            words = "holds a straight link by both of its ends, which keeps its length: give axial_stiffness_N of links"
+            words = (
+                "holds a straight link by both of its ends, but the link can't stretch: give axial_stiffness_N of links"
+            )
             faults.append(scene_fault(f"model.closures.{name}", f"{name} {words}"))
         elif not any(mask):
-            words = f"all that {name} holds is held by the other joints: leave it out"
+            words = f"all constraints of {name} are redundant with the other joints: leave it out"
             faults.append(scene_fault(f"model.closures.{name}", words))
     rank = len(rows)
     for drive in drives:
