@@ -1,30 +1,31 @@
 """Robots and other mechanisms that move in sand, simulated in the multibody engine Exudyn.
 
-A config in YAML, or the same as a dict, is a run:
+A config in YAML, or the same content as a dict, describes a run:
 
     load(source, **changes)       read and check a config: `load("runner", solver={"accuracy": 1e-3})`
-    simulate(config, control=f)   run it, steered by a function f(time, seen) if there is one -> Results
+    simulate(config, control=f)   run it, steered by a function f(time, observations) if there is one -> Results
     Simulation(config)            run it step by step: step, state, restore, reset
-    sweep(config, vary)           run many, in processes of their own -> rows
+    sweep(config, vary)           run many cases, in worker processes -> rows
     ensemble(config, count)       run many seeds of a medium's scatter -> means, quantiles, bands
-    optimise(config, parameters)  find the values that are best
-    build(config)                 check the geometry, without a run -> Scene
+    optimise(config, parameters)  find the best values of parameters
+    build(config)                 check the geometry without a run -> Scene
     Results                       results["tip_y_m"], plot, figures, animation, to_dataframe, save, Results.open
 
 In an Exudyn script of your own, in the plane or in space:
 
     GranularBed(mbs, medium, surface)   add_rigid, add_line, add_outline, add_ball, add_cables, add_body; attach
-    preset(name, **values)              a medium that is shipped, as `preset("play_sand")`
+    preset(name, **values)              a shipped medium, as `preset("play_sand")`
     Box, Cylinder, Sphere, Capsule, Cone, Plate, Bar, Mesh     shapes in space
-    Floor, Layer, Elastoplastic, Smooth                        what else a bed may have
+    Floor, Layer, Elastoplastic, Smooth                        floor, layers and static friction of a bed
 
-Laws of resistance, each a class whose numbers make a medium; a law of your own is a subclass of `Law`:
+Laws of resistance: each is a class, and an object of it with numbers is a medium. A law of your own is a subclass of
+`Law`:
 
     Rft, Rft3d, Drft, LeeMarghitu, Albert, Hill                                  of bars and plates
     Bingham, Poncelet, Allen, LinearDepth, TsimringVolfson, KatsuragiDurian      of balls
     add_law(MyLaw)                                                               for configs that name it by its tag
 
-`help(granular_contact.load)` and so on say the rest; the documentation is in docs/.
+See `help(granular_contact.load)` and so on for each of them; the documentation is in docs/.
 """
 
 from __future__ import annotations
@@ -32,10 +33,10 @@ from __future__ import annotations
 import re
 from typing import Any
 
-__version__ = "0.2.0.dev0"  # the only place; CONTRIBUTING.md says what it means
+__version__ = "0.2.0.dev0"  # the only place of the version; CONTRIBUTING.md explains its numbers
 
-# What is public stands once, in the stub that editors and type checkers read. It is loaded when first asked for:
-# reading a config must not load the engine, nor a vacuum run the compiler.
+# The stub file, which editors and type checkers read, lists the public names. Each is imported at its first use, so
+# that reading a config does not load the engine, and a run in vacuum does not load the compiler.
 with open(__file__.rpartition(".")[0] + ".pyi", encoding="utf-8") as _stub:
     _HOMES = {name: home for home, name in re.findall(r"^from (\S+) import (\w+) as \2$", _stub.read(), re.M)}
 

@@ -1,4 +1,4 @@
-"""What is public, each name once: for editors and type checkers; `__init__.py` loads each when it is asked for."""
+"""Public names, each with the module that defines it: for editors and type checkers, and for `__init__.py`."""
 
 from granular_contact.config.add_law import add_law as add_law
 from granular_contact.config.load import load as load

@@ -1,4 +1,4 @@
-"""What is set of the controls of a scene: checked, in SI units, within the ranges of their drives."""
+"""Values of the controls of a scene: checked, in SI units, within the ranges of their drives."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from granular_contact.errors import MOST_NAMES, ControlError, unknown_name
 from granular_contact.scene.drives import Beyond, Control, controls_of, range_warnings
 from granular_contact.scene.types import Scene
 
-ROUND_OFF = 1e-9  # of a range: what lies beyond it by less was meant to be its end
+ROUND_OFF = 1e-9  # relative to a range; a value that exceeds it by less counts as its end
 
 
 AN_EXTERNAL = "as {type: external, torque_Nm: 0}"
@@ -23,50 +23,55 @@ AN_EXTERNAL = "as {type: external, torque_Nm: 0}"
 class ControlValues:
     """Values of the controls of a scene.
 
-    names: of the controls, in the order of the drives; set_to: what is set, by joint and in SI units; beyond: what was
-    given beyond ranges, by joint.
+    names: names of the controls, in the order of the drives. set_to: the present values by joint, in SI units. beyond:
+    by joint, how often and how far values were outside its range.
     """
 
     def __init__(self, scene: Scene) -> None:
         self._controls: dict[str, Control] = controls_of(scene)
         self.names = tuple(self._controls)
-        self._plain = {name: (one.joint, one.unit) for name, one in self._controls.items()}
+        self._joints_and_units = {name: (control.joint, control.unit) for name, control in self._controls.items()}
         self._ranges = {control.joint: control.bounds_in_si for control in self._controls.values()}
         self.set_to = {control.joint: control.start for control in self._controls.values()}
         self.beyond: dict[str, Beyond] = {}
 
     @property
     def bounds(self) -> NDArray[np.float64]:
-        """Ranges (controls, 2) in the units of the names; infinite for any."""
+        """Ranges (controls, 2) in the units of the names; infinite for a control without a range."""
         return np.array([control.bounds for control in self._controls.values()]).reshape(-1, 2)
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What was given beyond ranges, in sentences."""
+        """Warnings about values outside ranges, in sentences."""
         return tuple(range_warnings(self._controls, self.beyond))
 
     def checked(self, controls: Mapping[str, float] | ArrayLike) -> dict[str, float]:
-        """What to set, by joint and in SI units.
+        """Values to set by joint, in SI units.
+
+        Parameters
+        ----------
+        controls
+            Values by the name of the control, or an array in the order of `names`.
 
         Raises
         ------
         ControlError
-            Other names or another number of them, or a number that is not finite.
+            A name is unknown, the array has another length, or a value is not finite.
         """
-        given = controls if type(controls) is dict or isinstance(controls, Mapping) else self._named(controls)
-        found = {}
-        for name, value in given.items():  # a step of 1 ms has no time for more, where nothing is wrong
-            plain = self._plain.get(name)
-            if plain is None or type(value) is not float or not -math.inf < value < math.inf:
-                return self._checked_one_by_one(given)
-            joint, unit = plain
-            found[joint] = unit * value
-        return found
+        by_name = controls if type(controls) is dict or isinstance(controls, Mapping) else self._named(controls)
+        values = {}
+        for name, value in by_name.items():  # the fast path of valid floats: it is called in each step of 1 ms
+            joint_and_unit = self._joints_and_units.get(name)
+            if joint_and_unit is None or type(value) is not float or not -math.inf < value < math.inf:
+                return self._checked_one_by_one(by_name)
+            joint, unit = joint_and_unit
+            values[joint] = unit * value
+        return values
 
-    def _checked_one_by_one(self, given: Mapping[str, Any]) -> dict[str, float]:
-        """The same, of other numbers and names too; with every fault."""
-        faults, found = [], {}
-        for name, value in given.items():
+    def _checked_one_by_one(self, by_name: Mapping[str, Any]) -> dict[str, float]:
+        """As `checked`, also for numbers of other types and for angles in radians; raises with all faults."""
+        faults, values = [], {}
+        for name, value in by_name.items():
             control = self._controls.get(name) or self._controls.get(name.removesuffix("_rad") + "_deg")
             if not self._controls:
                 faults.append(f"no control {name!r}: no drive is external; give a joint one, {AN_EXTERNAL}")
@@ -75,23 +80,23 @@ class ControlValues:
             elif (number := finite(value)) is None:
                 faults.append(f"{name}: got {value!r}, allowed is a finite number")
             else:
-                found[control.joint] = control.in_si(name, number)
+                values[control.joint] = control.in_si(name, number)
         if faults:
             raise ControlError("\n".join(faults))
-        return found
+        return values
 
     def within(self, joint: str, value: float) -> float:
-        """A value, or the end of the range of its joint where it lies beyond it; which is kept, to be reported."""
-        least, most = self._ranges[joint]
-        if least <= value <= most:
+        """A value (SI units) limited to the range of its joint; a value outside is recorded in `beyond`."""
+        low, high = self._ranges[joint]
+        if low <= value <= high:
             return value
-        end = min(max(value, least), most)
-        if (excess := abs(value - end)) > ROUND_OFF * (most - least):
+        end = min(max(value, low), high)
+        if (excess := abs(value - end)) > ROUND_OFF * (high - low):
             self.beyond[joint] = self.beyond.get(joint, Beyond()).and_by(excess)
         return end
 
     def _named(self, controls: Any) -> dict[str, Any]:
-        """Controls that were given in their order."""
+        """Values by the name of the control, from an array in the order of `names`."""
         try:
             values = np.asarray(controls)
         except ValueError:  # rows of different lengths

@@ -1,4 +1,4 @@
-"""Controllers: functions of the time and of what is seen that steer a run, and how they are called."""
+"""Controllers: functions of time and observations that give the controls of a run, and the loop that calls them."""
 
 from __future__ import annotations
 
@@ -19,35 +19,52 @@ Controller = Callable[[float, Observations], Controls]
 
 
 class Steered(Protocol):
-    """A run that is steered, as `Simulation` is."""
+    """A run that a controller steers; `Simulation` is one."""
 
     @property
     def ended(self) -> Status | None:
-        """How it ended; None while it goes on."""
+        """How the run ended; None while it goes on."""
 
     def observe(self) -> Observations:
-        """What is seen of the present state."""
+        """Observations of the present state."""
 
     def _go_on(self, controls: Controls, until: float) -> Observations:
-        """Set controls and go on to a time (s)."""
+        """Set controls and advance to a time (s)."""
 
     def fail(self, message: str) -> None:
-        """End as failed."""
+        """End the run with the status failed."""
 
     def run_out(self) -> None:
-        """End as its wall time is over."""
+        """End the run because its wall time is used up."""
 
     def interrupt(self) -> None:
-        """End as interrupted."""
+        """End the run with the status interrupted."""
 
 
 def steer(
     run: Steered, control: Controller, rate: float, end: float, left: float, progress: Progress | None
 ) -> Exception | None:
-    """Go on to the end of a run (s), with controls from a controller that is called so many times a second.
+    """Run to the end with controls from a controller.
 
-    left: wall time (s) that it may take, the controller's own included. What the controller raises ends the run, and is
-    given back; None where it raises nothing.
+    Parameters
+    ----------
+    run
+        The run, at its present state.
+    control
+        The controller, a function of time (s) and observations.
+    rate
+        Number of calls of the controller per second of simulated time.
+    end
+        End of the run (s), for `progress`.
+    left
+        Wall time (s) that is left for the run and its controller.
+    progress
+        Called after each call of the controller with the simulated time and the end (s).
+
+    Returns
+    -------
+    Exception or None
+        The exception that the controller raised, which ends the run as failed.
     """
     deadline = time.perf_counter() + left
     seen, calls = run.observe(), 0
@@ -58,8 +75,8 @@ def steer(
             seen = run._go_on(control(seen.time, seen), began + calls / rate)
         except KeyboardInterrupt:
             run.interrupt()
-        except Exception as error:  # whatever the controller of a user raises
-            run.fail(f"the controller failed at {seen.time:.6g} s: {_words(error)}")
+        except Exception as error:  # a controller of a user may raise anything
+            run.fail(f"the controller failed at {seen.time:.6g} s: {_one_line(error)}")
             return error
         if progress is not None:
             progress(seen.time, end)
@@ -69,7 +86,7 @@ def steer(
 
 
 def checked_rate(control_rate_Hz: Any, shortest: float = 0.0) -> float:
-    """A rate as a number; ControlError where it is none above 0, or has a period below the `shortest` (s)."""
+    """The rate as a number. ControlError if it is no number above 0, or if its period is below `shortest` (s)."""
     rate = finite(control_rate_Hz)
     if rate is None or rate <= 0.0:
         raise ControlError(f"control_rate_Hz: got {control_rate_Hz!r}, allowed is a finite number above 0")
@@ -78,8 +95,8 @@ def checked_rate(control_rate_Hz: Any, shortest: float = 0.0) -> float:
     return rate
 
 
-def _words(error: Exception) -> str:
-    """An error in one sentence, with the place in the controller where it was raised."""
+def _one_line(error: Exception) -> str:
+    """Message of an exception in one line, with the file and line that raised it."""
     if isinstance(error, ControlError):
         return str(error).replace("\n", "; ")
     frames: Sequence[traceback.FrameSummary] = traceback.extract_tb(error.__traceback__)
@@ -87,7 +104,7 @@ def _words(error: Exception) -> str:
 
 
 def finite(value: Any) -> float | None:
-    """A value as a number; None if it is none, or not finite."""
+    """The value as a finite number; None if it is none."""
     try:
         number = float(value)
     except (TypeError, ValueError):

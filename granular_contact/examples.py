@@ -1,4 +1,4 @@
-"""The models and configs that come with the package, written to a folder for a user to run and change."""
+"""Shipped models and configs: find them by name, and write them into a folder where a user can change them."""
 
 from __future__ import annotations
 
@@ -11,28 +11,31 @@ ENDINGS = (".yaml", ".csv", ".txt", ".urdf", ".stl")  # (.txt: licences of data)
 
 
 def home() -> Path:
-    """The folder that holds them; of an editable install its checkout.
+    """The folder that contains the folders of models and configs; for an editable install the checkout.
 
     Raises
     ------
     FileNotFoundError
-        The package was installed without them.
+        The package was installed without models.
     """
-    found = next((place for place in (PACKAGE, PACKAGE.parent) if (place / FOLDERS[0]).is_dir()), None)
-    if found is None:
+    folder = next((place for place in (PACKAGE, PACKAGE.parent) if (place / FOLDERS[0]).is_dir()), None)
+    if folder is None:
         raise FileNotFoundError(f"no models in {PACKAGE}: this installation is incomplete")
-    return found
+    return folder
 
 
 def config(name: str) -> Path | None:
-    """The shipped config of a name, as `runner` or `runner.yaml`; None if there is none."""
+    """Path of the shipped config with this name, as `runner` or `runner.yaml`; None if there is none."""
     folder = home() / FOLDERS[1]
     path = folder / (name if name.endswith(".yaml") else f"{name}.yaml")
     return path if path.parent == folder and path.is_file() else None
 
 
 def named(path: Path, folder: Path | None = None) -> Path:
-    """The file of a path, from a folder where one is given; else the shipped config of that name, if there is one."""
+    """The file at `path` (relative to `folder`) if it exists, else the shipped config of this name if there is one.
+
+    If neither exists, the path of the missing file is returned.
+    """
     file = path if folder is None else folder / path
     if file.exists() or path.name != str(path):
         return file
@@ -45,29 +48,30 @@ def config_names() -> list[str]:
 
 
 def shipped() -> dict[str, bytes]:
-    """Contents of all files by their relative path, `configs/pendulum.yaml` for example; errors as of `home`."""
+    """Contents of all shipped files by relative path, for example `configs/pendulum.yaml`; raises as `home`."""
     top = home()
     files = [path for folder in FOLDERS for path in sorted((top / folder).rglob("*")) if path.suffix in ENDINGS]
     return {path.relative_to(top).as_posix(): path.read_bytes() for path in files}
 
 
 def write(directory: Path, further: Mapping[str, bytes] | None = None) -> list[str]:
-    """Write all files below `directory`, and return their relative paths.
+    """Write all shipped files into `directory`, and return their relative paths.
 
-    further: contents of other files by their relative path.
+    further: contents of other files to write, by relative path.
 
     Raises
     ------
     FileExistsError
-        Files of these names with another content are there; the message names them, and nothing was written.
+        Files with these names and another content exist. The message names them, and no file is written.
     OSError
-        As the disk has it.
+        A file can't be written.
     """
     files = {**shipped(), **(further or {})}
-    other = [name for name, content in files.items() if _differs(directory / name, content)]
-    if other:
-        rest = f" and {len(other) - 3} more" if len(other) > 3 else ""
-        raise FileExistsError(f"{', '.join(other[:3])}{rest} in {directory} would be overwritten: give another folder")
+    conflicts = [name for name, content in files.items() if _differs(directory / name, content)]
+    if conflicts:
+        rest = f" and {len(conflicts) - 3} more" if len(conflicts) > 3 else ""
+        listed = f"{', '.join(conflicts[:3])}{rest}"
+        raise FileExistsError(f"{listed} in {directory} would be overwritten: give another folder")
     for name, content in files.items():
         path = directory / name
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -77,4 +81,5 @@ def write(directory: Path, further: Mapping[str, bytes] | None = None) -> list[s
 
 
 def _differs(path: Path, content: bytes) -> bool:
+    """Whether a path exists and is no file with this content."""
     return path.exists() and not (path.is_file() and path.read_bytes() == content)

@@ -1,4 +1,4 @@
-"""One scene, by the engine, in minimal coordinates or by the reduced model: Scene -> Results."""
+"""Run a scene with its method of solution: the engine, minimal coordinates or the reduced model. Scene -> Results."""
 
 from __future__ import annotations
 
@@ -36,23 +36,23 @@ def run(
     inspect: Callable[[System, Trajectory], None] | None = None,
     compiling: Compiling | None = None,
 ) -> Results:
-    """Simulate a scene. However the run ends, what it reached is in the results; look at their status.
+    """Simulate a scene. Check the status of the results: they contain all steps up to the end, however the run ended.
 
     Parameters
     ----------
     scene : Scene
-        What `granular_contact.scene.build` made of the scenario.
+        The result of `granular_contact.scene.build`.
     scenario : Scenario or Loaded, optional
-        What the scene was built from; the scene knows it, and any other is refused.
+        The scenario that the scene was built from. The scene knows it, so it may be left out; another one is refused.
     progress : callable, optional
-        Called now and then with the simulated time and the end time (s).
+        Called from time to time with the simulated time and the end time (s).
     most_frames : int
-        From 2: the results get at most so many frames, for an animation.
+        Largest number of pictures for an animation; below 2 there are none.
     inspect : callable, optional
-        Called with the system and the trajectory after the solve; in minimal coordinates the system has no engine.
-        Never for reduced models, which have neither.
+        Called with the system and the trajectory after the solve. In minimal coordinates the system has no engine. Not
+        called for reduced models, which have neither.
     compiling : callable, optional
-        Called with a sentence when kernels have to be compiled, which is the case the first time in an installation.
+        Called with a sentence when kernels have to be compiled, once in an installation.
 
     Returns
     -------
@@ -61,79 +61,85 @@ def run(
     Raises
     ------
     SceneError
-        The scenario is another one than the scene was built from, or the scene was not built from any.
+        The scene was built from another scenario, or was changed after it was built.
     """
-    known = scenario_of(scene, scenario)
+    built_from = scenario_of(scene, scenario)
     with announced(compiling, kernels_of(scene)):
-        begun, seen = _observed(scene, progress, inspect)
-        made = results(seen, scenario_to_dict(known), most_frames)
-    if inspect is None:  # whose caller may go on with the system
+        begun, observation = _observed(scene, progress, inspect)
+        made = results(observation, scenario_to_dict(built_from), most_frames)
+    if inspect is None:  # else the caller may still use the system
         begun.solving.close()
     return made
 
 
 def summary_of(scene: Scene, more: Callable[[Observation], dict[str, Any]] = lambda _: {}) -> dict[str, Any]:
-    """The summary of a scene's run, as `run` gives it, without the table and pictures that a sweep does not keep.
+    """Summary of a scene's run, as `run` gives it, without the time series and pictures, which a sweep does not keep.
 
-    more: what the summary has besides, from what was observed.
+    more: gives further entries of the summary from the observation.
     """
-    begun, seen = _observed(scene, None, None)
-    summary, _ = key_numbers(seen)
-    summary |= more(seen)
+    begun, observation = _observed(scene, None, None)
+    summary, _ = key_numbers(observation)
+    summary |= more(observation)
     begun.solving.close()
     return summary
 
 
 def summaries_of(scenes: Sequence[Scene]) -> list[dict[str, Any] | Exception]:
-    """As `summary_of`, of several scenes; or what went wrong with one. Those of the reduced model march together.
+    """Summary of each scene as `summary_of` gives it, or the exception that its run raised.
 
-    While they march other threads of Python go on.
+    Scenes with the reduced model are solved together, in one call that lets other threads of Python run.
     """
     from granular_contact.engines.modal.batch import summaries
     from granular_contact.engines.modal.model import Models
 
-    of, places = Models(), [i for i, scene in enumerate(scenes) if isinstance(scene.method, Reduced)]
-    found: dict[int, Any] = {i: tried(of, scenes[i]) for i in places}
-    fine = [i for i in places if not isinstance(found[i], Exception)]
-    together: Any = tried(summaries, [found[i] for i in fine])
-    if isinstance(together, Exception):  # of one of them, or of memory for all
-        together = [tried(lambda one: summaries([one])[0], found[i]) for i in fine]
-    found.update(zip(fine, together, strict=True))
-    return [found[i] if i in found else tried(summary_of, scene) for i, scene in enumerate(scenes)]
+    model_of, reduced = Models(), [i for i, scene in enumerate(scenes) if isinstance(scene.method, Reduced)]
+    models: dict[int, Any] = {i: tried(model_of, scenes[i]) for i in reduced}
+    valid = [i for i in reduced if not isinstance(models[i], Exception)]
+    batch: Any = tried(summaries, [models[i] for i in valid])
+    if isinstance(batch, Exception):  # from one of the runs, or from too little memory for all: solve them one by one
+        batch = [tried(lambda model: summaries([model])[0], models[i]) for i in valid]
+    outcomes = models | dict(zip(valid, batch, strict=True))
+    return [outcomes[i] if i in outcomes else tried(summary_of, scene) for i, scene in enumerate(scenes)]
 
 
-def tried(function: Callable[..., Made], *given: Any) -> Made | Exception:
-    """What a function gives, or the exception that it raises."""
+def tried(function: Callable[..., Made], *arguments: Any) -> Made | Exception:
+    """Result of a function, or the exception that it raises."""
     try:
-        return function(*given)
+        return function(*arguments)
     except Exception as error:
         return error
 
 
-def scenario_of(scene: Scene, given: Scenario | Loaded | None = None) -> Scenario:
-    """The scenario that a scene was built from, which results may name; a given one has to be the same."""
-    built = scene.scenario
-    if built is None:
-        why = "the scene was changed after it was built, so no scenario says what it is"
-        raise scene_error("scene", f"{why}; change the scenario with its replace() and build that")
-    told = "what the scene was built from; values to change go into load(config, ...)"
-    of_type("scenario", given, (Scenario, Loaded, NoneType), told)
-    given = given.scenario if isinstance(given, Loaded) else given
-    if given is None or given is built or given == built or checked(given) == built:
-        return built
-    keys = differing_keys(scenario_to_dict(given), scenario_to_dict(built))
+def scenario_of(scene: Scene, scenario: Scenario | Loaded | None = None) -> Scenario:
+    """The scenario that a scene was built from.
+
+    Raises
+    ------
+    SceneError
+        The scene was changed after it was built, or `scenario` is another one.
+    """
+    built_from = scene.scenario
+    if built_from is None:
+        reason = "the scene was changed after it was built, so no scenario says what it is"
+        raise scene_error("scene", f"{reason}; change the scenario with its replace() and build that")
+    allowed = "what the scene was built from; values to change go into load(config, ...)"
+    of_type("scenario", scenario, (Scenario, Loaded, NoneType), allowed)
+    given = scenario.scenario if isinstance(scenario, Loaded) else scenario
+    if given is None or given is built_from or given == built_from or checked(given) == built_from:
+        return built_from
+    keys = differing_keys(scenario_to_dict(given), scenario_to_dict(built_from))
     raise scene_error("scenario", f"is not the one that the scene was built from: they differ in {keys}; leave it out")
 
 
 def uninterrupted(results: Results) -> Results:
-    """The same results, for those who make several and want all; raises KeyboardInterrupt where that ended a run."""
+    """The same results; KeyboardInterrupt if the user interrupted the run, so that no further runs follow."""
     if results.status.code == "interrupted":
         raise KeyboardInterrupt
     return results
 
 
 def kernels_of(scene: Scene) -> str:
-    """What is compiled for a scene, in words: its laws and its kinds of bodies."""
+    """Words for the kernels that are compiled for a scene: its laws and its kinds of bodies."""
     laws = ", ".join(dict.fromkeys(medium.law for medium in scene.media))
     if scene.in_space:
         return f"the law {laws} for bodies in space" if laws else "the equations of motion"
@@ -209,6 +215,7 @@ def begin(scene: Scene, progress: Progress | None = None, *, pauses: bool = Fals
 
 
 def _by_engine(scene: Any, progress: Progress | None, pauses: bool) -> Begun:
+    """Solve by Exudyn."""
     from granular_contact.engines.exudyn.solve import Solve
 
     if scene.in_space:
@@ -223,20 +230,22 @@ def _by_engine(scene: Any, progress: Progress | None, pauses: bool) -> Begun:
 
 
 def _by_minimal(scene: Any, progress: Progress | None) -> Begun:
+    """Solve in minimal coordinates."""
     from granular_contact.engines.tree.solve import Solve
 
     if scene.in_space:
         from granular_contact.engines.tree.space_tree import tree as tree_in_space
 
-        made: Tree = tree_in_space(scene)
+        scene_tree: Tree = tree_in_space(scene)
     else:
         from granular_contact.engines.tree.tree import tree
 
-        made = tree(scene)
-    return Begun(Solve(made, progress), made.system.observe, made.system)
+        scene_tree = tree(scene)
+    return Begun(Solve(scene_tree, progress), scene_tree.system.observe, scene_tree.system)
 
 
 def _by_modes(scene: Scene, progress: Progress | None) -> Begun:
+    """Solve by the reduced model."""
     from granular_contact.engines.modal.model import model
     from granular_contact.engines.modal.observe import observe
     from granular_contact.engines.modal.solve import Solve
@@ -246,11 +255,11 @@ def _by_modes(scene: Scene, progress: Progress | None) -> Begun:
     return Begun(Solve(reduced, progress), partial(observe, reduced), None)
 
 
-_OTHERS = {Minimal: _by_minimal, Reduced: _by_modes}  # than the engine, by their options
+_OTHERS = {Minimal: _by_minimal, Reduced: _by_modes}  # methods other than the engine, by the class of their options
 
 
 def _solved(scene: Scene, progress: Progress | None) -> tuple[Begun, Any]:
-    """A solve at its end, with its trajectory."""
+    """Solve a scene to its end; return the solve and its trajectory."""
     begun = begin(scene, progress)
     begun.solving.advance()
     return begun, begun.solving.trajectory()
@@ -261,7 +270,7 @@ def _observed(
     progress: Progress | None,
     inspect: Callable[[System, Trajectory], None] | None,
 ) -> tuple[Begun, Observation]:
-    """Solve to the end, with strips or facets that are chosen by their error."""
+    """Solve a scene to its end, with strips or facets chosen by their error; return the solve and its observation."""
     if scene.in_space and any(medium.scatters for medium in scene.media):
         shares, error = _nominal_facets(scene, progress)
         begun, trajectory = _solved(replace(scene, facet_shares=shares), progress)  # type: ignore[call-arg]
@@ -273,13 +282,14 @@ def _observed(
     return begun, begun.observe(trajectory)
 
 
-_NOMINAL: dict[str, Any] = {}  # what was found of the scenario that ran last, for other members of its ensemble
+_NOMINAL: dict[str, Any] = {}  # `_nominal_facets` of the last scenario, for other members of its ensemble
 
 
 def _nominal_facets(scene: Any, progress: Progress | None) -> Any:
-    """Shares of the size of facets, and their error, that are chosen for a scene in space without what scatters.
+    """Sizes of facets (relative to the usual ones) and their error, chosen for a scene in space without scatter.
 
-    Each member of an ensemble would choose others by its own draws, which are no errors of facets.
+    All members of an ensemble use these sizes. With its own scatter each member would choose other sizes, although
+    scatter is no error of facets.
     """
     key = "" if scene.scenario is None else json.dumps(_unscattered(scenario_to_dict(scene.scenario)), default=str)
     if not key or key not in _NOMINAL:
@@ -291,35 +301,38 @@ def _nominal_facets(scene: Any, progress: Progress | None) -> Any:
 
 
 def _unscattered(tree: Any) -> Any:
-    """A scenario as a tree, without what scatters."""
+    """A scenario as plain data, without the scatter of its media."""
     if isinstance(tree, dict):
         return {key: _unscattered(value) for key, value in tree.items() if key != "scatter"}
-    return [_unscattered(one) for one in tree] if isinstance(tree, (list, tuple)) else tree
+    return [_unscattered(item) for item in tree] if isinstance(tree, (list, tuple)) else tree
 
 
 def _chosen(scene: Scene, progress: Progress | None) -> tuple[Begun, Any]:
-    """A solve at its end; solved again with smaller strips or facets where they are to be chosen by their error."""
+    """Solve a scene to its end, again with smaller strips or facets while their estimated error is too large.
+
+    Return the last solve and its trajectory, whose cost is the wall time of all solves.
+    """
     begun, trajectory = _solved(scene, progress)
     if begun.system is None or trajectory.load is None:
         return begun, trajectory
     from granular_contact.mechanics.strip_error import errors, finer, way
 
-    spent, before, coarser = trajectory.cost.solve_s, None, None
+    spent, errors_before, coarser = trajectory.cost.solve_s, None, None
     while begun.system:
         motion = begun.system.kinematics(trajectory)
-        found = errors(motion, coarser=coarser)
-        trajectory = replace(trajectory, strip_error=max(found.values(), default=0.0))
-        shorter = finer(motion, found, before, coarser is not None)
-        if shorter is None:
+        strip_errors = errors(motion, coarser=coarser)
+        trajectory = replace(trajectory, strip_error=max(strip_errors.values(), default=0.0))
+        finer_scene = finer(motion, strip_errors, errors_before, coarser is not None)
+        if finer_scene is None:
             break
-        # An estimate from one run is no measure for one that two runs tell.
-        before = None if scene.in_space and coarser is None else found
-        coarser = way(motion, found)
-        again, longer = _solved(shorter, progress)
-        spent += longer.cost.solve_s
-        if scene.in_space and longer.status.code in ("time_limit", "failed"):
-            again.solving.close()
-            break  # what ended is kept, with the warning of its error
+        # An estimate from one run can't be compared with an estimate from two runs.
+        errors_before = None if scene.in_space and coarser is None else strip_errors
+        coarser = way(motion, strip_errors)
+        finer_solve, finer_trajectory = _solved(finer_scene, progress)
+        spent += finer_trajectory.cost.solve_s
+        if scene.in_space and finer_trajectory.status.code in ("time_limit", "failed"):
+            finer_solve.solving.close()
+            break  # the last complete run is kept, with a warning of its error
         begun.solving.close()
-        begun, trajectory = again, longer
+        begun, trajectory = finer_solve, finer_trajectory
     return begun, replace(trajectory, cost=replace(trajectory.cost, solve_s=spent))

@@ -1,6 +1,6 @@
-"""A scene that goes on step by step, under the hands of a program.
+"""Step-by-step simulation of a scene under the control of a program.
 
-One path with runs in one call: both go on by the same solve, which here pauses where it is asked to.
+It uses the same solve as a run in one call. The solve pauses at each requested time.
 """
 
 from __future__ import annotations
@@ -26,32 +26,32 @@ from granular_contact.scene.build import build
 from granular_contact.scene.types import Scene
 from granular_contact.simulation_state import State
 
-SHORTEST = 1e-4  # of solver.step_s: a shorter pause is no step
+SHORTEST = 1e-4  # of solver.step_s: the shortest time by which `step` may advance
 
 
 class Simulation:
-    """A scene as an object that steps.
+    """A scene that is simulated step by step.
 
     Parameters
     ----------
     scenario : Scenario, Loaded, str, path or mapping
-        What `load` gave, or takes.
+        The result of `load`, or an argument of `load`.
     compiling : callable, optional
         Called with a sentence when kernels have to be compiled.
 
     Attributes
     ----------
     scenario, scene
-        Of the run under way: those given, but for the changes of the last `reset`.
+        Scenario and scene of the present run: those given, with the changes of the last `reset`.
     controls : tuple of str
-        Names of what can be set, `JOINT_torque_Nm` for a drive `{type: external, torque_Nm: 0}` of JOINT.
+        Names of the controls, for example `JOINT_torque_Nm` for a drive `{type: external, torque_Nm: 0}` of JOINT.
     random : numpy.random.Generator
-        Seeded by `reset`; a simulation draws from it only for changes that are functions.
+        Random generator, seeded by `reset`. A simulation uses it only for changes of `reset` that are functions.
 
     Raises
     ------
     ConfigError, SceneError, SolveError
-        As of `replace`, `build` and `simulate`.
+        As `replace`, `build` and `simulate` raise them.
 
     Examples
     --------
@@ -76,7 +76,7 @@ class Simulation:
         return f"<simulation of {self.scene.name}: {reached}, controls: {', '.join(self.controls) or 'none'}>"
 
     def _take(self, scene: Scene) -> None:
-        """Begin with a scene; where that fails, the simulation stays as it was."""
+        """Begin the simulation of a scene. If that fails, the simulation does not change."""
         with announced(self._compiling, kernels_of(scene)):
             begun = begin(scene, pauses=True)
         self.close()
@@ -109,54 +109,55 @@ class Simulation:
         return solving.status() if self._failed is None and solving.over else self._failed
 
     def reset(self, *, seed: int | None = None, **changes: Any) -> Observations:
-        """Begin anew, from the scenario that the simulation was made of.
+        """Begin a new run, from the scenario that the simulation was made from.
 
         Parameters
         ----------
         seed : int, optional
-            Of `random`; without one the generator goes on as it is.
+            Seed of `random`. Without it the generator keeps its state.
         **changes
-            Other values by dotted key, as of `Scenario.replace`: `reset(**{"medium.eta_d": 5})`. A function is called
-            with `random`, and gives the value.
+            Other values by dotted key, as for `Scenario.replace`: `reset(**{"medium.eta_d": 5})`. A function as a value
+            is called with `random` and gives the value.
 
         Returns
         -------
         Observations
-            Of the start.
+            Observations of the initial state.
         """
         if seed is not None:
             self.random = np.random.default_rng(seed)
         values = {key: value(self.random) if callable(value) else value for key, value in changes.items()}
         scenario = self._base.replace(values) if values else self._base
-        drawn = self.random.bit_generator.state
+        random_state = self.random.bit_generator.state  # which `restore` below replaces
         if self._begun is not None and (scenario is self.scenario or scenario == self.scenario):
             self.restore(self._start)
         else:
             self._take(build(scenario))
-        self.random.bit_generator.state = drawn
+        self.random.bit_generator.state = random_state
         return self.observe()
 
     def step(self, controls: Controls, dt: float) -> Observations:
-        """Go on by a time, with controls that stay set; the solver chooses its steps on the way as in any run.
+        """Set controls, and advance by a time. The solver chooses its time steps in between as in any run.
 
         Parameters
         ----------
         controls : mapping, array or None
-            What to set, by name, or all in the order of `controls`; what is not named stays as it is set. Angles also
-            in radians, `JOINT_angle_rad`. What lies beyond the `range` of a drive is set to the end of it, as a motor
-            gives no more than it can; the results warn of it.
+            Values by the name of the control, or an array in the order of `controls`. Controls that are not named keep
+            their values. Angles may be given in radians too, as `JOINT_angle_rad`. A value outside the `range` of a
+            drive is set to the nearer end, as a motor has limits too; the results have a warning of it.
         dt : float
-            Time to go (s); the run ends at `solver.end_time_s`.
+            Time by which to advance (s). The run ends at `solver.end_time_s`.
 
         Returns
         -------
         Observations
-            Of the instant reached: `dt` ahead, or where the run ended.
+            Observations after `dt`, or at the end of the run.
 
         Raises
         ------
         ControlError
-            Controls of other names or another number, or not finite; no time; the run is over. Nothing was changed.
+            A name is unknown, the array has another length, a value is not finite, `dt` is too short, or the run is
+            over. Nothing was changed.
         """
         time = dt if type(dt) is float else finite(dt)
         if time is None or not self._shortest <= time < math.inf:
@@ -171,24 +172,24 @@ class Simulation:
         progress: Progress | None = None,
         most_frames: int = 0,
     ) -> Results:
-        """Go on from here to the end of the run, steered by a controller if there is one.
+        """Continue from the present time to the end of the run, steered by a controller if there is one.
 
         Parameters
         ----------
         control, control_rate_Hz, progress, most_frames
-            As of `simulate`; the controller is called first at the present time.
+            As for `simulate`; the first call of the controller is at the present time.
 
         Returns
         -------
         Results
-            Of the whole run.
+            Results of the whole run.
 
         Raises
         ------
         ControllerError
-            The controller raised, or gave what can't be set; its `results` are what was reached.
+            The controller raised an exception, or gave invalid controls. Its `results` are those up to this instant.
         ControlError
-            The rate is no number above 0 or too high, or the run is over.
+            The rate is no number above 0, or too high; or the run is over.
         """
         raised = None
         if control is None or self.ended is not None:
@@ -197,39 +198,39 @@ class Simulation:
             rate, wall = checked_rate(control_rate_Hz, self._shortest), self.scenario.solver.max_wall_s
             left = math.inf if wall is None else wall - self._solving.spent
             raised = steer(self, control, rate, self._end, left, progress)
-        found = self.results(most_frames)
+        all_results = self.results(most_frames)
         if raised is not None:
-            raise ControllerError(found.status.message, found) from raised
-        return found
+            raise ControllerError(all_results.status.message, all_results) from raised
+        return all_results
 
     def _go_on(self, controls: Controls, until: float) -> Observations:
-        """`step` to a time (s)."""
+        """Set controls, and advance to the time `until` (s)."""
         solving = self._solving
-        if (self._failed is not None or solving.over) and (over := self.ended) is not None:
-            raise ControlError(f"the run is over ({over.message}): reset() begins anew, restore() goes back")
+        if (self._failed is not None or solving.over) and (status := self.ended) is not None:
+            raise ControlError(f"the run is over ({status.message}): reset() begins anew, restore() goes back")
         if controls is not None:
             values = self._values
-            for joint, given in values.checked(controls).items():
-                value = values.within(joint, given)
+            for joint, requested in values.checked(controls).items():
+                value = values.within(joint, requested)
                 solving.set_to(joint, value)  # type: ignore[attr-defined]  # reduced models have no drives
                 values.set_to[joint] = value
         solving.advance(until if self._end - until > self._shortest else math.inf)
         return solving.observe()
 
-    # ---- what is seen ----
+    # ---- observations and results ----
 
     def observe(self) -> Observations:
-        """What is seen of the present state.
+        """Observations of the present state.
 
         Returns
         -------
         Observations
-            Numbers by name, as those of the columns of results; as arrays in SI units.
+            Numbers by name, with the names of the columns of results; as arrays in SI units.
         """
         return self._solving.observe()
 
     def outlines(self) -> tuple[Outline, ...]:
-        """The mechanism as it is drawn, at the present state.
+        """Outlines of the mechanism at the present state, for drawing.
 
         Returns
         -------
@@ -240,12 +241,12 @@ class Simulation:
 
     @property
     def standing(self) -> Status:
-        """How the run stands while it has not ended."""
+        """Status of the run while it has not ended."""
         return paused(self.time, self.scenario.solver)
 
     @property
     def bounds(self) -> NDArray[np.float64]:
-        """Ranges (controls, 2) within which controls can be set, in the units of their names; infinite for any."""
+        """Ranges (controls, 2) of the controls in the units of their names; infinite for a control without a range."""
         return self._values.bounds
 
     def results(self, most_frames: int = 0) -> Results:
@@ -254,30 +255,30 @@ class Simulation:
         Parameters
         ----------
         most_frames : int
-            Pictures for a player or an animation; 0 for none.
+            Largest number of pictures for a player or an animation; 0 for none.
 
         Returns
         -------
         Results
-            As of `simulate`.
+            As `simulate` gives them.
         """
         trajectory = self._solving.trajectory()
         status = self._failed or (None if self._solving.over else self.standing)
         if status is not None:
             trajectory = replace(trajectory, status=status)
-        assert self._begun is not None  # or there were no trajectory
-        seen = replace(self._begun.observe(trajectory), steered=self._values.warnings)
-        return results(seen, scenario_to_dict(self.scenario), most_frames)
+        assert self._begun is not None  # since there is a trajectory
+        observation = replace(self._begun.observe(trajectory), steered=self._values.warnings)
+        return results(observation, scenario_to_dict(self.scenario), most_frames)
 
-    # ---- back to an earlier state ----
+    # ---- states ----
 
     def state(self) -> State:
-        """The present state, with all that the future depends on: `restore` goes on from it bit for bit.
+        """The complete present state. After `restore` the run continues from it bit for bit.
 
         Returns
         -------
         State
-            It can be sent to another process.
+            The state; it can be sent to another process.
         """
         random = self.random.bit_generator.state
         set_to = tuple(self._values.set_to.values())
@@ -285,22 +286,22 @@ class Simulation:
         return State(self.time, self.scenario, self._solving.state(), set_to, beyond, dict(random), self._failed)
 
     def restore(self, state: State) -> Observations:
-        """Go back to a state of this simulation, or of another one of the same scenario.
+        """Return to a state of this simulation, or of another simulation of the same scenario.
 
         Parameters
         ----------
         state : State
-            What `state` gave.
+            The result of `state`.
 
         Returns
         -------
         Observations
-            What is seen there.
+            Observations of this state.
 
         Raises
         ------
         ControlError
-            It is a state of another scene. Nothing was changed.
+            It is a state of another scenario. Nothing was changed.
         """
         if not isinstance(state, State):
             raise ControlError(f"restore: got {state!r:.40}, allowed is what state() gave")
@@ -313,25 +314,25 @@ class Simulation:
         return self.observe()
 
     def close(self) -> None:
-        """Let go of the engine's memory. Only `reset` can be asked for afterwards; results that were made stay."""
+        """Free the memory of the solver. Afterwards only `reset` can be called; existing results stay valid."""
         if self._begun is not None:
             self._begun.solving.close()
         self._begun = None
 
     def fail(self, message: str) -> None:
-        """End the run as failed.
+        """End the run with the status failed.
 
         Parameters
         ----------
         message : str
-            Why, as the status of its results says it.
+            Reason, for the status of the results.
         """
         self._failed = Status("failed", message)
 
     def run_out(self) -> None:
-        """End the run as its wall time is over."""
+        """End the run because its wall time is used up."""
         self._failed = ended("time_limit", self.time, self.scenario.solver)
 
     def interrupt(self) -> None:
-        """End the run as interrupted."""
+        """End the run with the status interrupted."""
         self._failed = ended("interrupted", self.time, self.scenario.solver)

@@ -1,4 +1,4 @@
-"""State of a simulation at one instant, to go back to."""
+"""State of a simulation at one instant, for `Simulation.restore`."""
 
 from __future__ import annotations
 
@@ -14,10 +14,11 @@ from granular_contact.scene.drives import Beyond
 
 @dataclass(frozen=True, repr=False)
 class State:
-    """State of a simulation at one instant, to go back to; it can be pickled.
+    """State of a simulation at one instant, for `Simulation.restore`. It can be pickled.
 
-    time (s); scenario: of whose scene it is; solve: of the solver; controls: what is set, in SI units; beyond: see
-    `Beyond`, by joint; random: of the generator; failed: why a controller ended the run, None where none did.
+    time (s); scenario: scenario of the simulation; solve: state of the solver; controls: values of the controls, in SI
+    units; beyond: values outside ranges by joint, see `Beyond`; random: state of the random generator; failed: status
+    of a run that a controller ended, else None.
     """
 
     time: float
@@ -32,7 +33,7 @@ class State:
         return f"<state of {self.scenario.name} at {self.time:g} s>"
 
     def check_is_of(self, scenario: Scenario) -> None:
-        """Raise ControlError where it is a state of another scenario."""
+        """Raise ControlError if this is a state of another scenario."""
         if self.scenario is not scenario and self.scenario != scenario:
             keys = differing_keys(scenario_to_dict(self.scenario), scenario_to_dict(scenario))
             raise ControlError(f"restore: the state is one of another scene: they differ in {keys}")

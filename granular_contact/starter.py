@@ -1,6 +1,6 @@
-"""A config to start from: a shipped one with its model written out in it, the comments of both, and what else may be.
+"""Starter configs: a shipped config that contains its model, with the comments of both files and a list of other keys.
 
-The text is made of the shipped files, so it can't be out of date; the tests run every one of them.
+The text is made from the shipped files, so it is never out of date. The tests run all starter configs.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ from granular_contact import examples
 from granular_contact.config import is_run
 from granular_contact.values.strict import did_you_mean
 
-# Further keys of a run, with what they do; each line is a comment that becomes a key without its "# ".
-MORE = (
+# Other keys of a run: key, line of YAML, and its meaning. The lines are comments; without "# " they are keys.
+OTHER_KEYS = (
     ("medium", "medium: rft3d_sand", "another medium; `granular-contact media` lists them, null is a vacuum"),
     ("bed", "bed: {slope_deg: 10}", "a slope, in place of surface_height_m; it rises to the right"),
     ("gravity_m_s2", "gravity_m_s2: 1.62", "on the Moon"),
@@ -26,36 +26,43 @@ _MODEL = re.compile(r"^model: (\w+) *$", re.M)
 
 
 def names() -> dict[str, str]:
-    """What there is to start from: names of configs of one run and of models, with the config that shows each."""
+    """Names of shipped models and configs of a run, each with the name of the shipped config that `text` uses."""
     configs = [(name, path) for name in examples.config_names() if (path := examples.config(name)) and is_run(path)]
-    found = {name: name for name, _ in configs}
-    for name, path in sorted(configs, key=lambda one: len(one[0])):  # the plainest name first
+    config_by_name = {name: name for name, _ in configs}
+    # Of several configs with the same model that with the shortest name is used, which is mostly the simplest.
+    for name, path in sorted(configs, key=lambda config: len(config[0])):
         for model in _MODEL.findall(path.read_text(encoding="utf-8")):
-            found.setdefault(model, name)
-    return found
+            config_by_name.setdefault(model, name)
+    return config_by_name
 
 
 def no_such(name: str) -> str:
-    """That there is nothing of this name to start from, and what there is."""
+    """Message that no shipped model or config has this name, with similar names or all names."""
     known = sorted(names())
-    part = [one for one in known if name and name in one]
-    hint = f"did you mean {' or '.join(part)}?" if part else did_you_mean(name, known)
+    containing = [known_name for known_name in known if name and name in known_name]
+    hint = f"did you mean {' or '.join(containing)}?" if containing else did_you_mean(name, known)
     return f"there is no model or config {name!r}; " + (hint or f"there are {', '.join(known)}")
 
 
 def about(name: str) -> str:
-    """The first sentence of the comment that a shipped config begins with."""
+    """The first sentence of the comment at the top of a shipped config."""
     return re.split(r"(?<=\.) ", " ".join(_comment(_read(name))))[0]
 
 
 def text(name: str, file: str) -> str:
-    """A config of its own, for a file of a name; KeyError where nothing shipped has the `name`."""
-    shown = names()[name.removesuffix(".yaml")]
-    config = _read(shown)
+    """Text of the starter config for a shipped model or config `name`, to be written to `file`.
+
+    Raises
+    ------
+    KeyError
+        No shipped model or config has this name.
+    """
+    shipped = names()[name.removesuffix(".yaml")]
+    config = _read(shipped)
     body = "\n".join(line for line in _without_comment(config) if not line.startswith("# yaml-language-server"))
-    body = _MODEL.sub(lambda found: _in_place(found[1]), body)
+    body = _MODEL.sub(lambda match: _model_text(match[1]), body)
     lines = [
-        f"# {about(shown)}",
+        f"# {about(shipped)}",
         "#",
         f"#   granular-contact check {file}            what is wrong, with its line",
         f"#   granular-contact run {file} --animate    results and a film in results/{Path(file).stem}/",
@@ -64,38 +71,40 @@ def text(name: str, file: str) -> str:
         "",
         "# What else a run may say; take the # away. All keys: the reference of the documentation, or",
         "# `granular-contact schema`, which editors read.",
-        *_more(body),
+        *_other_keys(body),
     ]
     return "\n".join(lines) + "\n"
 
 
 def _read(name: str) -> str:
+    """Text of a shipped config."""
     path = examples.config(name)
-    assert path is not None  # it was listed
+    assert path is not None  # `name` comes from `names`
     return path.read_text(encoding="utf-8")
 
 
 def _comment(config: str) -> list[str]:
-    """Lines of the comment at the top, without their signs; the line for editors is none of them."""
+    """Lines of the comment at the top of a config without "#", and without the line for editors."""
     lines = [line for line in config.splitlines() if not line.startswith("# yaml-language-server")]
     return [line.lstrip("#").strip() for line in itertools.takewhile(lambda line: line.startswith("#"), lines)]
 
 
 def _without_comment(config: str) -> Iterator[str]:
+    """Lines of a config without the comment at the top."""
     return itertools.dropwhile(lambda line: line.startswith("#"), config.splitlines())
 
 
-def _in_place(model: str) -> str:
-    """A shipped model under the key `model`, its comments with it; one with files of its own stays named."""
+def _model_text(model: str) -> str:
+    """The key `model` with the text of a shipped model and its comments; a model with further files stays a name."""
     text = (examples.home() / "models" / f"{model}.yaml").read_text(encoding="utf-8")
     if re.search(r"\b(urdf|file): ", text):  # paths start from the folder of the model
         return f"model: {model} # a shipped one; `granular-contact examples DIR` writes its files"
-    kept = (line for line in text.splitlines() if not line.startswith("# yaml-language-server"))
-    return "\n".join(["model:", *(f"  {line}".rstrip() for line in kept)])
+    lines = (line for line in text.splitlines() if not line.startswith("# yaml-language-server"))
+    return "\n".join(["model:", *(f"  {line}".rstrip() for line in lines)])
 
 
-def _more(body: str) -> Iterator[str]:
-    """The further keys, those that the config has already left out."""
-    for key, line, words in MORE:
+def _other_keys(body: str) -> Iterator[str]:
+    """Comment lines with keys that the config does not have."""
+    for key, line, meaning in OTHER_KEYS:
         if not re.search(rf"^{key}:", body, re.M):
-            yield f"# {line}  # {words}"
+            yield f"# {line}  # {meaning}"

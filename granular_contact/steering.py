@@ -1,4 +1,4 @@
-"""Runs in one call, with or without a controller that steers them."""
+"""Simulation in one call, with or without a controller."""
 
 from __future__ import annotations
 
@@ -35,31 +35,32 @@ def simulate(
 ) -> Results:
     """Simulate a scene, steered by a controller if there is one.
 
-    However the run ends, what it reached is in the results; look at their status. What a controller raises is raised.
+    Check the status of the results: they contain all steps up to the end of the run, however it ended. Only an
+    exception of the controller is raised.
 
     Parameters
     ----------
     scene : Scene, Scenario, Loaded, str, path or mapping
-        What `load` gave, or takes; or the scenario in it; or what `build` made of one.
+        The result of `load`, the scenario in it, or an argument of `load`; or the result of `build`.
     scenario : Scenario or Loaded, optional
-        What the scene was built from; the scene knows it, and any other is refused.
+        The scenario that the scene was built from. The scene knows it, so it may be left out; another one is refused.
     progress : callable, optional
-        Called now and then with the simulated time and the end time (s).
+        Called from time to time with the simulated time and the end time (s).
     laws : sequence of types of Law
-        Laws of your own that a config names by their tags, as of `load`.
+        Laws of your own that a config names by their tags, as for `load`.
     control : callable, optional
         `control(t, observations)` gives the controls from the time t (s) on, see `Simulation.step`. It is called at the
-        start and then at its rate. Steps chosen by their error end where it is called, and strips are those of the
-        scene: the run is not repeated with shorter ones.
+        start and then at its rate. Steps chosen by their error end at each call. The strips are those of the scene:
+        the run is not repeated with shorter ones.
     control_rate_Hz : float
-        Calls in a second.
+        Number of calls of `control` per second of simulated time.
     most_frames : int
-        Pictures of the motion at most, for the player of a report and for animations; each takes 0.1 to 0.6 ms.
-        0 for none.
+        Largest number of pictures of the motion, for the player of a report and for animations; each takes 0.1 to
+        0.6 ms. 0 for none.
     inspect : callable, optional
-        Called with the system and the trajectory of the engine; not of a run with a controller.
+        Called with the system and the trajectory after the run; not for a run with a controller.
     compiling : callable, optional
-        Called with a sentence where forces are to be compiled.
+        Called with a sentence when kernels have to be compiled.
 
     Returns
     -------
@@ -69,14 +70,14 @@ def simulate(
     Raises
     ------
     TypeError, ValueError
-        An argument is of another type than stands above, or no number of pictures.
+        An argument has another type than listed above, or `most_frames` is negative.
     ConfigError
-        The config is at fault, as of `load`.
+        The config is faulty, as for `load`.
     SceneError
-        The scenario is another one than the scene was built from, or the scene was not built from any.
+        The scene was built from another scenario, or was changed after it was built.
     ControllerError
-        The controller raised, or gave what can't be set: a name that is not there, no finite number. What it raised is
-        the cause; `results` are what was reached, with the status failed.
+        The controller raised an exception, which is the cause of this one, or gave an unknown name or a number that is
+        not finite. `results` are the results up to this instant, with the status failed.
     ControlError
         The rate is no number above 0, or too high for the run.
 

@@ -65,14 +65,16 @@ def test_what_new_writes_is_a_run_of_the_shipped_model(
 def test_every_key_that_new_offers_can_be_used(tmp_path: Path) -> None:
     """Without their sign of a comment, the offered lines are keys of the run."""
     text = starter.text("free_link", "mine.yaml")
-    for key, line, _ in starter.MORE:
+    for key, line, _ in starter.OTHER_KEYS:
         if re.search(rf"^{key}:", text, re.M) is None:
             assert f"# {line}  #" in text
             text = text.replace(f"# {line}  #", f"{line}  #")
     path = tmp_path / "mine.yaml"
     path.write_text(text, encoding="utf-8")
     assert load(path).scenario.gravity_m_s2 == 1.62
-    assert {word for _, line, _ in starter.MORE for word in re.findall(r"medium: (\w+)", line)} <= set(medium_names())
+    assert {word for _, line, _ in starter.OTHER_KEYS for word in re.findall(r"medium: (\w+)", line)} <= set(
+        medium_names()
+    )
 
 
 def test_an_unknown_model_is_told_what_there_is(capsys: pytest.CaptureFixture[str]) -> None:

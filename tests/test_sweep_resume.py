@@ -210,7 +210,7 @@ def interrupted(folder: Path, monkeypatch, *more: str) -> None:
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patched:
-        patched.setattr(cli, "_ask_for_outputs", stop)
+        patched.setattr(cli, "_check_outputs", stop)
         patched.setattr(sweep.executor, "cores", lambda: 1)
         assert main(["sweep", str(folder / "many.yaml"), "--out", str(folder / "out"), "--quiet", *more]) == 130
 

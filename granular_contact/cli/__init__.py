@@ -1,4 +1,4 @@
-"""The command line: the only place that prints and exits. One module per command: its arguments and its action."""
+"""The command line, the only place that prints and exits. Each command is a module with its arguments and action."""
 
 from granular_contact.cli.main import main
 

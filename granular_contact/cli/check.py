@@ -1,4 +1,4 @@
-"""The command `check`: faults of configs, sweeps, searches, fit files and robots, without running anything."""
+"""The command `check`: report faults of configs, sweeps, optimisations, fit files and robot files, without a run."""
 
 from __future__ import annotations
 
@@ -10,23 +10,26 @@ from granular_contact.cli import robot_check
 from granular_contact.cli.common import FAULTY_INPUT, FINE, Refusal, complain, read
 from granular_contact.errors import ConfigError, Fault, SceneError
 
-HELP = "read configs, sweeps, searches, fit files and robots (URDF), with their geometry and data"
+HELP = "check configs, sweeps, searches, fit files and robot files (URDF), with their geometry and data"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    parser.add_argument("configs", metavar="FILE", nargs="+", help="one or more of them")
-    words = "where loops do not close with the homes of the joints, write the nearest at which they do into the file"
-    parser.add_argument("--write-homes", action="store_true", help=words)
-    robot = parser.add_argument_group("of a robot file (URDF)")
-    robot.add_argument("--shapes", choices=("collision", "visual"), help="shapes to look at (collision, if any)")
-    words = "folder of a package that package:// names; repeatable. Else it is looked up above the file"
-    robot.add_argument("--package", metavar="NAME=PATH", action="append", default=[], help=words)
+    parser.add_argument("configs", metavar="FILE", nargs="+", help="files to check")
+    text = "if loops do not close in the reference configuration, write the nearest home positions (home_deg, home_m) "
+    text += "that close them into the file"
+    parser.add_argument("--write-homes", action="store_true", help=text)
+    robot = parser.add_argument_group("options for a robot file (URDF)")
     robot.add_argument(
-        "--mend", metavar="OUT", help="write a copy with closed meshes and possible inertias into the folder OUT"
+        "--shapes", choices=("collision", "visual"), help="shapes to check (collision, if there are any)"
     )
-    words = "with --mend: take the convex hull of a mesh that nothing else mends, which may be much larger"
-    robot.add_argument("--hull", action="store_true", help=words)
+    text = "folder of the package NAME in package://NAME; repeatable. Other packages are searched in the folders above "
+    text += "the file"
+    robot.add_argument("--package", metavar="NAME=PATH", action="append", default=[], help=text)
+    text = "write a copy with closed meshes and physically possible inertias into the folder OUT"
+    robot.add_argument("--mend", metavar="OUT", help=text)
+    text = "with --mend: use the convex hull of a mesh that can't be mended otherwise; it may be much larger"
+    robot.add_argument("--hull", action="store_true", help=text)
 
 
 def execute(chosen: argparse.Namespace) -> int:
@@ -43,6 +46,7 @@ def execute(chosen: argparse.Namespace) -> int:
 
 
 def _is_fine(path: str, chosen: argparse.Namespace) -> bool:
+    """Check one file and print the result; return whether it has no fault."""
     try:
         if robot_check.is_robot_file(path):
             return robot_check.check(path, chosen.shapes, _packages(chosen.package), chosen.mend, chosen.hull)
@@ -54,8 +58,9 @@ def _is_fine(path: str, chosen: argparse.Namespace) -> bool:
     return True
 
 
-def _packages(given: list[str]) -> dict[str, Path]:
-    pairs = [one.partition("=") for one in given]
+def _packages(texts: list[str]) -> dict[str, Path]:
+    """Folders of packages by name, from the texts NAME=PATH of --package."""
+    pairs = [text.partition("=") for text in texts]
     for name, equals, path in pairs:
         if not (name and equals and path):
             raise Refusal(f"--package {name}{equals}{path}: allowed is NAME=PATH")
@@ -63,6 +68,7 @@ def _packages(given: list[str]) -> dict[str, Path]:
 
 
 def _read(path: str, write_homes: bool) -> None:
+    """Read a config, sweep, optimisation or fit file; raises ConfigError or SceneError with its faults."""
     from granular_contact import config, scene
 
     if config.is_sweep(path):
@@ -80,6 +86,7 @@ def _read(path: str, write_homes: bool) -> None:
 
 
 def _write_homes(path: str, notes: Iterable[Fault]) -> None:
+    """Write the home positions that close the loops of a config into the files of their joints."""
     from granular_contact import config
     from granular_contact.scene.homes import HomeNote
 

@@ -1,4 +1,4 @@
-"""The command `compare`: one config by several models, their table, figure and verdict."""
+"""The command `compare`: run a config with several models of its flexible link, and print a table and a verdict."""
 
 from __future__ import annotations
 
@@ -23,13 +23,17 @@ SHOWN = (
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    parser.add_argument("--modes", metavar="N,N", type=_counts, default=(0, 1, 2, 5), help="modal models (0,1,2,5)")
-    parser.add_argument("--elements", metavar="N,N", type=_counts, default=(4, 8, 16, 32), help="beams (4,8,16,32)")
-    parser.add_argument("--tolerance", metavar="X", type=_tolerance, default=0.01, help="what is enough (0.01)")
+    text = "numbers of modes of the modal models (0,1,2,5)"
+    parser.add_argument("--modes", metavar="N,N", type=_counts, default=(0, 1, 2, 5), help=text)
+    text = "numbers of elements of the beam models (4,8,16,32)"
+    parser.add_argument("--elements", metavar="N,N", type=_counts, default=(4, 8, 16, 32), help=text)
+    text = "relative difference from the reference that is accurate enough (0.01)"
+    parser.add_argument("--tolerance", metavar="X", type=_tolerance, default=0.01, help=text)
     add_comparison(parser, "results/NAME_OF_CONFIG_compare")
 
 
 def _counts(text: str) -> tuple[int, ...]:
+    """Whole numbers from the text of an option, separated by commas."""
     parts = [part.strip() for part in text.split(",") if part.strip()]
     if not all(part.lstrip("-").isdecimal() for part in parts):
         raise argparse.ArgumentTypeError(f"got {text!r}; allowed are whole numbers with commas, as 0,1,5")
@@ -37,6 +41,7 @@ def _counts(text: str) -> tuple[int, ...]:
 
 
 def _tolerance(text: str) -> float:
+    """A number between 0 and 1 from the text of an option."""
     try:
         value = float(text)
     except ValueError:

@@ -1,11 +1,19 @@
-"""The command `compare-media`: one config in several media, their table and figure."""
+"""The command `compare-media`: run a config in several media, and print a table."""
 
 from __future__ import annotations
 
 import argparse
 from pathlib import Path
 
-from granular_contact.cli.common import add_comparison, output_folder, print_numbers, running, say, there, worst
+from granular_contact.cli.common import (
+    add_comparison,
+    columns_with_values,
+    output_folder,
+    print_numbers,
+    running,
+    say,
+    worst,
+)
 
 HELP = "run a config in several media"
 SHOWN = (
@@ -22,12 +30,13 @@ SHOWN = (
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    words = "presets or YAML files of media; a+b for media that act together"
-    parser.add_argument("--media", metavar="A,B", type=_names, required=True, help=words)
+    text = "presets or YAML files of media, separated by commas; A+B for two media that act together"
+    parser.add_argument("--media", metavar="A,B", type=_names, required=True, help=text)
     add_comparison(parser, "results/NAME_OF_CONFIG_media", "initial.impact_speed_rad_s=4")
 
 
 def _names(text: str) -> tuple[str, ...]:
+    """Names from the text of an option, separated by commas."""
     return tuple(part.strip() for part in text.split(",") if part.strip())
 
 
@@ -40,8 +49,8 @@ def execute(chosen: argparse.Namespace) -> int:
         rows = compare_media(chosen.config, chosen.media, **progress)
     write(rows, folder, figures=not chosen.no_plots)
     if not chosen.quiet:
-        found = [([row.name, row.results.status.code], cells(row)) for row in rows]
-        print_numbers(["medium", "ended"], there(SHOWN, [numbers for _, numbers in found]), found)
+        table = [([row.name, row.results.status.code], cells(row)) for row in rows]
+        print_numbers(["medium", "ended"], columns_with_values(SHOWN, [numbers for _, numbers in table]), table)
         for row in rows:
             for warning in row.results.warnings:
                 say(f"{row.name}: {warning}")

@@ -1,4 +1,4 @@
-"""The command `examples`: the models and configs of the package, and their schemas, in a folder, ready to run."""
+"""The command `examples`: write the models and configs of the package, and their schemas, into a folder."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ def execute(chosen: argparse.Namespace) -> int:
 
     folder = Path(chosen.directory)
     try:
-        # Made here: in the package they would be of the laws of another day.
+        # The schemas are made now, so that they contain the laws that are registered now.
         written = examples.write(folder, {f"schemas/{name}": content for name, content in schema.files().items()})
     except OSError as error:
-        # The project's own are sentences; the system's are numbers with a short reason.
-        why = f"{folder} cannot be written: {error.strerror}" if error.strerror else error
-        raise Refusal(f"examples: {why}") from None
+        # `examples.write` raises whole sentences, the operating system an error number with a short reason.
+        message = f"{folder} cannot be written: {error.strerror}" if error.strerror else error
+        raise Refusal(f"examples: {message}") from None
     kinds = [name.split("/")[0] for name in written if name.endswith(".yaml")]
     configs, models = kinds.count("configs"), kinds.count("models")
     print(f"{configs} configs and {models} models are in {folder}; the next step, for example:")

@@ -1,8 +1,8 @@
-"""Entry of the command line.
+"""Entry point of the command line.
 
-Exit codes: 0 fine, 2 faulty input, 3 the solver failed, 4 time limit reached, 130
-interrupted. They tell of runs: a picture that can't be drawn is a warning, and changes none. Heavy imports are in the
-commands that need them, so that `check` never loads the engine and a run without figures never loads the plots.
+Exit codes: 0 fine, 2 faulty input, 3 the solver failed, 4 time limit reached, 5 a result is not usable, 130
+interrupted. A figure that can't be drawn gives a warning and does not change the exit code. Each command imports
+what it needs: `check` never loads the engine, and a run without figures never loads matplotlib.
 """
 
 from __future__ import annotations
@@ -46,14 +46,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
         complain(f"interrupted; {str(stopped) or 'nothing was saved'}")
         return INTERRUPTED
     except BrokenPipeError:
-        # Whoever read our output wants no more of it; Python would complain once more while it closes the pipe.
+        # The reader of the output has closed the pipe. Python would report that once more when it closes stdout.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return FINE
     return code
 
 
 def _versions() -> str:
-    """Versions of the program and of what computes."""
+    """Versions of the program and of the packages that compute."""
     import platform
     from importlib import metadata
 
@@ -62,10 +62,11 @@ def _versions() -> str:
 
 
 def _parser() -> argparse.ArgumentParser:
+    """Parser of all commands, without loading what they need to run."""
     parser = argparse.ArgumentParser(
         "granular-contact",
         description="Robots and other mechanisms that move in sand, simulated in Exudyn.",
-        epilog="`granular-contact COMMAND --help` says what a command takes; begin with `new`, or with `examples`. "
+        epilog="`granular-contact COMMAND --help` lists the options of a command; begin with `new` or `examples`. "
         "Exit codes: 0 fine, 2 faulty input, 3 failed, 4 time limit, 5 a result is not usable, 130 interrupted.",
     )
     parser.add_argument("--version", action="store_true", help="print the versions of the program and of the engine")

@@ -1,6 +1,6 @@
-"""What the commands that run many scenes share: who works, where unfinished work is kept, and what is said of it.
+"""Functions that the commands with many runs share: worker processes, checkpoints of unfinished work, progress.
 
-How far a sweep or a search is stands in a bar on a terminal, or in a line a minute in a log.
+The progress of a sweep, an ensemble or an optimisation is a bar on a terminal, and a line per minute in a log.
 """
 
 from __future__ import annotations
@@ -35,24 +35,24 @@ if TYPE_CHECKING:
     from granular_contact.studies.sweep.checkpoint import Checkpoint, Contents
 
 
-def add_arguments(parser: argparse.ArgumentParser, words: str, restart: str) -> None:
-    """Add the arguments of such a command; words: what its FILE holds; restart: what --restart does."""
-    parser.add_argument("file", metavar="FILE", help=words)
-    where = parser.add_mutually_exclusive_group()
-    where.add_argument("--workers", metavar="N", type=worker_count, help="processes to run in (one a core)")
-    words = "run on the workers of a Dask cluster, as tcp://host:8786"
-    where.add_argument("--scheduler", metavar="ADDRESS", help=words)
+def add_arguments(parser: argparse.ArgumentParser, file: str, restart: str) -> None:
+    """Add the arguments of such a command; file, restart: help texts of its FILE and of --restart."""
+    parser.add_argument("file", metavar="FILE", help=file)
+    workers = parser.add_mutually_exclusive_group()
+    workers.add_argument("--workers", metavar="N", type=worker_count, help="number of worker processes (one per core)")
+    text = "run on the workers of a Dask cluster with this scheduler, as tcp://host:8786"
+    workers.add_argument("--scheduler", metavar="ADDRESS", help=text)
     parser.add_argument("--restart", action="store_true", help=restart)
     add_output(parser, "results/NAME_OF_FILE")
 
 
 def pool(chosen: argparse.Namespace, shared: Path | None) -> WorkerPool:
-    """Who works: processes of this machine, or those of a cluster, which must see the folder `shared`."""
+    """Worker processes: of this machine, or of a cluster, whose machines must have access to the folder `shared`."""
     from granular_contact.studies.processes import prepare
     from granular_contact.studies.sweep import WorkerPool
 
     if chosen.scheduler is None:
-        prepare()  # while the file is read
+        prepare()  # the processes start while the file is read
         return WorkerPool(chosen.workers)
     from granular_contact.studies.sweep.cluster import cluster_pool
 
@@ -71,10 +71,24 @@ def with_checkpoint(
     interrupted: Callable[[Checkpoint], None] = lambda _: None,
     cases: bool = False,
 ) -> int:
-    """Exit code of what is done in the work folder; what is finished is kept there, however it ends.
+    """Do the work in a folder that keeps finished runs, however the work ends; return the exit code.
 
-    count: runs in all; finished: gives the exit code of work that is done already; interrupted: what is written besides
-    after Ctrl-C; cases: whether cases have folders.
+    Parameters
+    ----------
+    work
+        Content that identifies the work, to recognise an earlier state of the same work.
+    folder
+        Folder of the results.
+    act
+        Does the work with the checkpoint, and gives the exit code.
+    count
+        Number of runs in all.
+    finished
+        Gives the exit code of work that an earlier command completed.
+    interrupted
+        Called after Ctrl-C with the checkpoint, to write intermediate results.
+    cases
+        Whether each case has a folder.
     """
     from granular_contact.errors import WorkerPoolError
     from granular_contact.studies.sweep.checkpoint import is_finished, open_checkpoint
@@ -116,9 +130,9 @@ def with_cases(
     cases: bool = False,
     nouns: tuple[str, str] = ("sweep", "cases"),
 ) -> int:
-    """`with_checkpoint` of the cases of a sweep; rows: of the table that is written after Ctrl-C.
+    """`with_checkpoint` for the cases of a sweep.
 
-    nouns: what messages call the sweep, and its runs.
+    rows: gives the rows of the table that is written after Ctrl-C. nouns: words of messages for the sweep and its runs.
     """
     from granular_contact.studies.sweep import table
 
@@ -137,25 +151,31 @@ def with_cases(
 
 @contextmanager
 def advancing(chosen: argparse.Namespace, checkpoint: Checkpoint, count: int) -> Iterator[Callable[[], None]]:
-    """Give a callable that tells of one run more; what is there already is said first, and why the first take long."""
+    """Give a callable that reports one more finished run.
+
+    Runs that an earlier command finished are reported first. If no run ends within SILENT_SECONDS, a message says that
+    the first runs may wait for compiling.
+    """
     done, noun = len(checkpoint.done), checkpoint.work.runs
     if done and not chosen.quiet:
         print(f"going on in {checkpoint.folder}: {done} of {count} {noun} are there", flush=True)
-    why = f"the first {noun} wait: in a new installation the forces of the sand are compiled once, for a minute or so"
-    waiting = threading.Timer(SILENT_SECONDS, complain, (why,))
-    waiting.daemon = True
+    reason = (
+        f"the first {noun} wait: in a new installation the forces of the sand are compiled once, for a minute or so"
+    )
+    explanation = threading.Timer(SILENT_SECONDS, complain, (reason,))
+    explanation.daemon = True
     with progress(sys.stderr, count, done, chosen.quiet, noun) as advance:
         if not chosen.quiet:
-            waiting.start()
+            explanation.start()
 
-        def one_more() -> None:
-            waiting.cancel()
+        def finish_run() -> None:
+            explanation.cancel()
             advance()
 
         try:
-            yield one_more
+            yield finish_run
         finally:
-            waiting.cancel()
+            explanation.cancel()
 
 
 def take(
@@ -163,27 +183,37 @@ def take(
     rows: Generator[Row, None, None],
     checkpoint: Checkpoint,
     count: int,
-    look: Callable[[Row], None] = lambda _: None,
+    check: Callable[[Row], None] = lambda _: None,
 ) -> None:
-    """Take all rows of a sweep, the first good one of which is looked at; the journal must have them in the end."""
+    """Run all cases of a sweep; `check` is called with the first row that did not fail.
+
+    Raises
+    ------
+    WorkerPoolError
+        The journal of the checkpoint lacks rows at the end.
+    """
     from granular_contact.errors import WorkerPoolError
 
-    looked = False
+    is_checked = False
     with advancing(chosen, checkpoint, count) as advance, closing(rows):
         for row in rows:
-            if not looked and not row.failed:
-                look(row)
-                looked = True
+            if not is_checked and not row.failed:
+                check(row)
+                is_checked = True
             advance()
     if missing := count - len(checkpoint.journal):
         raise WorkerPoolError(f"{missing} rows did not reach {checkpoint.folder}")
 
 
-MOST_WARNINGS = 5  # kinds
+MOST_WARNINGS = 5  # number of kinds of warnings that are printed
 
 
 class Ends:
-    """How the runs of a sweep ended, and what they warn of; runs: what they are called."""
+    """Counts how the runs of a sweep ended, and collects their warnings.
+
+    runs: word for the runs in messages; warnings: kinds of warnings; count, failed, useless: numbers of all runs, of
+    failed runs, and of runs with an unusable result.
+    """
 
     def __init__(self, runs: str) -> None:
         from granular_contact.results.alike import Kinds
@@ -192,7 +222,7 @@ class Ends:
         self.count = self.failed = self.useless = 0
 
     def add(self, row: Row) -> None:
-        """Count a run."""
+        """Count a run and its warnings."""
         self.count += 1
         self.failed += row.failed
         self.useless += row.useless
@@ -200,45 +230,51 @@ class Ends:
             self.warnings.add(warning)
 
     def code(self, folder: Path, *, quiet: bool) -> int:
-        """Exit code; says what it rests on, and what the warnings are unless `quiet`. folder: of the results."""
+        """Exit code. The numbers of failed and unusable runs are printed, and the warnings unless `quiet`.
+
+        folder: folder of the results.
+        """
         for line in self.warnings.lines(self.count, self.runs, MOST_WARNINGS, str(folder)) if not quiet else ():
             complain(f"warning: {line}")
-        for number, words in ((self.useless, "are not usable, see their warnings"), (self.failed, "failed")):
+        for number, predicate in ((self.useless, "are not usable, see their warnings"), (self.failed, "failed")):
             if number:
-                complain(f"{number} of {self.count} {self.runs} {words}; saved in {folder}")
+                complain(f"{number} of {self.count} {self.runs} {predicate}; saved in {folder}")
         return FAILED if self.failed else NOT_USABLE if self.useless else FINE
 
     @classmethod
     def before(cls, folder: Path, runs: str) -> Ends:
-        """As the table of a finished sweep has them, without warnings."""
+        """Counts from the table of a finished sweep, without warnings."""
         from granular_contact.report import TABLE
         from granular_contact.results import FINISHED
 
-        found = cls(runs)
+        ends = cls(runs)
         with (folder / TABLE).open(encoding="utf-8", newline="") as file:
             for row in csv.DictReader(file):
-                ended = row["status"] in FINISHED
-                found.count += 1
-                found.failed += not ended
-                found.useless += ended and row.get("usable") == "false"
-        return found
+                is_finished = row["status"] in FINISHED
+                ends.count += 1
+                ends.failed += not is_finished
+                ends.useless += is_finished and row.get("usable") == "false"
+        return ends
 
 
 def _kept(checkpoint: Checkpoint, count: int) -> str:
-    """What unfinished work leaves, in words; empty if that is nothing."""
+    """Sentence on the runs that unfinished work keeps; empty if there are none."""
     if not (saved := len(checkpoint.journal)):
         return ""
     runs = checkpoint.work.runs
     return f"{saved} of {count} {runs} are kept in {checkpoint.folder}, and the same command goes on from there"
 
 
-LINE_SECONDS = 60.0
-SILENT_SECONDS = 20.0  # without a run that is done
+LINE_SECONDS = 60.0  # between two lines of progress in a log
+SILENT_SECONDS = 20.0  # without a finished run until a message explains why
 
 
 @contextmanager
 def progress(stream: TextIO, count: int, done: int, quiet: bool, noun: str = "cases") -> Iterator[Callable[[], None]]:
-    """Give a callable that reports on `stream` one case more; `done` of the `count` cases were there before."""
+    """Give a callable that reports one more finished case on `stream`.
+
+    count: number of cases in all; done: number of cases that an earlier command finished.
+    """
     if quiet:
         yield lambda: None
     elif stream.isatty():
@@ -250,6 +286,7 @@ def progress(stream: TextIO, count: int, done: int, quiet: bool, noun: str = "ca
 
 @contextmanager
 def _bar(stream: TextIO, count: int, done: int, noun: str) -> Iterator[Callable[[], None]]:
+    """Progress as a bar on a terminal."""
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
@@ -270,7 +307,7 @@ def _bar(stream: TextIO, count: int, done: int, noun: str) -> Iterator[Callable[
 
 
 def _lines(stream: TextIO, count: int, done: int, noun: str) -> Callable[[], None]:
-    """The rate is that since the first run, which may have waited for compiling."""
+    """Progress as lines in a log. The rate counts from the first finished run, which may have waited for compiling."""
     begin = printed = time.perf_counter()
     new = 0
 

@@ -1,4 +1,4 @@
-"""The command `media`: the presets, or one of them with its law, its numbers, their source and its figure."""
+"""The command `media`: list the presets, or print one with its law, its numbers and their source, and draw it."""
 
 from __future__ import annotations
 
@@ -12,13 +12,14 @@ if TYPE_CHECKING:
     from granular_contact.laws.law import Law
 
 HELP = "list the media, or show one with its equation, source, range and forces"
-ABOUT = ("law", "name", "source", "standing", "provenance", "range")
-QUANTITIES = (("speed_m_s", "m/s"), ("depth_m", "m"), ("size_m", "m"))
+ABOUT = ("law", "name", "source", "standing", "provenance", "range")  # keys of a medium that have rows of their own
+QUANTITIES = (("speed_m_s", "m/s"), ("depth_m", "m"), ("size_m", "m"))  # keys of the range, and their units
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    parser.add_argument("name", metavar="NAME", nargs="?", help="preset, or YAML file of a medium; left out: list all")
+    text = "preset, or YAML file of a medium; without it all presets are listed"
+    parser.add_argument("name", metavar="NAME", nargs="?", help=text)
     add_output(parser, "results/media_NAME")
 
 
@@ -37,6 +38,7 @@ def execute(chosen: argparse.Namespace) -> int:
 
 
 def _list() -> None:
+    """Print a table of all presets."""
     from rich.table import Table
 
     from granular_contact.config import load_medium, medium_names
@@ -52,12 +54,14 @@ def _list() -> None:
 
 
 def _range(spec: Law) -> str:
-    stated = spec.validity.model_dump(by_alias=True)
-    known = ((key, unit, *stated[key]) for key, unit in QUANTITIES if stated[key] is not None)
-    return ", ".join(f"{key.split('_')[0]} {a:g} to {b:g} {unit}" for key, unit, a, b in known) or "not stated"
+    """Measured ranges of speed, depth and size of a medium, in words."""
+    ranges = spec.validity.model_dump(by_alias=True)
+    stated = ((key, unit, *ranges[key]) for key, unit in QUANTITIES if ranges[key] is not None)
+    return ", ".join(f"{key.split('_')[0]} {a:g} to {b:g} {unit}" for key, unit, a, b in stated) or "not stated"
 
 
 def _show(spec: Law) -> None:
+    """Print a table of one medium."""
     from rich.table import Table
     from rich.text import Text
 
@@ -71,21 +75,22 @@ def _show(spec: Law) -> None:
     table.add_row("law", spec.law)
     table.add_row("equation", Text(spec.equation))
     table.add_row("takes in the plane", ", ".join(words for kind, words in SHAPE_NAMES.items() if kind in spec.takes))
-    found = kinds_of(type(spec))
-    table.add_row("in space", ", ".join(words for kind, words in ELEMENT_NAMES.items() if kind in found) or "nothing")
+    kinds_in_space = kinds_of(type(spec))
+    in_space = ", ".join(words for kind, words in ELEMENT_NAMES.items() if kind in kinds_in_space)
+    table.add_row("in space", in_space or "nothing")
     for key, value in spec.model_dump(mode="json", by_alias=True).items():
         if key not in ABOUT:
             table.add_row(key, "not stated by the source: give it in the run" if key in spec.lacking else _value(value))
     table.add_row("range", _range(spec))
-    table.add_row(
-        "with gravity g", "\n".join(f"{key_of(type(spec), n)} {one}" for n, one in scalings(type(spec)).items())
-    )
+    gravity = (f"{key_of(type(spec), name)} {scaling}" for name, scaling in scalings(type(spec)).items())
+    table.add_row("with gravity g", "\n".join(gravity))
     for key in ("standing", "provenance", "source"):
         table.add_row(key, getattr(spec, key) or "not stated")
     print_wide(table, 100)
 
 
 def _value(value: Any) -> str:
+    """A value of a medium in a cell."""
     if isinstance(value, dict):
         return ", ".join(f"{key} {_value(part)}" for key, part in value.items())
     if isinstance(value, list):
@@ -96,6 +101,7 @@ def _value(value: Any) -> str:
 
 
 def _draw(spec: Law, folder: Path, quiet: bool) -> int:
+    """Draw the forces of a medium into a folder, if all numbers are stated; return the exit code."""
     if spec.lacking:
         if not quiet:
             print("no figure: the forces need what the source does not state")

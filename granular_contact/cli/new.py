@@ -1,4 +1,4 @@
-"""The command `new`: a commented config with its mechanism in one file, to start from."""
+"""The command `new`: write a commented config that contains its mechanism, as a starting point."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from pathlib import Path
 
 from granular_contact.cli.common import FINE, Refusal
 
-HELP = "write a commented config, with its mechanism in it, to start from"
+HELP = "write a commented config that contains its mechanism, as a starting point"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    words = "shipped model or config to start from, as runner; left out: list them"
-    parser.add_argument("model", metavar="MODEL", nargs="?", help=words)
+    text = "shipped model or config to copy, as runner; without it all are listed"
+    parser.add_argument("model", metavar="MODEL", nargs="?", help=text)
     parser.add_argument("--out", metavar="FILE", help="file to write (my_MODEL.yaml)")
 
 

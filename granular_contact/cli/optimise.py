@@ -1,4 +1,4 @@
-"""The command `optimise`: the best numbers of a config looked for, going on where an earlier search was killed."""
+"""The command `optimise`: find the best values of parameters of a config. It continues an interrupted search."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ if TYPE_CHECKING:
     from granular_contact.studies.sweep import WorkerPool
     from granular_contact.studies.sweep.checkpoint import Checkpoint
 
-HELP = "find the numbers of a config that are best, on all cores or a cluster"
-MOST_REASONS = 5
+HELP = "find the best values of parameters of a config, on all cores or a cluster"
+MOST_REASONS = 5  # number of reasons of failed runs that are printed
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    words = "take all runs anew, also those that an earlier search has finished, and replace its results"
-    many.add_arguments(parser, "YAML file with a config, parameters and an objective", words)
+    text = "repeat all runs, also those that an earlier search has finished, and replace its results"
+    many.add_arguments(parser, "YAML file with a config, parameters and an objective", text)
 
 
 def execute(chosen: argparse.Namespace) -> int:
@@ -52,6 +52,7 @@ def execute(chosen: argparse.Namespace) -> int:
 
 
 def _run(chosen: argparse.Namespace, study: Study, pool: WorkerPool, checkpoint: Checkpoint, folder: Path) -> int:
+    """Search, save and print the outcome; return the exit code."""
     from granular_contact.studies.optimise.search import search
     from granular_contact.studies.optimise.writing import write_outcome
 
@@ -62,46 +63,51 @@ def _run(chosen: argparse.Namespace, study: Study, pool: WorkerPool, checkpoint:
     code = _show(checkpoint.folder, folder, chosen.quiet)
     checkpoint.finish()
     if not chosen.quiet:
-        taken = time.perf_counter() - begin
-        print(
-            f"{study.name}: {len(outcome.runs)} runs in {taken:.2f} s, saved in {folder}; best.yaml is a config to run"
-        )
+        duration = time.perf_counter() - begin
+        runs = f"{len(outcome.runs)} runs in {duration:.2f} s"
+        print(f"{study.name}: {runs}, saved in {folder}; best.yaml is a config to run")
     return code
 
 
-def _show(place: Path, folder: Path, quiet: bool) -> int:
-    """Print what a search found, as it lies in a place; returns the exit code."""
+def _show(source: Path, folder: Path, quiet: bool) -> int:
+    """Print the outcome of a search; return the exit code.
+
+    source: folder that contains the outcome; folder: the results folder that messages name.
+    """
     from granular_contact.report import OPTIMUM
 
-    found: dict[str, Any] = json.loads((place / OPTIMUM).read_text(encoding="utf-8"))
+    outcome: dict[str, Any] = json.loads((source / OPTIMUM).read_text(encoding="utf-8"))
     if not quiet:
-        _tables(found)
-    if found["failed"]:
-        reasons = list(found["failures"].items())
-        complain(f"{found['failed']} of {found['runs']} runs failed and count as worst:")
-        for words, count in reasons[:MOST_REASONS]:
-            complain(f"  {count} times: {words}")
-    if found["ended"]:
-        complain(f"notice: it ended before all runs were taken: {found['ended']}")
-    if found["best"] is None:
+        _print_tables(outcome)
+    if outcome["failed"]:
+        reasons = list(outcome["failures"].items())
+        complain(f"{outcome['failed']} of {outcome['runs']} runs failed and count as worst:")
+        for reason, count in reasons[:MOST_REASONS]:
+            complain(f"  {count} times: {reason}")
+    if outcome["ended"]:
+        complain(f"notice: the search ended before all runs were made: {outcome['ended']}")
+    if outcome["best"] is None:
         complain(f"every run failed, so there is no best; saved in {folder}")
         return FAILED
-    if not found["best_is_allowed"]:
+    if not outcome["best_is_allowed"]:
         complain("warning: no run keeps all constraints; the best is the one that breaks them least")
     return FINE
 
 
-def _tables(found: dict[str, Any]) -> None:
+def _print_tables(outcome: dict[str, Any]) -> None:
+    """Print a table of the parameters, and one of the objective and the constraints."""
+
     def rows(kind: str, *keys: str) -> list[list[str]]:
-        return [[name, *(_number(one[key]) for key in keys)] for name, one in found[kind].items()]
+        return [[name, *(_number(entry[key]) for key in keys)] for name, entry in outcome[kind].items()]
 
     print_table("parameter", ("from", "to", "as it was", "best"), rows("parameters", "from", "to", "start", "best"))
-    worth = [[found["objective"], "", "", _number(found["start"]), _number(found["best"])]]
-    worth += rows("constraints", "at_least", "at_most", "start", "best")
-    print_table(f"{found['sense']}, and constraints", ("at least", "at most", "as it was", "best"), worth)
-    if found["gain_relative"] is not None:
-        print(f"better by {100 * found['gain_relative']:.3g} % than the config as it was")
+    objective = [outcome["objective"], "", "", _number(outcome["start"]), _number(outcome["best"])]
+    values = [objective, *rows("constraints", "at_least", "at_most", "start", "best")]
+    print_table(f"{outcome['sense']}, and constraints", ("at least", "at most", "as it was", "best"), values)
+    if outcome["gain_relative"] is not None:
+        print(f"better by {100 * outcome['gain_relative']:.3g} % than the config as it was")
 
 
 def _number(value: float | None) -> str:
+    """A number in a cell; a dash for None."""
     return "-" if value is None else f"{value:.5g}"

@@ -1,4 +1,4 @@
-"""The command `report`: a results folder as one HTML file that needs nothing else."""
+"""The command `report`: write a results folder as one self-contained HTML file."""
 
 from __future__ import annotations
 
@@ -7,17 +7,16 @@ from pathlib import Path
 
 from granular_contact.cli.common import FINE, Refusal, view
 
-HELP = "make one HTML file of a results folder, to read, print and pass on"
+HELP = "write a results folder as one self-contained HTML file"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    words = "folder of a run, a comparison, a sweep, a search or a fit; several of runs make a gallery"
-    parser.add_argument("directory", metavar="DIR", nargs="+", help=words)
-    parser.add_argument(
-        "--out", metavar="FILE", help="file to write (DIR/report.html; of several gallery.html beside them)"
-    )
-    parser.add_argument("--view", action="store_true", help="open it in the browser")
+    text = "folder of a run, a comparison, a sweep, a search or a fit; several folders of runs make a gallery"
+    parser.add_argument("directory", metavar="DIR", nargs="+", help=text)
+    text = "file to write (DIR/report.html; for several folders gallery.html beside them)"
+    parser.add_argument("--out", metavar="FILE", help=text)
+    parser.add_argument("--view", action="store_true", help="open the file in the browser")
 
 
 def execute(chosen: argparse.Namespace) -> int:
@@ -26,13 +25,13 @@ def execute(chosen: argparse.Namespace) -> int:
 
     file = Path(chosen.out) if chosen.out else None
     try:
-        folders = [Path(one) for one in chosen.directory]
+        folders = [Path(folder) for folder in chosen.directory]
         written = pages.write(folders[0] if len(folders) == 1 else folders, file)
     except pages.FolderError as error:
         raise Refusal(f"report: {error}") from None
     except OSError as error:
-        why = error.strerror or error
-        raise Refusal(f"report: {file or chosen.directory[0]} can't be written: {why}") from None
+        cause = error.strerror or error
+        raise Refusal(f"report: {file or chosen.directory[0]} can't be written: {cause}") from None
     print(f"saved in {written}")
     if chosen.view:
         view(folders[0], written)

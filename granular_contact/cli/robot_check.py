@@ -1,4 +1,4 @@
-"""What `check` says of a robot file: a table of its shapes and bodies, its faults and notes, and a mended copy."""
+"""`check` for a robot file: print a table of its shapes and bodies, its faults and notes; write a mended copy."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ _HEADS = ("link", "shape", "triangles", "size mm", "closed", "outward", "parts",
 
 
 def is_robot_file(path: str) -> bool:
-    """Whether a file is one of robots, by its name."""
+    """Whether a file is a robot file, by its suffix."""
     return Path(path).suffix.lower() in SUFFIXES
 
 
 def check(path: str, shapes: str | None, packages: dict[str, Path], mend: str | None, hull: bool = False) -> bool:
-    """Print what is wrong with a robot file, and write a mended copy if asked; returns whether a run would take it.
+    """Print the faults of a robot file, and write a mended copy if `mend` names a folder; return whether it has none.
 
     Raises
     ------
@@ -29,65 +29,68 @@ def check(path: str, shapes: str | None, packages: dict[str, Path], mend: str | 
     """
     from granular_contact.robot.inspection import inspect
 
-    found = inspect(path, shapes, packages)
-    _print_shapes(found)
-    _print_bodies(found)
-    for fault in found.faults:
+    inspection = inspect(path, shapes, packages)
+    _print_shapes(inspection)
+    _print_bodies(inspection)
+    for fault in inspection.faults:
         complain(str(fault))
-    for note in found.notes:
+    for note in inspection.notes:
         complain(f"note: {note}")
     if mend is not None:
-        _mend(found, Path(mend), packages, hull)
-    if not found.faults:
-        count = len(found.notes)
+        _mend(inspection, Path(mend), packages, hull)
+    if not inspection.faults:
+        count = len(inspection.notes)
         print(f"{path}: ok" + f", with {count} note{'s' * (count != 1)}" * (count > 0))
-    return not found.faults
+    return not inspection.faults
 
 
-def _mend(found: Inspection, out: Path, packages: dict[str, Path], hull: bool) -> None:
-    """Write the copy, and say what was mended, and what a run would refuse in it still."""
+def _mend(inspection: Inspection, out: Path, packages: dict[str, Path], hull: bool) -> None:
+    """Write the copy, and print what was mended and the faults that the copy still has."""
     from granular_contact.robot.inspection import inspect
     from granular_contact.robot.mending import mend
 
-    mended = mend(found, out, packages, hull)
-    for words in mended.done:
-        print(f"mended: {words}")
-    print(f"mended copy: {mended.path}" + ("" if mended.done else f" (it has no {found.which} meshes)"))
-    for fault in inspect(mended.path, found.which, packages).faults:
+    mended = mend(inspection, out, packages, hull)
+    for change in mended.done:
+        print(f"mended: {change}")
+    print(f"mended copy: {mended.path}" + ("" if mended.done else f" (it has no {inspection.which} meshes)"))
+    for fault in inspect(mended.path, inspection.which, packages).faults:
         complain(f"not mended: {fault}")
 
 
-def _print_shapes(found: Inspection) -> None:
+def _print_shapes(inspection: Inspection) -> None:
+    """Print a table of the shapes."""
     from rich.table import Table
     from rich.text import Text
 
-    if not found.shapes:
+    if not inspection.shapes:
         return
-    table = Table(title=f"{found.which} shapes", title_justify="left", box=None, pad_edge=False)
+    table = Table(title=f"{inspection.which} shapes", title_justify="left", box=None, pad_edge=False)
     for head in _HEADS:
         table.add_column(head, justify="left" if head in _HEADS[:2] else "right", overflow="fold")
-    for one in found.shapes:
-        table.add_row(*map(Text, _row(one)))
+    for inspected in inspection.shapes:
+        table.add_row(*map(Text, _row(inspected)))
     print_wide(table)
 
 
-def _row(one: InspectedShape) -> list[str]:
+def _row(inspected: InspectedShape) -> list[str]:
+    """Cells of the row of a shape."""
     from granular_contact.geometry.mesh_quality import sides
 
-    named, got = [one.shape.link, one.name], one.quality
-    if got is None:
-        size = " x ".join(f"{1e3 * side:.4g}" for side in one.shape.geometry.size)
-        return [*named, "-", size or "not read", *"-----"]
-    words = ["yes" if good else "no" for good in (got.closed, got.outward)]
-    numbers = [str(got.parts), f"{100 * got.inner:.0f}", f"{1e6 * got.volume:.4g}"]
-    return [*named, str(got.triangles), sides(1e3 * got.size), *words, *numbers]
+    names, mesh = [inspected.shape.link, inspected.name], inspected.quality
+    if mesh is None:
+        size = " x ".join(f"{1e3 * side:.4g}" for side in inspected.shape.geometry.size)
+        return [*names, "-", size or "not read", *"-----"]
+    answers = ["yes" if is_good else "no" for is_good in (mesh.closed, mesh.outward)]
+    numbers = [str(mesh.parts), f"{100 * mesh.inner:.0f}", f"{1e6 * mesh.volume:.4g}"]
+    return [*names, str(mesh.triangles), sides(1e3 * mesh.size), *answers, *numbers]
 
 
-def _print_bodies(found: Inspection) -> None:
-    robot = found.robot
+def _print_bodies(inspection: Inspection) -> None:
+    """Print the numbers of links, joints, shapes and triangles, and the mass."""
+    robot = inspection.robot
     masses = [link.inertial.mass for link in robot.links.values() if link.inertial is not None]
     kinds = [joint.kind for joint in robot.joints.values()]
     joints = ", ".join(f"{kinds.count(kind)} {kind}" for kind in dict.fromkeys(kinds)) or "none"
-    triangles = sum(one.quality.triangles for one in found.shapes if one.quality is not None)
+    triangles = sum(shape.quality.triangles for shape in inspection.shapes if shape.quality is not None)
     print(f"{robot.name}: {len(robot.links)} links, {len(masses)} with mass, {sum(masses):.4g} kg; joints: {joints}")
-    print(f"{len(found.shapes)} {found.which} shapes, {triangles} triangles of meshes")
+    print(f"{len(inspection.shapes)} {inspection.which} shapes, {triangles} triangles of meshes")

@@ -1,4 +1,4 @@
-"""The command `run`: one config simulated, saved and summarised."""
+"""The command `run`: simulate a config, save the results and print a summary."""
 
 from __future__ import annotations
 
@@ -40,30 +40,32 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     parser.add_argument("config", metavar="CONFIG", help="YAML file of the run")
     add_set(parser)
-    words = "auto: the fastest that the mechanism allows; engine: Exudyn; minimal: trees of rigid bodies in minimal "
-    words += "coordinates; reduced: a pendulum, or links in space, by a few modes"
-    parser.add_argument("--method", choices=("auto", "engine", "minimal", "reduced"), help=words)
-    words = "modes of the reduced model: 0 rigid, 1 as in the source paper, to 20"
-    parser.add_argument("--modes", metavar="N", help=words)
+    text = (
+        "method of solution. auto: minimal if the mechanism allows it, else engine; engine: Exudyn; minimal: minimal "
+    )
+    text += "coordinates, for trees of bodies; reduced: a few modes of a pendulum, or of flexible links in space"
+    parser.add_argument("--method", choices=("auto", "engine", "minimal", "reduced"), help=text)
+    text = "number of modes of the reduced model, 0 to 20: 0 is rigid, 1 is the reduction of the source paper"
+    parser.add_argument("--modes", metavar="N", help=text)
     parser.add_argument("--no-plots", action="store_true", help="draw no figures")
-    words = "save figures as PDF or SVG too: pdf, svg or pdf,svg"
-    parser.add_argument("--format", metavar="FORMAT", dest="formats", type=_formats, default=(), help=words)
+    text = "save figures as PDF or SVG in addition to PNG: pdf, svg or pdf,svg"
+    parser.add_argument("--format", metavar="FORMAT", dest="formats", type=_formats, default=(), help=text)
     films = parser.add_mutually_exclusive_group()
     films.add_argument("--animate", dest="film", action="store_const", const="gif", help="save an animation.gif")
-    words = "save an animation.mp4; needs ffmpeg"
-    films.add_argument("--animate-mp4", dest="film", action="store_const", const="mp4", help=words)
-    words = "say which steps are taken and what is left out, and why"
-    parser.add_argument("--explain", action="store_true", help=words)
+    text = "save an animation.mp4; needs ffmpeg"
+    films.add_argument("--animate-mp4", dest="film", action="store_const", const="mp4", help=text)
+    text = "print which method and time steps are used, what is left out, and why"
+    parser.add_argument("--explain", action="store_true", help=text)
     viewers = parser.add_mutually_exclusive_group()
-    words = "write the report of the run, and open it in the browser: its player shows the motion"
-    viewers.add_argument("--view", action="store_true", help=words)
-    words = "play the run in Exudyn's own viewer afterwards; it needs a display"
-    viewers.add_argument("--exudyn-viewer", dest="viewer", action="store_true", help=words)
+    text = "write the report of the run and open it in the browser; its player shows the motion"
+    viewers.add_argument("--view", action="store_true", help=text)
+    text = "show the motion in Exudyn's own viewer after the run; needs a display"
+    viewers.add_argument("--exudyn-viewer", dest="viewer", action="store_true", help=text)
     add_output(parser, "results/NAME_OF_CONFIG")
 
 
 def _formats(text: str) -> tuple[str, ...]:
-    """Formats of figures that were asked for."""
+    """Formats of figures from the text of the option --format."""
     from granular_contact.report import FORMATS
 
     names = tuple(part.strip().lower() for part in text.split(","))
@@ -73,13 +75,14 @@ def _formats(text: str) -> tuple[str, ...]:
 
 
 def _method(chosen: argparse.Namespace) -> Iterator[str]:
-    """--method and --modes in the form of --set; --modes alone keeps the other options of the config's method.
+    """Texts of --set for the options --method and --modes.
 
-    A solver.accuracy of the config is not for the reduced model of the plane, which has an rtol of its own.
+    --modes alone keeps the other options of the method in the config.
+    --method reduced removes a solver.accuracy of the config in the plane, since that model has its own rtol.
     """
     if chosen.method not in (None, "reduced") and chosen.modes is not None:
-        what = "rigid bodies have none" if chosen.method == "minimal" else "the engine has none"
-        raise ConfigError([Fault(f"--modes {chosen.modes}", None, "", f"{what}: needs --method reduced")])
+        reason = "rigid bodies have none" if chosen.method == "minimal" else "the engine has none"
+        raise ConfigError([Fault(f"--modes {chosen.modes}", None, "", f"{reason}: needs --method reduced")])
     if chosen.method is not None:
         yield "method={reduced: {}}" if chosen.method == "reduced" else f"method={chosen.method}"
         if chosen.method == "reduced" and not _in_space(chosen):
@@ -108,32 +111,32 @@ def execute(chosen: argparse.Namespace) -> int:
             scene = build(scenario)
         _refuse_viewer(scene)
     folder = output_folder(chosen.out, Path(chosen.config).stem)
-    kept: list[tuple[System, Trajectory]] = []
-    results, took = _simulate(chosen, scenario, scene, kept)
-    # Before what is drawn below is imported.
-    explained = [*_explanation(scene, kept)] if chosen.explain else []
+    solved: list[tuple[System, Trajectory]] = []
+    results, duration = _simulate(chosen, scenario, scene, solved)
+    # The explanation says which packages are not imported, so it is made before figures import more of them.
+    explanation = [*_explanation(scene, solved)] if chosen.explain else []
     _save(chosen, results, folder, figures=scenario.output.figures and not chosen.no_plots)
     if not chosen.quiet:
-        say("\n".join(_summary(results, _surface_follows(scenario), took, folder)))
-        told = set(map(str, scene.notes))  # when the config was read
-        say("\n".join(f"warning: {warning}" for warning in results.warnings if warning not in told))
+        say("\n".join(_summary(results, _surface_follows(scenario), duration, folder)))
+        printed = set(map(str, scene.notes))  # when the config was read
+        say("\n".join(f"warning: {warning}" for warning in results.warnings if warning not in printed))
     elif results.status.code in ENDS:
         complain(f"{results.status.message}; saved in {folder}")
     elif not results.summary.get("usable", True):
         complain(f"the result is not usable, see its warnings; saved in {folder}")
-    if explained:
-        say("\n".join(explained))
+    if explanation:
+        say("\n".join(explanation))
     if chosen.view:
         view(folder)
-    for solved in kept if chosen.viewer else ():
+    for system, trajectory in solved if chosen.viewer else ():
         from granular_contact.engines.exudyn import viewer
 
-        viewer.show(*solved)
+        viewer.show(system, trajectory)
     return exit_code(results)
 
 
 def _save(chosen: argparse.Namespace, results: Results, folder: Path, *, figures: bool) -> None:
-    """Write the results, with the film that was asked for; say what that lacks."""
+    """Write the results, with the animation if there is one; print a notice if it is no shaded picture in space."""
     from granular_contact import report
 
     try:
@@ -148,9 +151,12 @@ def _save(chosen: argparse.Namespace, results: Results, folder: Path, *, figures
 
 
 def _simulate(
-    chosen: argparse.Namespace, scenario: Scenario, scene: Scene, kept: list[tuple[System, Trajectory]]
+    chosen: argparse.Namespace, scenario: Scenario, scene: Scene, solved: list[tuple[System, Trajectory]]
 ) -> tuple[Results, str]:
-    """The results of the run, and how long it took; kept: gets the engine's system, if it is looked at afterwards."""
+    """The results of the run, and its wall time in words.
+
+    solved: gets the system and the trajectory if --exudyn-viewer or --explain need them.
+    """
     from granular_contact.jit.compiling import seconds
     from granular_contact.results.frames import MOST
     from granular_contact.run import run
@@ -163,29 +169,32 @@ def _simulate(
             scenario,
             progress=progress,
             most_frames=MOST,
-            inspect=(lambda *solved: kept.append(solved)) if chosen.viewer or chosen.explain else None,
+            inspect=(lambda *pair: solved.append(pair)) if chosen.viewer or chosen.explain else None,
             compiling=None if chosen.quiet else announce,
         )
     compiled = seconds() - compiled
-    also = f", and {compiled:.1f} s of compiling, once in an installation" if compiled else ""
-    return results, f"{time.perf_counter() - begin - compiled:.2f} s{also}"
+    compiling = f", and {compiled:.1f} s of compiling, once in an installation" if compiled else ""
+    return results, f"{time.perf_counter() - begin - compiled:.2f} s{compiling}"
 
 
 def _explanation(scene: Scene, solved: list[tuple[System, Trajectory]]) -> Iterator[str]:
-    """Lines on how a run was computed, and on what it did without; reduced models have no system."""
+    """Lines on the method and the time steps of a run, and on the parts of the program that it did not need.
+
+    solved: system and trajectory; empty for reduced models.
+    """
     from granular_contact.scene.methods import reason
 
     if scene.scenario is not None and scene.scenario.method.name == "auto":
         yield f"computed {reason(scene)}"
     yield f"steps {scene.solver.why}"
-    for both in solved if scene.in_space else ():
+    for system, trajectory in solved if scene.in_space else ():
         from granular_contact.mechanics.space.facet_sizes import explained
 
-        yield from explained(*both)
+        yield from explained(system, trajectory)
     yield "left out:"
     if scene.method is not None:
-        also = "" if "exudyn" in sys.modules else ", and it is not imported"
-        yield f"  the engine: the method does without its solver{also}"
+        not_imported = "" if "exudyn" in sys.modules else ", and it is not imported"
+        yield f"  the engine: the method does without its solver{not_imported}"
     for system, trajectory in solved:
         from granular_contact.mechanics.omissions import left_out
 
@@ -193,16 +202,16 @@ def _explanation(scene: Scene, solved: list[tuple[System, Trajectory]]) -> Itera
 
 
 def _surface_follows(scenario: Scenario) -> bool:
-    """Whether the height of a body was given, and none of the surface, which then goes with it."""
+    """Whether the height of the surface follows from the mechanism although the config gives the height of a body."""
     if not scenario.media or scenario.surface_height is not None or getattr(scenario.bed, "profile_m", None):
         return False
     return any(start.height is not None for start in (scenario.initial.joints or {}).values())
 
 
 def _refuse_viewer(scene: Scene) -> None:
-    """Raise if the engine's viewer can't show the run."""
+    """Raise Refusal if Exudyn's viewer can't show the run."""
     if scene.method is not None:
-        raise Refusal("--exudyn-viewer: it is the engine's, which this method does not run in; --view shows both")
+        raise Refusal("--exudyn-viewer: shows runs with method engine, this run has another; --view shows both")
     from granular_contact.engines.exudyn import viewer
 
     if (problem := viewer.problem()) is not None:
@@ -211,9 +220,10 @@ def _refuse_viewer(scene: Scene) -> None:
 
 @contextmanager
 def _progress(shown: bool, end_time: float) -> Iterator[tuple[Progress | None, Compiling]]:
-    """Give a callable that shows the simulated time, of `end_time` (s), on stderr, and one that says what is compiled.
+    """Give a callable that shows the simulated time on stderr, and one that reports what is compiled.
 
-    The first is None if nothing is to be shown. The second speaks above the bar and in it, or on stderr alone.
+    shown: whether there is a progress bar; else the first callable is None, and the second prints on stderr. end_time:
+    end of the run (s).
     """
     if not shown:
         yield None, complain
@@ -245,7 +255,7 @@ def _progress(shown: bool, end_time: float) -> Iterator[tuple[Progress | None, C
         yield update, announce
 
 
-_LINES = (  # key, unit that gets a prefix if it is a length or a time, digits, and words
+_LINES = (  # key, unit (s and m get a prefix), number format, and line of the summary
     ("penetration_time_s", "s", "#.4g", "  sinking         {}, from touch until the lower end sinks no deeper"),
     ("angle_at_stop_deg", "deg", "#.5g", "  angle at stop   {}"),
     ("max_depth_m", "m", "#.4g", "  largest depth   {}"),
@@ -255,37 +265,38 @@ _LINES = (  # key, unit that gets a prefix if it is a length or a time, digits, 
 
 
 def _strain(links: dict[str, dict[str, Any]]) -> str:
-    """A line on the link that is strained most."""
-    name, most = max(links.items(), key=lambda item: item[1]["strain"])
-    stress = most["stress_Pa"]
-    mega = f"; stress {1e-6 * stress:.3g} MPa (von Mises)" if stress is not None and math.isfinite(stress) else ""
-    return f"  strain          {100.0 * most['strain']:.3g} % at most, at the skin of {name}{mega}"
+    """Line of the summary on the link with the largest strain."""
+    name, largest = max(links.items(), key=lambda item: item[1]["strain"])
+    stress = largest["stress_Pa"]
+    has_stress = stress is not None and math.isfinite(stress)
+    stress_words = f"; stress {1e-6 * stress:.3g} MPa (von Mises)" if has_stress else ""
+    return f"  strain          {100.0 * largest['strain']:.3g} % at most, at the skin of {name}{stress_words}"
 
 
-def _summary(results: Results, surface_follows: bool, elapsed: str, folder: Path) -> Iterator[str]:
-    """Lines that summarise a run; quantities that it does not have are left out."""
+def _summary(results: Results, surface_follows: bool, duration: str, folder: Path) -> Iterator[str]:
+    """Lines of the summary of a run, without quantities that the run does not have."""
     from granular_contact.report.units import sized
 
-    found: dict[str, Any] = results.summary
-    doubt = "" if found.get("usable", True) else "; the result is not usable, see its warnings"
+    summary: dict[str, Any] = results.summary
+    doubt = "" if summary.get("usable", True) else "; the result is not usable, see its warnings"
     yield f"{results.name}: {results.status.message}{doubt}"
     if surface_follows:
         yield "  surface         where it touches the mechanism at the start, as surface_height_m is not given"
-    if (stop := found.get("stopping_time_s")) is not None:
-        yield f"  stopping time   {sized(stop, 's', '#.4g')}, {found['stopping_time_measure']}"
+    if (stop := summary.get("stopping_time_s")) is not None:
+        yield f"  stopping time   {sized(stop, 's', '#.4g')}, {summary['stopping_time_measure']}"
     for key, unit, form, line in _LINES:
-        value = found.get(key)
+        value = summary.get(key)
         if value is not None and not (key == "max_depth_m" and value < 0.0):
             yield line.format(sized(value, unit, form) if unit in ("s", "m") else f"{value:{form}} {unit}")
-    if links := found.get("links"):
+    if links := summary.get("links"):
         yield _strain(links)
-    if wheel := found.get("wheel"):
+    if wheel := summary.get("wheel"):
         sinkage = f"sinkage {sized(wheel['sinkage_m'], 'm', '#.4g')}"
         yield f"  wheel           slip {wheel['slip']:.3f}, {sinkage}, means of the last half"
         yield f"                  pull {wheel['drawbar_pull_N']:.3g} N, torque {wheel['torque_Nm']:.3g} N m"
-    if (cost := found.get("cost_of_transport")) is not None:
+    if (cost := summary.get("cost_of_transport")) is not None:
         yield f"  transport cost  {cost:.3g} of weight times distance"
-    if (imbalance := found.get("energy", {}).get("imbalance_relative")) is not None:
+    if (imbalance := summary.get("energy", {}).get("imbalance_relative")) is not None:
         yield f"  imbalance       {imbalance:.1e} of the energy"
-    yield f"  wall time       {elapsed}"
+    yield f"  wall time       {duration}"
     yield f"  saved in        {folder}"

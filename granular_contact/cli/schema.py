@@ -1,4 +1,4 @@
-"""The command `schema`: what a config, a model, a medium, or the file of many runs may hold, for editors."""
+"""The command `schema`: print or write the JSON Schemas of all kinds of files, for editors."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ SCHEMAS = ("run", "model", "medium", "sweep", "fit", "optimise")
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    parser.add_argument("--of", choices=SCHEMAS, default="run", help="which of them (%(default)s)")
-    words = "write all of them into a folder, as the lines for editors in the shipped files name them"
-    parser.add_argument("--write", metavar="DIR", help=words)
+    parser.add_argument("--of", choices=SCHEMAS, default="run", help="kind of file (%(default)s)")
+    text = "write the schemas of all kinds into a folder, with the names that the first lines of the shipped files use"
+    parser.add_argument("--write", metavar="DIR", help=text)
 
 
 def execute(chosen: argparse.Namespace) -> int:
@@ -30,7 +30,7 @@ def execute(chosen: argparse.Namespace) -> int:
 
 
 def files() -> dict[str, bytes]:
-    """Contents of the schemas of all kinds of files, by the name of each, `run.json` for example."""
+    """Schemas of all kinds of files as JSON, by the name of the schema file, for example `run.json`."""
     from granular_contact.config import json_schema
 
     texts = {kind: json.dumps(json_schema(kind), ensure_ascii=False, separators=(",", ":")) for kind in SCHEMAS}
@@ -38,7 +38,7 @@ def files() -> dict[str, bytes]:
 
 
 def _written(folder: Path) -> int:
-    """Write the schemas of all kinds of files; returns the exit code."""
+    """Write the schemas of all kinds of files; return the exit code."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
         for name, content in files().items():

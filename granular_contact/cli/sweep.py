@@ -1,4 +1,4 @@
-"""The command `sweep`: cases run, shown and saved as a table; a killed sweep is resumed."""
+"""The command `sweep`: run many cases; print and save them as a table. It resumes an interrupted sweep."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from granular_contact.cli import many
-from granular_contact.cli.common import complain, output_folder, print_numbers, print_table, say, there
+from granular_contact.cli.common import columns_with_values, complain, output_folder, print_numbers, print_table, say
 from granular_contact.errors import ConfigError, Fault, short
 
 if TYPE_CHECKING:
@@ -20,10 +20,10 @@ if TYPE_CHECKING:
     from granular_contact.studies.sweep.checkpoint import Checkpoint
     from granular_contact.studies.sweep.sensitivity import Indices
 
-HELP = "simulate many cases of a config on all cores or a cluster, one row of a table each"
-MOST_SHOWN = 40  # rows; the rest is in the table
-MOST_KEYS, MOST_LETTERS = 4, 20  # keys that vary, and letters of a value, in the shown rows
-_SHOWN = (
+HELP = "simulate many cases of a config on all cores or a cluster; each gives a row of a table"
+MOST_SHOWN = 40  # number of rows that are printed; table.csv has all
+MOST_KEYS, MOST_LETTERS = 4, 20  # numbers of varied keys, and of letters of a value, in the printed rows
+_COLUMNS = (
     ("stopping_time_s", "stop ms", 1e3, ".2f"),
     ("angle_at_stop_deg", "angle deg", 1.0, ".3f"),
     ("max_depth_m", "depth mm", 1e3, ".2f"),
@@ -31,20 +31,20 @@ _SHOWN = (
     ("cost_of_transport", "cost", 1.0, ".3f"),
     ("energy.imbalance_relative", "imbalance", 1.0, ".1e"),
 )
-_OF_WHEEL = (
+_WHEEL_COLUMNS = (
     ("wheel.drawbar_pull_N", "pull N", 1.0, ".3f"),
     ("wheel.torque_Nm", "torque N m", 1.0, ".3f"),
     ("wheel.sinkage_m", "sinkage mm", 1e3, ".2f"),
     ("wheel.efficiency", "efficiency", 1.0, ".3f"),
-    _SHOWN[-1],
+    _COLUMNS[-1],
 )
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    words = "run all cases, also those that an earlier sweep has finished, and replace its results"
-    many.add_arguments(parser, "YAML file with a config, and cases, vary or sample", words)
-    parser.add_argument("--plots", action="store_true", help="save a folder with series and figures for each case")
+    text = "repeat all cases, also those that an earlier sweep has finished, and replace its results"
+    many.add_arguments(parser, "YAML file with a config, and cases, vary or sample", text)
+    parser.add_argument("--plots", action="store_true", help="save time series and figures of each case in a folder")
 
 
 def execute(chosen: argparse.Namespace) -> int:
@@ -61,33 +61,34 @@ def execute(chosen: argparse.Namespace) -> int:
 
 
 def _run(chosen: argparse.Namespace, sweep: Sweep, pool: WorkerPool, folder: Path, checkpoint: Checkpoint) -> int:
+    """Run the cases that are missing in the checkpoint, save and print the table; return the exit code."""
     from granular_contact.studies.sweep import run, sensitivity, slip, table
 
     count, begin = len(sweep.cases), time.perf_counter()
     rows = run(sweep, pool, done=checkpoint.done, journal=checkpoint.journal, cases_folder=checkpoint.cases)
-    many.take(chosen, rows, checkpoint, count, partial(_ask_for_outputs, sweep.sample, chosen.file))
+    many.take(chosen, rows, checkpoint, count, partial(_check_outputs, sweep.sample, chosen.file))
     table.write(sweep, checkpoint.journal, checkpoint.folder)
     slip.write(sweep, checkpoint.journal, checkpoint.folder)
-    found = sensitivity.of_sweep(sweep, checkpoint.journal)
-    if found:
-        sensitivity.write(found, checkpoint.folder, figures=sweep.base.output.figures)
+    indices = sensitivity.of_sweep(sweep, checkpoint.journal)
+    if indices:
+        sensitivity.write(indices, checkpoint.folder, figures=sweep.base.output.figures)
     ends = _show(sweep, checkpoint.journal, chosen.quiet)
     checkpoint.finish()
     if not chosen.quiet:
-        _show_sensitivity(found)
-        taken, new = time.perf_counter() - begin, count - len(checkpoint.done)
-        speed = f" ({new / taken:.3g} per s)" if new and taken > 0.0 else ""
-        say(f"{sweep.name}: {count} of {count} cases in {taken:.2f} s{speed}, saved in {folder}")
-    for one in found:
-        if one.refused:
-            complain(f"no Sobol indices of {one.output}: {one.refused}")
-        for words in sensitivity.warnings(one):
-            complain(f"warning: {words}")
+        _show_sensitivity(indices)
+        duration, new = time.perf_counter() - begin, count - len(checkpoint.done)
+        speed = f" ({new / duration:.3g} per s)" if new and duration > 0.0 else ""
+        say(f"{sweep.name}: {count} of {count} cases in {duration:.2f} s{speed}, saved in {folder}")
+    for of_output in indices:
+        if of_output.refused:
+            complain(f"no Sobol indices of {of_output.output}: {of_output.refused}")
+        for warning in sensitivity.warnings(of_output):
+            complain(f"warning: {warning}")
     return ends.code(folder, quiet=chosen.quiet)
 
 
-def _ask_for_outputs(sample: Sample | None, file: str, row: Row) -> None:
-    """Raise if the summary of a case, the first, lacks a number that the sample asks for."""
+def _check_outputs(sample: Sample | None, file: str, row: Row) -> None:
+    """Raise ConfigError if the summary of a case lacks a number that is among the outputs of the sample."""
     from granular_contact.config.messages import unknown
 
     numbers = [key for key, value in row.summary.items() if value is None or isinstance(value, int | float)]
@@ -98,7 +99,7 @@ def _ask_for_outputs(sample: Sample | None, file: str, row: Row) -> None:
 
 
 def _show(sweep: Sweep, rows: Iterable[Row], quiet: bool) -> many.Ends:
-    """Print the essential columns of the first rows, and what failed; returns how all rows ended."""
+    """Print the essential columns of the first rows, and the failed cases; return how all rows ended."""
     keys = sweep.keys[:MOST_KEYS]
     first: list[Row] = []
     failed: list[str] = []
@@ -109,10 +110,11 @@ def _show(sweep: Sweep, rows: Iterable[Row], quiet: bool) -> many.Ends:
             first.append(row)
         if row.failed:
             failed += [f"{row.name} failed: {row.summary['message']}"] if ends.failed <= MOST_SHOWN else []
-    columns = there(_SHOWN if sweep.base.wheel is None else _OF_WHEEL, [row.summary for row in first])
+    all_columns = _COLUMNS if sweep.base.wheel is None else _WHEEL_COLUMNS
+    columns = columns_with_values(all_columns, [row.summary for row in first])
     if not quiet:
-        words = ([one.name, *(_value(one.values.get(key)) for key in keys), one.summary["status"]] for one in first)
-        cells = zip(words, (one.summary for one in first), strict=True)
+        texts = ([row.name, *(_value(row.values.get(key)) for key in keys), row.summary["status"]] for row in first)
+        cells = zip(texts, (row.summary for row in first), strict=True)
         print_numbers(["case", *_short_names(keys), "status"], columns, cells)
         if len(sweep.cases) > MOST_SHOWN:
             print(f"... and {len(sweep.cases) - MOST_SHOWN} more cases in table.csv")
@@ -122,7 +124,7 @@ def _show(sweep: Sweep, rows: Iterable[Row], quiet: bool) -> many.Ends:
 
 
 def _short_names(keys: Sequence[str]) -> list[str]:
-    """The last parts of dotted keys, as many as are needed to distinguish them."""
+    """The last parts of dotted keys, as many as distinguish all keys."""
     parts = [key.split(".") for key in keys]
     for size in range(1, max(map(len, parts), default=0) + 1):
         names = [".".join(part[-size:]) for part in parts]
@@ -136,13 +138,13 @@ def _value(value: Any) -> str:
     return short(f"{value:.5g}" if isinstance(value, float) else "null" if value is None else str(value), MOST_LETTERS)
 
 
-def _show_sensitivity(found: Iterable[Indices]) -> None:
-    """Print the indices with their intervals."""
-    for one in found:
-        if one.refused:
+def _show_sensitivity(indices: Iterable[Indices]) -> None:
+    """Print the Sobol indices of each output with their confidence intervals."""
+    for of_output in indices:
+        if of_output.refused:
             continue
         rows = []
-        for i, name in enumerate(one.inputs):
-            pairs = ((one.first, one.first_interval), (one.total, one.total_interval))
+        for i, name in enumerate(of_output.inputs):
+            pairs = ((of_output.first, of_output.first_interval), (of_output.total, of_output.total_interval))
             rows.append([name, *(f"{v[i]:.3f} ({ends[0, i]:.3f} to {ends[1, i]:.3f})" for v, ends in pairs)])
-        print_table(f"Sobol indices of {one.output}", ("first order, 95 %", "total, 95 %"), rows)
+        print_table(f"Sobol indices of {of_output.output}", ("first order, 95 %", "total, 95 %"), rows)

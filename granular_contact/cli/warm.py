@@ -1,4 +1,4 @@
-"""The command `warm`: compile ahead what runs need, so that the first run of a law does not wait for it."""
+"""The command `warm`: compile the kernels of runs in advance, so that the first run of a law does not wait for them."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from granular_contact.cli.common import FINE, add_set, complain, read
 if TYPE_CHECKING:
     from granular_contact.scene import Scene
 
-HELP = "compile ahead what the first run of a law has to wait for"
-LONG = 0.5  # of a run (s), whose end its error is estimated from
+HELP = "compile in advance what the first run of a law would have to wait for"
+WALL_TIME = 0.5  # limit (s) of each run; the estimates of its errors at the end use further kernels
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    words = "YAML files of runs; left out: what the shipped configs need, some minutes of processor time"
-    parser.add_argument("config", metavar="CONFIG", nargs="*", help=words)
+    text = "YAML files of runs; without any: all shipped configs, which takes some minutes of processor time"
+    parser.add_argument("config", metavar="CONFIG", nargs="*", help=text)
     add_set(parser, "medium=rft3d_sand")
     parser.add_argument("--quiet", action="store_true", help="print faults only")
 
@@ -32,23 +32,24 @@ def execute(chosen: argparse.Namespace) -> int:
     from granular_contact.run import kernels_of, summary_of
 
     scenes = [(path, read(path, chosen.set)[1]) for path in chosen.config or _shipped()]
-    started, before, done = time.perf_counter(), seconds(), dict[str, None]()
+    started, compiled_before, kinds = time.perf_counter(), seconds(), set[str]()
     for path, scene in scenes:
-        if (kind := _kind(scene)) in done:
+        if (kind := _kind(scene)) in kinds:
             continue
-        done[kind] = None
+        kinds.add(kind)
         if not chosen.quiet:
             complain(f"{Path(path).stem} ({kind})")
         with announced(None if chosen.quiet else complain, kernels_of(scene)):
-            summary_of(replace(scene, solver=scene.solver.model_copy(update={"max_wall_s": LONG})))
+            summary_of(replace(scene, solver=scene.solver.model_copy(update={"max_wall_s": WALL_TIME})))
     if not chosen.quiet:
         elapsed = time.perf_counter() - started
-        print(f"{len(done)} kinds of runs are ready: {seconds() - before:.1f} s of compiling, {elapsed:.1f} s in all")
+        compiling = seconds() - compiled_before
+        print(f"{len(kinds)} kinds of runs are ready: {compiling:.1f} s of compiling, {elapsed:.1f} s in all")
     return FINE
 
 
 def _shipped() -> Iterator[str]:
-    """The shipped configs of one run."""
+    """Paths of the shipped configs, without sweeps and other files of many runs."""
     from granular_contact import examples
     from granular_contact.config import is_run
 
@@ -56,7 +57,7 @@ def _shipped() -> Iterator[str]:
 
 
 def _kind(scene: Scene) -> str:
-    """What scenes have in common that need the same kernels: method, laws, kinds of bodies."""
+    """Text that is equal for scenes that need the same kernels: laws, kinds of bodies and method."""
     from granular_contact.run import kernels_of
 
     method = type(scene.method).__name__.lower() if scene.method is not None else "engine"

@@ -176,7 +176,7 @@ def _find(name: str, library: Library, file: Path, folder: Path) -> Path | str:
     quoted = repr(short(name))
     if name.endswith((".yaml", ".yml")):
         path = folder / name
-        start = "the folder of the config" if folder == file.parent else "the folder that you are in"
+        start = "the folder of the config" if folder == file.parent else "the working folder"
         missing = f"got {quoted}, but there is no file {readable_path(path)}; paths start from {start}, or from /"
         return path if is_file(path) else missing
     folders = library.folders(file.parent)

@@ -74,10 +74,10 @@ def test_where_the_path_of_a_medium_starts_is_said(capsys: pytest.CaptureFixture
     with pytest.raises(ConfigError) as caught:
         load(CONFIGS / "pendulum.yaml", ["medium=sand/mine.yaml"])
     (fault,) = caught.value.faults
-    assert "no file sand/mine.yaml; paths start from the folder that you are in" in fault.message
+    assert "no file sand/mine.yaml; paths start from the working folder" in fault.message
     with pytest.raises(SystemExit):
         cli.main(["run", "--help"])
-    assert "start from the folder that you are in" in " ".join(capsys.readouterr().out.split())
+    assert "start from the working folder" in " ".join(capsys.readouterr().out.split())
 
 
 def test_the_window_and_the_sign_of_the_clock_are_said(capsys: pytest.CaptureFixture[str]) -> None:
@@ -86,7 +86,7 @@ def test_the_window_and_the_sign_of_the_clock_are_said(capsys: pytest.CaptureFix
     with pytest.raises(SystemExit):
         cli.main(["fit", "--help"])
     words = " ".join(capsys.readouterr().out.split())
-    assert "clock of the data is ahead" in words
+    assert "at which the runs start, by the clock of the data" in words
     assert f"from {OFFSET_RANGE[0]:g} to {OFFSET_RANGE[1]:g} s" in words
 
 

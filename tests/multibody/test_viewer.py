@@ -49,7 +49,7 @@ def test_without_a_display_it_is_refused_before_the_run(
 
 def test_a_reduced_model_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["run", CONFIG, "--exudyn-viewer", "--modes", "0", "--out", str(tmp_path / "r")]) == 2
-    assert "which this method does not run in" in capsys.readouterr().err
+    assert "shows runs with method engine" in capsys.readouterr().err
 
 
 def test_what_is_played_is_the_trajectory(solved: tuple[System, Trajectory]) -> None:
