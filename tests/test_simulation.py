@@ -399,7 +399,7 @@ def test_wall_time_counts_what_the_controller_takes() -> None:
     scenario = scenario_of(LEG, "solver.max_wall_s=0.3")
     results = simulate(scenario, control=lambda *_: time.sleep(0.05), control_rate_Hz=1000)
     assert results.status.code == "time_limit"
-    assert "solver.max_wall_s (0.3) is over" in results.status.message
+    assert "solver.max_wall_s (0.3), was reached" in results.status.message
     assert 0.0 < results["time_s"][-1] < 0.01  # six or seven calls of 50 ms
 
 
