@@ -178,7 +178,7 @@ def test_other_threads_run_while_forces_are_computed() -> None:
     model = model_of('<geom name="box" type="sphere" size="0.1"/>', place="0 0 -0.1")
     bed, data = MujocoBed(model, SAND), mujoco.MjData(model)
     bed.add_geoms("box", facet_size=0.004)
-    (act,) = bed.apply(data)._step._acts
+    (act,) = bed.apply(data)._step._force_calls
     counted, within = [0], []
 
     def look() -> None:

@@ -18,7 +18,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from granular_contact.engines.mujoco.trial import MASS_OF_DATA, STATE
+from granular_contact.engines.mujoco.trial import FULL_M_TAKES_DATA, STATE
 from granular_contact.mujoco import MujocoBed
 from validation.peers.mujoco_scene import Laws
 
@@ -37,12 +37,12 @@ def run(bed: MujocoBed, model: Any, data: Any, controls: Array, states: Array, l
     """Make a step for each row of controls (n, drives), fill states (n + 1, nq); processor time of the steps (s)."""
     assert not len(laws.places)
     step = bed.of(data)._step
-    (act,), trial = step._acts, step._trial
+    (act,), trial = step._force_calls, step._trial
     called = step._begin, act, step._guess, trial.damp, step._correct
     march = _march(tuple(one.func for one in called))
     trial.shares[:] = -model.opt.timestep, 0.0
     mass = (
-        data.qM if not MASS_OF_DATA else trial.matrix
+        data.qM if not FULL_M_TAKES_DATA else trial.matrix
     )  # as the last argument of `mj_fullM`, but for the matrix in between
     given = (
         model._address,
@@ -68,7 +68,7 @@ def _march(kernels: tuple[Any, ...]) -> Any:
     get, put = (_engine(name, _PLACE, ctypes.c_uint) for name in ("mj_getState", "mj_setState"))
     whole = _engine("mj_step")
     full = ctypes.CFUNCTYPE(_VOID, _PLACE, _PLACE, _PLACE)(ctypes.cast(_LIBRARY.mj_fullM, _PLACE).value)
-    kept, old = STATE, not MASS_OF_DATA
+    kept, old = STATE, not FULL_M_TAKES_DATA
 
     @njit
     def march(model, data, arguments, bed, controls_now, place, state, matrix, mass, step, controls, states):

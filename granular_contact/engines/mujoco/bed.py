@@ -1,4 +1,4 @@
-"""The second door: a granular bed that acts on the bodies of a MuJoCo model as it is."""
+"""The plugin for MuJoCo: a granular bed that acts on bodies of any MuJoCo model, which is not changed."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from granular_contact.engines.mujoco import checks, geoms
+from granular_contact.engines.mujoco.bed_data import BedData
 from granular_contact.engines.mujoco.callback import Callback
 from granular_contact.engines.mujoco.engine import name_of
-from granular_contact.engines.mujoco.facet_error import Facets
+from granular_contact.engines.mujoco.facet_error import ComparedLoads
 from granular_contact.engines.mujoco.load import BedLoad
-from granular_contact.engines.mujoco.of_data import BedData
 from granular_contact.engines.mujoco.sand import PlanarSand, Sand, SpatialSand
 from granular_contact.engines.mujoco.shared import Shared
 from granular_contact.engines.mujoco.state import BedState
@@ -32,37 +32,41 @@ Vector = NDArray[np.float64]
 
 
 class MujocoBed:
-    """Bed of one medium, or of several whose forces add, acting on bodies of a MuJoCo model.
+    """Granular bed that acts on bodies of a MuJoCo model, in space or in a plane.
+
+    `add_geoms` and `add_lines` name what the medium acts on. Then call `apply` before each step, or `install` once.
 
     Parameters
     ----------
     model : mujoco.MjModel
         The model; it is not changed.
     medium, slope, static, form, end_cap, floor
-        As of `GranularBed`. A profile and `form` need `plane`.
+        As in `GranularBed`. Corners as `surface`, and another `form` than "distributed", need `plane`.
     surface : float or (k, 2) array
-        Height of the level surface (m) along `up`, above the origin of the world; in a plane also corners.
+        Height (m) of a level surface along `up`, above the world origin. With `plane` also corners (m) of a surface of
+        straight pieces: distance along `plane`, and height.
     up : (3,) array, optional
-        Direction, world frame, against which depth is counted; opposite to the model's gravity unless given.
+        Direction, in the world frame, opposite to gravity on the medium; depth is measured along its negative. The
+        opposite of the model's gravity unless given.
     gravity : float, optional
-        Magnitude of gravity (m/s2) in the static resistance of the medium; the model's unless given.
+        Magnitude of gravity (m/s2) in the static resistance of the medium; that of the model unless given.
     plane : (3,) array, optional
-        Makes the bed planar: the horizontal direction (world frame) that spans, with `up`, the plane in which all
-        bodies move. Laws of strips then act on sections of the bodies.
+        Makes the bed planar: a horizontal direction, in the world frame, that spans with `up` the plane in which all
+        bodies move. Laws for strips then act on sections of the bodies.
     record : bool
         Whether `BedData.history` keeps a row of each step.
     lenient : bool
-        Whether steps without a call of `apply` are passed over, and not an error.
+        Whether a step without a call of `apply` before it is allowed; otherwise it is an error.
 
     Raises
     ------
     ValueError
-        One of these, or a number of a medium, is not allowed.
+        A parameter, or a coefficient of a medium, is out of its range.
 
     Notes
     -----
-    Forces are implicit in the step (`kernels.added_mass`), of first order in it, and bodies stand still at any.
-    Friction state, forces and work belong to one `MjData` each: `of(data)`.
+    Forces are implicit in the step (`kernels.added_mass`). Their error is of first order in the step, and steps of any
+    length let bodies stand still. Friction state, forces and work belong to one `MjData` each: `of(data)`.
     """
 
     def __init__(
@@ -84,32 +88,33 @@ class MujocoBed:
     ) -> None:
         self.model, self.planar = model, plane is not None
         self._static = Elastoplastic() if static is None else static
-        pull = np.array(model.opt.gravity, float)
-        if (up is None or gravity is None) and not pull.any():
+        model_gravity = np.array(model.opt.gravity, float)
+        if (up is None or gravity is None) and not model_gravity.any():
             raise ValueError("up, gravity: the model has no gravity, give both")
-        self.up = direction("up", -pull if up is None else up)
+        self.up = direction("up", -model_gravity if up is None else up)
         options: dict[str, Any] = {"slope": slope, "static": self._static, "end_cap": end_cap, "floor": floor}
-        options["gravity"] = float(np.linalg.norm(pull)) if gravity is None else gravity
+        options["gravity"] = float(np.linalg.norm(model_gravity)) if gravity is None else gravity
         self._bed = BedLoad(medium, surface, self.up, plane, form, options)
         self.load, self.turn = self._bed.load, self._bed.turn
         with_warnings(self.load)
-        self._names, self._geoms = dict[int, Body](), list[int]()
+        self._bodies, self._geom_numbers = dict[int, Body](), list[int]()
         self._options = {"record": record, "lenient": lenient}
-        self._shared: Shared | None = None
-        self._of: weakref.WeakKeyDictionary[Any, BedData] = weakref.WeakKeyDictionary()
+        self._shared: Shared | None = None  # made at the first use with data, after which no geom can be added
+        self._beds: weakref.WeakKeyDictionary[Any, BedData] = weakref.WeakKeyDictionary()  # by MjData
         self._callback = Callback()
 
     def body(self, name: str | int) -> Body:
-        """A body of the model, as the bed has it.
+        """Body of the model on which lines for `add_lines` can be made.
 
         Parameters
         ----------
         name : str or int
-            Its name or number.
+            Name or number of the body.
 
         Returns
         -------
         Body
+            As functions of `granular_contact.sand.contact_lines` take it.
 
         Raises
         ------
@@ -118,25 +123,25 @@ class MujocoBed:
         """
         number = checks.movable(self.model, name)
         self._check_open()
-        size, place = (3 if self.planar else 7), len(self._names)
-        if number not in self._names:
+        size, place = (3 if self.planar else 7), len(self._bodies)
+        if number not in self._bodies:
             coordinates = np.arange(size * place, size * (place + 1))
-            self._names[number] = Body(name_of(self.model, "body", number), coordinates)
-        return self._names[number]
+            self._bodies[number] = Body(name_of(self.model, "body", number), coordinates)
+        return self._bodies[number]
 
     def add_geoms(self, pattern: str, *, facet_size: float | None = None, hull: bool = False) -> list[str]:
-        """Let the medium act on geoms of the model, primitives and meshes as they are.
+        """Let the medium act on geoms of the model: primitives and meshes.
 
-        Where geoms of a body that are named in one call overlap, only what lies outside the others is met.
+        If geoms of a body that are named in one call overlap, the medium acts on their outer surface alone.
 
         Parameters
         ----------
         pattern : str
-            Regular expression that the whole name of a geom fits, or that of its body if it has none.
+            Regular expression for the whole name of a geom, or of its body if the geom has no name.
         facet_size : float, optional
-            Greatest edge of facets (m); for an error of about 0.3 % of the path unless given.
+            Longest allowed edge of a facet (m); unless given, one for an error of about 0.3 % of the path.
         hull : bool
-            Whether the convex hull of a mesh counts, as in MuJoCo's contacts.
+            Whether the convex hull of a mesh is taken, as in MuJoCo's contacts.
 
         Returns
         -------
@@ -146,40 +151,41 @@ class MujocoBed:
         Raises
         ------
         SceneError
-            Nothing fits; a geom has no volume, an open mesh or is fixed to the world; nothing acts on its shape.
+            No geom fits; a geom has no volume, has an open mesh or is fixed to the world; no medium of the bed has a
+            law for its shape.
         """
         self._check_open()
-        found = geoms.chosen(self.model, pattern, self._geoms)
-        for one in found:
-            body = self.body(one.body)
+        chosen = geoms.chosen(self.model, pattern, self._geom_numbers)
+        for geom in chosen:
+            body = self.body(geom.body)
             if self.planar:
-                self._bed.add_section(self.model, body, one)
+                self._bed.add_section(self.model, body, geom)
                 continue
-            met = self._bed.met
-            shape, turn = geoms.shape(self.model, one, bars="bar" in met and "surface" not in met, hull=hull)
-            others = [other for other in found if other.body == one.body and other is not one]
-            if others and "surface" in met:
-                shape = geoms.Outside(shape, one, others)
-            mass = float(self.model.body_mass[one.body])
-            self._bed.add_shape(body, shape, one.place, turn, facet_size=facet_size, mass=mass)
-        self._geoms += [one.number for one in found]
-        return [one.name for one in found]
+            kinds = self._bed.shape_kinds
+            shape = geoms.shape(self.model, geom, bars="bar" in kinds and "surface" not in kinds, hull=hull)
+            others = [other for other in chosen if other.body == geom.body and other is not geom]
+            if others and "surface" in kinds:
+                shape = geoms.Outside(shape, geom, others)
+            mass = float(self.model.body_mass[geom.body])
+            self._bed.add_shape(body, shape, geom.position, geom.rotation, facet_size=facet_size, mass=mass)
+        self._geom_numbers += [geom.number for geom in chosen]
+        return [geom.name for geom in chosen]
 
     def add_lines(self, lines: Sequence[ContactLine]) -> None:
-        """Let the medium of a planar bed act on lines of `sand.contact_lines`, on bodies as of `body`.
+        """Let the medium of a planar bed act on contact lines on bodies of `body`.
 
-        Points in the frame of a body: along its x axis (its y axis where x lies across the plane), and along what is
-        ahead of that by a quarter turn from `plane` to `up`.
+        The first coordinate of a point on a line is along the x axis of the body's frame (along its y axis, if x lies
+        across the plane). The second is along the direction a quarter turn ahead, in the sense from `plane` to `up`.
 
         Parameters
         ----------
         lines : sequence of ContactLine
-            Of `granular_contact.sand.contact_lines`.
+            Lines made by functions of `granular_contact.sand.contact_lines`.
 
         Raises
         ------
         SceneError
-            The bed is one in space, or as of `GranularLoad.add`.
+            The bed is in space, or an error of `GranularLoad.add`.
         """
         self._check_open()
         if not self.planar:
@@ -191,14 +197,15 @@ class MujocoBed:
             raise scene_error("bed", "it is in use already; name every geom before the first call with data")
 
     def of(self, data: Any) -> BedData:
-        """What the bed keeps for an MjData, made at the first call; the first of all compiles and looks at the model.
+        """Forces, work and friction state of the bed with an MjData.
 
-        A copy of an MjData begins without stretched bristles; `copy` takes them along.
+        They are made at the first call with these data. The first call of all compiles kernels and warns of parts of
+        the model that disagree with sand. A copy of an MjData starts with unstretched bristles; `copy` copies them.
 
         Parameters
         ----------
         data : MjData
-            Of the model.
+            Data of the model.
 
         Returns
         -------
@@ -208,27 +215,28 @@ class MujocoBed:
         Raises
         ------
         SceneError
-            It is data of another model; nothing was named that the medium acts on.
+            The data are those of another model, or no geom or line was added.
         """
-        found = self._of.get(data)
-        if found is not None:
-            return found
+        bed_data = self._beds.get(data)
+        if bed_data is not None:
+            return bed_data
         checks.refuse_other(self.model, data)
         if self._shared is None:
             self._shared = self._close()
-        kept = BedData(self._shared, self.model, data)
+        bed_data = BedData(self._shared, self.model, data)
         rows = data.xfrc_applied[self._shared.numbers]
-        for other in list(self._of.values()):
+        for other in list(self._beds.values()):
             if other.wrote(rows):
-                kept.adopt(other)
-        self._of[data] = kept
-        return kept
+                bed_data.adopt(other)
+        self._beds[data] = bed_data
+        return bed_data
 
     def _close(self) -> Shared:
+        """Close the list of shapes, warn of the model, and make what all data share."""
         if not self.load.lines:
             raise scene_error("bed", "nothing was named: use add_geoms first")
         self.load.close()
-        numbers = list(self._names)
+        numbers = list(self._bodies)
         for sentence in checks.warnings_of(self.model, numbers, self._bed.height, self.up):
             warnings.warn(sentence, stacklevel=4)
         sand: Sand
@@ -237,68 +245,70 @@ class MujocoBed:
             sand = PlanarSand(self.load, self._static, facings)
         else:
             sand = SpatialSand(self.load, self._static)
-        facets = None if self.planar else Facets(partial(self._bed.with_facets, bodies=len(numbers)))
-        return Shared(self.model, numbers, sand, self.turn, facets=facets, **self._options)
+        load_with = partial(self._bed.with_facets, bodies=len(numbers))
+        compared_loads = None if self.planar else ComparedLoads(load_with)
+        return Shared(self.model, numbers, sand, self.turn, compared_loads=compared_loads, **self._options)
 
     def apply(self, data: Any) -> BedData:
-        """Find the forces of the step from here and put them into `data.xfrc_applied`; before each `mj_step`.
+        """Compute the forces of the next step and write them to `data.xfrc_applied`; call it before each `mj_step`.
 
-        Once a step, after the controls are set: friction state and work advance where `data.time` has moved since the
-        last call; where it went back, as after a reset, they begin anew. Other forces in `xfrc_applied` stay: set them,
-        do not add to what stands there.
+        Call it once a step, after the controls are set. If `data.time` has advanced since the last call, friction state
+        and work advance; if it has gone back, as after a reset, a new motion starts. Other forces in `xfrc_applied`
+        stay: set them, do not add to the numbers that are there.
 
         Parameters
         ----------
         data : MjData
-            Of the model.
+            Data of the model.
 
         Returns
         -------
         BedData
-            As of `of`.
+            As `of` gives it.
 
         Raises
         ------
         SceneError
-            Steps were made in between without a call.
+            Steps were made since the last call without calling `apply`, and the bed is not `lenient`.
         """
-        kept = self.of(data)
-        kept.apply(data)
-        return kept
+        bed_data = self.of(data)
+        bed_data.apply(data)
+        return bed_data
 
     def copy(self, source: Any, target: Any) -> BedData:
-        """Give the friction state and the work of one MjData to another, as `mj_copyData` does with MuJoCo's state.
+        """Copy friction state and work from one MjData to another, as `mj_copyData` copies MuJoCo's own state.
 
         Parameters
         ----------
         source, target : MjData
-            Of the model.
+            Data of the model.
 
         Returns
         -------
         BedData
             That of the target.
         """
-        kept = self.of(target)
-        kept.restore(self.of(source).state)
-        return kept
+        bed_data = self.of(target)
+        bed_data.restore(self.of(source).state)
+        return bed_data
 
     def restore(self, data: Any, state: BedState) -> None:
-        """Go back to a state.
+        """Return to a saved state; restore MuJoCo's own state beside it.
 
         Parameters
         ----------
         data : MjData
-            Of the model.
+            Data of the model.
         state : BedState
-            What `BedData.state` gave.
+            A value of `BedData.state`.
         """
         self.of(data).restore(state)
 
     def install(self, *datas: Any) -> MujocoBed:
-        """Become MuJoCo's passive callback for these data, or for all of the model if none is named.
+        """Set MuJoCo's passive callback to this bed, for these data or, if none are given, for all data of the model.
 
-        MuJoCo has one such callback for the whole process; what was there before is called too. Also a context:
+        MuJoCo has one such callback for the whole process; a callback that was set before is called, too. The bed is
+        also a context, which resets the callback at its end:
 
             with bed.install():
                 mujoco.mj_step(model, data, nstep=1000)
@@ -306,12 +316,12 @@ class MujocoBed:
         Parameters
         ----------
         *datas : MjData
-            Of the model.
+            Data of the model.
 
         Returns
         -------
         MujocoBed
-            Itself.
+            This bed.
         """
         for data in datas:
             self.of(data)
@@ -321,12 +331,13 @@ class MujocoBed:
         return self
 
     def _evaluate(self, _: Any, data: Any) -> None:
-        kept = self.of(data)
-        if not kept.busy:
-            kept.evaluate(data)
+        """The passive callback; calls that the bed itself causes by trial steps are ignored."""
+        bed_data = self.of(data)
+        if not bed_data.busy:
+            bed_data.evaluate(data)
 
     def uninstall(self) -> None:
-        """Give MuJoCo the callback that it had before."""
+        """Set the callback that MuJoCo had before `install`."""
         self._callback.uninstall()
 
     def __enter__(self) -> MujocoBed:

@@ -1,4 +1,4 @@
-"""The bed as MuJoCo's own passive callback, of which there is one for a whole process."""
+"""MuJoCo's passive callback, of which a process has one, for a bed."""
 
 from __future__ import annotations
 
@@ -12,30 +12,30 @@ Passive = Callable[[Any, Any], None]
 
 
 class Callback:
-    """Sets MuJoCo's passive callback, and gives it back; what was there before is called too."""
+    """Sets and resets MuJoCo's passive callback; a callback that was set before is called, too."""
 
     def __init__(self) -> None:
         self._installed: Passive | None = None
-        self._before: Any = None
+        self._previous: Any = None
 
     def install(self, model: Any, datas: Sequence[Any], evaluate: Passive) -> None:
-        """Have evaluate(model, data) called for these data, or for all of the model if there are none."""
+        """Let MuJoCo call evaluate(model, data) for these data, or for all data of the model if there are none."""
         self.uninstall()
-        self._before = mujoco.get_mjcb_passive()
-        before = self._before if callable(self._before) else None
-        only = weakref.WeakSet(datas) if datas else None
+        self._previous = mujoco.get_mjcb_passive()
+        previous = self._previous if callable(self._previous) else None
+        chosen = weakref.WeakSet(datas) if datas else None
 
-        def passive(of: Any, data: Any) -> None:
-            if before is not None:
-                before(of, data)
-            if of is model and (only is None or data in only):
-                evaluate(of, data)
+        def passive(model_called: Any, data: Any) -> None:
+            if previous is not None:
+                previous(model_called, data)
+            if model_called is model and (chosen is None or data in chosen):
+                evaluate(model_called, data)
 
         self._installed = passive
         mujoco.set_mjcb_passive(passive)
 
     def uninstall(self) -> None:
-        """Give MuJoCo the callback that it had before."""
+        """Set the callback that MuJoCo had before, unless another one was set in the meantime."""
         if self._installed is not None and mujoco.get_mjcb_passive() is self._installed:
-            mujoco.set_mjcb_passive(self._before)
+            mujoco.set_mjcb_passive(self._previous)
         self._installed = None

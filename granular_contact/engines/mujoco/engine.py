@@ -1,4 +1,4 @@
-"""MuJoCo, or one line on how to install it."""
+"""The module MuJoCo; if it is missing, an error that says how to install it."""
 
 from __future__ import annotations
 
@@ -15,6 +15,6 @@ mujoco: Any = _mujoco
 
 
 def name_of(model: Any, kind: str, number: int) -> str:
-    """Name of a body, geom or joint, `body 3` if it has none."""
-    found: str | None = mujoco.mj_id2name(model, getattr(mujoco.mjtObj, f"mjOBJ_{kind.upper()}"), number)
-    return found or f"{kind} {number}"
+    """Name of a body, geom or joint by its number; `body 3` if it has none. kind: "body", "geom" or "joint"."""
+    name: str | None = mujoco.mj_id2name(model, getattr(mujoco.mjtObj, f"mjOBJ_{kind.upper()}"), number)
+    return name or f"{kind} {number}"

@@ -1,4 +1,4 @@
-"""The load of a bed in the world of a model, and once more with other facets."""
+"""The granular load of a bed in the world of a model, and the same load with other facets."""
 
 from __future__ import annotations
 
@@ -16,17 +16,19 @@ from granular_contact.sand.contact_lines import Body
 from granular_contact.sand.load import GranularLoad
 
 Vector = NDArray[np.float64]
-# In space the loading of a face that rests is spread over so much more of its bristles' yield than in Exudyn: MuJoCo's
-# steps take its stiffness once, at their start, and with the narrower one a robot of two round legs creeps at 1 ms.
+# Factor on the displacement, over that of Exudyn, over which the loading of a face that rests is spread in space. A
+# step of MuJoCo takes the stiffness of the face once, at its start; with a factor of 1 a robot on two round legs creeps
+# at steps of 1 ms.
 WIDER = 3.0
-SLIDES = 1e-6  # m/s, from which on all resists where the error of facets is estimated
+SLIDES = 1e-6  # m/s: above it static resistance is fully mobilised where the error of facets is estimated
 
 
 class BedLoad:
     """A granular load in the plane or in space, and the shapes added to it.
 
-    up, plane: directions (3,) of the world, plane None in space; options: of `GranularLoad` and `SpatialLoad` alike.
-    turn (3, 3): from the world to the frame of the bed.
+    up (3,): unit vector, world frame. plane (3,): horizontal direction of the plane, world frame; None in space.
+    options: keyword arguments that `GranularLoad` and `SpatialLoad` have in common. turn (3, 3): rotation from the
+    world to the frame of the bed.
     """
 
     def __init__(
@@ -38,41 +40,42 @@ class BedLoad:
         if plane is None and form != "distributed":
             raise ValueError(f"form: got {form!r}, allowed in space (without plane) is 'distributed'")
         if plane is not None:
-            given = direction("plane", plane)
-            along = given - (given @ up) * up
-            if np.linalg.norm(along) < 1e-12:
+            unit = direction("plane", plane)
+            horizontal = unit - (unit @ up) * up
+            if np.linalg.norm(horizontal) < 1e-12:
                 raise ValueError(f"plane: got {np.asarray(plane).tolist()}, which is along up; allowed is across it")
-            along = along / np.linalg.norm(along)
-            self.turn: Vector = np.array([along, np.cross(up, along), up])
-        self.load = self._made(options)
+            horizontal = horizontal / np.linalg.norm(horizontal)
+            self.turn: Vector = np.array([horizontal, np.cross(up, horizontal), up])
+        self.load = self._make_load(options)
         if not self.planar:
             self.turn = self.load.turn
 
-    def _made(self, options: dict[str, Any]) -> Any:
+    def _make_load(self, options: dict[str, Any]) -> Any:
+        """Load without shapes."""
         if self.planar:
             return GranularLoad(self._medium, self._surface, **options, form=self._form)
         from granular_contact.sand.space.load import SpatialLoad
 
         return SpatialLoad(self._medium, self._surface, up=self.up, **options, spread=WIDER)
 
-    def add_shape(self, body: Body, shape: Any, place: Vector, turn: Vector, **sizes: Any) -> None:
-        """`SpatialLoad.add_shape`."""
-        self._shapes.append(((body, shape, place, turn), sizes))
-        self.load.add_shape(body, shape, place, turn, **sizes)
+    def add_shape(self, body: Body, shape: Any, position: Vector, rotation: Vector, **sizes: Any) -> None:
+        """Let the medium act on a shape in space; arguments as in `SpatialLoad.add_shape`."""
+        self._shapes.append(((body, shape, position, rotation), sizes))
+        self.load.add_shape(body, shape, position, rotation, **sizes)
 
-    def add_section(self, model: Any, body: Body, one: geoms.Geom) -> None:
+    def add_section(self, model: Any, body: Body, geom: geoms.Geom) -> None:
         """Let the medium act on the section of a geom with the plane."""
-        along, up = self.axes_in(model, one.body)
-        if one.kind == geoms.KIND.mjGEOM_SPHERE:
-            centre, mass = [one.place @ along, one.place @ up], float(model.body_mass[one.body])
-            self.load.add(contact_lines.ball(body, centre, 2.0 * float(one.size[0]), mass))
+        s, t = self.axes_in(model, geom.body)
+        if geom.kind == geoms.KIND.mjGEOM_SPHERE:
+            centre, mass = [geom.position @ s, geom.position @ t], float(model.body_mass[geom.body])
+            self.load.add(contact_lines.ball(body, centre, 2.0 * float(geom.size[0]), mass))
             return
-        corners, width, turns = geoms.section(one, along, up)
+        corners, width, turns = geoms.section(geom, s, t)
         self.load.add(contact_lines.outline(body, corners, width, turns=turns))
 
     def with_facets(self, share: float, bodies: int) -> Any:
-        """A load on so many bodies with a share of the size of facets, without bristles and what scatters."""
-        load = self._made(self._options | {"static": Smooth(SLIDES)})
+        """Load in space on the bodies (their number) with a share of the size of facets; no bristles, no scatter."""
+        load = self._make_load(self._options | {"static": Smooth(SLIDES)})
         for shape, sizes in self._shapes:
             load.add_shape(*shape, **sizes, share=share)
         load.close()
@@ -82,15 +85,15 @@ class BedLoad:
         return load
 
     @property
-    def met(self) -> set[str]:
-        """As what the media meet bodies in space."""
+    def shape_kinds(self) -> set[str]:
+        """Kinds of shapes that the laws of the media take in space: "surface", "bar", "ball"."""
         from granular_contact.sand.space.load import element_kinds
 
         return {kind for medium in self.load.media for kind in element_kinds(medium)}
 
-    def height(self, place: Vector) -> float:
-        """Height of the surface along `up` at a place (3,) m of the world."""
-        x, y, _ = self.turn @ place
+    def height(self, position: Vector) -> float:
+        """Height (m) of the surface along `up` at a position (3,) m, world frame."""
+        x, y, _ = self.turn @ position
         if self.planar:
             profile = self.load.profile
             return float(np.interp(x, profile[:, 0], profile[:, 1]))
@@ -98,7 +101,11 @@ class BedLoad:
         return float(ground[0] + ground[1] * x + ground[2] * y)
 
     def axes_in(self, model: Any, body: int) -> tuple[Vector, Vector]:
-        """The axes s and t of the plane in the frame of a body: s its x axis, or its y axis if that lies across."""
+        """Axes s and t (3,) of the plane in the frame of a body.
+
+        s is the x axis of the body projected onto the plane, or its y axis if the x axis lies across the plane. t is
+        ahead of s by a quarter turn from `plane` to `up`.
+        """
         data = mujoco.MjData(model)
         mujoco.mj_kinematics(model, data)
         across = data.xmat[body].reshape(3, 3).T @ -self.turn[1]

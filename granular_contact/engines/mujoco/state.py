@@ -1,4 +1,4 @@
-"""What a bed is at one instant of one MjData, and all instants that were recorded."""
+"""Saved state of a bed with one MjData, and its recorded history."""
 
 from __future__ import annotations
 
@@ -13,9 +13,20 @@ Vector = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class BedState:
-    """All that the future of a bed with one MjData depends on beside MuJoCo's own state, see `BedData.state`.
+    """Saved state of a bed with one MjData: with MuJoCo's own state, all that later steps depend on.
 
-    arrays: as `Step.kept`; rows: of the history.
+    `BedData.state` gives it; `MujocoBed.restore` and `BedData.restore` return to it.
+
+    Attributes
+    ----------
+    time : float or None
+        Time (s) of the last call; None before the first.
+    accepted : int
+        Number of accepted steps.
+    arrays : tuple of arrays
+        Friction state, loads, twists and work, see `Step.kept`.
+    rows : (n, columns) array
+        Rows of the history; none without `record`.
     """
 
     time: float | None
@@ -26,10 +37,20 @@ class BedState:
 
 @dataclass(frozen=True)
 class History:
-    """One entry a step (`MujocoBed(..., record=True)`).
+    """History of a bed with one MjData, one entry for each step (`MujocoBed(..., record=True)`).
 
-    time (n,) s of its start; work (n,) J done on all bodies before it; depth (n,) m of the deepest point then; bodies
-    (n, bodies, 6): force (N) and moment about the world origin (N m) during the step, for each of `body_names`.
+    Attributes
+    ----------
+    time : (n,) array
+        Time (s) at the start of the step.
+    work : (n,) array
+        Work (J) of the sand on all bodies up to that time.
+    depth : (n,) array
+        Depth (m) of the deepest point at that time; negative above the surface.
+    bodies : (n, bodies, 6) array
+        Force (N) and moment about the world origin (N m) on each body during the step, world frame.
+    body_names : tuple of str
+        Names of the bodies.
     """
 
     time: Vector

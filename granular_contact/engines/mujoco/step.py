@@ -1,19 +1,21 @@
-"""Forces of one step of one MjData, implicit in it: what is computed, and in which order.
+"""Forces of one step of one MjData, implicit in the step: the order of the computation.
 
 From the time t with the state q, v, in a step of h:
 
-1. if a step ended here, it is accepted: anchors follow to q, its work is added
-2. forces where the step would end if v changed as in the step before, and the added masses (`kernels.added_mass`), so
-   forces F as a function of the v_1 with which the step ends
-3. MuJoCo makes the step with the forces of the step before, and goes back (`trial`); its v_1, and how v_1 grows with
-   forces, give Newton's correction of the forces. Once, where MuJoCo is linear in forces; with constraints until a
-   correction changes v_1 by less than CLOSE h
-4. where a body that touches came farther from where it was foreseen than FAR times the yield displacement: again from
-   2, with that end foreseen, at most LOOKS times. Where nothing led by what was foreseen there is no slope to follow:
-   a light body under a heavy one, foreseen to rise a little, would fall freely for a step
+1. If a step ended at t, it is accepted: anchors follow to q, and its work is added.
+2. The end of the step is predicted with the change of v in the last step. Forces there and the added masses
+   (`kernels.added_mass`) give the forces F as a linear function of the velocity v_1 at the end of the step.
+3. MuJoCo makes a trial step with the loads of the last step, and is set back (`trial`). Its v_1, and the derivative of
+   v_1 by the forces, give Newton's correction of the loads. Without constraints MuJoCo is linear in the forces, and one
+   correction suffices; with constraints steps 3 repeat until a correction changes v_1 by less than CLOSE h.
+4. If a body that touches deviates from its predicted end by more than FAR times the yield displacement, 2 to 4 repeat
+   with the end reached as prediction, at most LOOKS times. The reason: if the prediction has no contact, there is no
+   stiffness to linearise. A light body under a heavy one that is predicted to rise a little would fall freely for a
+   step.
 
-They are held in `xfrc_applied` of the bodies during the step that follows. What of a step is exact: its impulse on each
-body is the wrench times h, its work that of the wrench on the mean of the twists at its ends.
+The loads stay in `xfrc_applied` of the bodies during the following step. Exact for a step are the impulse on each body,
+which is the load times h, and the work, which is that of the load on the mean of the twists at the two ends of the
+step.
 """
 
 from __future__ import annotations
@@ -34,26 +36,27 @@ if TYPE_CHECKING:
     from granular_contact.engines.mujoco.shared import Shared
 
 Vector = NDArray[np.float64]
-SLOW = 0.05  # m/s, below which a step is not foreseen by the one before
-CLOSE, MOST = 1e-4, 12  # m/s2 and rad/s2, see above; corrections of a step
-LOOKS, FAR = 8, 1.0  # see above; of the displacement at which bristles yield
+SLOW = 0.05  # m/s: below it the last step hardly predicts the next one, see `held_bodies.predict`
+CLOSE, MOST = 1e-4, 12  # change of v_1 over h (m/s2, rad/s2) that ends the iteration; most corrections
+LOOKS, FAR = 8, 1.0  # most predictions of a step; deviation from a prediction over the yield displacement
 
 
 class Step:
-    """Records of the steps of one MjData, and the calls that fill them.
+    """Records of the steps of one MjData, and the compiled functions that fill them.
 
-    sand: friction state; held (bodies,) and bed (1,): records of `kernels.held_bodies`; kept: arrays that are a state
-    of the bed, beside how far it got; centres (all, 3) m: centres of mass.
+    sand: friction state. held (bodies,), bed (1,): records of `kernels.held_bodies`. kept: arrays that belong to a
+    state of the bed. centres (all, 3) m: centres of mass of all bodies, world frame, in MuJoCo's memory.
     """
 
     def __init__(self, shared: Shared, model: Any, data: Any) -> None:
         self.sand: State = shared.sand.state()
         self.held, self.bed = np.zeros(len(shared.numbers), HELD), np.zeros(1, BED)
-        self.held["number"], self.held["top"], self.held["last"] = shared.numbers, shared.tops, shared.last
+        self.held["number"], self.held["root"], self.held["last_dof"] = shared.numbers, shared.roots, shared.last_dofs
         self.held["radius"], self.held["facing"] = shared.sand.sizes, shared.sand.facings
-        self.bed["turn"], self.bed["slow"], self.bed["close"] = shared.turn, SLOW, FAR * shared.sand.yields
+        self.bed["turn"], self.bed["slow_speed"] = shared.turn, SLOW
+        self.bed["tolerance"] = FAR * shared.sand.yield_displacement
         self.kept: tuple[NDArray[Any], ...] = (
-            *(array for of_batch in self.sand for array in of_batch),
+            *(array for batch_state in self.sand for array in batch_state),
             *(self.held[name] for name in STATE),
         )
         self.centres = data.xipos
@@ -61,58 +64,58 @@ class Step:
         self._compile(shared, model, data)
 
     def _compile(self, shared: Shared, model: Any, data: Any) -> None:
-        """Kernels with the arrays that they take; views of MuJoCo's memory, which whoever has data keeps alive."""
+        """Bind kernels to their arrays: records, and views of data's memory, which the caller must keep alive."""
         records, tree, applied = (self.held, self.bed), (model.dof_parentid, data.cdof, data.qvel), data.xfrc_applied
-        middle, frames = (data.xipos, data.subtree_com), (data.xpos, data.xmat)
-        self._begin = bound(held_step.begin, *records, *tree, *frames, *middle, applied)
-        self._acts = shared.sand.calls(self.sand, *records)
+        centres, frames = (data.xipos, data.subtree_com), (data.xpos, data.xmat)
+        self._begin = bound(held_step.begin, *records, *tree, *frames, *centres, applied)
+        self._force_calls = shared.sand.calls(self.sand, *records)
         self._guess = bound(held_step.guess, *records, applied)
-        room = np.zeros(model.nv)
-        self._correct = bound(held_step.correct, *records, *tree, *middle, applied, self._trial.matrix, room)
-        self._again = bound(held_step.again, *records, *frames, data.subtree_com)
+        work_space = np.zeros(model.nv)
+        self._correct = bound(held_step.correct, *records, *tree, *centres, applied, self._trial.matrix, work_space)
+        self._predict_again = bound(held_step.predict_again, *records, *frames, data.subtree_com)
         self._write = bound(write_loads, self.held, applied)
 
-    def make(self, data: Any, step: float, passed: float, begins: bool) -> None:
-        """Find the loads of a step (s) and write them; positions of data are up to date.
+    def make(self, data: Any, step: float, elapsed: float, starts: bool) -> None:
+        """Compute the loads of a step (s) and write them; the positions of data must be up to date.
 
-        passed (s): how long the step took that ended here, 0 if none did; begins: a motion begins here.
+        elapsed (s): length of the step that ended here, 0 if none did. starts: whether a motion starts here.
         """
-        self.bed["step"], self.bed["passed"], self.bed["begins"] = step, passed, begins
+        self.bed["step"], self.bed["elapsed"], self.bed["starts"] = step, elapsed, starts
         self._begin()
-        for act in self._acts:
-            act()
-        if self._guess() or self.held["seen"][:, DEPTH].max() > 0.0:
+        for compute_forces in self._force_calls:
+            compute_forces()
+        if self._guess() or self.held["immersion"][:, DEPTH].max() > 0.0:
             self._solve(data, step)
-            self._look_again(data, step)
+            self._improve_prediction(data, step)
 
-    def _look_again(self, data: Any, step: float) -> None:
-        """Take the forces where the step ended, if that is far from where it was foreseen to."""
-        self.bed["passed"], self.bed["begins"] = 0.0, False
+    def _improve_prediction(self, data: Any, step: float) -> None:
+        """Repeat the step with the end reached as prediction, while the two are far apart."""
+        self.bed["elapsed"], self.bed["starts"] = 0.0, False
         for _ in range(LOOKS - 1):
-            if not self._again():
+            if not self._predict_again():
                 break
-            before = self.held["load"].copy(), self.held["slope"].copy()
-            for act in self._acts:
-                act()
-            if not self._guess():  # it ended where nothing acts: what was found is at its end
-                self.held["load"], self.held["slope"] = before
+            saved = self.held["load"].copy(), self.held["extrapolated"].copy()
+            for compute_forces in self._force_calls:
+                compute_forces()
+            if not self._guess():  # nothing acts at the new prediction: the loads found before are kept
+                self.held["load"], self.held["extrapolated"] = saved
                 self._write()
                 break
             self._solve(data, step)
 
     def _solve(self, data: Any, step: float) -> None:
-        """Correct the loads until they are those at the end of the step that MuJoCo makes with them."""
-        trial, change = self._trial, self.held["change"]
-        trial.keep(data)
+        """Iterate Newton's method until the loads are those at the end of the step that MuJoCo makes with them."""
+        trial, correction = self._trial, self.held["correction"]
+        trial.save(data)
         for _ in range(MOST):
             trial.make(data)
-            exact = trial.resistance(data, step)
+            exact = trial.fill_matrix(data, step)
             self._correct()
-            trial.take_back(data)
-            if exact or np.abs(change).max() < CLOSE * step:
+            trial.restore(data)
+            if exact or np.abs(correction).max() < CLOSE * step:
                 break
 
     def write(self) -> None:
-        """Put the loads into `xfrc_applied` again, after they were restored."""
+        """Write the loads to `xfrc_applied` again, after a state was restored."""
         self._write()
-        self.held["brought"] = self.held["written"]
+        self.held["restored_row"] = self.held["written_row"]

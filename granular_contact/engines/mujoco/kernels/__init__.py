@@ -1,6 +1,7 @@
-"""Compiled code of forces that are implicit in a step of MuJoCo.
+"""Compiled kernels of forces that are implicit in a step of MuJoCo.
 
-added_mass, planar_added_mass, space_added_mass, floor_added_mass, facets_added_mass    what the sand adds to inertia
-held_bodies    what is kept of a body, its motion in a step
-held_step      the order of a step
+added_mass     the equations: force at the end of a step, and the inertia that the sand adds to a body
+planar_added_mass, space_added_mass, floor_added_mass, facets_added_mass    forces and added inertia of each kind of
+element held_bodies    records of the bodies in sand, and the motion of a body in a step held_step      the parts of a
+step, one kernel for each call
 """

@@ -1,24 +1,24 @@
-"""Forces that an engine holds over a step, made implicit: the end of the step is felt as mass that bodies gain.
+"""Forces that MuJoCo holds over a step, made implicit in the step by an added mass of the bodies.
 
-An engine that asks for forces once a step would need steps far below u_y / v for bristles as stiff as F / u_y. So the
-force on an element is taken where the step will end, and straight from there to where its bristle is not stretched:
+If an engine evaluates forces once a step, explicit forces need steps far below u_y / v, as the stiffness of bristles is
+F / u_y. So the force on an element is evaluated at the predicted end of the step and linearised there:
 
     F_1 = F - K (q_1 - q),    q_1 - q = (s h + tau) (v_1 - v),
     K = |F| / |q| (1 - n n^T) + |F| / (n . q) n n^T
 
-with F and q (see `planar_friction.drive`) at the place p + h v that the element would reach in the step h with a
-velocity v that is foreseen, s = 1 below the yield and u_y / |stretch| beyond it. The slope is that of the bristle below
-the yield and the secant beyond it: never too small and never opposite to the motion, so that no step is too long to
-stand. Along the normal n of an element of which one side alone is loaded the force ends where n . q does. As
-v_1 - v = h a for the v at the start,
+with F and q (see `planar_friction.drive`) at the position p + h v that the element reaches in the step h with a
+predicted velocity v; s = 1 below the yield and u_y / |stretch| beyond it; tau: damping time of the bristle. K is the
+tangent stiffness of the bristle below the yield, and its secant stiffness beyond it. The secant is never too small and
+never negative, so that a step of any length is stable for a body at rest. Along the normal n of an element that is
+loaded from one side alone, the force reaches zero where n . q does. As v_1 - v = h a for the v at the start,
 
-    F_1 = F - M a,    M = h (s h + tau) K,
+    F_1 = F - M a,    M = h (s h + tau) K:
 
-the step with F and with an inertia M at each element, in addition to the body's own, ends where F_1 acts. With a
-foreseen change of v what the added inertia takes up is that of the difference alone.
+a step with the force F, and with the inertia M at each element in addition to the inertia of the body, ends with the
+force F_1. With a predicted change of v, M acts on the difference between the real and the predicted change alone.
 
-What is kept of a body: `held_bodies.HELD`. Its added inertia, added (6, 6), is for twists about the point about which
-MuJoCo has them: angular, then linear; world frame.
+Records of bodies: `held_bodies.HELD`. The added inertia (6, 6) of a body is for twists about the point of twists:
+angular, then linear; world frame.
 """
 
 from __future__ import annotations
@@ -33,12 +33,13 @@ from granular_contact.jit.memory import room1
 from granular_contact.jit.records import record_dtype
 from granular_contact.sand.kernels.vectors import axes, cross, moving, seen, vector
 
-# The constants of `friction`, and whether a law opposes components of the motion one by one.
-_NUMBERS = [("u_y", "f8"), ("tau", "f8"), ("v_eps", "f8"), ("pressed", "f8")]
-BRISTLE = record_dtype([*_NUMBERS, ("friction", "i8"), ("parted", "?")])
-# What a step of every batch has, see `held_bodies`; of_bed: places of its bodies, or of those of its lines, in held.
-OF_STEP: dict[str, tuple[Any, int]] = {
-    "of_bed": (np.int64, 1),
+# Constants of `friction`; by_component: whether the law opposes each component of the motion by itself.
+_CONSTANTS = [("u_y", "f8"), ("tau", "f8"), ("v_eps", "f8"), ("pressed", "f8")]
+BRISTLE = record_dtype([*_CONSTANTS, ("friction", "i8"), ("by_component", "?")])
+# Arrays that kernels of every batch take, see `held_bodies`; held_places: places in held of the bodies of the batch, or
+# of the bodies of its lines.
+STEP_ARRAYS: dict[str, tuple[Any, int]] = {
+    "held_places": (np.int64, 1),
     "bristle": (BRISTLE, 1),
     "held": (HELD, 1),
     "bed": (BED, 1),
@@ -47,17 +48,17 @@ OF_STEP: dict[str, tuple[Any, int]] = {
 
 @part
 def add_inertia(mass, nx, ny, nz, x, y, z, added):
-    """Add a mass (kg) at a place (m) that is felt along n alone to the upper triangle of an added inertia (6, 6)."""
+    """Add a mass (kg) at x, y, z (m) that acts along n alone to the upper triangle of an added inertia (6, 6)."""
     n = nx, ny, nz
-    twist = *cross((x, y, z), n), nx, ny, nz
+    direction = *cross((x, y, z), n), nx, ny, nz
     for i in range(6):
         for j in range(i, 6):
-            added[i, j] += mass * twist[i] * twist[j]
+            added[i, j] += mass * direction[i] * direction[j]
 
 
 @part
 def add_point(mass, x, y, z, added):
-    """Add a mass (kg) at a place (m) to the upper triangle of an added inertia (6, 6)."""
+    """Add a point mass (kg) at x, y, z (m) to the upper triangle of an added inertia (6, 6)."""
     mx, my, mz = mass * x, mass * y, mass * z
     added[0, 0] += my * y + mz * z
     added[1, 1] += mx * x + mz * z
@@ -78,7 +79,7 @@ def add_point(mass, x, y, z, added):
 
 @part
 def momentum(added, twist, out):
-    """Set out (6,) to the momentum of an added inertia with a twist (6,): force-like first, then about its point."""
+    """Set out (6,) to the momentum of an added inertia (6, 6) with a twist (6,): linear, then angular momentum."""
     for i in range(6):
         k = 0.0
         for j in range(6):
@@ -87,14 +88,17 @@ def momentum(added, twist, out):
 
 
 @part
-def add_to_matrix(held, parents, axes, matrix):
-    """Add what bodies gained to the mass matrix (m, m) of a tree, its lower triangle; see `held_bodies.HELD`."""
+def add_inertia_to_matrix(held, parents, axes, matrix):
+    """Add the added inertia of all bodies to the lower triangle of the mass matrix (m, m) of a tree.
+
+    parents, axes: see `held_bodies.gather_twist`.
+    """
     y = room1(6)
     for b in range(held.shape[0]):
-        added = held[b].added
+        added = held[b].added_inertia
         if added[5, 5] == 0.0 and added[3, 3] == 0.0 and added[4, 4] == 0.0:
             continue
-        i = held[b].last
+        i = held[b].last_dof
         while i >= 0:
             for k in range(6):
                 y[k] = 0.0
@@ -110,9 +114,10 @@ def add_to_matrix(held, parents, axes, matrix):
 
 @kernel(nogil=True)
 def add_damping(starts, counts, columns, derivatives, damping, shares, matrix):
-    """Add to a mass matrix (m, m) what is implicit of other forces: shares (2,), of derivatives and of damping (m,).
+    """Add the implicit part of other forces to a mass matrix (m, m).
 
-    derivatives: by rates, sparse: row i has counts[i] of them from starts[i] on, in these columns.
+    shares (2,): factors of the derivatives and of the damping (m,), which belongs to the diagonal.
+    derivatives: of forces by rates, a sparse matrix; row i has counts[i] entries from starts[i] on, in these columns.
     """
     for i in range(damping.shape[0]):
         matrix[i, i] += shares[1] * damping[i]
@@ -123,10 +128,11 @@ def add_damping(starts, counts, columns, derivatives, damping, shares, matrix):
 
 @part
 def solve_symmetric(matrix, x):
-    """Solve A y = x, y in place of x (m,), for a positive definite A (m, m); its lower triangle is overwritten.
+    """Solve A y = x for a symmetric positive definite A (m, m), y in place of x (m,); A is given by its lower triangle.
 
-    As A = L^T D L, from the last row to the first (Featherstone, Rigid Body Dynamics Algorithms, 2008, section 6.5):
-    of a tree, whose freedoms stand after those that carry them, no zero fills in, and zeros are passed over.
+    By the factorisation A = L^T D L, from the last row to the first (Featherstone, Rigid Body Dynamics Algorithms,
+    2008, section 6.5). In a tree each degree of freedom has a higher number than its parent, so that zeros stay zero;
+    they are skipped. The lower triangle is overwritten.
     """
     m = x.shape[0]
     for k in range(m - 1, -1, -1):
@@ -145,25 +151,25 @@ def solve_symmetric(matrix, x):
 
 
 @part
-def find_target(body, turn, step):
-    """Fill target from the wrench where the step is foreseen to end; whether there is any wrench.
+def find_zero_gain_load(body, turn, step):
+    """Fill `zero_gain_load` from the wrench at the predicted end of the step; returns whether there is any wrench.
 
-    It has what the added inertia takes up of the gain that was foreseen.
+    The wrench belongs to the predicted gain: M predicted_gain / h is added to extrapolate it to a gain of zero.
     """
     p, w = room1(6), body.wrench
     f = seen(axes(turn), vector(w, 0))
     load = *f, *moving(seen(axes(turn), vector(w, 3)), body.arm, f)
-    momentum(body.added, body.foreseen, p)
-    some = False
+    momentum(body.added_inertia, body.predicted_gain, p)
+    has_wrench = False
     for k in range(6):
-        body.target[k] = load[k] + p[k] / step
-        some = some or w[k] != 0.0
-    return some
+        body.zero_gain_load[k] = load[k] + p[k] / step
+        has_wrench = has_wrench or w[k] != 0.0
+    return has_wrench
 
 
 @part
-def about(w, x, y, z, out):
-    """Set a wrench (6,) to be about a point at x, y, z (m) from the point that w (6,) is about."""
+def shift_wrench(w, x, y, z, out):
+    """Set out (6,) to the wrench w (6,) about another point, at x, y, z (m) from the point of w."""
     out[0], out[1], out[2] = w[0], w[1], w[2]
     out[3] = w[3] - y * w[2] + z * w[1]
     out[4] = w[4] - z * w[0] + x * w[2]
@@ -171,50 +177,53 @@ def about(w, x, y, z, out):
 
 
 @part
-def find_error(body, c, inertial, step):
-    """Fill error with what the load of a step lacks where it ended, at the gain of the twist that was reached.
+def find_residual(body, c, inertial, step):
+    """Fill `residual`: the extrapolated load at the gain that the trial step reached, less the load in that step.
 
-    c (3,) m: the point of twists, inertial (3,) m: the centre of mass.
+    c (3,) m: the point of twists; inertial (3,) m: the centre of mass.
     """
     p, q = room1(6), room1(6)
-    about(body.load, c[0] - inertial[0], c[1] - inertial[1], c[2] - inertial[2], q)
-    momentum(body.added, body.reached, p)
+    shift_wrench(body.load, c[0] - inertial[0], c[1] - inertial[1], c[2] - inertial[2], q)
+    momentum(body.added_inertia, body.reached_gain, p)
     for k in range(6):
-        body.error[k] = body.target[k] - p[k] / step - q[k]
+        body.residual[k] = body.zero_gain_load[k] - p[k] / step - q[k]
 
 
 @part
-def to_freedoms(held, parents, axes, out):
-    """Fill out (m,) with the errors of bodies as forces along degrees of freedom, see `held_bodies.gather_twist`."""
+def generalised_residual(held, parents, axes, out):
+    """Fill out (m,) with the residuals of all bodies as generalised forces; see `held_bodies.gather_twist`."""
     out[:] = 0.0
     for b in range(held.shape[0]):
-        error, i = held[b].error, held[b].last
+        residual, i = held[b].residual, held[b].last_dof
         while i >= 0:
             for k in range(6):
-                out[i] += axes[i, k] * error[k - 3 if k >= 3 else k + 3]
+                out[i] += axes[i, k] * residual[k - 3 if k >= 3 else k + 3]
             i = parents[i]
 
 
 @part
-def less_taken_up(body, load, change, c, inertial, step, q):
-    """Fill q (6,) with a load (6,) less what the added inertia takes up of a change (6,) of the twist.
+def extrapolate(body, load, gain, c, inertial, step, q):
+    """Fill q (6,) with load - M gain / h: a load (6,) extrapolated to a gain (6,) of the twist by the added inertia M.
 
-    q is about the centre of mass, inertial (3,) m; load, added and twists are about c (3,) m.
+    q is about the centre of mass, inertial (3,) m; load, M and gain are about the point of twists, c (3,) m.
     """
     p = room1(6)
-    momentum(body.added, change, p)
+    momentum(body.added_inertia, gain, p)
     for k in range(6):
         p[k] = load[k] - p[k] / step
-    about(p, inertial[0] - c[0], inertial[1] - c[1], inertial[2] - c[2], q)
+    shift_wrench(p, inertial[0] - c[0], inertial[1] - c[1], inertial[2] - c[2], q)
 
 
 @part
 def correct_load(body, c, inertial, step):
-    """Add to load its error less what the added inertia takes up of `change`; and find slope."""
+    """Correct `load` by its residual and Newton's correction of the twist, and fill `extrapolated`.
+
+    `extrapolated` is what the load differs by from the load at the predicted end of the step.
+    """
     q = room1(6)
-    less_taken_up(body, body.error, body.change, c, inertial, step, q)
+    extrapolate(body, body.residual, body.correction, c, inertial, step, q)
     for k in range(6):
         body.load[k] += q[k]
-    less_taken_up(body, body.target, body.foreseen, c, inertial, step, q)
+    extrapolate(body, body.zero_gain_load, body.predicted_gain, c, inertial, step, q)
     for k in range(6):
-        body.slope[k] = body.load[k] - q[k]
+        body.extrapolated[k] = body.load[k] - q[k]

@@ -1,8 +1,9 @@
-"""What is kept of each body in the sand of a MuJoCo model, and how it moves within a step.
+"""Records of the bodies in the sand of a MuJoCo model, and the motion of a body within a step.
 
-Twists (6,) are angular velocity (rad/s), then velocity (m/s) of what of a body is at the point about which MuJoCo has
-them: the centre of mass of its mechanism. Loads (6,) are force (N), then moment (N m) about the centre of mass of the
-body. Both are in the world frame; poses, and wrench, in that of the bed.
+A twist (6,) is the angular velocity (rad/s) of a body, then the velocity (m/s) of its material point at the point of
+twists: the centre of mass of its mechanism, about which MuJoCo has twists. A gain is a change of a twist. A load (6,)
+is a force (N), then a moment (N m) about the centre of mass of the body. Twists and loads are in the world frame; poses
+and the wrench are in the frame of the bed.
 """
 
 from __future__ import annotations
@@ -16,47 +17,57 @@ from granular_contact.jit.memory import clear
 from granular_contact.jit.records import fields, record_dtype
 from granular_contact.sand.kernels.vectors import column, cross, dot, minus, moving, norm, plus, times, vector
 
-# A body. number: its number, top: that of the first of its mechanism, last: the last degree of freedom that moves it,
-# -1 if none does; radius (m): how far it reaches from the reference point, the origin of its frame; facing: see
-# `planar_added_mass`; arm (m): from the point of twists to the reference point.
-# twist: at the begin of the step; gained: in the step before; foreseen: gain that is foreseen for this step, reached:
-# that of the step that was tried; ahead: twist with which the step is foreseen to end; change: of the twist at the end,
-# by Newton's correction.
-# load: in this step, start: in that before it; slope: the part of load that was not found where the step was foreseen
-# to end, but along its slope from there; target: load with which the step would end as foreseen, about the point of
-# twists, error: what load lacks, about the same; base: what others apply; written, brought: what stood in
-# `xfrc_applied` last, and what MuJoCo's own state may bring back of it; work, drift (J): of load and of slope.
-# pose: see `space_law`; then: the same with the velocities that are foreseen; seen: see `space_law.DEPTH`, and that of
-# the floor. wrench: force and moment (N m) about the reference point where the step ends; added: see `added_mass`.
+# A body in sand, whose load MuJoCo holds over a step.
+# number: number of the body in the model. root: number of the first body of its mechanism. last_dof: last degree of
+# freedom that moves it, -1 if none does. radius (m): largest distance of its shapes from the reference point, the
+# origin of its frame. facing: see `planar_added_mass`. arm (m): from the point of twists to the reference point. twist:
+# at the start of the step. previous_gain: gain in the last step. predicted_gain: predicted for this step. reached_gain:
+# gain of the trial step. end_twist: predicted twist at the end of the step; once the step has ended, its real one.
+# correction: Newton's correction of the twist at the end. load: load in this step. previous_load: load in the last
+# step. extrapolated: part of load that was not computed at the predicted end of the step, but extrapolated from there
+# by the added inertia. zero_gain_load: extrapolated load for a twist without gain; residual: what load lacks of the
+# extrapolated load at the gain reached; both about the point of twists. other_load: what others apply to the body.
+# written_row: what was written to `xfrc_applied` last; restored_row: what MuJoCo's own state may restore there. work,
+# extrapolated_work (J): done by load and by its part extrapolated. pose: see `space_law`. predicted_pose: the same,
+# with the velocities predicted for the end of the step. immersion: see `space_law.DEPTH`; floor_immersion: the same for
+# a floor. wrench: force (N) and moment (N m) about the reference point, at the predicted end of the step.
+# added_inertia: see `added_mass`.
 HELD = record_dtype(
     [
-        *fields("i8", "number", "top", "last"),
-        *fields("f8", "radius", "work", "drift"),
-        *((name, "f8", (3,)) for name in ("facing", "arm", "seen", "seen_of_floor")),
-        *((name, "f8", (6,)) for name in ("twist", "gained", "foreseen", "reached", "ahead", "change")),
-        *((name, "f8", (6,)) for name in ("load", "start", "slope", "target", "error", "base", "written", "brought")),
+        *fields("i8", "number", "root", "last_dof"),
+        *fields("f8", "radius", "work", "extrapolated_work"),
+        *((name, "f8", (3,)) for name in ("facing", "arm", "immersion", "floor_immersion")),
+        *((name, "f8", (6,)) for name in ("twist", "previous_gain", "predicted_gain", "reached_gain")),
+        *((name, "f8", (6,)) for name in ("end_twist", "correction", "load", "previous_load", "extrapolated")),
+        *((name, "f8", (6,)) for name in ("zero_gain_load", "residual", "other_load", "written_row", "restored_row")),
         ("wrench", "f8", (6,)),
-        *((name, "f8", (6, 3)) for name in ("pose", "then")),
-        ("added", "f8", (6, 6)),
+        *((name, "f8", (6, 3)) for name in ("pose", "predicted_pose")),
+        ("added_inertia", "f8", (6, 6)),
     ]
 )
-# Of them, what a state of the bed is.
-STATE = ("load", "start", "slope", "base", "twist", "gained", "seen", "work", "drift")
-# A bed and its clock. turn: from the world to the frame of the bed; slow (m/s): see `foresee`, close (m): see
-# `held_step.again`; step (s): length of the step; passed (s): how long the one took that ended here, 0 if none did;
-# begins: whether a motion begins here, with the friction state at rest.
-BED = record_dtype([("turn", "f8", (3, 3)), *fields("f8", "slow", "close", "step", "passed"), ("begins", "?")])
+# Fields of HELD that belong to a state of the bed.
+STATE = (
+    *("load", "previous_load", "extrapolated", "other_load", "twist", "previous_gain"),
+    *("immersion", "work", "extrapolated_work"),
+)
+# A bed and its clock. turn: rotation from the world to the frame of the bed. slow_speed (m/s): see `predict`. tolerance
+# (m): see `held_step.predict_again`. step (s): length of the step. elapsed (s): length of the step that ended here, 0
+# if none did. starts: whether a motion starts here, with unstretched bristles.
+BED = record_dtype(
+    [("turn", "f8", (3, 3)), *fields("f8", "slow_speed", "tolerance", "step", "elapsed"), ("starts", "?")]
+)
 
 
 @part
-def gather_twist(last, parents, axes, v, twist):
-    """Fill the twist (6,) of a body from the rates v (m,) of a tree: axes (m, 6) of its degrees of freedom.
+def gather_twist(last_dof, parents, axes, v, twist):
+    """Fill the twist (6,) of a body from the rates v (m,) of the degrees of freedom of a tree.
 
-    last: the last degree of freedom that moves the body, -1 if none does; parents (m,): the one before each.
+    last_dof: last degree of freedom that moves the body, -1 if none does. parents (m,): the parent of each degree of
+    freedom in the tree, -1 for none. axes (m, 6): twist by the unit rate of each.
     """
     for k in range(6):
         twist[k] = 0.0
-    i = last
+    i = last_dof
     while i >= 0:
         for k in range(6):
             twist[k] += axes[i, k] * v[i]
@@ -64,10 +75,11 @@ def gather_twist(last, parents, axes, v, twist):
 
 
 @part
-def place(body, x, R, c, twist, turn, pose):
-    """Fill the pose of a body with a twist and its arm, from what MuJoCo has of it in the world frame.
+def set_pose(body, x, R, c, twist, turn, pose):
+    """Fill the pose (6, 3) of a body with a given twist, and its arm, from MuJoCo's data in the world frame.
 
-    x (3,) m: origin of its frame, R (9,): rotation; c (3,) m: point of twists; turn (3, 3): to the frame of the bed.
+    x (3,) m: origin of the body's frame; R (9,): its rotation, row by row; c (3,) m: point of twists; turn (3, 3):
+    rotation to the frame of the bed.
     """
     r, w = minus(x, c), vector(twist, 0)
     v = moving(vector(twist, 3), w, r)
@@ -80,9 +92,9 @@ def place(body, x, R, c, twist, turn, pose):
 
 
 @part
-def advance(pose, then, step, out):
-    """Fill a pose (6, 3) with where a body at a pose is after a step with the velocities of the pose `then`."""
-    w = times(step, then[5])
+def advance(pose, predicted_pose, step, out):
+    """Fill out (6, 3) with the pose after a step (s) from `pose`, with the constant velocities of `predicted_pose`."""
+    w = times(step, predicted_pose[5])
     angle = norm(w)
     a = math.sin(angle) / angle if angle > 1e-9 else 1.0
     b = (1.0 - math.cos(angle)) / (angle * angle) if angle > 1e-4 else 0.5
@@ -90,78 +102,82 @@ def advance(pose, then, step, out):
         axis = pose[0, j], pose[1, j], pose[2, j]
         c = cross(w, axis)
         out[0, j], out[1, j], out[2, j] = plus(axis, plus(times(a, c), times(b, cross(w, c))))
-        out[3, j] = pose[3, j] + step * then[4, j]
-        out[4, j], out[5, j] = then[4, j], then[5, j]
+        out[3, j] = pose[3, j] + step * predicted_pose[4, j]
+        out[4, j], out[5, j] = predicted_pose[4, j], predicted_pose[5, j]
 
 
 @part
-def blank(seen):
-    """Begin to see a body anew, see `space_law.DEPTH`."""
-    seen[0], seen[1], seen[2] = -np.inf, 0.0, np.inf
+def clear_immersion(immersion):
+    """Reset the immersion (3,) of a body, see `space_law.DEPTH`."""
+    immersion[0], immersion[1], immersion[2] = -np.inf, 0.0, np.inf
 
 
 @part
-def end_step(body, x, y, z, load, now, passed):
-    """Work (J) of a load (6,) in the step that took a time (s): on the mean of the twists at its start and now.
+def step_work(body, x, y, z, load, end_twist, elapsed):
+    """Work (J) of a constant load (6,) in a step that took `elapsed` (s): on the mean of the twists at its two ends.
 
     x, y, z (m): from the point of twists to the centre of mass.
     """
     power = 0.0
-    for twist in (body.twist, now):
+    for twist in (body.twist, end_twist):
         v = moving(vector(twist, 3), vector(twist, 0), (x, y, z))
         power += dot(vector(load, 0), v) + dot(vector(load, 3), vector(twist, 0))
-    return 0.5 * passed * power
+    return 0.5 * elapsed * power
 
 
 @part
-def foresee(body, slow):
-    """Where a step leads if the twist gains what it gained in the one before, from `ahead`, the twist now.
+def predict(body, slow_speed):
+    """Predict the twist at the end of a step by the gain of the last step; `end_twist` is the present twist before.
 
-    Only as much of it as leaves half of the twist, so that nothing turns round that only comes to rest; and little of
-    it below a speed `slow` (m/s), where bristles bear that do not slide: it would drive what it comes too late for.
+    At least half of the twist is left, so that the prediction does not reverse a body that comes to rest. Only a small
+    share of the gain is taken below `slow_speed` (m/s), where bristles bear the body without sliding: the gain lags one
+    step behind their forces, and would excite the body.
     """
-    square, along, fast = 0.0, 0.0, 0.0
+    square, along, speed_squared = 0.0, 0.0, 0.0
     for k in range(6):
-        body.twist[k] = body.ahead[k]
+        body.twist[k] = body.end_twist[k]
         square += body.twist[k] * body.twist[k]
-        along += body.twist[k] * body.gained[k]
+        along += body.twist[k] * body.previous_gain[k]
     share = min(1.0, -0.5 * square / along) if along < 0.0 else 1.0
     for k in range(3):
-        fast += body.pose[4, k] ** 2 + (body.radius * body.pose[5, k]) ** 2
-    share *= fast / (fast + slow * slow)
+        speed_squared += body.pose[4, k] ** 2 + (body.radius * body.pose[5, k]) ** 2
+    share *= speed_squared / (speed_squared + slow_speed * slow_speed)
     for k in range(6):
-        body.foreseen[k] = share * body.gained[k]
-        body.ahead[k] = body.twist[k] + body.foreseen[k]
+        body.predicted_gain[k] = share * body.previous_gain[k]
+        body.end_twist[k] = body.twist[k] + body.predicted_gain[k]
     clear(body.wrench)
-    clear(body.added)
+    clear(body.added_inertia)
 
 
 @part
-def farthest(held):
-    """Greatest difference (m/s) of the velocity of any point between the gains of twists reached and foreseen."""
-    most = 0.0
+def largest_deviation(held):
+    """Upper bound of the velocity (m/s) of any point in the difference between the gains reached and predicted."""
+    largest = 0.0
     for b in range(held.shape[0]):
-        one, other = held[b].reached, held[b].foreseen
-        w = minus(vector(one, 0), vector(other, 0))
-        v = moving(minus(vector(one, 3), vector(other, 3)), w, held[b].arm)
-        most = max(most, norm(v) + held[b].radius * norm(w))
-    return most
+        reached, predicted = held[b].reached_gain, held[b].predicted_gain
+        w = minus(vector(reached, 0), vector(predicted, 0))
+        v = moving(minus(vector(reached, 3), vector(predicted, 3)), w, held[b].arm)
+        largest = max(largest, norm(v) + held[b].radius * norm(w))
+    return largest
 
 
 @part
-def find_base(body, applied):
-    """Fill base where a row (6,) of `xfrc_applied` is not what was written, nor what was brought back."""
+def find_other_load(body, applied):
+    """Update `other_load` from the row (6,) of `xfrc_applied`, where others have changed it.
+
+    A component that differs from the row written last was set by others, unless MuJoCo restored an earlier row.
+    """
     for k in range(6):
-        now = applied[k]
-        if now != body.written[k] and (now == 0.0 or now != body.brought[k]):
-            body.base[k] = now
+        value = applied[k]
+        if value != body.written_row[k] and (value == 0.0 or value != body.restored_row[k]):
+            body.other_load[k] = value
 
 
 @kernel(nogil=True)
 def write_loads(held, applied):
-    """Set the rows of bodies in applied (all, 6), and written, to base and load together."""
+    """Write load + other_load to the rows of the bodies in applied (all, 6), and keep them in `written_row`."""
     for b in range(held.shape[0]):
         body = held[b]
         for k in range(6):
-            body.written[k] = body.base[k] + body.load[k]
-            applied[body.number, k] = body.written[k]
+            body.written_row[k] = body.other_load[k] + body.load[k]
+            applied[body.number, k] = body.written_row[k]
