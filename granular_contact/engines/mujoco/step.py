@@ -7,11 +7,11 @@ From the time t with the state q, v, in a step of h:
    (`kernels.added_mass`) give the forces F as a linear function of the velocity v_1 at the end of the step.
 3. MuJoCo makes a trial step with the loads of the last step, and is set back (`trial`). Its v_1, and the derivative of
    v_1 by the forces, give Newton's correction of the loads. Without constraints MuJoCo is linear in the forces, and one
-   correction suffices; with constraints steps 3 repeat until a correction changes v_1 by less than CLOSE h.
-4. If a body that touches deviates from its predicted end by more than FAR times the yield displacement, 2 to 4 repeat
-   with the end reached as prediction, at most LOOKS times. The reason: if the prediction has no contact, there is no
-   stiffness to linearise. A light body under a heavy one that is predicted to rise a little would fall freely for a
-   step.
+   correction suffices; with constraints step 3 is repeated until a correction changes v_1 by less than CLOSE h.
+4. If a body that touches deviates from its predicted end by more than FAR times the yield displacement, steps 2 and 3
+   are repeated with the end reached as prediction; at most LOOKS predictions are made. If a prediction has no contact,
+   there is no stiffness to linearise: a light body under a heavy one that is predicted to rise a little would fall
+   freely for a step.
 
 The loads stay in `xfrc_applied` of the bodies during the following step. Exact for a step are the impulse on each body,
 which is the load times h, and the work, which is that of the load on the mean of the twists at the two ends of the

@@ -17,21 +17,35 @@ from granular_contact.jit.memory import clear
 from granular_contact.jit.records import fields, record_dtype
 from granular_contact.sand.kernels.vectors import column, cross, dot, minus, moving, norm, plus, times, vector
 
-# A body in sand, whose load MuJoCo holds over a step.
-# number: number of the body in the model. root: number of the first body of its mechanism. last_dof: last degree of
-# freedom that moves it, -1 if none does. radius (m): largest distance of its shapes from the reference point, the
-# origin of its frame. facing: see `planar_added_mass`. arm (m): from the point of twists to the reference point. twist:
-# at the start of the step. previous_gain: gain in the last step. predicted_gain: predicted for this step. reached_gain:
-# gain of the trial step. end_twist: predicted twist at the end of the step; once the step has ended, its real one.
-# correction: Newton's correction of the twist at the end. load: load in this step. previous_load: load in the last
-# step. extrapolated: part of load that was not computed at the predicted end of the step, but extrapolated from there
-# by the added inertia. zero_gain_load: extrapolated load for a twist without gain; residual: what load lacks of the
-# extrapolated load at the gain reached; both about the point of twists. other_load: what others apply to the body.
-# written_row: what was written to `xfrc_applied` last; restored_row: what MuJoCo's own state may restore there. work,
-# extrapolated_work (J): done by load and by its part extrapolated. pose: see `space_law`. predicted_pose: the same,
-# with the velocities predicted for the end of the step. immersion: see `space_law.DEPTH`; floor_immersion: the same for
-# a floor. wrench: force (N) and moment (N m) about the reference point, at the predicted end of the step.
-# added_inertia: see `added_mass`.
+# Record of a body in sand, whose load MuJoCo holds over a step:
+#
+# number             number of the body in the model
+# root               number of the first body of its mechanism
+# last_dof           last degree of freedom that moves the body, -1 if none does
+# radius             largest distance (m) of its shapes from the reference point, the origin of its frame
+# work               work (J) of load so far
+# extrapolated_work  work (J) of extrapolated so far
+# facing             see `planar_added_mass`
+# arm                from the point of twists to the reference point (m), world frame
+# immersion          see `space_law.DEPTH`; floor_immersion: the same for a floor
+# twist              at the start of the step
+# previous_gain      gain in the last step
+# predicted_gain     gain that is predicted for this step
+# reached_gain       gain of the trial step, with Newton's correction
+# end_twist          predicted twist at the end of the step; when the step has ended, its real twist
+# correction         Newton's correction of the twist at the end of the step
+# load               load in this step
+# previous_load      load in the last step
+# extrapolated       part of load that was extrapolated from the predicted end of the step by the added inertia
+# zero_gain_load     load extrapolated to a gain of zero, about the point of twists
+# residual           load extrapolated to the gain of the trial step, less load; about the point of twists
+# other_load         load that others apply to the body
+# written_row        row of `xfrc_applied` that was written last
+# restored_row       row of `xfrc_applied` that MuJoCo may restore with a state of its own
+# wrench             force (N) and moment (N m) about the reference point, at the predicted end of the step
+# pose               see `space_law`
+# predicted_pose     pose with the velocities predicted for the end of the step
+# added_inertia      see `added_mass`
 HELD = record_dtype(
     [
         *fields("i8", "number", "root", "last_dof"),
@@ -50,9 +64,14 @@ STATE = (
     *("load", "previous_load", "extrapolated", "other_load", "twist", "previous_gain"),
     *("immersion", "work", "extrapolated_work"),
 )
-# A bed and its clock. turn: rotation from the world to the frame of the bed. slow_speed (m/s): see `predict`. tolerance
-# (m): see `held_step.predict_again`. step (s): length of the step. elapsed (s): length of the step that ended here, 0
-# if none did. starts: whether a motion starts here, with unstretched bristles.
+# Record of a bed and its clock:
+#
+# turn        rotation from the world to the frame of the bed
+# slow_speed  speed (m/s), see `predict`
+# tolerance   deviation (m) from a prediction, see `held_step.predict_again`
+# step        length (s) of the step
+# elapsed     length (s) of the step that ended here, 0 if none did
+# starts      whether a motion starts here, with unstretched bristles
 BED = record_dtype(
     [("turn", "f8", (3, 3)), *fields("f8", "slow_speed", "tolerance", "step", "elapsed"), ("starts", "?")]
 )
