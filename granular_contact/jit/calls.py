@@ -92,14 +92,14 @@ def caller(name: str, kinds: tuple[Any, ...], result: Any, layout: np.dtype) -> 
             def field(name: str) -> Any:
                 return builder.gep(start, [ir.Constant(_INTEGER, layout.fields[name][1])])  # type: ignore[index]
 
-            passed, given = [], iter(range(len(arguments)))
+            passed, positions = [], iter(range(len(arguments)))
             for kind, wanted in zip(kinds, expected, strict=True):
                 if kind is OWN:
                     passed.append(builder.bitcast(field("own"), values[0].type))
                 elif kind == record:
                     passed.append(values[0])
                 else:
-                    i = next(given)
+                    i = next(positions)
                     value = builder.extract_value(values[1], i)
                     passed.append(context.cast(builder, value, arguments[i], wanted))
             values_of = [context.get_value_type(kind) for kind in expected]
@@ -118,10 +118,9 @@ def _caller_in_python(name: str, kinds: tuple[Any, ...], record_type: Any) -> An
 
     def call(record, arguments):
         function, own = _listed[record[name]]
-        given = iter(arguments)
+        rest = iter(arguments)
         passed = [
-            _own_record(record, own) if kind is OWN else record if kind == record_type else next(given)
-            for kind in kinds
+            _own_record(record, own) if kind is OWN else record if kind == record_type else next(rest) for kind in kinds
         ]
         return function(*passed)
 

@@ -18,8 +18,8 @@ from numba.extending import overload
 
 from granular_contact.jit.compiled import BY_KERNELS, COMPILES, from_outside, options
 
-_KNOWN: dict[np.dtype, str] = {}  # record types, each with the name of its first function
-_GIVEN: dict[tuple[Any, np.dtype], Any] = {}  # where nothing is compiled: functions by stub and record type
+_RECORD_TYPES: dict[np.dtype, str] = {}  # record types, each with the name of its first function
+_PROVIDED: dict[tuple[Any, np.dtype], Any] = {}  # where nothing is compiled: functions by stub and record type
 
 
 def chosen_by(argument: str) -> Callable[[Any], Any]:
@@ -33,7 +33,7 @@ def chosen_by(argument: str) -> Callable[[Any], Any]:
         def choose(*arguments):
             if COMPILES:
                 raise NotImplementedError("chosen in compiled functions alone")
-            return _GIVEN[choose, arguments[index].dtype](*arguments)
+            return _PROVIDED[choose, arguments[index].dtype](*arguments)
 
         choose.index = index  # type: ignore[attr-defined]
         return choose
@@ -53,12 +53,12 @@ def provide(stub: Any, dtype: np.dtype, function: Any, *, inline: bool = False) 
     """
     plain = getattr(function, "py_func", function)
     _keep_apart(dtype, f"{plain.__module__}.{plain.__name__}")
-    _GIVEN[stub, dtype] = plain
+    _PROVIDED[stub, dtype] = plain
     expected, index = from_dtype(dtype), stub.index
 
     def choose(*arguments):
-        given = arguments[index]
-        return plain if getattr(given, "dtype", given) == expected else None
+        record = arguments[index]
+        return plain if getattr(record, "dtype", record) == expected else None
 
     choose.__signature__ = inspect.signature(stub)  # type: ignore[attr-defined]
     chosen = {"forceinline": inline, **BY_KERNELS, **options(from_outside(plain))}
@@ -72,12 +72,12 @@ def _fields(dtype: np.dtype) -> list[tuple[str, Any]]:
 
 def _keep_apart(dtype: np.dtype, name: str) -> None:
     """Refuse a record type that numba would confuse with another: one of them begins with all fields of the other."""
-    for other, known in _KNOWN.items():
+    for other, known in _RECORD_TYPES.items():
         fields, their_fields = _fields(dtype), _fields(other)
         if dtype != other and all(a == b for a, b in zip(fields, their_fields, strict=False)):
-            names, others = ([field for field, _ in each] for each in (fields, their_fields))
+            names, others = ([field for field, _ in both] for both in (fields, their_fields))
             raise TypeError(
                 f"the records of {name}, {names}, and of {known}, {others}, begin alike to the "
                 "end of the shorter one, so kernels would take one for the other: let them begin with different fields"
             )
-    _KNOWN.setdefault(dtype, name)
+    _RECORD_TYPES.setdefault(dtype, name)

@@ -53,20 +53,20 @@ def view_of(context: Any, builder: Any, kind: Any, data: Any, shape: Sequence[An
     return array._getvalue()
 
 
-def _of(array: Any, axes: int) -> Any:
+def _view_type(array: Any, axes: int) -> Any:
     """Type of views of an array with this number of axes; None if it is no array."""
     return types.Array(array.dtype, axes, "C") if isinstance(array, types.Array) else None
 
 
-def _from(context: Any, builder: Any, signature: Any, values: Any, *given: int) -> tuple[list[Any], Any]:
+def _shape_and_part(context: Any, builder: Any, signature: Any, values: Any, *indices: int) -> tuple[list[Any], Any]:
     """Shape of the array that is the first argument, and pointer to its part at given indices.
 
-    given: positions of these indices among the arguments, the index of the first axis first.
+    indices: positions of these indices among the arguments, the index of the first axis first.
     """
     array = context.make_array(signature.args[0])(context, builder, values[0])
     shape = [builder.extract_value(array.shape, axis) for axis in range(signature.args[0].ndim)]
     begin = builder.bitcast(array.data, _BYTE)
-    for axis, position in enumerate(given):
+    for axis, position in enumerate(indices):
         index = context.cast(builder, values[position], signature.args[position], types.intp)
         begin = builder.gep(begin, [builder.mul(index, builder.extract_value(array.strides, axis))])
     return shape, begin
@@ -95,12 +95,12 @@ def rows(array, first, count):
 
 @type_callable(rows)
 def _type_of_rows(context):
-    return lambda array, first, count: _of(array, array.ndim)
+    return lambda array, first, count: _view_type(array, array.ndim)
 
 
 @lower_builtin(rows, types.Array, types.Integer, types.Integer)
 def _rows(context, builder, signature, values):
-    shape, begin = _from(context, builder, signature, values, 1)
+    shape, begin = _shape_and_part(context, builder, signature, values, 1)
     count = context.cast(builder, values[2], signature.args[2], types.intp)
     return view_of(context, builder, signature.return_type, begin, [count, *shape[1:]])
 
@@ -112,13 +112,13 @@ def piece(array, i, count, first=0):
 
 @type_callable(piece)
 def _type_of_piece(context):
-    return lambda array, i, count, first=0: _of(array, array.ndim - 1)
+    return lambda array, i, count, first=0: _view_type(array, array.ndim - 1)
 
 
 @lower_builtin(piece, types.Array, types.Integer, types.Integer)
 @lower_builtin(piece, types.Array, types.Integer, types.Integer, types.Integer)
 def _piece(context, builder, signature, values):
-    shape, begin = _from(context, builder, signature, values, 1, *range(3, len(values)))
+    shape, begin = _shape_and_part(context, builder, signature, values, 1, *range(3, len(values)))
     count = context.cast(builder, values[2], signature.args[2], types.intp)
     return view_of(context, builder, signature.return_type, begin, [count, *shape[2:]])
 
@@ -130,7 +130,7 @@ def flat(array):
 
 @type_callable(flat)
 def _type_of_flat(context):
-    return lambda array: _of(array, 1)
+    return lambda array: _view_type(array, 1)
 
 
 @lower_builtin(flat, types.Array)
@@ -154,15 +154,15 @@ def room3(n, m, k):
     return np.empty((n, m, k))
 
 
-def _constant(*sizes: Any) -> Any:
+def _room_type(*sizes: Any) -> Any:
     """Type of an array of constant sizes; None for other sizes, so that numba tries them as constants."""
     known = all(isinstance(size, types.IntegerLiteral) for size in sizes)
     return types.Array(types.float64, len(sizes), "C") if known else None
 
 
-type_callable(room1)(lambda context: lambda n: _constant(n))
-type_callable(room2)(lambda context: lambda n, m: _constant(n, m))
-type_callable(room3)(lambda context: lambda n, m, k: _constant(n, m, k))
+type_callable(room1)(lambda context: lambda n: _room_type(n))
+type_callable(room2)(lambda context: lambda n, m: _room_type(n, m))
+type_callable(room3)(lambda context: lambda n, m, k: _room_type(n, m, k))
 
 
 @lower_builtin(room1, types.IntegerLiteral)
@@ -229,21 +229,23 @@ def _clear(context, builder, signature, values):
     return context.get_dummy_value()
 
 
-def copy(to, given):
+def copy(to, source):
     """Set all entries of an array to the entries of another array of the same size and type."""
-    to[...] = given
+    to[...] = source
 
 
 @type_callable(copy)
 def _type_of_copy(context):
-    return lambda to, given: types.none if to == given and isinstance(to, types.Array) else None
+    return lambda to, source: types.none if to == source and isinstance(to, types.Array) else None
 
 
 @lower_builtin(copy, types.Array, types.Array)
 def _copy(context, builder, signature, values):
-    (begin, size), (given, _) = (_bytes(context, builder, *array) for array in zip(signature.args, values, strict=True))
+    (begin, size), (source, _) = (
+        _bytes(context, builder, *array) for array in zip(signature.args, values, strict=True)
+    )
     move = builder.module.declare_intrinsic("llvm.memcpy", [_BYTE, _BYTE, size.type])
-    builder.call(move, [begin, given, size, ir.IntType(1)(0)])
+    builder.call(move, [begin, source, size, ir.IntType(1)(0)])
     return context.get_dummy_value()
 
 

@@ -33,7 +33,7 @@ from granular_contact.sand.kernels.vectors import at, axes, cross, dot, minus, m
 @part
 def station(E, pose, ground, medium):
     """Position (3,) m, velocity (3,) m/s and depth (m) of a station at E (3,) m in the frame of its body."""
-    x, v, w = pose[3], pose[4], pose[5]
+    x, v, w = pose[law.POSITION], pose[law.VELOCITY], pose[law.SPIN]
     r = turned(axes(pose), E)
     p = plus(x, r)
     return p, moving(v, w, r), surface_at(p[0], p[1], ground, medium, room1(PLANE)) - p[2]
@@ -51,7 +51,7 @@ def add(f, r, W, term):
 @part
 def bar_forces(elements, anchors, cluster, pose, ground, medium, W):
     """`space_law.forces` of a bar."""
-    x, n, f = pose[3], elements.shape[0], room3(TERMS, 2, 3)
+    x, n, f = pose[law.POSITION], elements.shape[0], room3(TERMS, 2, 3)
     q, v1, z1 = station(elements[0], pose, ground, medium)
     p = q
     for i in range(n - 1):

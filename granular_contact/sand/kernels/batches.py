@@ -18,8 +18,8 @@ batch, and arguments of the functions here:
     proximity           (lines, 3), see `proximity`
 
 The last forces on a line stay in `room` and `body`, with the coordinates they belong to. A step usually ends at the
-state of the last evaluation, so `accept` reuses these forces; so does `tangent`, which the engine calls at a state at
-which it has called `force`.
+state of the last evaluation, so `accept` reuses these forces; so does `tangent`, which the engine usually calls at
+the state of its last call of `force`.
 """
 
 from __future__ import annotations

@@ -22,7 +22,7 @@ import math
 
 from granular_contact.jit.chosen import chosen_by
 from granular_contact.jit.compiled import part
-from granular_contact.jit.memory import room2
+from granular_contact.jit.memory import room1, room2
 from granular_contact.sand.kernels.facet_records import LANES
 from granular_contact.sand.kernels.friction import SMOOTH
 from granular_contact.sand.kernels.plates import EDGE
@@ -82,41 +82,40 @@ def write(a, field, k):
 def lead(block, n, m):
     """Fill in the directions u in which a law sees the n facets move, and the shares g s of their resistance."""
     rest = m.v_eps if m.friction == SMOOTH else m.u_y
-    # Work arrays: q; its factor of what v differs by (see `space_friction.factors_of_facet`); 1 / |q|; u; share.
-    Q, W, U, S = room2(3, LANES), room2(2, LANES), room2(3, LANES), room2(1, LANES)
+    Q, U = room2(3, LANES), room2(3, LANES)  # q of `space_friction`, and its direction u
+    differs, inverse, share = room1(LANES), room1(LANES), room1(LANES)  # factor of differences of v; 1 / |q|; g s
     stretch, velocity, normal = block.stretch, block.velocity, block.normal
     if m.friction == SMOOTH:
         for k in range(n):
-            Q[0, k], Q[1, k], Q[2, k], W[0, k] = velocity[0, k], velocity[1, k], velocity[2, k], 1.0
+            Q[0, k], Q[1, k], Q[2, k], differs[k] = velocity[0, k], velocity[1, k], velocity[2, k], 1.0
     else:
         for k in range(n):
-            by_e, by_v, W[0, k] = factors_of_facet(vector(stretch, k), vector(velocity, k), m)
+            by_e, by_v, differs[k] = factors_of_facet(vector(stretch, k), vector(velocity, k), m)
             for i in range(3):
                 Q[i, k] = by_e * stretch[i, k] + by_v * velocity[i, k]
     for k in range(n):
         x, y, z = Q[0, k], Q[1, k], Q[2, k]
         h = math.sqrt(x * x + y * y + z * z)
         still = h == 0.0  # then any direction will do
-        inverse = 0.0 if still else 1.0 / h
-        U[0, k] = normal[0, k] if still else inverse * x
-        U[1, k] = normal[1, k] if still else inverse * y
-        U[2, k] = normal[2, k] if still else inverse * z
-        S[0, k] = min(1.0, h / rest)
-        W[1, k] = inverse
+        factor = 0.0 if still else 1.0 / h
+        U[0, k] = normal[0, k] if still else factor * x
+        U[1, k] = normal[1, k] if still else factor * y
+        U[2, k] = normal[2, k] if still else factor * z
+        share[k] = min(1.0, h / rest)
+        inverse[k] = factor
     if m.friction == SMOOTH:
         for k in range(n):
-            S[0, k] = math.tanh(math.sqrt(Q[0, k] * Q[0, k] + Q[1, k] * Q[1, k] + Q[2, k] * Q[2, k]) / rest)
+            share[k] = math.tanh(math.sqrt(Q[0, k] * Q[0, k] + Q[1, k] * Q[1, k] + Q[2, k] * Q[2, k]) / rest)
     for k in range(n):
-        inverse = W[1, k]
-        s = spread(block, k, U[0, k], U[1, k], U[2, k], W[0, k] * inverse)
+        s = spread(block, k, U[0, k], U[1, k], U[2, k], differs[k] * inverse[k])
         along = normal[0, k] * U[0, k] + normal[1, k] * U[1, k] + normal[2, k] * U[2, k]
-        g = min(1.0, max(0.0, (along + s) / (max(EDGE, m.pressed * inverse) + 2.0 * s)))
-        S[0, k] *= 1.0 if block.side[k] == 0.0 else g
+        g = min(1.0, max(0.0, (along + s) / (max(EDGE, m.pressed * inverse[k]) + 2.0 * s)))
+        share[k] *= 1.0 if block.side[k] == 0.0 else g
     for row in range(3):
         for k in range(n):
             block.direction[row, k] = U[row, k]
     for k in range(n):
-        block.share[k] = S[0, k]
+        block.share[k] = share[k]
 
 
 @part

@@ -26,7 +26,7 @@ from granular_contact.sand.kernels.lines import difference
 def facet_slopes(elements, anchors, cluster, pose, ground, medium, fq, fv, S, W):
     """`space_law.slopes` of facets."""
     block, F, K, first = block_room(), room2(3, LANES), room2(9, LANES), 0
-    d = difference(pose[3], fq, fv)
+    d = difference(pose[law.POSITION], fq, fv)
     while first < elements.shape[0]:
         first, n = law.gather(medium, (elements, anchors, cluster, pose, ground, first, block))
         if n == 0:
@@ -61,7 +61,7 @@ def begin(block, n, fq, pose, ground, medium, F, K):
     """
     plane, arm = room1(PLANE), block.growing_arm
     for k in range(n):
-        surface_at(pose[3, 0] + arm[0, k], pose[3, 1] + arm[1, k], ground, medium, plane)
+        surface_at(pose[law.POSITION, 0] + arm[0, k], pose[law.POSITION, 1] + arm[1, k], ground, medium, plane)
         for i in range(3):
             F[i, k] = force(block, i, k)
             by_depth = fq * block.area[k] * block.scatter[0, k] * block.growing[i, k]

@@ -76,13 +76,13 @@ def gather(elements, anchors, cluster, pose, ground, first, medium, block):
     Looks at the rows of a cluster's elements from `first` on, until the block is full; other arguments as of
     `space_law.forces`. On a map of heights each facet sees the tangent plane of the surface at its centroid.
     """
-    R, v, w, steep = axes(pose), at(pose, 4, 0), at(pose, 5, 0), ground[GROWTH]
-    x0, y0, z0 = x = at(pose, 3, 0)
+    R, v, w, steep = axes(pose), at(pose, law.VELOCITY, 0), at(pose, law.SPIN, 0), ground[GROWTH]
+    x0, y0, z0 = x = at(pose, law.POSITION, 0)
     # In the frame of the body: gradient of the depth, angular velocity, velocity of the reference point.
     d, q, velocity = seen(R, (ground[RISE_X], ground[RISE_Y], -1.0)), seen(R, w), seen(R, v)
     depth = ground[HEIGHT] + ground[RISE_X] * x0 + ground[RISE_Y] * y0 - z0  # of the reference point
     mapped, plane = medium.heights != 0, room1(PLANE)
-    high = highest(cluster, R, pose[3], ground, medium, plane) if mapped else 0.0
+    high = highest(cluster, R, pose[law.POSITION], ground, medium, plane) if mapped else 0.0
     facets = as_facets(elements)
     n, last = np.intp(0), facets.shape[0]  # (as in `space_sand.tangent`)
     for i in range(first, facets.shape[0]):
@@ -219,7 +219,8 @@ def add_term(block, n, traction, arm, term, W):
 @part
 def follow_facets(elements, anchors, cluster, pose, ground, medium, row):
     """`space_law.follow` of facets; most are above the surface, or less deep than a facet before them."""
-    R, x, v, w, steep = axes(pose), at(pose, 3, 0), at(pose, 4, 0), at(pose, 5, 0), ground[GROWTH]
+    R, x, v, w = axes(pose), at(pose, law.POSITION, 0), at(pose, law.VELOCITY, 0), at(pose, law.SPIN, 0)
+    steep = ground[GROWTH]
     d, down = seen(R, (ground[RISE_X], ground[RISE_Y], -1.0)), seen(R, (0.0, 0.0, -1.0))
     mapped, plane = medium.heights != 0, room1(PLANE)
     high = highest(cluster, R, x, ground, medium, plane) if mapped else 0.0

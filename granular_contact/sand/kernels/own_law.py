@@ -38,32 +38,32 @@ def _reasons(owner: Any, record: Any) -> Iterator[str]:
         except Exception as error:
             yield f"{name}{_place(error)}: {_of_constant(owner, error) or _first_line(error)}"
             continue
-        given = compiled.nopython_signatures[0].return_type
-        if count and _shape(given) != ((2,) if count == 2 else ()) + (2 if name in IN_PLANE else 3,):
-            yield f"{name} gives {given}, wanted is {wanted(name)}"
+        returned = compiled.nopython_signatures[0].return_type
+        if count and _shape(returned) != ((2,) if count == 2 else ()) + (2 if name in IN_PLANE else 3,):
+            yield f"{name} gives {returned}, wanted is {wanted(name)}"
 
 
 def _kinds(name: str, record: Any) -> tuple[Any, ...]:
     """Types of the arguments of a law's function."""
     if name in _SPACE_NAMES:
-        found = space_law.SIGNATURES[_SPACE_NAMES[name]][0]
+        kinds = space_law.SIGNATURES[_SPACE_NAMES[name]][0]
     elif name in law.SIGNATURES:
-        found = law.SIGNATURES[name][0]
+        kinds = law.SIGNATURES[name][0]
     else:
         vector = types.UniTuple(types.float64, 2 if name in IN_PLANE else 3)
-        return (*(vector if one in VECTORS else types.float64 for one in arguments(name)[:-1]), record)
-    return tuple(record if kind is OWN else kind for kind in found)
+        return (*(vector if argument in VECTORS else types.float64 for argument in arguments(name)[:-1]), record)
+    return tuple(record if kind is OWN else kind for kind in kinds)
 
 
-def _shape(given: Any) -> tuple[int, ...]:
-    """Shape of a tuple of numbers or of such tuples, by its type; empty of anything else."""
-    if not isinstance(given, types.BaseTuple) or len({_shape(one) for one in given}) != 1:
+def _shape(kind: Any) -> tuple[int, ...]:
+    """Shape of a tuple of numbers or of such tuples, from its type; empty for any other type."""
+    if not isinstance(kind, types.BaseTuple) or len({_shape(entry) for entry in kind}) != 1:
         return ()
-    return (len(given), *_shape(given[0]))
+    return (len(kind), *_shape(kind[0]))
 
 
 def _of_constant(owner: Any, error: Exception) -> str | None:
-    """Of a constant that the law does not have: Numba raises the KeyError of its own table."""
+    """Message for a constant that the law does not have, for which Numba raises a KeyError; else None."""
     if isinstance(error, KeyError) and isinstance(error.args[0], str):
         return f"m has no {error.args[0]!r}; the law's constants are {', '.join(owner.constants)}"
     return None
@@ -71,11 +71,11 @@ def _of_constant(owner: Any, error: Exception) -> str | None:
 
 def _first_line(error: Exception) -> str:
     lines = [line.strip() for line in str(error).splitlines() if line.strip()]
-    told = [line for line in lines if not line.startswith("Failed in nopython mode")]
-    return told[0] if told else type(error).__name__
+    messages = [line for line in lines if not line.startswith("Failed in nopython mode")]
+    return messages[0] if messages else type(error).__name__
 
 
 def _place(error: Exception) -> str:
-    """File and line that Numba names last, in brackets; empty where it names none."""
-    found = _LOCATION.findall(str(error))
-    return f" ({found[-1][0]}:{found[-1][1]})" if found else ""
+    """Last file and line that Numba names, in brackets; empty if it names none."""
+    locations = _LOCATION.findall(str(error))
+    return f" ({locations[-1][0]}:{locations[-1][1]})" if locations else ""

@@ -38,7 +38,7 @@ def arguments(name: str) -> list[str]:
 
 def wanted(name: str) -> str:
     """Signature of a law's function as it has to be written, with its result."""
-    given, count = (IN_PLANE | IN_SPACE)[name]
+    parameters, count = (IN_PLANE | IN_SPACE)[name]
     vector = f"of {2 if name in IN_PLANE else 3} numbers"
     gives = ("adds to f", f"gives a tuple {vector}", f"gives two tuples {vector}")[count]
-    return f"{name}({given}), which {gives}"
+    return f"{name}({parameters}), which {gives}"

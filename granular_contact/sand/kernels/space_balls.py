@@ -13,7 +13,7 @@ from granular_contact.sand.kernels.vectors import at, minus, norm, put
 @part
 def space_ball_forces(elements, anchors, cluster, pose, ground, medium, W):
     """`space_law.forces` of a ball; its depth is the depth of its lowest point, as in the plane."""
-    x = pose[3]
+    x = pose[law.POSITION]
     p, v, z = station(elements[0], pose, ground, medium)
     z += 0.5 * cluster.width
     if z <= 0.0:

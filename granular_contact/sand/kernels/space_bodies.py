@@ -80,14 +80,14 @@ def place(q, v, body, turn, medium, pose, G):
         for j in range(3):
             pose[i, j] = turn[i, 0] * R[0, j] + turn[i, 1] * R[1, j] + turn[i, 2] * R[2, j]
     for i in range(3):
-        pose[3, i], pose[4, i], pose[5, i] = 0.0, 0.0, 0.0
+        pose[law.POSITION, i], pose[law.VELOCITY, i], pose[law.SPIN, i] = 0.0, 0.0, 0.0
         for j in range(3):
-            pose[3, i] += turn[i, j] * q[j]
-            pose[4, i] += turn[i, j] * v[j]
+            pose[law.POSITION, i] += turn[i, j] * q[j]
+            pose[law.VELOCITY, i] += turn[i, j] * v[j]
             w = 0.0
             for k in range(size - 3):
                 w += G[j, k] * v[3 + k]
-            pose[5, i] += turn[i, j] * w
+            pose[law.SPIN, i] += turn[i, j] * w
 
 
 @part
@@ -236,7 +236,7 @@ def accept(addresses, system_q, system_v, row, begins):
         power = columns[b, 0]
         for term in range(TERMS):
             for i in range(3):
-                row[power] += W[term, i] * pose[4, i] + W[term, 3 + i] * pose[5, i]
+                row[power] += W[term, i] * pose[law.VELOCITY, i] + W[term, 3 + i] * pose[law.SPIN, i]
             write(W, term, w.turn, q, row, columns[b, 1] + 6 * term)
             write(W, term, w.turn, q, row, columns[b, 2])
 

@@ -18,7 +18,7 @@ from granular_contact.sand.kernels.vectors import axes, moving, norm, plus, put,
 def depth_of(ball, pose, ground, medium):
     """Depth (m) of the centre of a bounding sphere, and its position (3,) m from the reference point of the body."""
     r = turned(axes(pose), (ball.x, ball.y, ball.z))
-    x, y, z = plus(pose[3], r)
+    x, y, z = plus(pose[law.POSITION], r)
     return surface_at(x, y, ground, medium, room1(PLANE)) - z, r
 
 
@@ -26,9 +26,9 @@ def depth_of(ball, pose, ground, medium):
 def bound(ball, pose, ground, medium, near):
     """Fill near[DEEPEST] and near[APPROACH] with upper bounds for all points in a bounding sphere."""
     depth, r = depth_of(ball, pose, ground, medium)
-    w = vector(pose[5], 0)
+    w = vector(pose[law.SPIN], 0)
     near[DEEPEST] = depth + ball.radius * ground[GROWTH]
-    near[APPROACH] = (norm(moving(pose[4], w, r)) + norm(w) * ball.radius) * ground[GROWTH]
+    near[APPROACH] = (norm(moving(pose[law.VELOCITY], w, r)) + norm(w) * ball.radius) * ground[GROWTH]
 
 
 @part
@@ -59,6 +59,6 @@ def release(elements, anchors, cluster, pose, medium, anew):
     The path through the air counts as a straight line, so that it does not matter when the cluster became active.
     """
     for i in range(cluster.first, cluster.last):
-        put(plus(pose[3], turned(axes(pose), elements[i])), anchors, i, 0)
+        put(plus(pose[law.POSITION], turned(axes(pose), elements[i])), anchors, i, 0)
     if medium.begin != 0:
         law.begin(medium, (anchors, cluster.first, cluster.last, anew))

@@ -3,9 +3,9 @@
 Elements of a rigid body are kept in its frame, in clusters of one kind: facets of a surface, stations of a bar, a ball.
 Kernels work in the frame of the bed, with z up, whose origin is the world origin, see `space_bodies`.
 
-pose (6, 3): the rotation R of a body, row by row, then the position of its reference point (m), its velocity (m/s) and
-its angular velocity (rad/s). ground (4,): height (m) of the surface above the origin, its rise per length along x and
-y, and the greatest growth of a depth with a distance, sqrt(1 + rise^2); a map of heights may follow, see `ground`.
+pose (6, 3): the rotation R of a body, row by row, then the POSITION of its reference point (m), its VELOCITY (m/s), and
+its angular velocity SPIN (rad/s). ground (4,): height (m) of the surface above the origin, its rise per length along x
+and y, and the greatest growth of a depth with a distance, sqrt(1 + rise^2); a map of heights may follow, see `ground`.
 W (TERMS, 6): force (N) of each term and its moment about the reference point (N m). anchors (n, 3) m: one for each
 element, see `space_friction`. `facet_paths` keeps paths in more columns: (n, 6) with shear displacements, (n, 10) with
 scatter, (n, 13) with both.
@@ -50,6 +50,7 @@ BODY = record_dtype(
         *(("shape", "f8", (8,)), ("axis", "f8", (3,))),
     ]
 )
+POSITION, VELOCITY, SPIN = 3, 4, 5  # rows of a pose
 # Entries of a row that `follow` fills: depth of the deepest point (m), greatest speed (m/s) and least height (m) of
 # immersed elements.
 DEPTH, SPEED, LOWEST = 0, 1, 2

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from granular_contact.jit.compiled import kernel, part
 from granular_contact.jit.memory import piece, room1, room2, rows
+from granular_contact.sand.kernels import space_law as law
 from granular_contact.sand.kernels import space_sand
 from granular_contact.sand.kernels.facet_records import COLUMNS, RIM, TRIANGLE, as_facets
 from granular_contact.sand.kernels.ground import PLANE, surface_at
@@ -45,7 +46,7 @@ def reach(w, row):
             drop = beside if cluster.mass > 0.0 else 0.0
             for i in range(cluster.first, cluster.last):
                 for p in range(corners(elements, i, points)):
-                    x, y, z = plus(at(pose, 3, 0), turned(axes(pose), points[p]))
+                    x, y, z = plus(at(pose, law.POSITION, 0), turned(axes(pose), points[p]))
                     if surface_at(x, y, ground, medium[0], plane) - z + drop > 0.0:
                         row[0], row[1] = min(row[0], x - beside), min(row[1], y - beside)
                         row[2], row[3] = max(row[2], x + beside), max(row[3], y + beside)

@@ -80,14 +80,14 @@ def distributed_forces(P, V, anchors, line, profile, medium, F, totals):
 def immersed_segment(P, profile):
     """First and last immersed point of a line with stations P (n, 2) m, as positions i + xi; else (0, 0)."""
     first, last = 0.0, 0.0
-    found, z1 = False, depth(profile, P[0, 0], P[0, 1])
+    begun, z1 = False, depth(profile, P[0, 0], P[0, 1])
     for i in range(P.shape[0] - 1):
         z0, z1 = z1, depth(profile, P[i + 1, 0], P[i + 1, 1])
         a, b = immersed_interval(z0, z1)
         if b > a:
-            if not found:
+            if not begun:
                 first = i + a
-                found = True
+                begun = True
             last = i + b
     return first, last
 
