@@ -66,20 +66,20 @@ def run(
     built_from = scenario_of(scene, scenario)
     with announced(compiling, kernels_of(scene)):
         begun, observation = _observed(scene, progress, inspect)
-        made = results(observation, scenario_to_dict(built_from), most_frames)
+        run_results = results(observation, scenario_to_dict(built_from), most_frames)
     if inspect is None:  # else the caller may still use the system
         begun.solving.close()
-    return made
+    return run_results
 
 
-def summary_of(scene: Scene, more: Callable[[Observation], dict[str, Any]] = lambda _: {}) -> dict[str, Any]:
+def summary_of(scene: Scene, further: Callable[[Observation], dict[str, Any]] = lambda _: {}) -> dict[str, Any]:
     """Summary of a scene's run, as `run` gives it, without the time series and pictures, which a sweep does not keep.
 
-    more: gives further entries of the summary from the observation.
+    further: gives further entries of the summary from the observation.
     """
     begun, observation = _observed(scene, None, None)
     summary, _ = key_numbers(observation)
-    summary |= more(observation)
+    summary |= further(observation)
     begun.solving.close()
     return summary
 

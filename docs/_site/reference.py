@@ -109,7 +109,7 @@ UNITS = {
     "rad_s": "rad/s", "deg_s": "deg/s", "kg_m": "kg/m", "kg_m2": "kg m²", "kg_m3": "kg/m³", "N_m": "N/m",
     "N_m2": "N/m²", "N_m3": "N/m³",
     "Nm2": "N m²", "N_s_m": "N s/m", "kg_s": "kg/s", "N_per_m": "N/m", "N_s_per_m": "N s/m", "Nm_per_rad": "N m/rad",
-    "Nm_s_per_rad": "N m s/rad", "s_per_m": "s/m", "s_per_rad": "s/rad", "N_cm3": "N/cm³", "MPa": "MPa",
+    "Nm_s_per_rad": "N m s/rad", "s_per_m": "s/m", "s_m": "s/m", "s_per_rad": "s/rad", "N_cm3": "N/cm³", "MPa": "MPa",
     "kPa": "kPa", "m2": "m²",
     "bending_stiffness_N_m2": "N m²", "bending_damping_N_m2_s": "N m² s", "axial_damping_N_s": "N s",
 }  # fmt: skip

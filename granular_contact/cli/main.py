@@ -36,7 +36,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         parser.print_help()
         return FINE
     try:
-        with missing_figures(lambda words: complain(f"warning: {words}")):
+        with missing_figures(lambda message: complain(f"warning: {message}")):
             code: int = chosen.command(chosen)
     except (GranularContactError, Refusal) as error:
         complain(str(error))

@@ -237,8 +237,8 @@ def _progress(shown: bool, end_time: float) -> Iterator[tuple[Progress | None, C
     console = Console(stderr=True)
     narrow, digits = console.width < NARROW, 4 if end_time < 1.0 else 2
     unit = "s" if narrow else "s simulated"
-    words = f"{{task.completed:.{digits}f}} of {{task.total:g}} {unit}, {{task.fields[rate]}}"
-    columns = (BarColumn(8 if narrow else 40), TextColumn(words), *(() if narrow else (TimeElapsedColumn(),)))
+    text = f"{{task.completed:.{digits}f}} of {{task.total:g}} {unit}, {{task.fields[rate]}}"
+    columns = (BarColumn(8 if narrow else 40), TextColumn(text), *(() if narrow else (TimeElapsedColumn(),)))
     with Bar(*columns, console=console, transient=True) as bar:
         task = bar.add_task("", total=end_time, rate="starting")
         begin, compiled = time.perf_counter(), seconds()
@@ -248,8 +248,8 @@ def _progress(shown: bool, end_time: float) -> Iterator[tuple[Progress | None, C
             rate = simulated / max(spent, 1e-9)
             bar.update(task, completed=simulated, total=end, rate=f"{rate:.3g} s per s")
 
-        def announce(what: str) -> None:
-            bar.console.print(what, highlight=False)
+        def announce(text: str) -> None:
+            bar.console.print(text, highlight=False)
             bar.update(task, rate="compiling")
 
         yield update, announce

@@ -74,7 +74,7 @@ def _takes_forms(schema: Schema) -> bool:
 def _of_form(schema: Schema, step: str | int) -> Schema:
     """The member of a union of forms for the form `step`; the first member if none fits."""
     options = [_resolved(option) for option in schema["oneOf"]]
-    return next((one for one in options if one.get("type") == _FORMS.get(step)), options[0])
+    return next((option for option in options if option.get("type") == _FORMS.get(step)), options[0])
 
 
 def _below(schema: Schema, step: str | int) -> Schema:

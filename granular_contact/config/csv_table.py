@@ -92,10 +92,10 @@ def form_faults(table: Table) -> list[Fault]:
 
 def ragged_rows(table: Table) -> list[Fault]:
     """A fault for each row that has more or fewer cells than the header."""
-    width, words = len(table.header), f"as in the header of line {table.header_line}"
+    width, reference = len(table.header), f"as in the header of line {table.header_line}"
     pairs = zip(table.lines, table.rows, strict=True)
     return [
-        Fault(table.file, line, "", f"has {len(row)} cells; {width} are allowed, {words}")
+        Fault(table.file, line, "", f"has {len(row)} cells; {width} are allowed, {reference}")
         for line, row in pairs
         if len(row) != width
     ]

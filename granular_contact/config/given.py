@@ -81,10 +81,10 @@ def changes(values: Mapping[str, Any], caller: str, faults: list[Fault]) -> list
     return overrides.effective(list(leaves))
 
 
-def merged(values: Mapping[str, Any] | None, more: Mapping[str, Any]) -> dict[str, Any]:
+def merged(values: Mapping[str, Any] | None, by_key: Mapping[str, Any]) -> dict[str, Any]:
     """Values by dotted key and values by the keys of a config in one mapping; TypeError if `values` is no mapping."""
     of_type("values", values, (Mapping, NoneType), "a mapping from dotted keys to values, as {'solver.end_time_s': 1}")
-    return {**(values or {}), **more}
+    return {**(values or {}), **by_key}
 
 
 def _leaves(key: str, value: Any, caller: str, faults: list[Fault]) -> Iterator[overrides.Override]:

@@ -77,7 +77,11 @@ class Sweep:
 
     def needs_files(self, case: Case) -> bool:
         """Whether the scenario of a case can be made only on a machine with the files that it or the config names."""
-        return case.has_references or self._names_columns or any(one.path[0] in COLUMN_KEYS for one in case.overrides)
+        return (
+            case.has_references
+            or self._names_columns
+            or any(override.path[0] in COLUMN_KEYS for override in case.overrides)
+        )
 
     def without_cases(self) -> Sweep:
         """The sweep without its cases, with the model and the medium of the config read; for other processes."""
@@ -95,14 +99,14 @@ class Sweep:
     def changes(self, case: Case) -> dict[str, Any]:
         """Values by dotted key that make the case from `base`, without reading any file."""
         if not case.has_references:
-            return {".".join(one.path): tree.plain(one.value) for one in effective(case.overrides)}
+            return {".".join(override.path): tree.plain(override.value) for override in effective(case.overrides)}
         changed = differences(self._resolved_base, scenario_to_dict(self.scenario(case)), whole=True)
         return {tree.dotted(path): value for path, _, value in changed}
 
     @cached_property
     def _names_columns(self) -> bool:
         """Whether the config or `set` may name CSV files of signals."""
-        return self.template.names_columns or any(one.path[0] in COLUMN_KEYS for one in self.common)
+        return self.template.names_columns or any(override.path[0] in COLUMN_KEYS for override in self.common)
 
     @cached_property
     def _resolved_base(self) -> dict[str, Any]:
@@ -156,8 +160,8 @@ def sweep_of(
     if loaded is not None:
         keys = tuple(dict.fromkeys(key for case in cases for key in case.keys))
         sweep = Sweep(path.stem, loaded[1], keys, cases, loaded[0], tuple(common))
-        found = check(sweep, cases, probe)
-        faults += found if sweep.sample is None else first_of_each_key(found)
+        all_case_faults = check(sweep, cases, probe)
+        faults += all_case_faults if sweep.sample is None else first_of_each_key(all_case_faults)
     if faults or loaded is None:
         raise ConfigError(_listed(faults))
     return sweep

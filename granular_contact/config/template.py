@@ -142,8 +142,10 @@ class Template:
             With `faults` and all further faults.
         """
         all_faults = list(faults)
-        resolved, notices = self._with_references(tuple(one for one in overrides if one.is_reference), all_faults)
-        changed = setting.apply(resolved, [one for one in overrides if not one.is_reference], all_faults)
+        resolved, notices = self._with_references(
+            tuple(override for override in overrides if override.is_reference), all_faults
+        )
+        changed = setting.apply(resolved, [override for override in overrides if not override.is_reference], all_faults)
         node = _named(_with_true_provenance(resolved, changed), self._path)
         assert isinstance(node, tree.Mapping)  # as the root, see __init__
         if not self._is_small(resolved, overrides):
@@ -164,7 +166,9 @@ class Template:
         """
         if self._small is not resolved and not any(too_large(resolved)):
             self._small = resolved
-        return self._small is resolved and not any(fault for one in overrides for fault in too_large(one.value))
+        return self._small is resolved and not any(
+            fault for override in overrides for fault in too_large(override.value)
+        )
 
     def _part(self, key: str, written: tree.Node, faults: list[Fault]) -> _Part:
         """The part under a key, with the numbers of its CSV files; that of the last scenario if it is unchanged."""

@@ -92,8 +92,8 @@ def _translated(
             message = f"got {options.base}, but the root link {robot.root} of {robot.file} is the ground; leave it out"
             faults.append(node.keys["base"].fault(("model", "base"), message))
         fixed = options.base == "fixed"
-        held = with_fixed_joints(robot, options.fix)
-        whole = with_given_inertials(held, reader, given_masses(node, robot, faults), fixed)
+        fixed_robot = with_fixed_joints(robot, options.fix)
+        whole = with_given_inertials(fixed_robot, reader, given_masses(node, robot, faults), fixed)
         bodies = merge_massless(whole, reader, fixed)
     if not reader.faults:
         model = mechanism_of(bodies, reader, _mechanism_options(options, sand, folder))

@@ -60,9 +60,11 @@ class Composer:
             raise Stop(Position(self._file, 1 if self._numbered else None), path, "is empty; a mapping is needed")
         root = self._node(next(self._events), path, 0)
         next(self._events)
-        more = next(self._events)
-        if not isinstance(more, yaml.StreamEndEvent):
-            raise Stop(self.position(more.start_mark), (), "a second document starts here; one per file is allowed")
+        following = next(self._events)
+        if not isinstance(following, yaml.StreamEndEvent):
+            raise Stop(
+                self.position(following.start_mark), (), "a second document starts here; one per file is allowed"
+            )
         return root
 
     def _node(self, event: Any, path: Path, depth: int, at: Position | None = None) -> Node:

@@ -56,8 +56,8 @@ class Initial(Strict):
     impact_speed_rad_s: float = 0.0
     """Initial angular rate of the hinges on the ground, clockwise: positive moves a link down into the medium."""
     impact_tip_speed_m_s: float | None = None
-    """Initial speed of the tip, the end of the mechanism that is farthest from the hinge on the ground; in place of
-    impact_speed_rad_s. null: impact_speed_rad_s holds."""
+    """Initial speed of the tip, the end of the mechanism that is farthest from the hinge on the ground, positive for a
+    clockwise rate; in place of impact_speed_rad_s. null: impact_speed_rad_s holds."""
     joints: dict[str, JointStart] | None = None
     """Initial states by the name of the joint. A joint that is not named starts at rest in the reference configuration
     (home), or follows from a loop or a drive."""
