@@ -217,10 +217,10 @@ def _by_trimesh(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     except ImportError:
         raise scene_error(str(path), "mesh files are read by trimesh: pip install 'granular-contact[robot]'") from None
     try:
-        logging.getLogger("trimesh").setLevel(logging.CRITICAL)  # it warns at length of missing textures
+        logging.getLogger("trimesh").setLevel(logging.CRITICAL)  # it has long warnings on missing textures
         loaded = trimesh.load_mesh(path, process=False)
         return np.asarray(loaded.vertices, float) * _unit(loaded), np.array(loaded.faces, np.int64)
-    except Exception as error:  # whatever its readers raise on a broken file
+    except Exception as error:  # its readers raise many types of error on a broken file
         reason = f"{type(error).__name__}: {' '.join(str(error).split())[:200]}"
         raise scene_error(str(path), _unread(path, reason)) from None
 

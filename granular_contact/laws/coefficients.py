@@ -14,7 +14,7 @@ from granular_contact.values.strict import FAULTS, Strict
 _BOUNDS = {"exclusiveMinimum": "above", "minimum": "of at least", "maximum": "of at most"}
 
 
-_Strict: Any = Strict  # which type checkers would give an __init__ by keys, though Coefficients has its own
+_Strict: Any = Strict  # as Any, so that type checkers do not expect the __init__ by keys that pydantic makes
 
 
 class Coefficients(_Strict):  # type: ignore[misc]

@@ -70,7 +70,7 @@ if TYPE_CHECKING:  # a config is read without numpy
     import numpy as np
     from numpy.typing import NDArray
 
-METADATA = (  # fields of every medium that are no coefficients of its law
+METADATA = (  # fields of every medium other than the coefficients of its law
     *("name", "validity", "source", "standing", "provenance", "scatter", "measured_scatter"),
     *("measured_gravity", "angle_of_repose"),
 )

@@ -18,7 +18,7 @@ from granular_contact.laws.law import Law
 from granular_contact.sand import kernels
 
 STATIC, VISCOUS = 0, 1  # terms; that of the quadratic part is `quadratic` of the record
-SHALLOW = 1e-3  # diameters
+SHALLOW = 1e-3  # depth, in diameters, over which the terms without depth grow to their full value
 
 DEPTH_FORCE = measured(
     1,
@@ -33,7 +33,7 @@ class ScalarLaw(Law):
     """Law that uses some of the constants of the general form. Its last term takes the part quadratic in speed."""
 
     takes = frozenset({"ball"})
-    # N, N/m^p, -, N s/m, kg/m, m (0: none), - (0: none), index of a term
+    # Units: N, N/m^p, -, N s/m, kg/m, m (0: none), - (0: none), index of a term
     constants = ("F0", "k", "p", "b", "c", "d1", "d1_per_diameter", "quadratic")
 
     def force_constants(self) -> dict[str, float]:

@@ -21,7 +21,7 @@ from granular_contact.values.strict import Faults, Positive, Text
 
 MOST = 0.5  # equal to MOST of kernels.scatter, which is not loaded when a config is read
 SEEDS = 2**53
-FEW_GRAINS, USUAL = 3e-3, 0.4  # m, -
+FEW_GRAINS, USUAL = 3e-3, 0.4  # length L (m) and greatest s (-) with that length
 
 
 class MeasuredScatter(Coefficients):

@@ -31,8 +31,8 @@ from granular_contact.laws.law import METADATA, Law
 from granular_contact.values.strict import NotNegative, Positive
 
 SHEAR = ("friction_angle", "cohesion", "shear_deformation_modulus", "plate_width")
-SHALLOW = 1e-2  # of b
-FADE = 0.05  # sine: 2.9 degrees
+SHALLOW = 1e-2  # depth, divided by b, over which the cohesion grows to its full value
+FADE = 0.05  # sine of the angle over which the stresses fade: 2.9 degrees
 BONDS = derived(0, "a strength of the bonds between grains, whatever they weigh")
 SHEARED = not_known("a length; we know of no tests at other gravities")
 Exponent = Annotated[float, Field(gt=0, le=5)]
@@ -62,7 +62,7 @@ class SurfacePressure(Law):
 
     terms = ("pressure", "shear")
     takes = frozenset({"round", "flat", "outline"})
-    # Pa, N/m, N/m^3, m (0: b), -, Pa, -, m, m (0: of the shape)
+    # Units: Pa, N/m, N/m^3, m (0: b), -, Pa, -, m, m (0: the width of the shape)
     constants = ("k_0", "k_c", "k_b", "scale", "n", "cohesion", "tan_phi", "K", "b")
 
     @classmethod

@@ -97,7 +97,7 @@ class Batch:
         self.medium["own"].view(np.uint8).ravel()[: law_record.nbytes] = law_record.view(np.uint8)
         self.forget()
 
-    def start(self, where: NDArray[np.int64] | None, reference: Vector) -> NDArray[np.int64]:
+    def start(self, system_places: NDArray[np.int64] | None, reference: Vector) -> NDArray[np.int64]:
         """Begin a new history; arguments as of `GranularLoad.start`.
 
         Returns
@@ -105,8 +105,8 @@ class Batch:
         (addresses,) array
             Addresses of all arrays, for the kernels.
         """
-        if where is not None:
-            self.places[:, 0] = where[self.places[:, 1]]
+        if system_places is not None:
+            self.places[:, 0] = system_places[self.places[:, 1]]
         self.active[:] = True
         self.reference = reference
         self._forces[:] = np.nan

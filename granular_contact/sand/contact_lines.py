@@ -114,7 +114,7 @@ def polyline(
         The line has no length, no width or no strips, or is not in the plane.
     """
     kind, size = section(diameter, width)
-    lines = _along(body, corner_points(points, 2), turns, strips, split, kind, {"width": size})
+    lines = _lines_along(body, corner_points(points, 2), turns, strips, split, kind, {"width": size})
     lines[-1].record["cap"] = free_end
     return lines
 
@@ -166,10 +166,10 @@ def outline(
         raise fault(f"the sides after points {pair[0] + 1} and {pair[1] + 1} cross; sides may only meet")
     # The interior of a counter-clockwise polygon lies to the left, so its outward normal to the right.
     side = -1.0 if area > 0.0 else 1.0
-    lines = _along(body, corners, turns, strips, split, "outline", {"width": size, "side": side})
+    lines = _lines_along(body, corners, turns, strips, split, "outline", {"width": size, "side": side})
     if wheel is not None:
         for line in lines:
-            _hub(line, planar(wheel[0])[0], positive("wheel", wheel[1]))
+            _write_axle(line, planar(wheel[0])[0], positive("wheel", wheel[1]))
     return lines
 
 
@@ -201,7 +201,7 @@ def ball(body: Body, center: ArrayLike, diameter: float, mass: float) -> list[Co
     stations = kinematics.ball_stations(planar(center)[0])
     if not (np.isfinite(mass) and mass > 0.0):
         raise fault(f"mass: got {mass}, allowed is a number above 0 (kg)")
-    return [_on(body, stations, "ball", {"width": size, "drop": 0.5 * size, "mass": mass})]
+    return [_line_on_body(body, stations, "ball", {"width": size, "drop": 0.5 * size, "mass": mass})]
 
 
 def beam(
@@ -249,7 +249,7 @@ def beam(
         start = max(0, stop - elements_per_line)
         stations = kinematics.cable_stations(np.array(lengths[start:stop]), strips_each)
         place = float(np.sum(lengths[:start]))
-        record = _record(kind, {"width": size, "cap": free_end and stop == len(lengths), "place": place})
+        record = _line_record(kind, {"width": size, "cap": free_end and stop == len(lengths), "place": place})
         lines.append(ContactLine(Body(name, np.ravel(nodes[start : stop + 1])), stations, kind, record))
     return lines
 
@@ -277,7 +277,7 @@ def coarser(line: ContactLine) -> ContactLine:
 # ---- parts of contact lines ----
 
 
-def _hub(line: ContactLine, axle: Vector, radius: float) -> None:
+def _write_axle(line: ContactLine, axle: Vector, radius: float) -> None:
     """Write the axle (m, in the frame of the body) into a line, relative to its first strip."""
     (x0, x1), (y0, y1) = line.stations["x"][:2], line.stations["y"][:2]
     along = np.array([x1 - x0, y1 - y0]) / np.hypot(x1 - x0, y1 - y0)
@@ -286,29 +286,29 @@ def _hub(line: ContactLine, axle: Vector, radius: float) -> None:
     line.record["hub_along"], line.record["hub_left"] = arm @ along, along[0] * arm[1] - along[1] * arm[0]
 
 
-def _along(
+def _lines_along(
     body: Body, line: Vector, turns: ArrayLike | None, strips: int, split: int, kind: Kind, fields: dict[str, Any]
 ) -> list[ContactLine]:
     """Contact lines along a polyline (k, 2) m, of which sides may be arcs; fields: common fields of their records."""
     divided = kinematics.curved_stations(line, turning_angles(turns, len(line) - 1), count("strips", strips), split)
     lines, place = [], 0.0
     for stations, turn in divided:
-        lines.append(_on(body, stations, kind, fields | {"turn": turn, "place": place}))
+        lines.append(_line_on_body(body, stations, kind, fields | {"turn": turn, "place": place}))
         place += float(np.hypot(np.diff(stations["x"]), np.diff(stations["y"])).sum())
     return lines
 
 
-def _on(body: Body, stations: NDArray[np.void], kind: Kind, fields: dict[str, Any]) -> ContactLine:
+def _line_on_body(body: Body, stations: NDArray[np.void], kind: Kind, fields: dict[str, Any]) -> ContactLine:
     """Contact line on a body in the plane, or on a body in space that moves in the plane."""
     size = len(body.coordinates)
     if size == spatial.SIZE:
         stations = kinematics.in_space(stations)
     elif size != 3:
         raise fault(f"{body.name} has {size} coordinates; allowed are 3, or {spatial.SIZE} in space")
-    return ContactLine(body, stations, kind, _record(kind, fields))
+    return ContactLine(body, stations, kind, _line_record(kind, fields))
 
 
-def _record(kind: Kind, fields: dict[str, Any]) -> NDArray[np.void]:
+def _line_record(kind: Kind, fields: dict[str, Any]) -> NDArray[np.void]:
     """Record (1,) of a line with these fields."""
     record = np.zeros(1, LINE)
     for name, value in fields.items():

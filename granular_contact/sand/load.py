@@ -238,14 +238,14 @@ class GranularLoad:
 
     # ---- steps ----
 
-    def start(self, q: Vector, where: NDArray[np.int64] | None = None, reference: Vector | None = None) -> None:
+    def start(self, q: Vector, system_places: NDArray[np.int64] | None = None, reference: Vector | None = None) -> None:
         """Begin an empty history at a state, with all bristles unstretched.
 
         Parameters
         ----------
         q : (m,) array
             Coordinates.
-        where : (n,) array of int, optional
+        system_places : (n,) array of int, optional
             Places of the coordinates of the bed in q and v, if these belong to a larger system.
         reference : (m,) array, optional
             Reference values, which are added to q.
@@ -257,14 +257,14 @@ class GranularLoad:
         if not self.batches:
             return
         added = np.zeros_like(q) if reference is None else np.ascontiguousarray(reference)
-        sand = self._sand = self.addresses(where, added)
+        sand = self._sand = self.addresses(system_places, added)
         self._compiled = compiled_load(self.kernels)  # compiled here, so that the first step of a solve does not wait
         self.add_forces = partial(self._compiled.force, sand)
         self._compiled.accept(sand, q, np.zeros_like(q), np.zeros(FIRST), True)
         for batch in self.batches:
             batch.proximity[:, GREATEST] = -np.inf
 
-    def addresses(self, where: NDArray[np.int64] | None, reference: Vector) -> NDArray[np.int64]:
+    def addresses(self, system_places: NDArray[np.int64] | None, reference: Vector) -> NDArray[np.int64]:
         """Begin all batches, and return the addresses of their arrays; arguments as of `start`.
 
         Returns
@@ -272,7 +272,7 @@ class GranularLoad:
         (batches, addresses) array
             See `kernels.planar_sand`.
         """
-        return np.array([batch.start(where, reference) for batch in self.batches])
+        return np.array([batch.start(system_places, reference) for batch in self.batches])
 
     def force(self, q: Vector, v: Vector, out: Vector) -> Vector:
         """Add the generalised forces of all active lines.

@@ -59,19 +59,19 @@ def state(load: GranularLoad) -> LoadState:
     return LoadState(load.time, load.active, *load.table.snapshot(), batch_states(load.batches))
 
 
-def restore(load: GranularLoad, kept: LoadState) -> None:
+def restore(load: GranularLoad, saved: LoadState) -> None:
     """Bring a load to a state.
 
     Parameters
     ----------
     load : GranularLoad
         A load of the same lines in the same media, which has been started.
-    kept : LoadState
+    saved : LoadState
         The state.
     """
-    load.time, load.active = kept.time, kept.active
-    load.table.restore(kept.rows, kept.summed)
-    restore_batches(load.batches, kept.batches)
+    load.time, load.active = saved.time, saved.active
+    load.table.restore(saved.rows, saved.summed)
+    restore_batches(load.batches, saved.batches)
 
 
 def batch_states(batches: Sequence[Batch]) -> tuple[BatchState, ...]:

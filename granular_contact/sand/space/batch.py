@@ -105,7 +105,7 @@ class SpatialBatch:
         """The medium as the kernels of `space_bodies` read it."""
         return self._record(bodies=True, six=bool((self.bodies["size"] == 6).any()))
 
-    def start(self, where: NDArray[np.int64] | None, reference: Vector) -> NDArray[np.int64]:
+    def start(self, system_places: NDArray[np.int64] | None, reference: Vector) -> NDArray[np.int64]:
         """Begin a new history with unstretched bristles; arguments as of `GranularLoad.start`.
 
         Returns
@@ -113,8 +113,8 @@ class SpatialBatch:
         (addresses,) array
             Addresses of all arrays, for the kernels.
         """
-        if where is not None:
-            self.places[:, 0] = where[self.places[:, 1]]
+        if system_places is not None:
+            self.places[:, 0] = system_places[self.places[:, 1]]
         self.active[:] = True
         self.anchors[:] = 0.0
         self.proximity[:] = 0.0

@@ -162,7 +162,7 @@ def _warn_ignored(media: Sequence[Law], name: str) -> None:
     if ignored := [medium.name for medium in media if "bar" not in element_kinds(medium)]:
         of_bars = " and ".join(medium.name for medium in media if "bar" in element_kinds(medium))
         text = f"{name} is met as a bar, by {of_bars}: {' and '.join(ignored)} does not act on it"
-        warnings.warn(text, stacklevel=6)  # of the script
+        warnings.warn(text, stacklevel=6)  # points at the line of the script
 
 
 def _frame(x: Vector, across: Vector) -> Vector:

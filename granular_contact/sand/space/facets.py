@@ -240,7 +240,18 @@ def facet_rows(facets: Facets, rims: Vector, thin: bool) -> Vector:
 
 
 def as_facets(rows: Vector) -> NDArray[np.void]:
-    """View (n,) of rows (n, columns) as records FACET, whose fields have names."""
+    """View of rows as records with named fields.
+
+    Parameters
+    ----------
+    rows : (n, columns) array
+        Rows as of `facet_rows`.
+
+    Returns
+    -------
+    (n,) array
+        Records of `kernels.facet_records.FACET`, which share the memory of the rows.
+    """
     return np.asarray(rows.view(FACET)[:, 0])
 
 
