@@ -13,7 +13,7 @@ from granular_contact.engines.modal.kernels import pendulum
 from granular_contact.engines.modal.kernels.modal import modal_scatter as scatter
 from granular_contact.engines.modal.kernels.modal import modal_stations as stations
 from granular_contact.engines.modal.kernels.modal_load import load
-from granular_contact.engines.modal.kernels.runge_kutta import DENSE, ERROR, TSITOURAS
+from granular_contact.engines.modal.kernels.runge_kutta import TSITOURAS
 from granular_contact.engines.modal.marching import March
 from granular_contact.run import run
 from granular_contact.scene import build
@@ -115,7 +115,7 @@ def test_the_stepper_is_of_fifth_order():
     for step in steps:
         march = March(reduce(scene, 1))
         march.allowed[:] = np.inf
-        march.clock[1], march.control["longest"] = step, step
+        march.clock["step"], march.control["longest"] = step, step
         while march.go_on() == 0:
             pass
         ends.append(march.y[:4].copy())
@@ -184,7 +184,7 @@ def test_period_of_the_rigid_pendulum():
 def test_the_pair_and_its_interpolant_have_their_orders():
     """Conditions of quadrature, and those of two stages; weights are what the last stage takes of those before."""
     pair = TSITOURAS
-    takes, error, dense = np.column_stack([pair[:, :ERROR], np.zeros(7)]), pair[:, ERROR], pair[:, DENSE:]
+    takes, error, dense = np.column_stack([pair.slopes, np.zeros(7)]), pair.error, pair.dense
     places, weights = takes.sum(axis=1), takes[-1]
     for k in range(5):
         assert weights @ places**k == pytest.approx(1.0 / (k + 1), abs=1e-13)

@@ -6,7 +6,7 @@ arrays    Model -> records and stations for the kernels
 marching  a solve under way, with the project's stepper or one of scipy's
 solve     Model -> Trajectory: from regime to regime of the static law
 batch     many models -> their summaries, marched by one compiled call
-looks     rows of runs -> greatest depths and deflections, and touches
+extremes  rows of runs -> greatest depths and deflections, and touches
 energies  rows of runs -> energies
 observe   Trajectory -> the columns that the engine's runs have
 

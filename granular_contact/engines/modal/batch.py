@@ -15,13 +15,13 @@ from numpy.typing import NDArray
 
 from granular_contact.engines.modal import energies
 from granular_contact.engines.modal.arrays import stacked
+from granular_contact.engines.modal.extremes import known
 from granular_contact.engines.modal.kernels import march as kernels
 from granular_contact.engines.modal.kernels.modal_load import PendulumArrays
-from granular_contact.engines.modal.looks import known
 from granular_contact.engines.modal.marching import SHARE, SHORT, ahead, allowed, begin, control, room, started
 from granular_contact.engines.modal.model import Model
 from granular_contact.engines.modal.observe import observe, stop
-from granular_contact.engines.modal.solve import solve, status
+from granular_contact.engines.modal.solve import first_stop, solve, status
 from granular_contact.results import Cost
 from granular_contact.results.observation import Known, key_numbers, warned
 from granular_contact.results.stopping import touched
@@ -103,16 +103,16 @@ def march(group: Sequence[Model]) -> Marched:
     needed = ahead(limits)
     rows = int(np.max(np.minimum(MOST_ROWS, limits["end"] / limits["interval"] + 2.0) + needed))
     state = started(np.array([model.start for model in group]), rows)
-    state.clock[:, kernels.STEP] = SHORT * limits["interval"]
+    state.clock["step"] = SHORT * limits["interval"]
     for i in range(len(group)):
         begin(state, w, i)
     codes, work = np.zeros(len(group), dtype=np.int64), room(group[0].method)
     while np.any(codes == kernels.PAUSE):
         kernels.march(SHARE, codes, state, w, limits, may, work)
-        if np.any(state.counts[:, kernels.ROWS] + needed > state.rows.shape[1]):
+        if np.any(state.counts["rows"] + needed > state.rows.shape[1]):
             state = _with_rows(state, 2 * state.rows.shape[1])
     used = [_ended(state, i) for i in range(len(group))]
-    evaluations = state.counts[:, kernels.RATES]
+    evaluations = state.counts["rates"]
     seconds = (time.perf_counter() - begun) * evaluations / evaluations.sum()
     table = np.concatenate([state.rows[i, :count] for i, count in enumerate(used)])
     return Marched(codes, seconds, state, w, np.cumsum([0, *used]), table)
@@ -121,14 +121,14 @@ def march(group: Sequence[Model]) -> Marched:
 def _with_rows(state: kernels.State, capacity: int) -> kernels.State:
     """The same with longer tables."""
     table = np.zeros((len(state.rows), capacity, state.rows.shape[2]))
-    used = min(capacity, state.rows.shape[1], int(state.counts[:, kernels.ROWS].max()))
+    used = min(capacity, state.rows.shape[1], int(state.counts["rows"].max()))
     table[:, :used] = state.rows[:, :used]
     return state._replace(rows=table)
 
 
 def _ended(state: kernels.State, i: int) -> int:
     """Write a row for the instant that a run came to, for which there is room, if it is not the last one; how many."""
-    count, now = int(state.counts[i, kernels.ROWS]), float(state.clock[i, kernels.NOW])
+    count, now = int(state.counts["rows"][i]), float(state.clock["now"][i])
     if count and state.rows[i, count - 1, 0] >= now:
         return count
     state.rows[i, count, 0], state.rows[i, count, 1 : 1 + state.y.shape[1]] = now, state.y[i]
@@ -138,13 +138,13 @@ def _ended(state: kernels.State, i: int) -> int:
 def _summary(runs: Marched, i: int, model: Model, looked: Known, energy: dict[str, float]) -> dict[str, Any]:
     """Of one of the runs; energy: its key numbers."""
     state, own = runs.state, runs.table[runs.first[i] : runs.first[i + 1], 0]
-    counts, watch = state.counts[i].tolist(), state.watch[i].tolist()
-    cost = Cost(float(runs.seconds[i]), counts[kernels.STEPS], 0, 0, counts[kernels.RATES])
+    counts, watch = state.counts[i], state.watch[i]
+    cost = Cost(float(runs.seconds[i]), int(counts["steps"]), 0, 0, int(counts["rates"]))
     true_sign = bool(runs.arrays.pendulum["true_sign"][i])
-    ended = status(model, int(runs.codes[i]), float(state.clock[i, kernels.NOW]), state.y[i], true_sign)
+    ended = status(model, int(runs.codes[i]), float(state.clock["now"][i]), state.y[i], true_sign)
     touch = None if looked.touch is None else touched(own, looked.touch)
-    stopped = None if touch is None else stop(model, (watch[2], watch[3], watch[5]))
+    stopped = None if touch is None else stop(model, first_stop(watch))
     summary = summarise(model.scene, ended, cost, energy, touch, stopped, looked.greatest)
-    summary["static_turns"] = counts[kernels.TURNS]
+    summary["static_turns"] = int(counts["turns"])
     start = None if looked.depth is None else float(looked.depth[0])
     return warned(summary, model.scene, looked.greatest, looked.reach, start)

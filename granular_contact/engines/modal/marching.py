@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from granular_contact.engines.modal.arrays import alone, arrays_of, one_of
 from granular_contact.engines.modal.kernels import march as kernels
+from granular_contact.engines.modal.kernels.events import WATCH
 from granular_contact.engines.modal.kernels.modal_load import PendulumArrays, rest
 from granular_contact.engines.modal.kernels.modal_motion import decide
 from granular_contact.engines.modal.kernels.runge_kutta import STAGES, TSITOURAS
@@ -27,13 +28,14 @@ def started(y: Vector, capacity: int) -> kernels.State:
     """State of several runs at their starts y (runs, size), with room for so many rows each."""
     count, size = y.shape
     parts = min(2, (size - 2) // 2)
-    watch = np.tile([0.0, 0.0, np.nan, np.nan, 0.0, np.nan], (count, 1))
+    watch = np.zeros(count, WATCH)
+    watch["time"] = watch["angle"] = np.nan
     return kernels.State(
         y=y.copy(),
         regime=np.ones((count, parts)),
         stopped=np.zeros((count, parts), dtype=bool),
-        clock=np.zeros((count, 5)),
-        counts=np.zeros((count, 6), dtype=np.int64),
+        clock=np.zeros(count, kernels.CLOCK),
+        counts=np.zeros(count, kernels.COUNTS),
         watch=watch,
         turns=np.zeros((count, kernels.CROWD)),
         rows=np.zeros((count, capacity, 1 + size + 9)),
@@ -96,7 +98,7 @@ class March:
         self.size, self.true_sign = model.size, bool(self.arrays.pendulum["true_sign"][0])
         self.control = control([model], self.arrays, forces=True)
         self._take_places(started(model.start[None], 1024))
-        self.clock[kernels.STEP] = SHORT * model.scene.solver.step_s
+        self.clock["step"] = SHORT * model.scene.solver.step_s
         self.allowed, self.room = allowed([model])[0], room(model.method)
         self.codes = np.zeros(1, dtype=np.int64)
         begin(self.state, alone(self.arrays), 0)
@@ -115,7 +117,7 @@ class March:
     @property
     def time(self) -> float:
         """Time reached (s)."""
-        return float(self.clock[kernels.NOW])
+        return float(self.clock["now"])
 
     def go_on(self) -> int:
         """March until something ends it or its share is done, and make room for rows; one of the kernels' codes."""
@@ -127,10 +129,10 @@ class March:
     @property
     def full(self) -> bool:
         """Whether the rows of a step might not fit into the table any more."""
-        return bool(self.counts[kernels.ROWS] + ahead(self.control)[0] > len(self.rows))
+        return bool(self.counts["rows"] + ahead(self.control)[0] > len(self.rows))
 
     def _more_rows(self, capacity: int) -> None:
-        used = min(int(self.counts[kernels.ROWS]), len(self.rows))
+        used = min(int(self.counts["rows"]), len(self.rows))
         table = np.zeros((1, capacity, self.rows.shape[1]))
         table[0, :used] = self.rows[:used]
         self.state = self.state._replace(rows=table)
@@ -147,7 +149,7 @@ class March:
 
     def table(self) -> Vector:
         """Rows so far, and one for the instant reached if it is not the last of them."""
-        count = int(self.counts[kernels.ROWS])
+        count = int(self.counts["rows"])
         rows = self.rows[:count]
         if count and rows[-1, 0] >= self.time:
             return rows.copy()
@@ -162,7 +164,7 @@ class March:
     def kept(self) -> dict[str, NDArray[Any]]:
         """Copies of all that its future and its rows depend on."""
         held = {name: array.copy() for name, array in self._changing().items()}
-        return held | {"rows": self.rows[: int(self.counts[kernels.ROWS])].copy()}
+        return held | {"rows": self.rows[: int(self.counts["rows"])].copy()}
 
     def restore(self, kept: dict[str, NDArray[Any]]) -> None:
         """Go back to what was kept."""
@@ -174,5 +176,5 @@ class March:
         self.rows[:used] = kept["rows"]
 
     def _changing(self) -> dict[str, NDArray[Any]]:
-        own = {name: array[0] for name, array in self.state._asdict().items() if name != "rows"}
+        own = {name: array[:1] for name, array in self.state._asdict().items() if name != "rows"}
         return own | {"anchors": self.arrays.anchors, "still": self.arrays.pendulum["still"]}

@@ -68,7 +68,7 @@ def _shares(count: int) -> Vector:
 class Lines(NamedTuple):
     """Bars, and after them the other shapes in the sand, as what looks at depths takes them.
 
-    points: records of `kernels.modal`; the rest as of one run in `kernels.modal_looks.Lines`.
+    points: records of `kernels.modal`; the rest as of one run in `kernels.modal_extremes.Lines`.
     """
 
     points: NDArray[np.void]

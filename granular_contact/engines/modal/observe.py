@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from granular_contact.engines.modal import energies
-from granular_contact.engines.modal.looks import known
+from granular_contact.engines.modal.extremes import known
 from granular_contact.engines.modal.model import Bar, Model
 from granular_contact.engines.modal.solve import Trajectory
 from granular_contact.laws.law import term_names

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.engines.modal.kernels import march as kernels
+from granular_contact.engines.modal.kernels.events import HUB, MEAN
 from granular_contact.engines.modal.kernels.modal_load import PendulumArrays
 from granular_contact.engines.modal.marching import March
 from granular_contact.engines.modal.model import Model
@@ -140,16 +141,15 @@ class Solve:
 
     def _rows(self, rows: Vector) -> Trajectory:
         march, m = self.march, self.march.size
-        counts = march.counts.tolist()
-        _, _, stop_time, stop_angle, _, hub_time = march.watch
+        counts = march.counts
         return Trajectory(
             status=self.status(),
             cost=Cost(
                 solve_s=self.seconds,
-                steps=counts[kernels.STEPS],
+                steps=int(counts["steps"]),
                 newton_iterations=0,
                 jacobians=0,
-                load_calls=counts[kernels.RATES],
+                load_calls=int(counts["rates"]),
             ),
             time=rows[:, 0],
             q=rows[:, 1 : 1 + m],
@@ -157,8 +157,8 @@ class Solve:
             work=rows[:, 1 + 2 * m],
             damping=rows[:, 2 + 2 * m],
             terms=rows[:, 3 + 2 * m :].reshape(-1, 3, 3),
-            stop=(float(stop_time), float(stop_angle), float(hub_time)),
-            turns=counts[kernels.TURNS],
+            stop=first_stop(march.watch),
+            turns=int(counts["turns"]),
             arrays=march.arrays,
         )
 
@@ -169,6 +169,12 @@ class Solve:
         if self._code in (kernels.PAUSE, kernels.END) and not self._at_end:
             return paused(self.time, self.model.scene.solver)
         return status(self.model, self._code, self.time, self.march.y, self.march.true_sign)
+
+
+def first_stop(watch: np.void) -> tuple[float, float, float]:
+    """Field `stop` of a trajectory, from a record of WATCH."""
+    time, angle = watch["time"], watch["angle"]
+    return float(time[MEAN]), float(angle[MEAN]), float(time[HUB])
 
 
 def solve(model: Model, progress: Progress | None = None) -> Trajectory:

@@ -13,8 +13,12 @@ from granular_contact.engines.modal.kernels.pendulum import inertia, momentum
 from granular_contact.engines.modal.kernels.runge_kutta import inside
 from granular_contact.jit.compiled import kernel, part
 from granular_contact.jit.memory import piece, room1, rows
+from granular_contact.jit.records import fields, record_dtype
 
-TOUCHED, MEAN_SIGN, MEAN_TIME, MEAN_ANGLE, HUB_SIGN, HUB_TIME = 0, 1, 2, 3, 4, 5  # of watch (6,); times NaN until found
+MEAN, HUB = 0, 1  # the mean rate of the pendulum, and the rate of its hub
+# touched: 1 once the middle of the immersed segment has been below the surface, else 0. Of both rates: sign after the
+# touch, 0 until it is known; time (s) and angle q_1 (rad) of the first zero after the touch, NaN until it is found.
+WATCH = record_dtype([*fields("f8", "touched"), *((name, "f8", (2,)) for name in ("sign", "time", "angle"))])
 HALVINGS = 48
 
 
@@ -80,36 +84,35 @@ def regime_end(C, s, w, stopped):
 
 @part
 def turning(y, w, which):
-    """Mean rate (which = 0) or rate of the hub (which = 1), rad/s."""
+    """Mean rate (which = MEAN) or rate of the hub (which = HUB), rad/s."""
     m = w.pendulum[0].modes + 1
     q, v = rows(y, 0, m), rows(y, m, m)
-    return v[0] if which == 1 else momentum(q, v, w.pendulum[0]) / inertia(q, w.pendulum[0])
+    return v[0] if which == HUB else momentum(q, v, w.pendulum[0]) / inertia(q, w.pendulum[0])
 
 
 @part
 def look_for_stop(t, h, C, w, watch):
     """Locate the first zeros of mean rate and hub rate after the touch."""
-    y = rows(room1(SIZE), 0, C.shape[1])
-    for which, sign, time in ((0, MEAN_SIGN, MEAN_TIME), (1, HUB_SIGN, HUB_TIME)):
-        if not np.isnan(watch[time]):
+    y, sign, time = rows(room1(SIZE), 0, C.shape[1]), watch.sign, watch.time
+    for which in (MEAN, HUB):
+        if not np.isnan(time[which]):
             continue
-        if watch[sign] == 0.0:
-            watch[sign] = np.sign(turning(piece(C, 0, C.shape[1]), w, which))
+        if sign[which] == 0.0:
+            sign[which] = np.sign(turning(piece(C, 0, C.shape[1]), w, which))
         inside(C, 1.0, y)
-        if watch[sign] == 0.0 or turning(y, w, which) * watch[sign] > 0.0:
+        if sign[which] == 0.0 or turning(y, w, which) * sign[which] > 0.0:
             continue
         low, high = 0.0, 1.0
         for _ in range(HALVINGS):
             theta = 0.5 * (low + high)
             inside(C, theta, y)
-            if turning(y, w, which) * watch[sign] > 0.0:
+            if turning(y, w, which) * sign[which] > 0.0:
                 low = theta
             else:
                 high = theta
         inside(C, high, y)
-        watch[time] = t + high * h
-        if which == 0:
-            watch[MEAN_ANGLE] = y[0]
+        time[which] = t + high * h
+        watch.angle[which] = y[0]
 
 
 @kernel

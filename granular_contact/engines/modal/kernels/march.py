@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from granular_contact.engines.modal.kernels.events import TOUCHED, look_for_stop, regime_end, shorten
+from granular_contact.engines.modal.kernels.events import look_for_stop, regime_end, shorten
 from granular_contact.engines.modal.kernels.modal import SIZE
 from granular_contact.engines.modal.kernels.modal_calls import rates
 from granular_contact.engines.modal.kernels.modal_load import PendulumArrays, drag
@@ -38,21 +38,22 @@ CONTROL = record_dtype(
         ("forces", "?"),
     ]
 )
-# Of clock (5,): times (s), and of the latest step that the error allowed its length (s), 0 for none, and its error over
-# what is allowed.
-NOW, STEP, RESTING_SINCE, LATEST, RATIO = 0, 1, 2, 3, 4
+# now: time reached (s); step: length (s) to try next; resting_since: time (s) since which everything rests; latest,
+# ratio: length (s) of the latest step that the error allowed, 0 for none, and its error over what is allowed.
+CLOCK = record_dtype(fields("f8", "now", "step", "resting_since", "latest", "ratio"))
 SAFETY, FILTER, LEAST_RATIO, MOST_GROWTH = 0.93, 6.0, 1e-6, 5.0  # see `next_step`
-# Of counts (6,): ends of regimes, and those of them since they were last found to crowd.
-STEPS, REJECTED, RATES, ROWS, TURNS, CROWDED = 0, 1, 2, 3, 4, 5
+# Steps accepted and rejected; evaluations of the right-hand side; rows written; ends of regimes (turns), and those of
+# them since they were last found to crowd.
+COUNTS = record_dtype(fields("i8", "steps", "rejected", "rates", "rows", "turns", "crowded"))
 
 
 class State(NamedTuple):
     """All that changes while a pendulum is solved, of several one after another.
 
     y (runs, size) as of `modal_motion`; regime, stopped (runs, components): of the static law, and which components
-    ended the last one; clock (runs, 5), counts (runs, 6), watch (runs, 6), see above and `events`; turns (runs, CROWD):
+    ended the last one; clock, counts, watch (runs,): records of CLOCK, COUNTS and `events.WATCH`; turns (runs, CROWD):
     latest ends of regimes (s), the k-th at k modulo CROWD; rows (runs, capacity, 1 + size + 9): tables to be filled.
-    Kernels of one run take its own, without the first axis.
+    Kernels of one run take its own, without the first axis, but of records.
     """
 
     y: Any
@@ -110,21 +111,21 @@ def ahead(control):
 @part
 def finish(run, h, C, w, control):
     """Take a step as accepted: rows, stop, anchors."""
-    t, rows, counts, watch = run.clock[NOW], run.rows, run.counts, run.watch
+    t, rows, counts, watch = run.clock[0].now, run.rows, run.counts[0], run.watch[0]
     m = w.pendulum[0].modes + 1
     y = rows_of(room1(SIZE), 0, C.shape[1])
-    due = counts[ROWS] * control.interval
-    while due <= t + h and counts[ROWS] < rows.shape[0]:
+    due = counts.rows * control.interval
+    while due <= t + h and counts.rows < rows.shape[0]:
         inside(C, (due - t) / h, y)
-        fill_row(due, y, run.regime, w, control.forces, piece(rows, counts[ROWS], rows.shape[1]))
-        counts[ROWS] += 1
-        due = counts[ROWS] * control.interval
+        fill_row(due, y, run.regime, w, control.forces, piece(rows, counts.rows, rows.shape[1]))
+        counts.rows += 1
+        due = counts.rows * control.interval
     if w.lines.shape[0] == 0:
         return
     inside(C, 1.0, y)
-    if watch[TOUCHED] == 0.0 and middle(rows_of(y, 0, m), w)[2]:
-        watch[TOUCHED] = 1.0
-    if watch[TOUCHED] != 0.0:
+    if watch.touched == 0.0 and middle(rows_of(y, 0, m), w)[2]:
+        watch.touched = 1.0
+    if watch.touched != 0.0:
         look_for_stop(t, h, C, w, watch)
     if not w.pendulum[0].true_sign:
         drag(rows_of(y, 0, m), rows_of(y, m, m), w)
@@ -137,7 +138,7 @@ def rests(run, w, control):
     A bristle damps the whole link. The true sign holds the middle of the immersed segment and nothing else: the link
     may vibrate about it for ever.
     """
-    m, y, clock = w.pendulum[0].modes + 1, run.y, run.clock
+    m, y, clock = w.pendulum[0].modes + 1, run.y, run.clock[0]
     speed = abs(y[m]) * control.reach
     for i in range(m + 1, 2 * m):
         speed = max(speed, abs(y[i]))
@@ -146,8 +147,8 @@ def rests(run, w, control):
         if slip_velocity(rows_of(y, 0, m), rows_of(y, m, m), w, g):
             speed = max(abs(g[0]), abs(g[1]))
     if speed > control.rest_speed:
-        clock[RESTING_SINCE] = clock[NOW]
-    return clock[NOW] - clock[RESTING_SINCE] >= control.rest_time
+        clock.resting_since = clock.now
+    return clock.now - clock.resting_since >= control.rest_time
 
 
 @part
@@ -156,12 +157,12 @@ def turn(run, w, control):
 
     Before that ten times the speed counts as none, to get out of it, unless that would be too much.
     """
-    clock, counts, turns = run.clock, run.counts, run.turns
-    turns[counts[CROWDED] % CROWD] = clock[NOW]
-    counts[TURNS] += 1
-    counts[CROWDED] += 1
-    if counts[CROWDED] > CROWD and clock[NOW] - turns[counts[CROWDED] % CROWD] < control.crowd:
-        counts[CROWDED] = 0
+    clock, counts, turns = run.clock[0], run.counts[0], run.turns
+    turns[counts.crowded % CROWD] = clock.now
+    counts.turns += 1
+    counts.crowded += 1
+    if counts.crowded > CROWD and clock.now - turns[counts.crowded % CROWD] < control.crowd:
+        counts.crowded = 0
         w.pendulum[0].still *= 10.0
         if w.pendulum[0].still > control.blurred:
             return False
@@ -177,27 +178,27 @@ def next_step(h, ratio, smooth, clock):
     long for the next rise, and every fifth was rejected. The filter H211b of Soderlind (2003) follows them less.
     smooth: of a rigid one under the true sign, whose few steps grow by much; it is followed at once.
     """
-    if not smooth and clock[LATEST] > 0.0:
-        change = (ratio * clock[RATIO]) ** (-0.2 / FILTER) * (h / clock[LATEST]) ** (-1.0 / FILTER)
+    if not smooth and clock.latest > 0.0:
+        change = (ratio * clock.ratio) ** (-0.2 / FILTER) * (h / clock.latest) ** (-1.0 / FILTER)
     else:
         change = ratio**-0.2
-    clock[LATEST], clock[RATIO] = h, ratio
+    clock.latest, clock.ratio = h, ratio
     return h * min(MOST_GROWTH, SAFETY * change)
 
 
 @part
 def attempt(run, w, control, allowed, room, sums):
     """Step from y, with slopes[0] = y' there, as far as the error allows; its length (s), 0 if none is small enough."""
-    clock, counts = run.clock, run.counts
-    h = min(clock[STEP], control.longest, control.end - clock[NOW])
+    clock, counts = run.clock[0], run.counts[0]
+    h = min(clock.step, control.longest, control.end - clock.now)
     smooth = w.pendulum[0].true_sign and w.pendulum[0].modes == 0
     while True:
         make_step(run, h, w, room, sums)
         ratio = error(room.pair, h, room.slopes, allowed)
         if ratio <= 1.0:
-            clock[STEP] = next_step(h, max(ratio, LEAST_RATIO), smooth, clock)
+            clock.step = next_step(h, max(ratio, LEAST_RATIO), smooth, clock)
             return h
-        counts[REJECTED] += 1
+        counts.rejected += 1
         h *= max(0.2, 0.9 * ratio**-0.2) if ratio < np.inf else 0.1
         if h <= 1e-14 * control.end:
             return 0.0
@@ -208,7 +209,7 @@ def make_step(run, h, w, room, sums):
     """Step from y over h (s): slopes, and the state at the end; sums: signs and forces to work in."""
     sigma, totals = sums
     step(room.pair, run.y, h, run.regime, w, room.slopes, sigma, totals, room.end)
-    run.counts[RATES] += STAGES - 1
+    run.counts[0].rates += STAGES - 1
 
 
 @part
@@ -246,13 +247,13 @@ def march_one(share, run, w, control, allowed, room):
     sums, first = (sigma, totals), piece(room.slopes, 0, room.slopes.shape[1])
     known = False  # whether the first of the slopes is y' at y
     for _ in range(share):
-        if run.counts[ROWS] + ahead(control) > run.rows.shape[0]:
+        if run.counts[0].rows + ahead(control) > run.rows.shape[0]:
             return PAUSE
         if w.pendulum[0].true_sign and follow(run.y, run.regime, w):
             known = False
         if not known:
             rates(run.y, run.regime, w, sigma, totals, first)
-            run.counts[RATES] += 1
+            run.counts[0].rates += 1
         h = attempt(run, w, control, allowed, room, sums)
         if h == 0.0:
             return FAILED
@@ -260,8 +261,8 @@ def march_one(share, run, w, control, allowed, room):
         h, theta = end_with_regime(run, h, w, room, sums)
         finish(run, h, room.path, w, control)
         copy(run.y, room.end)
-        run.clock[NOW] += h
-        run.counts[STEPS] += 1
+        run.clock[0].now += h
+        run.counts[0].steps += 1
         known = theta > 1.0
         if not known:
             if not turn(run, w, control):
@@ -271,7 +272,7 @@ def march_one(share, run, w, control, allowed, room):
         copy(first, piece(room.slopes, STAGES - 1, room.slopes.shape[1]))
         if rests(run, w, control):
             return REST
-        if run.clock[NOW] >= control.end * (1.0 - 1e-14):
+        if run.clock[0].now >= control.end * (1.0 - 1e-14):
             return END
     return PAUSE
 
@@ -298,8 +299,8 @@ def state_of_run(state, i):
     parts = state.regime.shape[1]
     return State(
         piece(state.y, i, state.y.shape[1]), piece(state.regime, i, parts), piece(state.stopped, i, parts),
-        piece(state.clock, i, 5), piece(state.counts, i, 6), piece(state.watch, i, 6), piece(state.turns, i, CROWD),
-        piece(state.rows, i, state.rows.shape[1]),
+        rows_of(state.clock, i, 1), rows_of(state.counts, i, 1), rows_of(state.watch, i, 1),
+        piece(state.turns, i, CROWD), piece(state.rows, i, state.rows.shape[1]),
     )  # fmt: skip
 
 

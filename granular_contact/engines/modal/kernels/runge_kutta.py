@@ -3,11 +3,12 @@
 Tsitouras (2011), with his interpolant: a link in sand takes a tenth fewer evaluations than by the pair of Dormand and
 Prince (1980), and its motion has half the error.
 
-It has seven stages, of which the last is the first of the next step. It is one array (STAGES, 11): of each stage
-what it takes of those before (6), of the error (1), and of the powers 1 to 4 of theta (4).
+It has seven stages, of which the last is the first of the next step.
 """
 
 from __future__ import annotations
+
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -15,7 +16,6 @@ from granular_contact.engines.modal.kernels.modal_calls import rates
 from granular_contact.jit.compiled import part
 
 STAGES = 7
-ERROR, DENSE = 6, 7  # columns of a pair
 _A = np.array(
     [
         [0, 0, 0, 0, 0, 0],
@@ -44,7 +44,21 @@ _DENSE = np.array(
         [0, 1.5, -4, 2.5],
     ]
 )
-TSITOURAS = np.column_stack([_A, _ERROR, _DENSE])
+
+
+class Pair(NamedTuple):
+    """Coefficients of an embedded pair with its interpolant, of each of its STAGES stages.
+
+    slopes (STAGES, STAGES - 1): weights of the stages before, the last row of which is the step itself; error
+    (STAGES,): weights of the estimated error; dense (STAGES, 4): weights of the interpolant, by powers 1 to 4 of theta.
+    """
+
+    slopes: Any
+    error: Any
+    dense: Any
+
+
+TSITOURAS = Pair(_A, _ERROR, _DENSE)
 
 
 @part
@@ -54,7 +68,7 @@ def step(pair, y, h, s, w, k, sigma, totals, end):
         for i in range(y.shape[0]):
             slope = 0.0
             for j in range(stage):
-                slope += pair[stage, j] * k[j, i]
+                slope += pair.slopes[stage, j] * k[j, i]
             end[i] = y[i] + h * slope
         rates(end, s, w, sigma, totals, k[stage])
 
@@ -66,7 +80,7 @@ def error(pair, h, k, allowed):
     for i in range(allowed.shape[0]):
         estimate = 0.0
         for stage in range(STAGES):
-            estimate += pair[stage, ERROR] * k[stage, i]
+            estimate += pair.error[stage] * k[stage, i]
         ratio = abs(h * estimate) / allowed[i]
         if not ratio <= worst:  # a NaN gets through, too
             worst = ratio
@@ -81,7 +95,7 @@ def interpolant(pair, y, h, k, C):
         for power in range(4):
             slope = 0.0
             for stage in range(STAGES):
-                slope += pair[stage, DENSE + power] * k[stage, i]
+                slope += pair.dense[stage, power] * k[stage, i]
             C[power + 1, i] = h * slope
 
 

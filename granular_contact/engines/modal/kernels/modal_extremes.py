@@ -14,12 +14,29 @@ import numpy as np
 from granular_contact.engines.modal.kernels.modal import modal_stations, place_stations, within_reach
 from granular_contact.jit.compiled import kernel, part
 from granular_contact.jit.memory import piece, rows
+from granular_contact.jit.records import fields, record_dtype
 
-# Of found (runs, lines, 8). Of what is below the surface: greatest speed (m/s), least and greatest x (m), where the
-# half width of the line counts. Of all stations: greatest depth at a row, least height (m). Of the ends that count:
-# greatest depth (m) between rows too, when (s), and when the first of them gets below the surface, NaN for never.
-SPEED, DEEPEST, LOWEST, LEFT, RIGHT, GREATEST, WHEN, TOUCH = 0, 1, 2, 3, 4, 5, 6, 7
-BLANK = np.array([0.0, -np.inf, np.inf, np.inf, -np.inf, -np.inf, np.nan, np.nan])
+
+class LineExtremes(NamedTuple):
+    """Extremes of a line over the rows of a run, the fields of a record of EXTREMES.
+
+    Of stations below the surface: speed, the greatest (m/s), and left and right, the least and the greatest x (m), for
+    which the half width of the line counts. Of all stations, at rows only: deepest, the greatest depth, and lowest, the
+    least height (m). Of the ends of the line, between rows, too: greatest depth (m), when it is reached (s), and
+    touch, the time (s) at which the first end gets below the surface, NaN for never.
+    """
+
+    speed: float = 0.0
+    deepest: float = -np.inf
+    lowest: float = np.inf
+    left: float = np.inf
+    right: float = -np.inf
+    greatest: float = -np.inf
+    when: float = np.nan
+    touch: float = np.nan
+
+
+EXTREMES = record_dtype(fields("f8", *LineExtremes._fields))
 NOT_IN_STEP = 2.0
 SHARE = 4.0 / 27.0  # of a step's length times a rate at its end: by how much that rate may add to a value inside
 ROUND_OFF = 1e-12
@@ -102,20 +119,20 @@ def crossing(a, b, a_rate, b_rate):
 
 
 @part(inline=True)
-def note(P, V, i, z, beside, found):
+def note(P, V, i, z, beside, extremes):
     """Take on the extremes of a station at depth z (m); roots are taken where they may be needed."""
-    found[DEEPEST], found[LOWEST] = max(found[DEEPEST], z), min(found[LOWEST], P[i, 1])
+    extremes.deepest, extremes.lowest = max(extremes.deepest, z), min(extremes.lowest, P[i, 1])
     if not z > 0.0 or P.shape[0] < 2:
         return
     square = V[i, 0] * V[i, 0] + V[i, 1] * V[i, 1]
-    if square > found[SPEED] * found[SPEED]:
-        found[SPEED] = math.sqrt(square)
-    if P[i, 0] - beside < found[LEFT] or P[i, 0] + beside > found[RIGHT]:
+    if square > extremes.speed * extremes.speed:
+        extremes.speed = math.sqrt(square)
+    if P[i, 0] - beside < extremes.left or P[i, 0] + beside > extremes.right:
         k = min(i, P.shape[0] - 2)
         x, y = P[k + 1, 0] - P[k, 0], P[k + 1, 1] - P[k, 1]
         wide = beside * abs(y) / math.sqrt(x * x + y * y)
-        found[LEFT] = min(found[LEFT], P[i, 0] - wide)
-        found[RIGHT] = max(found[RIGHT], P[i, 0] + wide)
+        extremes.left = min(extremes.left, P[i, 0] - wide)
+        extremes.right = max(extremes.right, P[i, 0] + wide)
 
 
 @part
@@ -145,7 +162,7 @@ def next_place(i, first, behind, n):
 
 
 @part
-def look_at_line(table, m, geometry, every, sizes, room, depths, found):
+def look_at_line(table, m, geometry, every, sizes, room, depths, extremes):
     """One line over the rows of a run.
 
     sizes: height of the surface, half the width, how far below (m), see Lines; room: three times (stations, 2).
@@ -158,32 +175,32 @@ def look_at_line(table, m, geometry, every, sizes, room, depths, found):
         i = 0
         while i < n:
             z, rate = surface - P[i, 1] + drop, -V[i, 1]
-            note(P, V, i, z, beside, found)
+            note(P, V, i, z, beside, extremes)
             if every == 1 or i == 0 or i == n - 1:
-                touched = min(touched, look_at_end(now, h, z, rate, piece(before, i, 2), found))
+                touched = min(touched, look_at_end(now, h, z, rate, piece(before, i, 2), extremes))
                 depths[t] = max(depths[t], z)
             i = next_place(i, first, behind, n)
         if touched < NOT_IN_STEP:
-            found[TOUCH] = now - h + h * touched
+            extremes.touch = now - h + h * touched
 
 
 @part(inline=True)
-def look_at_end(now, h, z, rate, before, found):
+def look_at_end(now, h, z, rate, before, extremes):
     """Take on the depth of an end and its rate at a row, h (s) after the one before; where in between it touches.
 
     before (2,): both at that row; h is 0 at the first row.
     """
     touched = NOT_IN_STEP
-    if z > found[GREATEST]:
-        found[GREATEST], found[WHEN] = z, now
+    if z > extremes.greatest:
+        extremes.greatest, extremes.when = z, now
     if h == 0.0:
         touched = 0.0 if z > 0.0 else touched
     else:
         a, a_rate, b_rate = before[0], h * before[1], h * rate
-        best, where = greatest(a, z, a_rate, b_rate, found[GREATEST])
+        best, where = greatest(a, z, a_rate, b_rate, extremes.greatest)
         if where < NOT_IN_STEP:
-            found[GREATEST], found[WHEN] = best, now - h + h * where
-        if np.isnan(found[TOUCH]):
+            extremes.greatest, extremes.when = best, now - h + h * where
+        if np.isnan(extremes.touch):
             touched = crossing(a, z, a_rate, b_rate)
     before[0], before[1] = z, rate
     return touched
@@ -210,21 +227,22 @@ def look_at_bend(table, m, side, bend):
 
 
 @kernel(nogil=True)
-def look(first, table, m, w, room, depths, found, bends):
-    """Fill depths (rows,) m with those of the deepest ends, found as above and bends (runs, 2, 2) as of `look_at_bend`.
+def find_extremes(first, table, m, w, room, depths, extremes, bends):
+    """Fill depths (rows,) m with those of the deepest ends, extremes, and bends (runs, 2, 2) as of `look_at_bend`.
 
     first (runs + 1,): first row of each run in table (rows, from 1 + 2 m), which has time, m coordinates and m rates;
-    w: Lines; room (3, stations, 2) to work in. Rows of depths are -inf, those of found are BLANK.
+    w: Lines; room (3, stations, 2) to work in; extremes (runs, lines): records of EXTREMES, which come with the numbers
+    of `LineExtremes()`, as depths come with -inf.
     """
     for run in range(first.shape[0] - 1):
         own = rows(table, first[run], first[run + 1] - first[run])
         geometry, deep = piece(w.geometry, run, w.geometry.shape[1]), rows(depths, first[run], own.shape[0])
-        out, bend = piece(found, run, found.shape[1]), piece(bends, run, 2)
+        of_lines, bend = piece(extremes, run, extremes.shape[1]), piece(bends, run, 2)
         for r in range(w.every.shape[0]):
             n = w.starts[r + 1] - w.starts[r]
             sizes, line = (w.surface[run], w.beside[run, r], w.drop[run, r]), rows(geometry, w.starts[r], n)
             to_work_in = piece(room, 0, n), piece(room, 1, n), piece(room, 2, n)
-            look_at_line(own, m, line, w.every[r], sizes, to_work_in, deep, piece(out, r, out.shape[1]))
+            look_at_line(own, m, line, w.every[r], sizes, to_work_in, deep, of_lines[r])
         if m > 1:
             look_at_bend(own, m, 1.0, piece(bend, 0, 2))
             look_at_bend(own, m, -1.0, piece(bend, 1, 2))

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from granular_contact.engines.modal.kernels import modal_looks as kernels
+from granular_contact.engines.modal.kernels import modal_extremes as kernels
+from granular_contact.engines.modal.kernels.modal_extremes import EXTREMES, LineExtremes
 from granular_contact.engines.modal.model import Model
 from granular_contact.results.limits import Reach
 from granular_contact.results.observation import Known
@@ -23,11 +24,11 @@ def known(models: Sequence[Model], first: NDArray[np.int64], table: Vector) -> l
     lines = _lines(models)
     count, most = len(lines.every), int(np.max(np.diff(lines.starts), initial=1))
     depths = np.full(len(table), -np.inf)
-    found = np.tile(kernels.BLANK, (len(models), count, 1))
+    extremes = np.full((len(models), count), np.array(LineExtremes(), EXTREMES))
     bends = np.zeros((len(models), 2, 2))
-    kernels.look(first, table, models[0].size, lines, np.zeros((3, most, 2)), depths, found, bends)
+    kernels.find_extremes(first, table, models[0].size, lines, np.zeros((3, most, 2)), depths, extremes, bends)
     pieces = zip(first[:-1].tolist(), first[1:].tolist(), strict=True)
-    several = zip(models, pieces, found.tolist(), bends.tolist(), strict=True)
+    several = zip(models, pieces, extremes.tolist(), bends.tolist(), strict=True)
     return [_known(model, depths[begin:end], *more) for model, (begin, end), *more in several]
 
 
@@ -44,28 +45,29 @@ def _lines(models: Sequence[Model]) -> kernels.Lines:
     return kernels.Lines(geometry, like.starts, like.every, surface, beside, drop)
 
 
-def _known(model: Model, depth: Vector, found: list[list[float]], bends: list[list[float]]) -> Known:
+def _known(model: Model, depth: Vector, extremes: list[tuple[float, ...]], bends: list[list[float]]) -> Known:
     (high, at), (low, then) = bends
     bend = ((high, at) if high >= low else (-low, then)) if model.bends else None
-    if not found or model.scene.surface is None:
+    lines = [LineExtremes(*numbers) for numbers in extremes]
+    if not lines or model.scene.surface is None:
         return Known(None, Extremes(None, bend), None, None)
-    deepest = max(found, key=lambda one: one[kernels.GREATEST])
-    touches = [one[kernels.TOUCH] for one in found if not np.isnan(one[kernels.TOUCH])]
-    most = deepest[kernels.GREATEST], deepest[kernels.WHEN]
+    deepest = max(lines, key=lambda line: line.greatest)
+    touches = [line.touch for line in lines if not np.isnan(line.touch)]
+    most = deepest.greatest, deepest.when
     touch = min(touches, default=None) if model.scene.media else None
-    return Known(depth, Extremes(most, bend), touch, _reach(model, found[: len(model.bars)]))
+    return Known(depth, Extremes(most, bend), touch, _reach(model, lines[: len(model.bars)]))
 
 
-def _reach(model: Model, found: list[list[float]]) -> Reach | None:
+def _reach(model: Model, lines: list[LineExtremes]) -> Reach | None:
     """Extremes of what was immersed; None where nothing could meet the medium."""
-    if not model.scene.media or not found:
+    if not model.scene.media or not lines:
         return None
-    pairs = zip(model.bars, found, strict=True)
+    pairs = zip(model.bars, lines, strict=True)
     return Reach(
-        speed=max(one[kernels.SPEED] for one in found),
-        depth=max(one[kernels.DEEPEST] for one in found),
-        lowest=min(one[kernels.LOWEST] for one in found),
-        least=(min(one[kernels.LEFT] for one in found),),
-        greatest=(max(one[kernels.RIGHT] for one in found),),
-        sizes=tuple(sorted({("round", bar.diameter) for bar, one in pairs if one[kernels.DEEPEST] > 0.0})),
+        speed=max(line.speed for line in lines),
+        depth=max(line.deepest for line in lines),
+        lowest=min(line.lowest for line in lines),
+        least=(min(line.left for line in lines),),
+        greatest=(max(line.right for line in lines),),
+        sizes=tuple(sorted({("round", bar.diameter) for bar, line in pairs if line.deepest > 0.0})),
     )
