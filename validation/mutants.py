@@ -124,7 +124,7 @@ AREAS: dict[str, dict[str, tuple[str, ...]]] = {
     },
     "mechanisms in space": {
         "engines/tree/kernels/space_tree.py": _SPACE_TREES,
-        "engines/tree/kernels/space_fold.py": _SPACE_TREES,
+        "engines/tree/kernels/space_elimination.py": _SPACE_TREES,
         "mechanics/kernels/space_rotations.py": _SPACE_TREES,
         "engines/tree/kernels/space_ball_joints.py": (*_LINKS, _SPACE_TREES[1]),
         "mechanics/kernels/space_joints.py": (*_LINKS, _SPACE_TREES[1]),

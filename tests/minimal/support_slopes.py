@@ -11,7 +11,7 @@ from support_parts import of_tree
 from granular_contact.engines.tree.march import March
 
 
-def slopes_of_what_joints_lack(
+def slopes_of_residuals(
     march: March, parts: Sequence[Callable[[Any], None]], of_q: float, of_v: float, by: float
 ) -> np.ndarray:
     """Slopes (n, n) of R by the accelerations, with s and s' moved by of_q and of_v of them; by: change (rad/s2, m/s2).
@@ -30,6 +30,6 @@ def slopes_of_what_joints_lack(
             w["s2"][j] += sign * by
             for part in parts:
                 of_tree(part)(march._addresses)
-            ends.append(w["rest"].copy())
+            ends.append(w["residual"].copy())
         slopes.append((ends[0] - ends[1]) / (2.0 * by))
     return np.array(slopes).T

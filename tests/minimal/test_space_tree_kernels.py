@@ -9,9 +9,9 @@ import pytest
 from scipy.spatial.transform import Rotation
 from support_parts import of_tree
 from support_runs import scene_of
-from support_slopes import slopes_of_what_joints_lack
+from support_slopes import slopes_of_residuals
 
-from granular_contact.engines.tree.kernels import space_fold, space_load, space_tree
+from granular_contact.engines.tree.kernels import space_elimination, space_load, space_tree
 from granular_contact.engines.tree.kernels.tree_arrays import SPACE_NODE as NODE
 from granular_contact.engines.tree.kernels.tree_arrays import addresses, room
 from granular_contact.engines.tree.march import March
@@ -113,7 +113,7 @@ def test_what_joints_lack_is_that_of_the_dense_equations(count: int) -> None:
         n = len(w["s"])
         w["s2"][:], w["effort"][:] = rng.uniform(-50, 50, n), rng.uniform(-0.1, 0.1, n)
         w["force"][:] = rng.uniform(-2, 2, (n, 6)) * [1, 1, 1, 0.1, 0.1, 0.1] * (w["nodes"]["mass"] > 0.0)[:, None]
-        for step in (space_tree.place, space_tree.carry, space_tree.lack):
+        for step in (space_tree.place, space_tree.node_accelerations, space_tree.residuals):
             of_tree(step)(addresses(w))
         J, masses = jacobian(w, w["s"]), dense_masses(w)
         last = (w["nodes"]["kind"] != BALL) | (w["nodes"]["which"] == space_tree.LAST)  # the others are no bodies
@@ -130,7 +130,7 @@ def test_what_joints_lack_is_that_of_the_dense_equations(count: int) -> None:
         for i, spin in enumerate(spins):
             gyroscopic[i, 3:] = np.cross(spin, masses[6 * i + 3 : 6 * i + 6, 6 * i + 3 : 6 * i + 6] @ spin)
         asked = J.T @ (masses @ moved + gyroscopic.ravel() - w["force"].ravel())
-        np.testing.assert_allclose(w["rest"], asked - w["effort"], atol=2e-6 * np.abs(asked).max() + 1e-8)
+        np.testing.assert_allclose(w["residual"], asked - w["effort"], atol=2e-6 * np.abs(asked).max() + 1e-8)
 
 
 @pytest.mark.parametrize("count", [1, 2, 6])
@@ -142,7 +142,7 @@ def test_folded_matrix_is_the_dense_one(count: int) -> None:
         n, bodies = len(w["s"]), w["nodes"]["mass"] > 0.0
         w["prescribed"][:] = rng.integers(2, size=n) * (w["nodes"]["kind"] != BALL)
         of_tree(space_tree.place)(addresses(w))
-        of_tree(space_fold.inertias)(0.0, addresses(w))
+        of_tree(space_elimination.inertias)(0.0, addresses(w))
         masses = w["body"].reshape(n, 6, 6).copy()
         own = dense_masses(w).reshape(n, 6, n, 6)
         np.testing.assert_allclose(masses, own[np.arange(n), :, np.arange(n)], atol=1e-15)
@@ -154,19 +154,19 @@ def test_folded_matrix_is_the_dense_one(count: int) -> None:
         c = np.diag(w["stiffness"])
         for first in np.flatnonzero(balls & (w["nodes"]["which"] == 0)):
             c[first : first + 3, first : first + 3] = w["coupled"][first : first + 3]
-        w["rest"][:] = rng.uniform(-1, 1, n)
-        for step in (space_fold.fold, space_fold.solve):
+        w["residual"][:] = rng.uniform(-1, 1, n)
+        for step in (space_elimination.eliminate, space_elimination.solve):
             of_tree(step)(addresses(w))
         J, B, free = jacobian(w, w["s"]), np.zeros((6 * n, 6 * n)), w["prescribed"] == 0
         for i, one in enumerate(body):
             B[6 * i : 6 * i + 6, 6 * i : 6 * i + 6] = one
         whole = (J.T @ B @ J + c)[np.ix_(free, free)]
         change = np.zeros(n)
-        change[free] = np.linalg.solve(whole, -w["rest"][free])
+        change[free] = np.linalg.solve(whole, -w["residual"][free])
         scale = np.abs(change).max(initial=0.0) * max(1.0, np.linalg.cond(whole) if free.any() else 0.0)
         np.testing.assert_allclose(w["change"], change, atol=1e-10 * scale + 1e-15)
         moved = (J @ change).reshape(n, 6)
-        np.testing.assert_allclose(w["moved"][bodies], moved[bodies], atol=1e-10 * scale + 1e-15)
+        np.testing.assert_allclose(w["node_change"][bodies], moved[bodies], atol=1e-10 * scale + 1e-15)
 
 
 @pytest.mark.parametrize("angle", [1e-6, 0.05, 0.31, 0.33, 1.5, 3.0])
@@ -208,11 +208,11 @@ def test_a_new_chart_leaves_the_motion_as_it_is() -> None:
     w = random_tree(rng, 6)
     w["s2"][:] = rng.uniform(-50, 50, len(w["s"]))
     seen = ("pose", "twist", "acceleration")
-    for step in (space_tree.place, space_tree.carry):
+    for step in (space_tree.place, space_tree.node_accelerations):
         of_tree(step)(addresses(w))
     bodies = w["nodes"]["mass"] > 0.0
     before = {name: w[name][bodies].copy() for name in seen}
-    for step in (space_tree.recentre, space_tree.place, space_tree.carry):
+    for step in (space_tree.recentre, space_tree.place, space_tree.node_accelerations):
         of_tree(step)(addresses(w))
     assert not w["s"][w["nodes"]["kind"] == BALL].any()
     for name in seen:
@@ -227,12 +227,14 @@ def test_matrix_of_newton_is_the_slope_of_what_joints_lack() -> None:
         march.proceed()
     w, h = march.arrays, 1e-3
     fq, fv, n = 0.25 * h * h, 0.5 * h, len(w["s"])
-    of_tree(space_load.act)(march._addresses)
+    of_tree(space_load.forces_on_nodes)(march._addresses)
     of_tree(space_load.tangent)(fq, fv, march._addresses)
     c, J, B = w["stiffness"].copy(), jacobian(w, w["s"]), np.zeros((6 * n, 6 * n))
     for i, one in enumerate(w["body"].reshape(-1, 6, 6)):
         B[6 * i : 6 * i + 6, 6 * i : 6 * i + 6] = one
-    slopes = slopes_of_what_joints_lack(march, (space_load.act, space_tree.carry, space_tree.lack), fq, fv, 1e-3)
+    slopes = slopes_of_residuals(
+        march, (space_load.forces_on_nodes, space_tree.node_accelerations, space_tree.residuals), fq, fv, 1e-3
+    )
     matrix, sand = J.T @ B @ J + np.diag(c), J.T @ (B - dense_masses(w)) @ J
     assert np.abs(sand).max() > 0.02 * np.abs(matrix).max()  # the sand counts
     np.testing.assert_allclose(slopes, matrix, atol=0.1 * np.abs(sand).max())

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from support_parts import of_tree
 from support_runs import order, scene_of, simulate
-from support_slopes import slopes_of_what_joints_lack
+from support_slopes import slopes_of_residuals
 
 from granular_contact.engines.tree.kernels import tree, tree_load, tree_march
 from granular_contact.engines.tree.kernels.tree_arrays import NODE, addresses, room
@@ -68,7 +68,7 @@ def test_what_joints_lack_is_that_of_the_dense_equations(count: int) -> None:
         w["s"][:], w["rates"][:], w["s2"][:] = s, rates, rng.uniform(-50, 50, count)
         w["force"][:] = rng.uniform(-2, 2, (count, 3)) * [1.0, 1.0, 0.1]
         w["effort"][:] = rng.uniform(-0.1, 0.1, count)
-        for step in (tree.place, tree.carry, tree.lack):
+        for step in (tree.place, tree.node_accelerations, tree.residuals):
             of_tree(step)(addresses(w))
         J = jacobian(nodes, s)
         np.testing.assert_allclose(w["pose"].ravel(), centres(nodes, s), atol=1e-13)
@@ -78,7 +78,7 @@ def test_what_joints_lack_is_that_of_the_dense_equations(count: int) -> None:
         asked = J.T @ (M @ moved - w["force"].ravel())
         # Differences of J': (8 h)^2 / 6 = 1e-7 of a moment of m l^2 omega^2, about 1 N m.
         allowed = 1e-6 * np.abs(J.T @ M @ turned @ rates).max() + 1e-8
-        np.testing.assert_allclose(w["rest"], asked - w["effort"], atol=allowed)
+        np.testing.assert_allclose(w["residual"], asked - w["effort"], atol=allowed)
         np.testing.assert_allclose(w["acceleration"].ravel(), moved, atol=1e-6 * np.abs(moved).max())
 
 
@@ -95,18 +95,18 @@ def test_folded_matrix_is_the_dense_one(count: int) -> None:
         masses = w["body"].reshape(-1, 3, 3).copy()
         body = masses + rng.uniform(-0.2, 0.2, masses.shape) * np.sqrt(masses @ np.ones((3, 3)) @ masses)
         w["body"][:], w["stiffness"][:] = body.reshape(-1, 9), rng.uniform(0.0, 1e-3, count)
-        w["rest"][:] = rng.uniform(-1, 1, count)
-        for step in (tree.fold, tree.solve):
+        w["residual"][:] = rng.uniform(-1, 1, count)
+        for step in (tree.eliminate, tree.solve):
             of_tree(step)(addresses(w))
         J, B, free = jacobian(nodes, s), np.zeros((3 * count, 3 * count)), w["prescribed"] == 0
         for i, one in enumerate(body):
             B[3 * i : 3 * i + 3, 3 * i : 3 * i + 3] = one
         whole = (J.T @ B @ J + np.diag(w["stiffness"]))[np.ix_(free, free)]
         change = np.zeros(count)
-        change[free] = np.linalg.solve(whole, -w["rest"][free])
+        change[free] = np.linalg.solve(whole, -w["residual"][free])
         scale = np.abs(change).max(initial=0.0) * max(1.0, np.linalg.cond(whole) if free.any() else 0.0)
         np.testing.assert_allclose(w["change"], change, atol=1e-11 * scale + 1e-15)
-        np.testing.assert_allclose(w["moved"].ravel(), J @ change, atol=1e-11 * scale + 1e-15)
+        np.testing.assert_allclose(w["node_change"].ravel(), J @ change, atol=1e-11 * scale + 1e-15)
 
 
 def test_matrix_of_newton_is_the_slope_of_what_joints_lack() -> None:
@@ -117,14 +117,16 @@ def test_matrix_of_newton_is_the_slope_of_what_joints_lack() -> None:
         march.proceed()
     w, h = march.arrays, 1e-4
     fq, fv, n = 0.25 * h * h, 0.5 * h, len(w["s"])
-    of_tree(tree_load.act)(march._addresses)
+    of_tree(tree_load.forces_on_nodes)(march._addresses)
     of_tree(tree_load.tangent)(fq, fv, march._addresses)
     c, J = w["stiffness"].copy(), jacobian(w["nodes"], w["s"])
     B = np.zeros((3 * n, 3 * n))
     for i, one in enumerate(w["body"].reshape(-1, 3, 3)):
         B[3 * i : 3 * i + 3, 3 * i : 3 * i + 3] = one
     by = 1e-3  # rad/s2: 5e-8 rad/s, so that points move by a tenth of what a bristle yields at, or less
-    slopes = slopes_of_what_joints_lack(march, (tree_load.act, tree.carry, tree.lack), fq, fv, by)
+    slopes = slopes_of_residuals(
+        march, (tree_load.forces_on_nodes, tree.node_accelerations, tree.residuals), fq, fv, by
+    )
     matrix, sand = J.T @ B @ J + np.diag(c), J.T @ (B - dense_masses(w["nodes"])) @ J
     assert np.abs(sand).max() > 0.1 * np.abs(matrix).max()  # the sand counts
     # What turns with the change is left out: next to nothing at rest. Slopes of the sand are chords, some of them
@@ -138,7 +140,9 @@ def test_what_creeps_is_solved_as_closely_as_what_is_fast() -> None:
     clock, share = march.arrays["clock"], march.arrays["control"]["share"][0]
     for speed, least in ((3.0, 0.0), (1e-5, 0.0), (1e-8, 1e-6)):
         clock["fastest"] = speed
-        assert of_tree(tree_march.allowed)(1e6, march._addresses) == pytest.approx(share * max(speed, least), rel=1e-12)
+        assert of_tree(tree_march.newton_tolerance)(1e6, march._addresses) == pytest.approx(
+            share * max(speed, least), rel=1e-12
+        )
 
 
 def test_iterations_are_led_by_those_before() -> None:

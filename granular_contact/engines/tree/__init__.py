@@ -1,10 +1,10 @@
-"""Trees of rigid bodies in as many coordinates as they have degrees of freedom, for speed.
+"""Trees of rigid bodies in minimal coordinates, one for each degree of freedom, for speed.
 
-tree        Scene -> Tree: joints and bodies in order, and the bed that the engine would get, as records for the kernels
-space_tree  the same in space, loaded for a model with `in_space` alone
-march       Tree -> arrays of kernels that go through time
-solve       the march -> Trajectory of the engine, which is read by the engine's own observer
+tree        Scene -> Tree: joints and bodies in order, and the granular load, as records for the kernels
+space_tree  the same in space; loaded only for a model with `in_space`
+march       Tree -> arrays of a march through time, which calls the kernels
+solve       march -> Trajectory in the coordinates of the engine, for the observer of the engine
 
-Equations: `kernels.tree`, in space `kernels.space_tree`; steps: `kernels.tree_newton`. The scheme, the choice of steps,
-Newton's iterations, the medium with its bristles and what acts in joints are those of the engine.
+Equations: `kernels.tree`, in space `kernels.space_tree`; steps: `kernels.tree_newton`. The time scheme, the choice of
+steps, Newton's iterations, the medium with its bristles, and the laws of joints are those of the engine.
 """

@@ -1,6 +1,6 @@
-"""Generalised-alpha in the joint coordinates of a tree: records and arrays of a march.
+"""March of a tree through time by the generalised-alpha method: its records and arrays.
 
-`kernels.tree_march` keeps them up to date; the arrays are explained there.
+`kernels.tree_march` changes the arrays, which `kernels.tree_arrays` explains.
 """
 
 from __future__ import annotations
@@ -37,20 +37,20 @@ from granular_contact.sand.rolling import take_rolled_state
 from granular_contact.scene.types import FASTEST, Scene, Vector
 
 SHARE = 1024  # steps between two updates of the progress bar
-# What the future of a march depends on, besides what iterations and the choice of steps keep.
+# Arrays that determine the future of a march, besides those of the iterations and of the choice of steps.
 LASTING = (
     *("s", "rates", "s2", "lagged", "factors", "state", "clock", "counts", "newton", "home"),
     "inverse",
 )
-SLOW = 1e-3  # of the speed of rest: what is slower is solved as if it were as fast
-ANY = 1e-3  # accuracy, where steps are fixed and nothing asks for it
+SLOW = 1e-3  # of the speed of rest: least speed that the tolerance of the iterations is relative to
+ANY = 1e-3  # accuracy that a record of CHOICE has where steps are fixed, which do not use it
 
 
 class March:
-    """A tree on its way. arrays: by the names of `kernels.tree_arrays`; those of its tree are used up."""
+    """March of a tree. arrays: by the names of `kernels.tree_arrays`; they include the arrays of the tree itself."""
 
     def __init__(self, tree: Tree) -> None:
-        self.tree = tree  # whose bed has the arrays of the medium
+        self.tree = tree  # kept, as the load of its bed owns arrays of the medium
         nodes, table = len(tree.arrays["nodes"]), HistoryTable() if tree.load is None else tree.load.table
         self.arrays = arrays = {
             **tree.arrays,
@@ -71,26 +71,29 @@ class March:
         self.begin()
 
     def begin(self) -> None:
-        """Find the accelerations of the start, and write the first row; of what just touches as it will be at once."""
+        """Find the accelerations at the start, and write the first row.
+
+        Where a body just touches the surface, the accelerations are those a moment later, when it is in the medium.
+        """
         self._start(True, self._addresses)
         if abs(self.rows[0, DEPTH]) <= TOUCH_DISTANCE:
             placed, poses = self._placed(), self.states[0, : self.arrays["pose"].size].copy()
             self.arrays["s"] += TOUCH_TIME * self.arrays["rates"]
             self._start(True, self._addresses)
-            for now, before in zip(self._placed(copied=False), placed, strict=True):
-                now[:] = before
+            for array, before in zip(self._placed(copied=False), placed, strict=True):
+                array[:] = before
             self.states[0, : len(poses)] = poses
         if self.tree.load is not None and (test := self.tree.scene.wheel_test) is not None and test.begins:
             take_rolled_state(self.tree.scene, self.tree.load)
             self._start(False, self._addresses)
 
     def _placed(self, *, copied: bool = True) -> list[NDArray[Any]]:
-        """Coordinates, and in space what the charts of ball joints begin at."""
-        found = [self.arrays[name] for name in ("s", "home") if name in self.arrays]
-        return [array.copy() for array in found] if copied else found
+        """Coordinates, and in space also the home orientations of the charts of ball joints."""
+        arrays = [self.arrays[name] for name in ("s", "home") if name in self.arrays]
+        return [array.copy() for array in arrays] if copied else arrays
 
     def plan(self, until: float) -> None:
-        """March to a time (s) next; fixed steps divide the way there evenly, none longer than the scene's."""
+        """Set the time (s) to march to next; fixed steps divide the way evenly, none longer than the scene's step."""
         solver = self.tree.scene.solver
         self.arrays["control"]["end"] = until
         if solver.accuracy is None:
@@ -99,7 +102,7 @@ class March:
             clock["origin"], clock["whole"] = self.time, 0.0
 
     def proceed(self) -> int:
-        """March on; why it came back is one of the kernels' codes."""
+        """March on by a share of steps; return the code of the reason to return, see `kernels.tree_march`."""
         if len(self.rows) - 1 - self.last < SHARE:
             self._enlarge(max(SHARE, self.last // 2))
         return int(self._march(SHARE, self._addresses))
@@ -112,12 +115,12 @@ class March:
 
     @property
     def states(self) -> Vector:
-        """Motion, efforts and wishes of all nodes, of which the first `last` + 1 rows are filled."""
+        """Motion, residuals and targets of all nodes (rows, numbers); the first `last` + 1 rows are filled."""
         return self.arrays["states"]
 
     @property
     def rows(self) -> Vector:
-        """What the medium did, likewise."""
+        """History of the medium (rows, columns); the first `last` + 1 rows are filled."""
         return self.arrays["table"]
 
     @property
@@ -127,12 +130,12 @@ class March:
 
     @property
     def tried(self) -> float:
-        """Length (s) of the step that was tried last."""
+        """Length (s) of the last step that was tried."""
         return float(self.arrays["clock"]["tried"][0])
 
     @property
     def last(self) -> int:
-        """The row of the present state."""
+        """Index of the row of the present state."""
         return int(self.arrays["counts"]["steps"][0])
 
     @property
@@ -149,17 +152,17 @@ class March:
 
     @property
     def _lasting(self) -> list[NDArray[Any]]:
-        """All that its future depends on, but for rows and what the bed keeps."""
-        own = (self.arrays[name] for name in LASTING if name in self.arrays)
-        return [*own, *self._newton.values(), *self._changes.values()]
+        """All arrays that determine the future of the march, but for rows and the state of the bed."""
+        lasting = (self.arrays[name] for name in LASTING if name in self.arrays)
+        return [*lasting, *self._newton.values(), *self._changes.values()]
 
     def kept(self) -> tuple[list[NDArray[Any]], Vector, Vector]:
-        """Copies of all that its future and its rows depend on."""
+        """Copies of all arrays that determine the future of the march, and of the rows so far."""
         used = self.last + 1
         return [array.copy() for array in self._lasting], self.states[:used].copy(), self.rows[:used].copy()
 
     def restore(self, kept: tuple[list[NDArray[Any]], Vector, Vector]) -> None:
-        """Go back to what was kept."""
+        """Return to a state from `kept`."""
         lasting, states, rows = kept
         for array, old in zip(self._lasting, lasting, strict=True):
             array[:] = old
@@ -169,7 +172,7 @@ class March:
 
 
 def _of_steps(scene: Scene) -> dict[str, NDArray[Any]]:
-    """Records of a scheme, of a choice of steps and of limits, clock and counts."""
+    """Records of the time scheme, the choice of steps and the limits of a march, its clock and its counts."""
     solver, scheme = scene.solver, _scheme(scene)
     record, speed, *follows = choice(scene, ANY if solver.accuracy is None else solver.accuracy)
     learn(record, scene, float(scheme["beta"][0]), SHORTEST * usual_step(scene))
@@ -182,7 +185,7 @@ def _of_steps(scene: Scene) -> dict[str, NDArray[Any]]:
 
 
 def _limits(scene: Scene) -> NDArray[np.void]:
-    """Record of CONTROL."""
+    """Record (1,) of CONTROL."""
     solver, control = scene.solver, np.zeros(1, CONTROL)
     control["end"], control["rest_speed"] = solver.end_time_s, solver.rest_speed_m_s
     control["rest_time"] = math.inf if scene.rest_time is None else scene.rest_time
@@ -194,7 +197,7 @@ def _limits(scene: Scene) -> NDArray[np.void]:
 
 
 def _scheme(scene: Scene) -> NDArray[np.void]:
-    """Record of SCHEME: the generalised-alpha method with a spectral radius at high frequency."""
+    """Record (1,) of SCHEME: generalised-alpha method with the spectral radius at infinite frequency."""
     solver, scheme = scene.solver, np.zeros(1, SCHEME)
     radius = spectral_radius(scene) if solver.spectral_radius is None else solver.spectral_radius
     alpha_m, alpha_f = (2.0 * radius - 1.0) / (radius + 1.0), radius / (radius + 1.0)
@@ -206,28 +209,28 @@ def _scheme(scene: Scene) -> NDArray[np.void]:
 
 
 def _iterations(arrays: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
-    """Arrays of `mechanics.kernels.iterations`: there are no multipliers."""
+    """Arrays of `mechanics.kernels.iterations`; a tree has no Lagrange multipliers."""
     given = {"q": "s", "v": "rates", "a": "s2", "a_before": "s2_before"}
-    own = {name: arrays[of_tree] for name, of_tree in given.items()}
-    return own | {"lever": _levers(arrays)} | room(len(arrays["nodes"]), 0)
+    shared = {name: arrays[of_tree] for name, of_tree in given.items()}
+    return shared | {"lever": _levers(arrays)} | room(len(arrays["nodes"]), 0)
 
 
 def _levers(arrays: dict[str, NDArray[Any]]) -> Vector:
-    """Factors (n,) from rates of coordinates to speeds of points (m/s); none of what is prescribed."""
+    """Factors (n,) from rates of coordinates to speeds of points (m/s); 0 for prescribed coordinates."""
     nodes = arrays["nodes"]
-    reach = nodes["radius"] + np.linalg.norm(nodes["point"], axis=1)  # of a joint, over all that it carries
+    reach = nodes["radius"] + np.linalg.norm(nodes["point"], axis=1)  # of a joint: over all nodes that it carries
     for i in range(len(nodes) - 1, -1, -1):
         parent = nodes[i]["parent"]
         if parent >= 0:
             to_parent = np.linalg.norm(nodes[i]["on_parent"]) + np.linalg.norm(nodes[parent]["point"])
             reach[parent] = max(reach[parent], reach[i] + to_parent)
-    found: Vector = np.where(nodes["kind"] == SLIDER, 1.0, reach)
-    found[arrays["prescribed"] != 0] = 0.0
-    return found
+    lever: Vector = np.where(nodes["kind"] == SLIDER, 1.0, reach)
+    lever[arrays["prescribed"] != 0] = 0.0
+    return lever
 
 
 def _changes(arrays: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
-    """Arrays of `mechanics.kernels.step_error`, on the accelerations of nodes that have a mass."""
+    """Arrays of `mechanics.kernels.step_error`, for the accelerations of nodes that have a mass."""
     lever = arrays["lever"]
     counts = np.repeat(arrays["nodes"]["mass"] > 0.0, arrays["twist"].shape[1])
     group = np.where(counts, step_error.EACH, step_error.NONE).astype(np.int64)

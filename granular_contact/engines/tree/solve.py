@@ -1,4 +1,4 @@
-"""Tree -> Trajectory: march to rest, to the end, to a failure or to Ctrl-C; what was reached by then is kept."""
+"""Tree -> Trajectory: march to rest, to the end time, to a failure or to Ctrl-C; rows so far are kept."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from granular_contact.scene.types import Vector
 
 @dataclass(frozen=True)
 class SolveState:
-    """State of a solve: of the march with its rows so far, of the batches, and how it stands."""
+    """State of a solve: the march with its rows so far, the batches of the load, and the status."""
 
     march: Any
     batches: tuple[BatchState, ...]
@@ -35,15 +35,15 @@ class SolveState:
 
 
 class Solve:
-    """A solve under way, in one go or from pause to pause; see `engines.exudyn.solve.Solve`."""
+    """A solve in progress, in one go or from pause to pause; see `engines.exudyn.solve.Solve`."""
 
     def __init__(self, tree: Tree, progress: Progress | None = None) -> None:
         self.tree, self.progress = tree, progress
         self.march = March(tree)
         self.seconds, self._code, self._interrupted = 0.0, kernels.PAUSE, False
-        self._restarts = False  # with other accelerations
+        self._restarts = False  # whether a drive was set at the start, which changes the accelerations there
         self._sensors = tree.sensors(self.march)
-        self._shown, first = [], 0  # where poses, their rates and accelerations of bodies are in a row
+        self._shown, first = [], 0  # columns of poses, their rates and accelerations of bodies in a row of states
         for name in ("pose", "pose_rates", "acceleration"):
             self._shown.append(first + tree.of_bodies(name))
             first += tree.arrays[name].size
@@ -56,23 +56,23 @@ class Solve:
 
     @property
     def spent(self) -> float:
-        """Wall time (s) so far, with what it took to make what the medium meets."""
+        """Wall time (s) so far, including the time to build the granular load."""
         return self.seconds + (0.0 if self.tree.load is None else self.tree.load.building_s)
 
     @property
     def over(self) -> bool:
-        """Whether there is nothing to come."""
+        """Whether the solve is finished."""
         end = self.tree.scene.solver.end_time_s
         stopped = self._interrupted or self._code not in (kernels.PAUSE, kernels.END) or self._late(0.0)
         return stopped or self.time >= end
 
     def _late(self, more: float) -> bool:
-        """Whether the wall time is over after some more seconds."""
+        """Whether the limit of wall time is reached `more` seconds from now."""
         wall = self.tree.scene.solver.max_wall_s
         return wall is not None and self.spent + more >= wall
 
     def advance(self, until: float = math.inf) -> None:
-        """Go on to a time (s), the scene's end at the latest; does nothing when it is over."""
+        """March to a time (s), at most to the end time of the scene; does nothing when the solve is finished."""
         end = self.tree.scene.solver.end_time_s
         if self.over:
             return
@@ -91,23 +91,23 @@ class Solve:
         self.seconds += time.perf_counter() - began
 
     def observe(self) -> Observations:
-        """What is seen of the present state."""
+        """Observations of the present state."""
         row = self.march.last
         return self._sensors.read(self.time, self._coordinates(row, 0), self._coordinates(row, 1), self.march.rows[row])
 
     def outlines(self) -> tuple[Outline, ...]:
-        """The mechanism as it is drawn, at the present state."""
+        """Outlines of the mechanism at the present state, for drawing."""
         system, now = self.tree.system, slice(self.march.last, self.march.last + 1)
         q, v = (self._coordinates(now, derivative) for derivative in (0, 1))
         return system.kinematics(at_one(system, np.array([self.time]), q, v)).outlines(0)
 
     def _coordinates(self, rows: int | slice, derivative: int) -> Vector:
-        """Coordinates of the system (m,) or (k, m) in these rows, their rates, or accelerations as in kernels."""
-        found: Vector = self.march.states[rows][..., self._shown[derivative]]
-        return found
+        """Coordinates of the system (m,) or (k, m) in these rows, their rates, or accelerations of the kernels."""
+        coordinates: Vector = self.march.states[rows][..., self._shown[derivative]]
+        return coordinates
 
     def set_to(self, joint: str, value: float) -> None:
-        """Set the drive of a joint, in SI units, from now on; at the start the accelerations follow."""
+        """Set the target of the drive of a joint, in SI units, from now on; at the start, find accelerations anew."""
         load = self.tree.system.loads[joint]
         self._restarts |= self.march.last == 0 and load.set_to != value
         load.set_to = value
@@ -119,7 +119,7 @@ class Solve:
         return SolveState(self.march.kept(), batches, *stands)
 
     def restore(self, kept: SolveState) -> None:
-        """Go back to a state of this solve or another one of the same scene."""
+        """Return to a state of this solve, or of another one of the same scene."""
         self.march.restore(kept.march)
         if self.tree.load is not None:
             restore_batches(self.tree.load.batches, kept.batches)
@@ -127,10 +127,10 @@ class Solve:
         self._interrupted, self._restarts = kept.interrupted, kept.restarts
 
     def close(self) -> None:
-        """Let go of what is held: nothing that Python would not let go of."""
+        """Release resources; a tree holds none."""
 
     def trajectory(self) -> Trajectory:
-        """All steps so far, in the engine's coordinates."""
+        """All steps so far, in the coordinates of the engine."""
         march, tree = self.march, self.tree
         rows = slice(0, march.last + 1)
         q, v, a = (self._coordinates(rows, derivative) for derivative in range(3))
@@ -145,7 +145,7 @@ class Solve:
             v=v,
             load=None if tree.load is None else tree.load.history,
             mass=mass_matrix(tree.system),
-            # A multiplier pulls the constraint back; the drive pushes along the coordinate.
+            # The multiplier of the engine's constraint has the sign opposite to the effort along the coordinate.
             multipliers={joint: -efforts[:, node] for joint, node in tree.prescribed.items()},
             a=tree.accelerations(q, a) if tree.prescribed else None,
             mode_errors=tree.mode_errors(efforts),
@@ -158,7 +158,7 @@ class Solve:
         return Cost(solve_s=self.seconds, load_calls=calls, **counted)
 
     def status(self) -> Status:
-        """How it ended."""
+        """How the solve ended, or that it is paused."""
         scene, t, code = self.tree.scene, self.time, self._code
         if self._interrupted:
             return ended("interrupted", t, scene.solver)
@@ -171,13 +171,13 @@ class Solve:
             return crowded(scene, t, self.march.last, step)
         if code == kernels.REST:
             return ended("rest", t, scene.solver)
-        if t < scene.solver.end_time_s:  # the kernels' END may be that of a part alone
+        if t < scene.solver.end_time_s:  # END of the kernels may be that of a pause
             return late(scene, t) if self._late(0.0) else paused(t, scene.solver)
         return ended("end_time", t, scene.solver)
 
 
 def solve(tree: Tree, progress: Progress | None = None) -> Trajectory:
-    """Run a tree; its trajectory is in the engine's coordinates."""
+    """Run a tree; its trajectory is in the coordinates of the engine."""
     under_way = Solve(tree, progress)
     under_way.advance()
     return under_way.trajectory()

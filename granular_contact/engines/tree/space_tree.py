@@ -1,4 +1,4 @@
-"""Scene in space -> Tree: joints from the ground outward as nodes of one coordinate, and what the medium meets."""
+"""Scene in space -> Tree: joints from the ground outward, as nodes of one coordinate, and the granular load."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ STILL = SpatialMotion(np.zeros(3), np.eye(3), np.zeros(3), np.zeros(3))  # the g
 
 
 class TreeSensors(SpatialSensors):
-    """As `SpatialSensors`, with the coordinates of joints that a march has."""
+    """As `SpatialSensors`, with the coordinates of joints from the march."""
 
     def __init__(self, tree: SpatialTree, march: Any) -> None:
         self._march, self._nodes_of = march, tree.joints
@@ -44,7 +44,7 @@ class TreeSensors(SpatialSensors):
 
     @property
     def follows(self) -> bool:
-        """Never: coordinates of hinges count whole turns."""
+        """Always False: coordinates of hinges already count whole turns."""
         return False
 
     def joints(self, q: Vector, v: Vector) -> tuple[Vector, Vector]:  # noqa: ARG002
@@ -62,12 +62,12 @@ class SpatialTree(Tree):
     kernels: ClassVar[Any] = space_load
 
     def accelerations(self, q: Vector, given: Vector) -> Vector:
-        """As of `Tree`: of Euler parameters G^T w' / 4, which is all of it that turns."""
+        """As of `Tree`: Euler parameters get G^T w' / 4, the part of their acceleration that turns the body."""
         count = len(self.bodies)
-        e, of = q.reshape(-1, count, POSE)[..., 3:], given.reshape(-1, count, 6)
-        second = rotations.quaternion_rates(e, of[..., 3:])
-        found: Vector = np.concatenate([of[..., :3], second], axis=-1).reshape(len(q), -1)
-        return found
+        e, body = q.reshape(-1, count, POSE)[..., 3:], given.reshape(-1, count, 6)
+        second = rotations.quaternion_rates(e, body[..., 3:])
+        second_rates: Vector = np.concatenate([body[..., :3], second], axis=-1).reshape(len(q), -1)
+        return second_rates
 
     def sensors(self, march: Any) -> TreeSensors:
         """As of `Tree`."""
@@ -80,22 +80,23 @@ class ReducedTree(SpatialTree):
 
     kernels: ClassVar[Any] = space_modes
 
-    def mode_errors(self, lacks: Vector) -> dict[str, float]:
+    def mode_errors(self, residuals: Vector) -> dict[str, float]:
         """As of `Tree`."""
-        scene, found = self.system.scene, {}
+        scene, errors = self.system.scene, {}
         for beam in scene.beams:
             joints = modes.outward(scene, beam)
             last = [self.bodies[self.system.rigid[joint.child].node] for joint in joints]
-            each = np.stack([lacks[:, i - LAST : i + 1] for i in last], axis=1)
-            found[beam.name] = modes.error(joints, beam.length, each)
-        return found
+            each = np.stack([residuals[:, i - LAST : i + 1] for i in last], axis=1)
+            errors[beam.name] = modes.error(joints, beam.length, each)
+        return errors
 
 
 @dataclass(frozen=True)
 class _Node:
-    """A node as `kernels.space_tree` has it; body: None of a massless frame; joint: whose coordinate it has, if any.
+    """A node as `kernels.space_tree` has it.
 
-    ball: the ball joint whose last node it is, if something acts in that. law: of the stretch of a link.
+    body: None for a massless frame; joint: joint of which it has the only coordinate, if any; ball: ball joint of which
+    it is the last node, if that joint has a law; law: of the stretch of a link.
     """
 
     parent: int
@@ -115,7 +116,7 @@ class _Node:
 
 
 def tree(scene: SpatialScene) -> SpatialTree:
-    """Set up a scene that `scene.methods` allows."""
+    """Make the tree of a scene that `scene.methods` allows."""
     nodes, home = _nodes(scene)
     places = {node.body.name: i for i, node in enumerate(nodes) if node.body is not None}
     joints = {node.joint.name: i for i, node in enumerate(nodes) if node.joint is not None}
@@ -146,24 +147,24 @@ def tree(scene: SpatialScene) -> SpatialTree:
 
 
 def _in_modes(scene: SpatialScene, places: dict[str, int], arrays: dict[str, Any]) -> dict[str, NDArray[Any]]:
-    """Arrays of `space_modes`, of bodies with their nodes; the charts of a link's joints stay."""
-    alone, columns, count = arrays["prescribed"] == 0, [], len(arrays["nodes"])
+    """Arrays of `space_modes`; marks the charts of the joints of links, which stay at home. places: nodes of bodies."""
+    single, columns, count = arrays["prescribed"] == 0, [], len(arrays["nodes"])
     for beam in scene.beams:
         joints, S = modes.shapes(scene, beam)
-        own = np.zeros((count, S.shape[2]))
+        link_columns = np.zeros((count, S.shape[2]))
         for joint, of_joint in zip(joints, S, strict=True):
             last = places[joint.child]
             three = slice(last - LAST, last + 1)
-            own[three], alone[three] = joint.parent_turn @ of_joint, False
+            link_columns[three], single[three] = joint.parent_turn @ of_joint, False
             arrays["nodes"]["stays"][last] = True
-        columns.append(own)
-    Phi = np.concatenate([np.eye(count)[:, alone], *columns], axis=1)
+        columns.append(link_columns)
+    Phi = np.concatenate([np.eye(count)[:, single], *columns], axis=1)
     m = Phi.shape[1]
-    return {"shapes": np.ascontiguousarray(Phi.T), "inverse": np.zeros((m, m)), "lacked": np.zeros(m)}
+    return {"shapes": np.ascontiguousarray(Phi.T), "inverse": np.zeros((m, m)), "projected": np.zeros(m)}
 
 
 def _granular_load(scene: SpatialScene, places: dict[str, int]) -> SpatialLoad | None:
-    """Load on all parts in sand, of bodies with their nodes; None when there are none."""
+    """Load on all parts in the sand, None if there are none; places: nodes of bodies."""
     parts = [(body, part) for body in scene.rigid for part in body.parts if part.in_sand]
     if scene.bed is None or not scene.media or not parts:
         return None
@@ -175,7 +176,7 @@ def _granular_load(scene: SpatialScene, places: dict[str, int]) -> SpatialLoad |
 
 
 def _nodes(scene: SpatialScene) -> tuple[list[_Node], dict[int, Vector]]:
-    """Nodes in an order in which every parent comes before its children, and orientations that ball joints begin at."""
+    """Nodes in an order in which every parent comes before its children, and home orientations of ball joints."""
     nodes: list[_Node] = []
     of_body: dict[str | None, int] = {None: -1}
     home: dict[int, Vector] = {}
@@ -191,7 +192,7 @@ def _nodes(scene: SpatialScene) -> tuple[list[_Node], dict[int, Vector]]:
         else:
             held = STILL if joint.parent is None else named[joint.parent].motion
             R, spin = held.rotation, held.rate
-            own = rotations.quaternion_of(joint.child_turn @ joint.parent_turn.T)
+            after = rotations.quaternion_of(joint.child_turn @ joint.parent_turn.T)
             turning, at = R.T @ (body.motion.rate - spin), joint.parent_point
             if joint.kind == "stretching":
                 nodes.append(_stretch(joint, parent))
@@ -200,7 +201,7 @@ def _nodes(scene: SpatialScene) -> tuple[list[_Node], dict[int, Vector]]:
             nodes[-1] = replace(
                 nodes[-1],
                 before=rotations.quaternion_of(joint.parent_turn),
-                after=own,
+                after=after,
                 ball=joint if joint.acts else None,
             )
             home[len(nodes) - 1] = rotations.quaternion_of(R.T @ body.motion.rotation)
@@ -236,7 +237,7 @@ def _stretch(joint: SpatialJoint, parent: int) -> _Node:
 
 
 def _sliders(body: SpatialRigidBody, first: int) -> Iterator[_Node]:
-    """Nodes that a body which flies free slides on, along the axes of the world, to its centre of mass."""
+    """Three sliders along the axes of the world, from the origin to the centre of mass of a body that flies free."""
     motion = body.motion
     ways = zip(np.eye(3), motion.position.tolist(), motion.velocity.tolist(), strict=True)
     for i, (axis, at, speed) in enumerate(ways):
@@ -246,14 +247,14 @@ def _sliders(body: SpatialRigidBody, first: int) -> Iterator[_Node]:
 def _balls(
     body: SpatialRigidBody, first: int, parent: int, on_parent: Numbers, point: Numbers, spin: Vector
 ) -> Iterator[_Node]:
-    """Nodes from `first` on of a body on a ball joint, where it turns at spin (3,) rad/s, in the parent's frame."""
+    """Three nodes, from index `first` on, of a body on a ball joint; spin (3,) rad/s: in the parent's frame."""
     yield _Node(parent, BALL, on_parent=on_parent, rate=spin[0])
     yield _Node(first, BALL, which=1, rate=spin[1])
     yield _Node(first + 1, BALL, body, which=LAST, point=point, rate=spin[2])
 
 
 def _fill(record: NDArray[np.void], scene: SpatialScene, node: _Node) -> None:
-    """Write a node into its record."""
+    """Write a node into its record of SPACE_NODE."""
     record["parent"], record["kind"], record["which"] = node.parent, node.kind, node.which
     if node.ball is not None:
         record["acts"] = space_ball_joints.SPRUNG

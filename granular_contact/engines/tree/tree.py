@@ -1,4 +1,4 @@
-"""Scene -> Tree: joints from the ground outward, all that acts in them, and all that the medium meets, for kernels."""
+"""Scene -> Tree: joints from the ground outward, their laws and drives, and the granular load, for the kernels."""
 
 from __future__ import annotations
 
@@ -31,16 +31,16 @@ AnyJoint = TypeVar("AnyJoint", bound=Any)  # of the plane or of space
 
 
 class BodyCoordinates:
-    """Coordinates that observers read: of body i those of its pose, x and y of the centre of mass and the angle.
+    """Coordinates of the bodies of a system, as observers read them.
 
-    each: how many a body has, 3, and 7 in space.
+    each: number of coordinates of a body: 3 in the plane (x, y of the centre of mass, angle), 7 in space.
     """
 
     def __init__(self, bodies: int, each: int = 3) -> None:
         self.each, self.size = each, each * bodies
 
     def places(self, node: int) -> list[int]:
-        """Places of the coordinates of a body."""
+        """Indices of the coordinates of body `node`."""
         return list(range(self.each * node, self.each * node + self.each))
 
 
@@ -48,9 +48,9 @@ class BodyCoordinates:
 class Tree:
     """A scene in minimal coordinates.
 
-    system: for observers; load: None where the medium meets nothing; arrays: what kernels have of its nodes at the
-    start, by the names of `kernels.tree_arrays`; bodies: nodes of the system's bodies; joints: nodes of joints with a
-    coordinate, by their names.
+    system: for observers; load: None if no shape can reach the medium; arrays: arrays of its nodes at the start, by the
+    names of `kernels.tree_arrays`; bodies: nodes of the bodies of the system; joints: nodes of the joints that have a
+    coordinate, by name.
     """
 
     system: System
@@ -59,12 +59,12 @@ class Tree:
     bodies: list[int]
     joints: dict[str, int]
 
-    kernels: ClassVar[Any] = tree_load  # what acts on it
-    joint_kernels: Any = None  # of what acts in joints of several coordinates, where something does
+    kernels: ClassVar[Any] = tree_load  # module of the forces on it
+    joint_kernels: Any = None  # module of the laws of ball joints, if any has one
 
     @property
     def sand_kernels(self) -> Any:
-        """What the medium does; with none it is never called."""
+        """Module of the kernels of the medium; without a load they are never called."""
         return self.kernels.sand if self.load is None else self.load.kernels
 
     @property
@@ -74,7 +74,7 @@ class Tree:
 
     @property
     def prescribed(self) -> dict[str, int]:
-        """Drives of prescribed motions, with their nodes."""
+        """Nodes of joints with a prescribed motion, by joint."""
         return {drive.joint: self.joints[drive.joint] for drive in self.scene.drives if drive.kind == "motion"}
 
     @property
@@ -83,26 +83,26 @@ class Tree:
         return {drive.joint: self.joints[drive.joint] for drive in self.scene.drives if drive.sets}
 
     def of_bodies(self, name: str) -> NDArray[np.int64]:
-        """Where the numbers of the system's bodies are in an array by this name."""
+        """Indices of the numbers of the system's bodies in the flattened array of this name."""
         width = self.arrays[name].shape[1]
         return np.concatenate([width * i + np.arange(width) for i in self.bodies])
 
     def accelerations(self, q: Vector, given: Vector) -> Vector:  # noqa: ARG002
-        """Of the coordinates q (n, m) of the system, from those of its bodies as kernels have them."""
+        """Accelerations of the coordinates q (n, m) of the system; given: accelerations of bodies in the kernels."""
         return given
 
-    def mode_errors(self, lacks: Vector) -> dict[str, float]:  # noqa: ARG002
-        """As of `Trajectory`, from what the coordinates lack (n, nodes); none of links with all their elements."""
+    def mode_errors(self, residuals: Vector) -> dict[str, float]:  # noqa: ARG002
+        """As of `Trajectory`, from the residuals (n, nodes); none for links with all their elements."""
         return {}
 
     def sensors(self, march: Any) -> Sensors:  # noqa: ARG002
-        """What reads the state of a march of it."""
+        """Sensors that read the state of a march of the tree."""
         return Sensors(self.system, self.load)
 
 
 @dataclass(frozen=True)
 class _Node:
-    """A node of the tree: its joint, or what of a free joint is its own; body: None of a massless frame."""
+    """A node of the tree: its joint, or one coordinate of a free joint; body: None for a massless frame."""
 
     joint: Joint
     parent: int
@@ -117,7 +117,7 @@ class _Node:
 
 
 def tree(scene: Scene) -> Tree:
-    """Set up a scene that `scene.methods` allows."""
+    """Make the tree of a scene that `scene.methods` allows."""
     scene = at_steady_sinkage(scene)
     nodes = _nodes(scene)
     places = {node.body.name: i for i, node in enumerate(nodes) if node.body is not None}
@@ -136,7 +136,7 @@ def tree(scene: Scene) -> Tree:
 
 
 def _granular_load(scene: Scene, places: dict[str, int]) -> GranularLoad | None:
-    """Load on all shapes that can reach the surface, of bodies with their nodes; None when there are none."""
+    """Load on all shapes that can reach the surface, None if there are none; places: nodes of bodies."""
     if scene.bed is None or not scene.media:
         return None
     load, strips = load_from_scene(scene), scene.load.strips_per_rigid_part
@@ -194,7 +194,7 @@ def outward(joints: Sequence[AnyJoint]) -> list[AnyJoint]:
 
 
 class _Along(NamedTuple):
-    """The coordinate of a joint, which is one of the tree's own: what `JointLoad` asks of it."""
+    """Coordinate of a joint that is a coordinate of the tree, in the form that `JointLoad` needs."""
 
     joint: Any
     record: NDArray[np.void]
@@ -202,48 +202,48 @@ class _Along(NamedTuple):
 
 
 def joint_loads(scene: Any) -> dict[str, JointLoad]:
-    """What acts along the coordinates of joints, prescribed motions aside, by joint; only where something does."""
-    found = {}
+    """Laws and drives along the coordinates of joints, by joint; without prescribed motions, and idle laws."""
+    loads = {}
     for joint in scene.joints:
         drive = scene.drive(joint.name)
         if drive is not None and drive.kind == "motion":
             drive = None
         if joint.has_coordinate and not (drive is None and joint.law.is_idle):
             along: Any = _Along(joint, np.zeros(1, JOINT))
-            found[joint.name] = JointLoad(along, [], joint.law, drive)
-    return found
+            loads[joint.name] = JointLoad(along, [], joint.law, drive)
+    return loads
 
 
 def acting(system: System, joints: dict[str, int], nodes: int) -> dict[str, NDArray[Any]]:
-    """Arrays of what acts along the coordinates of a system's joints, which have these nodes, and of gravity."""
+    """Arrays of the laws and drives along the coordinates of a system's joints, and of gravity; joints: their nodes."""
     laws, state = np.zeros(nodes, JOINT), np.zeros(nodes, STATE)
     prescribed, acts = np.zeros((2, nodes), np.int64)
-    for name, one in system.loads.items():
+    for name, load in system.loads.items():
         i = joints[name]
-        laws[i], state[i], acts[i] = one.record[0], one.state, True
-        one.state = state[i]  # from now on a row of one table
+        laws[i], state[i], acts[i] = load.record[0], load.state, True
+        load.state = state[i]  # from now on a view of the table
     for drive in system.scene.drives:
         prescribed[joints[drive.joint]] = drive.kind == "motion"
-    own = {"laws": laws, "state": state, "prescribed": prescribed, "acts": acts}
-    return own | _signals(system.scene, joints, nodes) | {"gravity": np.array([system.scene.gravity])}
+    arrays = {"laws": laws, "state": state, "prescribed": prescribed, "acts": acts}
+    return arrays | _signals(system.scene, joints, nodes) | {"gravity": np.array([system.scene.gravity])}
 
 
 def sand_of(load: GranularLoad | None, coordinates: int) -> dict[str, NDArray[Any]]:
-    """Where the arrays of a load are, on nodes of so many coordinates, and room for its tangent."""
+    """Addresses of the arrays of a load on nodes with a total number of coordinates, and room for its tangent."""
     if load is None:
         return {"sand": np.zeros((0, 0), np.int64), "triplets": np.zeros((1, 3))}
     return {"sand": load.addresses(None, np.zeros(coordinates)), "triplets": load.room_for_tangents}
 
 
 def levers(nodes: NDArray[np.void], width: int) -> Vector:
-    """Factors (n width,) from twists, of which the last width // 2 numbers turn, to speeds of points."""
-    found = np.ones((len(nodes), width))
-    found[:, width - width // 2 :] = nodes["radius"][:, None]
-    return np.ravel(found * (nodes["mass"] > 0.0)[:, None])
+    """Factors (n width,) from twists to speeds of points; the last width // 2 numbers of a twist are angular."""
+    factors = np.ones((len(nodes), width))
+    factors[:, width - width // 2 :] = nodes["radius"][:, None]
+    return np.ravel(factors * (nodes["mass"] > 0.0)[:, None])
 
 
 def _signals(scene: Scene, joints: dict[str, int], nodes: int) -> dict[str, NDArray[Any]]:
-    """Signals of drives as tables, and which coordinate follows which."""
+    """Tables of the signals of drives, and the index of the signal that each coordinate follows."""
     signals, follows = signals_of(scene), np.full(nodes, -1)
     for drive in scene.drives:
         if not drive.sets:
@@ -253,7 +253,7 @@ def _signals(scene: Scene, joints: dict[str, int], nodes: int) -> dict[str, NDAr
 
 
 def _fill(record: np.void, scene: Scene, node: _Node) -> None:
-    """Write a node into its record, as `kernels.tree` has it."""
+    """Write a node into its record of NODE."""
     record["parent"], record["kind"], record["turn"] = node.parent, node.kind, node.turn
     record["on_parent"], record["point"], record["axis"] = node.on_parent, node.point, node.axis
     if node.body is not None:

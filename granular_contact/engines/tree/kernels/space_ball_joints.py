@@ -1,14 +1,16 @@
-"""What acts in ball joints of a tree, along the three coordinates u of their charts (`space_tree`).
+"""Laws of ball joints of a tree: efforts tau along the three coordinates u of their charts (`space_tree`).
 
-With the rotation D = exp(u) H C P^T from home, in the frame of the parent, of the angle s in 0 to pi about the axis a,
-and the angular velocity w = J(u) u' there, the child gets a moment M, and tau = J^T M. Of springs, dampers and stops
+D = exp(u) H C P^T is the rotation of the child from home, in the frame of the parent: by the angle s in [0, pi] about
+the axis a. J(u) u' = w is the angular velocity in that frame. The child gets a moment M, and tau = J^T M. Springs,
+dampers and stops have
 
     M = F(s, a . w) a - c (w - (a . w) a),
 
-F: the law of the joint, with c in it. At s = 0 there is no axis, and nothing but the damper acts. Between elements of
-a link that bends M is P times the `moment` of `bending`, in the frame P of the joint, by the rotation vector s P^T a.
+where F is the law of the joint, with its damping c. At s = 0 the axis is undefined, and only the damper acts. Between
+elements of a link that bends, M is the `moment` of `bending` in the frame P of the joint, for the rotation vector s P^T
+a, turned back by P.
 
-Compiled for trees with such joints alone, and called by address.
+Compiled only for trees with such joints, and called by address.
 """
 
 from __future__ import annotations
@@ -33,12 +35,12 @@ from granular_contact.mechanics.kernels.space_rotations import (
 from granular_contact.sand.kernels.lines import difference
 from granular_contact.sand.kernels.vectors import dot, fill, plus, seen, times, turned, vector
 
-SPRUNG, ELASTIC = 1, 2  # of a node's `acts`: what its ball joint has
+SPRUNG, ELASTIC = 1, 2  # field `acts` of a node: a law of the joint, or a link that bends
 
 
 @part
 def torques(u, rate, home, node, law):
-    """Tau (3,) at u with the rate u'; home: H, a quaternion."""
+    """Efforts tau (3,) at the coordinates u with the rates u'; home: the quaternion H."""
     coefficients, q = jacobian_coefficients(u), product(product(exponential(u), home), as_quaternion(node.after))
     w, sine = jacobian_times(u, rate, coefficients), math.sqrt(q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
     a = times(math.copysign(1.0, q[0]) / sine if sine > 0.0 else 0.0, (q[1], q[2], q[3]))
@@ -54,14 +56,14 @@ def torques(u, rate, home, node, law):
 
 @part
 def elastic(turn, w, node):
-    """Moment between two elements of a link; turn: rotation vector from home, w: rad/s, all in the parent's frame."""
+    """Moment (N m) between elements of a link, in the parent's frame; turn: rotation vector from home, w (rad/s)."""
     P = matrix_of(as_quaternion(node.before))
     return turned(P, moment(seen(P, turn), seen(P, w), node))
 
 
 @part
-def push_balls(w):
-    """Fill what acts along the coordinates of ball joints."""
+def ball_efforts(w):
+    """Fill the efforts along the coordinates of ball joints."""
     nodes, s, rates, effort = w.space_nodes, w.s, w.rates, w.effort
     for i in range(nodes.shape[0]):
         if nodes[i].acts:
@@ -70,8 +72,8 @@ def push_balls(w):
 
 
 @part
-def stiffen_balls(fq, fv, w):
-    """Fill c of ball joints, three rows of three; by differences, see `lines.differences`."""
+def ball_stiffness(fq, fv, w):
+    """Fill c (3, 3) of ball joints, three rows of `coupled` each; by finite differences, see `lines.differences`."""
     nodes, s, rates, coupled = w.space_nodes, w.s, w.rates, w.coupled
     u, rate = room1(3), room1(3)
     for i in range(nodes.shape[0]):
@@ -79,11 +81,11 @@ def stiffen_balls(fq, fv, w):
             continue
         first, law, home = i - LAST, w.laws[i], quaternion(w.home, i, 0)
         d = difference(rows_of(s, first, 3), fq, fv)
-        here = torques(vector(s, first), vector(rates, first), home, nodes[i], law)
+        present = torques(vector(s, first), vector(rates, first), home, nodes[i], law)
         for k in range(3):
             for j in range(3):
                 u[j], rate[j] = s[first + j], rates[first + j]
             u[k], rate[k] = u[k] + d * fq, rate[k] + d * fv
             moved = torques(vector(u, 0), vector(rate, 0), home, nodes[i], law)
             for j in range(3):
-                coupled[first + j, k] = (here[j] - moved[j]) / d
+                coupled[first + j, k] = (present[j] - moved[j]) / d

@@ -1,22 +1,22 @@
-"""Forces on a tree of rigid bodies in space, how they follow its motion, and an iteration of Newton's method.
+"""Forces on a tree of rigid bodies in space, their tangent, and one iteration of Newton's method.
 
-The medium sees poses with Euler parameters e, and gives forces f = G^T M of a moment M (`space_coordinates`).
-With G G^T = 4: M = G f / 4, and a turn by a small vector changes e by G^T / 4 of it. The derivative of a moment is
-taken so, too, without what of it comes from G alone, fq M / 2 or less.
+The medium gets poses with Euler parameters e, and returns forces f = G^T M on them for a moment M
+(`space_coordinates`). Since G G^T = 4, M = G f / 4, and a rotation by a small vector theta changes e by G^T theta / 4.
+The tangent is transformed in the same way. Limit: the derivative of G is neglected, a term of at most fq M / 2.
 """
 
 from __future__ import annotations
 
-from granular_contact.engines.tree.kernels.space_fold import fold, inertias, solve
-from granular_contact.engines.tree.kernels.space_tree import carry, lack, place, recentre
+from granular_contact.engines.tree.kernels.space_elimination import eliminate, inertias, solve
+from granular_contact.engines.tree.kernels.space_tree import node_accelerations, place, recentre, residuals
 from granular_contact.engines.tree.kernels.tree_calls import (
-    push_balls,
+    ball_efforts,
+    ball_stiffness,
     sand_accept,
-    sand_force,
+    sand_forces,
     sand_tangent,
-    stiffen_balls,
 )
-from granular_contact.engines.tree.kernels.tree_joints import follow, push, stiffen
+from granular_contact.engines.tree.kernels.tree_joints import coordinate_efforts, joint_stiffness, move_anchors
 from granular_contact.engines.tree.kernels.tree_newton import needs_matrix
 from granular_contact.jit.compiled import part
 from granular_contact.jit.memory import clear, flat, room2
@@ -29,31 +29,31 @@ SIZE = 7  # coordinates of a pose
 
 
 @part
-def act(w):
-    """Place the nodes, and fill the forces on them and along their coordinates."""
+def forces_on_nodes(w):
+    """Place the nodes; fill the forces and moments on them, and the efforts along their coordinates."""
     nodes, force, of_sand, gravity = w.space_nodes, w.force, w.of_sand, w.gravity[0]
     place(w)
     clear(of_sand)
-    sand_force(of_sand, w)
+    sand_forces(of_sand, w)
     pose = w.pose
     for i in range(nodes.shape[0]):
         put(at(of_sand, i, 0), force, i, 0)
         put(moment(pose, i, of_sand[i, 3], at(of_sand, i, 4)), force, i, 3)
         force[i, 2] -= gravity * nodes[i].mass
-    push(w)
-    push_balls(w)
+    coordinate_efforts(w)
+    ball_efforts(w)
 
 
 @part
 def moment(pose, i, f, g):
-    """G (f, g) / 4 of node i: the moment of generalised forces f and g (3,) on its Euler parameters."""
+    """Moment G (f, g) / 4 of node i, from the generalised forces f and g (3,) on its Euler parameters."""
     return times(0.25, spin_by(quaternion(pose, i, 3), f, g))
 
 
 @part
 def tangent(fq, fv, w):
-    """Fill B and c of `space_tree` where the nodes were placed last."""
-    blocks, triplets, body, some = w.blocks, w.triplets, w.body, room2(SIZE, 6)
+    """Fill B and c of `space_tree` at the state at which the nodes were placed last."""
+    blocks, triplets, body, columns = w.blocks, w.triplets, w.body, room2(SIZE, 6)
     inertias(fv, w)
     count = sand_tangent(fq, fv, w)
     if count > 0:
@@ -63,55 +63,56 @@ def tangent(fq, fv, w):
             i = line // SIZE
             blocks[i, SIZE * (line - SIZE * i) + column - SIZE * i] += triplets[k, 2]
         for i in range(blocks.shape[0]):
-            turn(i, blocks, w.pose, some, body)
-    stiffen(fq, fv, w)
-    stiffen_balls(fq, fv, w)
+            turn(i, blocks, w.pose, columns, body)
+    joint_stiffness(fq, fv, w)
+    ball_stiffness(fq, fv, w)
 
 
 @part
-def turn(i, blocks, pose, some, body):
-    """Take the tangent (7, 7) of the forces on node i from its B, as one on turns and of moments; some (7, 6): room."""
+def turn(i, blocks, pose, columns, body):
+    """Subtract the tangent (7, 7) of the forces on node i, seen by rotations, from its B; columns (7, 6): room."""
     for r in range(SIZE):
         for k in range(3):
-            some[r, k] = blocks[i, SIZE * r + k]
+            columns[r, k] = blocks[i, SIZE * r + k]
         g = blocks[i, SIZE * r + 4], blocks[i, SIZE * r + 5], blocks[i, SIZE * r + 6]
-        put(moment(pose, i, blocks[i, SIZE * r + 3], g), some, r, 3)
+        put(moment(pose, i, blocks[i, SIZE * r + 3], g), columns, r, 3)
     for k in range(6):
-        x = moment(pose, i, some[3, k], (some[4, k], some[5, k], some[6, k]))
+        x = moment(pose, i, columns[3, k], (columns[4, k], columns[5, k], columns[6, k]))
         for r in range(3):
-            body[i, 6 * r + k] -= some[r, k]
+            body[i, 6 * r + k] -= columns[r, k]
             body[i, 6 * (3 + r) + k] -= x[r]
 
 
 @part
 def iteration(of_q, of_v, w):
-    """As `tree_load.iteration`."""
+    """See `tree_load.iteration`."""
     if prepare(of_q, of_v, w):
-        fold(w)
+        eliminate(w)
     solve(w)
-    return fastest(flat(w.moved), w.lever)
+    return fastest(flat(w.node_change), w.lever)
 
 
 @part(inline=True)  # a call costs 2 % of a run
 def prepare(of_q, of_v, w):
-    """Fill R, and B and c where a new matrix is asked for; whether it is.
+    """Fill the residuals R, and also B and c if a new matrix is needed; return whether it is.
 
-    B and c come first, as the medium then keeps the forces that belong to them.
+    B and c are computed first, because the medium keeps the forces that it computes along with them for
+    `forces_on_nodes`.
     """
     renewed = needs_matrix(of_v, w)
     if renewed:
         place(w)
         tangent(of_q, of_v, w)
-    act(w)
-    carry(w)
-    lack(w)
+    forces_on_nodes(w)
+    node_accelerations(w)
+    residuals(w)
     return renewed
 
 
 @part
 def accept(w, history, begins):
-    """As `tree_load.accept`; the charts of ball joints begin anew."""
+    """See `tree_load.accept`; ends the charts of ball joints at the new orientations, where new ones begin."""
     place(w)
     sand_accept(w, history, begins)
-    follow(w)
+    move_anchors(w)
     recentre(w)

@@ -1,14 +1,14 @@
-"""A tree in space whose coordinates are in a subspace, s = Phi eta: links that bend in a few modes (Galerkin's method).
+"""Tree in space whose links bend in a few modes: Galerkin projection of its coordinates, s = Phi eta.
 
-Phi (n, m) is constant: the shapes of a link's modes in the coordinates of the joints between its elements, and one
-column of a single 1 for each other coordinate; none of what is prescribed, which moves by itself. The charts of those
-joints stay where they began, so that their coordinates are the turns that Phi is of. With R that the joints lack, and
-the matrix B and c of `space_tree` and `space_fold`, eta'' is found by Newton's method from
+Phi (n, m) is constant. It has the mode shapes of links, in the coordinates of the joints between their elements, and
+one unit column for each other coordinate but prescribed ones, which move by their signals. The charts of the joints
+between elements stay at their home orientation, so that their coordinates are the rotations that Phi describes. With
+the residuals R, and the matrix B and c of `space_tree` and `space_elimination`, Newton's method solves for eta'':
 
-    Phi^T R = 0,    G = Phi^T (J^T B J + c) Phi,    J s'': the accelerations that the nodes have of s'' (`outward`).
+    Phi^T R = 0,    G = Phi^T (J^T B J + c) Phi,    J s'': accelerations of the nodes for given s'' (`outward`).
 
-G is small and dense. The time scheme and Anderson's acceleration are linear, so that all that they make of coordinates
-in the subspace is in it again. Cost of a matrix: m (m + 60) n; of an iteration 2 m n more than that of the whole tree.
+G is small and dense. The time scheme and Anderson acceleration are linear in the coordinates, so that coordinates stay
+in the subspace. Cost: m (m + 60) n for a matrix; an iteration costs 2 m n more than one of the whole tree.
 """
 
 from __future__ import annotations
@@ -23,29 +23,29 @@ from granular_contact.sand.kernels import space_sand as sand  # noqa: F401
 
 @part
 def iteration(of_q, of_v, w):
-    """As `tree_load.iteration`."""
+    """See `tree_load.iteration`."""
     if prepare(of_q, of_v, w):
         project(w)
         invert(w.inverse)
     solve(w)
-    return fastest(flat(w.moved), w.lever)
+    return fastest(flat(w.node_change), w.lever)
 
 
 @part
 def move(s2, w):
-    """Fill `moved` with the accelerations J s2 of the nodes."""
-    along, moved = w.along, w.moved
+    """Fill `node_change` with J s2, the accelerations of the nodes for the accelerations s2 of the coordinates."""
+    along, node_change = w.along, w.node_change
     for i in range(s2.shape[0]):
         for k in range(6):
-            moved[i, k] = along[i, k] * s2[i]
-    outward(moved, w)
+            node_change[i, k] = along[i, k] * s2[i]
+    outward(node_change, w)
 
 
 @part
 def project(w):
-    """Fill G, column by column; uses `moved`, `passed` and `change`."""
-    G, shapes, body, asked = w.inverse, w.shapes, w.body, w.change
-    moved, P = w.moved, w.passed
+    """Fill G, column by column; overwrites `node_change`, `passed` and `change`."""
+    G, shapes, body, efforts = w.inverse, w.shapes, w.body, w.change
+    node_change, P = w.node_change, w.passed
     for c in range(G.shape[0]):
         shape = piece(shapes, c, shapes.shape[1])
         move(shape, w)
@@ -53,32 +53,32 @@ def project(w):
             for k in range(6):
                 P[i, k] = 0.0
                 for j in range(6):
-                    P[i, k] += body[i, 6 * k + j] * moved[i, j]
-        inward(P, asked, w)
-        push_back(shape, asked, w)
+                    P[i, k] += body[i, 6 * k + j] * node_change[i, j]
+        inward(P, efforts, w)
+        joint_forces(shape, efforts, w)
         for r in range(G.shape[0]):
             G[r, c] = 0.0
-            for i in range(asked.shape[0]):
-                G[r, c] += shapes[r, i] * asked[i]
+            for i in range(efforts.shape[0]):
+                G[r, c] += shapes[r, i] * efforts[i]
 
 
 @part
-def push_back(shape, asked, w):
-    """Add c shape to what is asked of the coordinates."""
+def joint_forces(shape, efforts, w):
+    """Add c shape, the stiffness forces of the joints, to the forces along the coordinates."""
     nodes, stiffness, coupled = w.space_nodes, w.stiffness, w.coupled
     for i in range(nodes.shape[0]):
         first = i - LAST
         if nodes[i].kind != BALL:
-            asked[i] += stiffness[i] * shape[i]
+            efforts[i] += stiffness[i] * shape[i]
         elif nodes[i].which == LAST:
             for j in range(3):
                 for k in range(3):
-                    asked[first + j] += coupled[first + j, k] * shape[first + k]
+                    efforts[first + j] += coupled[first + j, k] * shape[first + k]
 
 
 @part
 def invert(G):
-    """Put the inverse of G (m, m) in its place, by elimination; no pivots, as it is near to a mass matrix."""
+    """Replace G (m, m) by its inverse, by Gauss-Jordan elimination without pivoting, as G is close to a mass matrix."""
     m = G.shape[0]
     for p in range(m):
         pivot = 1.0 / G[p, p]
@@ -95,18 +95,18 @@ def invert(G):
 
 @part
 def solve(w):
-    """Fill the changes of accelerations, -Phi G^-1 Phi^T R, and how the nodes move with them."""
-    shapes, inverse, rest = w.shapes, w.inverse, w.rest
-    change, lacked = w.change, w.lacked
+    """Fill the changes of the accelerations, -Phi G^-1 Phi^T R, and the changes of the nodes."""
+    shapes, inverse, residual = w.shapes, w.inverse, w.residual
+    change, projected = w.change, w.projected
     clear(change)
-    for r in range(lacked.shape[0]):
-        lacked[r] = 0.0
-        for i in range(rest.shape[0]):
-            lacked[r] += shapes[r, i] * rest[i]
-    for c in range(lacked.shape[0]):
+    for r in range(projected.shape[0]):
+        projected[r] = 0.0
+        for i in range(residual.shape[0]):
+            projected[r] += shapes[r, i] * residual[i]
+    for c in range(projected.shape[0]):
         amplitude = 0.0
-        for r in range(lacked.shape[0]):
-            amplitude -= inverse[c, r] * lacked[r]
+        for r in range(projected.shape[0]):
+            amplitude -= inverse[c, r] * projected[r]
         for i in range(change.shape[0]):
             change[i] += shapes[c, i] * amplitude
     move(change, w)

@@ -1,23 +1,25 @@
-"""Tree of rigid bodies in space on hinges, sliders and ball joints; every call costs a constant a coordinate.
+"""Tree of rigid bodies in space on hinges, sliders and ball joints: kinematics and inverse dynamics.
 
-The equations of `tree`, with vectors of three numbers. A node has one coordinate s, so that a joint of more freedoms
-is several nodes, of which the last has the body and the others are massless frames: a ball joint has three, all at the
-centre of mass of its body, and a body that flies free has three sliders along the axes of the world and then those
-three. With r_i the centre of mass, c_i the joint's point, e_i = c_i - r_p, d_i = r_i - c_i, u_i the axis of a hinge or
-slider, w the angular velocity, the acceleration A = (r'', w') of a node is
+Each call costs a constant per coordinate. The equations are those of `tree`, with vectors of three numbers. A node has
+one coordinate s. A joint with several degrees of freedom thus consists of several nodes: the last one is the body, the
+others are massless frames. A ball joint has three nodes, all at the centre of mass of its body. A body that flies free
+has three sliders along the axes of the world, and then those three nodes.
+
+Symbols: r_i is the centre of mass, c_i the point of the joint, e_i = c_i - r_p, d_i = r_i - c_i, u_i the axis of a
+hinge or slider, w the angular velocity. The acceleration A = (r'', w') of a node is
 
     A_i = X_i A_p + b_i + S_i s_i'',    X_i A_p = (r_p'' + w_p' x (e_i + d_i), w_p')
     S_i = (u_i x d_i, u_i)    hinge,    S_i = (u_i, 0)    slider
     b_i = (w_p x (w_p x e_i) + w_i x (w_i x d_i) + g_i x d_i + 2 w_p x s_i' u_i of a slider, g_i)
 
-with g_i = w_p x s_i' u_i of a hinge. All is along the axes of the world, about centres of mass, so that X is a
-translation. The three coordinates of a ball joint are a rotation vector u, with R_i = R_p exp(u) H_i: a chart (see
-`space_rotations`) around the orientation H at the start of the step, to which `recentre` moves it after each, so that
-u = 0 and u' is the relative angular velocity there. Its axes are the columns of R_p J(u), and what u' alone does is
-g = R_p J' u' + w_p x R_p J u'.
+with g_i = w_p x s_i' u_i for a hinge. All vectors are along the axes of the world and refer to centres of mass, so that
+X is a translation. The three coordinates of a ball joint are a rotation vector u, with R_i = R_p exp(u) H_i: a chart
+(see `space_rotations`) about the orientation H at the start of the step. `recentre` moves the chart after each step, so
+that there u = 0 and u' is the relative angular velocity. The axes of the joint are the columns of R_p J(u), and the
+part of its angular acceleration without u'' is g = R_p J' u' + w_p x R_p J u'.
 
-What joints pass on, P_i = (m r'' - F, I w' + w x I w - M) + sum of X_c^T P_c, what they lack, and the elimination of
-Newton's matrix (`space_fold`) are those of `tree`.
+Joints transmit P_i = (m r'' - F, I w' + w x I w - M) + sum of X_c^T P_c. Their residuals, and the elimination of
+Newton's matrix (`space_elimination`), are those of `tree`.
 """
 
 from __future__ import annotations
@@ -41,41 +43,41 @@ from granular_contact.mechanics.kernels.space_rotations import (
 from granular_contact.sand.kernels.vectors import at, cross, fill, plus, put, seen, times, turned, unit, vector
 
 HINGE, SLIDER, BALL = 0, 1, 2
-LAST = 2  # of the three nodes of a ball joint, the one with the body
+LAST = 2  # index, among the three nodes of a ball joint, of the one with the body
 NONE = (0.0, 0.0, 0.0)
 
 
 @part
 def axes_of(w, i):
-    """Axes of node i, row by row (9,)."""
+    """Rotation matrix (9,) of node i, row by row."""
     R = w.turned
     return R[i, 0], R[i, 1], R[i, 2], R[i, 3], R[i, 4], R[i, 5], R[i, 6], R[i, 7], R[i, 8]
 
 
 @part
 def momentum(w, i, R, a):
-    """The inertia of node i about its centre of mass times a; R: its axes."""
+    """The inertia of node i about its centre of mass times a vector a (3,); R: rotation matrix of the node."""
     J = w.space_nodes[i].inertia
-    own = J[0], J[1], J[2], J[3], J[4], J[5], J[6], J[7], J[8]
-    return turned(R, turned(own, seen(R, a)))
+    inertia = J[0], J[1], J[2], J[3], J[4], J[5], J[6], J[7], J[8]
+    return turned(R, turned(inertia, seen(R, a)))
 
 
 @part
-def swing(w, arm):
-    """W x (w x arm)."""
+def centripetal(w, arm):
+    """Centripetal acceleration w x (w x arm)."""
     return cross(w, cross(w, arm))
 
 
 @part
 def place(w):
-    """Fill pose, twist, arm, along and bias from coordinates and rates."""
+    """Forward kinematics: fill pose, twist, arm, along and bias from coordinates and rates."""
     for i in range(w.s.shape[0]):
         _place(i, w)
 
 
 @part
 def _place(i, w):
-    """`place` of one node, of a ball joint's last one with the axes of all three."""
+    """Forward kinematics of one node; the last node of a ball joint also sets the axes of the two before."""
     node, twists, p = w.space_nodes[i], w.twist, w.space_nodes[i].parent
     x_p, v_p, w_p, u, speed = NONE, NONE, NONE, NONE, NONE
     q_p, R_p = UNTURNED, ALONG_WORLD
@@ -88,24 +90,24 @@ def _place(i, w):
         e, speed = plus(e, times(w.s[i], u)), times(w.rates[i], u)
     elif node.kind == HINGE:
         u = turned(R_p, vector(node.axis, 0))
-        more, half = times(w.rates[i], u), 0.5 * w.s[i]
+        relative, half = times(w.rates[i], u), 0.5 * w.s[i]
         q = product(product(q_p, as_quaternion(node.before)), (math.cos(half), 0.0, 0.0, math.sin(half)))
         q = product(q, as_quaternion(node.after))
-        spin, drift = plus(w_p, more), cross(w_p, more)
+        spin, drift = plus(w_p, relative), cross(w_p, relative)
     elif node.which == LAST:
-        spin, drift, q = _of_ball(i, q_p, R_p, w_p, w)
+        spin, drift, q = _ball_kinematics(i, q_p, R_p, w_p, w)
     d = times(-1.0, turned(matrix_of(q), vector(node.point, 0)))
     v = plus(plus(plus(v_p, cross(w_p, e)), cross(spin, d)), speed)
-    b = plus(plus(swing(w_p, e), swing(spin, d)), plus(cross(drift, d), times(2.0, cross(w_p, speed))))
+    b = plus(plus(centripetal(w_p, e), centripetal(spin, d)), plus(cross(drift, d), times(2.0, cross(w_p, speed))))
     put(b, w.bias, i, 0)
     put(drift, w.bias, i, 3)
     _write(i, plus(x_p, plus(e, d)), q, v, spin, w)
-    _seat(i, u, plus(e, d), d, w)
+    _write_arm(i, u, plus(e, d), d, w)
 
 
 @part
 def _write(i, x, q, v, spin, w):
-    """Write the pose of a node with its rates, its axes and its twist."""
+    """Write the pose of a node with its rates, its rotation matrix and its twist."""
     poses, rates, axes, twists = w.pose, w.pose_rates, w.turned, w.twist
     R, dq = matrix_of(q), rates_of(q, spin)
     put(x, poses, i, 0)
@@ -119,10 +121,10 @@ def _write(i, x, q, v, spin, w):
 
 
 @part
-def _seat(i, u, whole, d, w):
-    """Write the arm e + d of a node and its S; all frames of a ball joint are at the centre of mass of its body."""
+def _write_arm(i, u, total_arm, d, w):
+    """Write the arm e + d of a node and its S; all nodes of a ball joint are at the centre of mass of its body."""
     node, along, arm = w.space_nodes[i], w.along, w.arm
-    put(whole, arm, i, 0)
+    put(total_arm, arm, i, 0)
     if node.kind == SLIDER:
         put(u, along, i, 0)
         put(NONE, along, i, 3)
@@ -138,22 +140,22 @@ def _seat(i, u, whole, d, w):
 
 
 @part
-def _of_ball(i, q_p, R_p, w_p, w):
-    """Angular velocity, what of its rate is not u'', and orientation of the body on a ball joint; its axes."""
+def _ball_kinematics(i, q_p, R_p, w_p, w):
+    """Angular velocity, angular acceleration without u'' and orientation of the body on a ball joint; fills axes."""
     s, rates, along, first = w.s, w.rates, w.along, i - LAST
     u, rate = vector(s, first), vector(rates, first)
     coefficients = jacobian_coefficients(u)
     for k in range(3):
         axis = turned(R_p, jacobian_times(u, unit(k), coefficients))
         put(axis, along, first + k, 3)
-    more = turned(R_p, jacobian_times(u, rate, coefficients))
-    drift = plus(turned(R_p, jacobian_rate_times(u, rate, coefficients)), cross(w_p, more))
-    return plus(w_p, more), drift, product(q_p, product(exponential(u), quaternion(w.home, i, 0)))
+    relative = turned(R_p, jacobian_times(u, rate, coefficients))
+    drift = plus(turned(R_p, jacobian_rate_times(u, rate, coefficients)), cross(w_p, relative))
+    return plus(w_p, relative), drift, product(q_p, product(exponential(u), quaternion(w.home, i, 0)))
 
 
 @part
 def recentre(w):
-    """Let the charts of ball joints begin where they are now, but for those that stay."""
+    """Restart the charts of ball joints at their present orientations, but for charts that stay at home."""
     nodes, home, s, rates, s2, lagged = w.space_nodes, w.home, w.s, w.rates, w.s2, w.lagged
     for i in range(nodes.shape[0]):
         if nodes[i].kind != BALL or nodes[i].which != LAST or nodes[i].stays:
@@ -173,8 +175,8 @@ def recentre(w):
 
 
 @part
-def carry(w):
-    """Fill the accelerations of the nodes from those of the coordinates."""
+def node_accelerations(w):
+    """Fill the accelerations A of the nodes from the accelerations s'' of the coordinates."""
     s2, A, along, bias = w.s2, w.acceleration, w.along, w.bias
     for i in range(s2.shape[0]):
         for k in range(6):
@@ -184,7 +186,7 @@ def carry(w):
 
 @part
 def outward(A, w):
-    """Add to the rows (6,) of A what the nodes get from their parents, X A_p."""
+    """Outward pass: add X A_p, the acceleration that the parent imposes, to the rows (6,) of A."""
     nodes, arm = w.space_nodes, w.arm
     for i in range(nodes.shape[0]):
         p = nodes[i].parent
@@ -199,10 +201,10 @@ def outward(A, w):
 
 
 @part
-def lack(w):
-    """Fill R for the accelerations of the nodes."""
+def residuals(w):
+    """Fill the residuals R, by inverse dynamics from the accelerations of the nodes and the forces on them."""
     nodes, A, P, force = w.space_nodes, w.acceleration, w.passed, w.force
-    effort, rest, twist = w.effort, w.rest, w.twist
+    effort, residual, twist = w.effort, w.residual, w.twist
     for i in range(nodes.shape[0]):
         for k in range(6):
             P[i, k] = -force[i, k]
@@ -213,26 +215,26 @@ def lack(w):
             for k in range(3):
                 P[i, k] += m * A[i, k]
                 P[i, 3 + k] += x[k]
-    inward(P, rest, w)
+    inward(P, residual, w)
     for i in range(nodes.shape[0]):
-        rest[i] -= effort[i]
+        residual[i] -= effort[i]
 
 
 @part
-def inward(P, asked, w):
-    """Pass the forces in the rows (6,) of P on to the ground; asked: filled with S . P of each coordinate."""
+def inward(P, efforts, w):
+    """Inward pass: transmit the forces in the rows (6,) of P to the ground; fill efforts (n,) with S . P."""
     nodes, arm, along = w.space_nodes, w.arm, w.along
     for i in range(nodes.shape[0] - 1, -1, -1):
-        asked[i] = 0.0
+        efforts[i] = 0.0
         for k in range(6):
-            asked[i] += along[i, k] * P[i, k]
+            efforts[i] += along[i, k] * P[i, k]
         if nodes[i].parent >= 0:
             pass_on(P, i, at(arm, i, 0), nodes[i].parent)
 
 
 @part
 def pass_on(P, i, arm, p):
-    """Add the force and moment in row i of P to those of the parent p, about its own centre of mass."""
+    """Add the force and moment in row i of P to those of the parent p, about the centre of mass of the parent."""
     x = cross(arm, at(P, i, 0))
     for k in range(3):
         P[p, k] += P[i, k]

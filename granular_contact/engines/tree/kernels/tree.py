@@ -1,10 +1,12 @@
-"""Planar tree of rigid bodies on hinges and sliders, one coordinate a joint; every call costs a constant a joint.
+"""Planar tree of rigid bodies on hinges and sliders: inverse dynamics and articulated-body elimination.
 
-Node i is a body, or a massless frame between two joints of a body that flies free. Its joint carries it on a node
-before it in order, or on the ground. Coordinates s_i are those of results: of a hinge the angle (rad, clockwise) from
-parent to child, of a slider the way (m) along its axis. With r_i the centre of mass, c_i the joint's point on the node,
-e_i = c_i - r_p, d_i = r_i - c_i, u_i a slider's axis, and x' = (-x_y, x_x) a vector turned by a right angle, the
-acceleration A = (r'', alpha) of a node is that of its parent p, carried over, and that of its joint:
+Each call costs a constant per joint. A node i is a body, or a massless frame between two joints of a body that flies
+free. The joint of a node connects it to its parent p, a node with a lower index, or to the ground. The coordinates s_i
+are those of results: the angle (rad, clockwise) of a hinge, from parent to child, and the way (m) of a slider.
+
+Symbols: r_i is the centre of mass, c_i the point of the joint, e_i = c_i - r_p, d_i = r_i - c_i, u_i the axis of a
+slider, and x' = (-x_y, x_x) the vector x turned by a right angle. The acceleration A = (r'', alpha) of a node follows
+from the acceleration of its parent and from its joint:
 
     A_i = X_i A_p + b_i + S_i s_i''
 
@@ -12,25 +14,27 @@ acceleration A = (r'', alpha) of a node is that of its parent p, carried over, a
     b_i = (-omega_p^2 e_i - omega_i^2 d_i, 0),    S_i = (-d_i', -1)                       hinge
     b_i = (-omega_p^2 (e_i + d_i) + 2 omega_p s_i' u_i', 0),    S_i = (u_i, 0)            slider
 
-With f_i the force and moment on a node and I_i = diag(m, m, J), its joint passes on
+With the force and moment f_i on a node, its inertia I_i = diag(m, m, J) and the effort tau_i along its coordinate, the
+joint transmits P_i, and the residual of its equation of motion is R_i:
 
-    P_i = I_i A_i - f_i + sum of X_c^T P_c over its children c,    and lacks    R_i = S_i . P_i - tau_i,
+    P_i = I_i A_i - f_i + sum of X_c^T P_c over its children c,    R_i = S_i . P_i - tau_i
 
-tau_i what acts along its coordinate. A motion has R = 0. An implicit step asks for s'' at its end, where forces depend
-on it: with a change of s'' by 1, rates change by fv and coordinates by fq. Newton's method then solves for a change of
-s'' that takes R away. What it does to forces is, of each node, a matrix on the change of its A, and of each joint a
-number on that of s'':
+A motion has R = 0. An implicit step solves R = 0 for the s'' at its end, where forces depend on s'': if s'' changes by
+1, rates change by fv and coordinates by fq. Newton's method solves for the change of s'' that makes R vanish. The
+tangents of the forces enter as a matrix B_i of each node, which multiplies the change of A_i, and a number c_i of each
+joint, which multiplies the change of s_i'':
 
     B_i = I_i - fq df_i/dq - fv df_i/dv,    c_i = -fq dtau_i/ds - fv dtau_i/ds'
 
-so that the change has the equations of a tree whose bodies have the inertia B, and these are solved as those of
-articulated bodies are (Featherstone 2008), from the leaves inward and back, with no matrix of the whole:
+The change thus obeys the equations of a tree whose bodies have the inertias B. They are solved by the articulated-body
+algorithm (Featherstone 2008), from the leaves inward and back outward, without a matrix of the whole tree:
 
     U = B S,    W = S B,    D = S . U + c,    B_p gets X^T (B - U W / D) X,
     g = (-R - S . p) / D,    p_p gets X^T (p + U g),    change of s'' = g - W . (X dA_p) / D.
 
-B has no symmetry, as sand has no potential. What turns with the change (arms, axes, b) is left out of it, a share of
-the order of a step times a rate. A coordinate that is prescribed has 1 / D = 0, and its R is what its drive does.
+B is not symmetric, as the forces of the sand have no potential. Limit: arms, axes and b also turn with the change; the
+matrix neglects that, a share of the order of a step times a rate. A prescribed coordinate has 1 / D = 0, and its R is
+the effort of its drive.
 """
 
 from __future__ import annotations
@@ -45,7 +49,7 @@ HINGE, SLIDER = 0, 1
 
 @part
 def place(w):
-    """Fill pose, twist, arm, along and bias from coordinates and rates."""
+    """Forward kinematics: fill pose, twist, arm, along and bias from coordinates and rates."""
     nodes, s, rates, turned, arm = w.nodes, w.s, w.rates, w.turned, w.arm
     pose, twist, along, bias = w.pose, w.twist, w.along, w.bias
     for i in range(nodes.shape[0]):
@@ -80,8 +84,8 @@ def place(w):
 
 
 @part
-def carry(w):
-    """Fill the accelerations of the nodes from those of the coordinates."""
+def node_accelerations(w):
+    """Fill the accelerations A of the nodes from the accelerations s'' of the coordinates."""
     nodes, s2, A = w.nodes, w.s2, w.acceleration
     arm, along, bias = w.arm, w.along, w.bias
     for i in range(nodes.shape[0]):
@@ -96,17 +100,17 @@ def carry(w):
 
 
 @part
-def lack(w):
-    """Fill R for the accelerations of the nodes."""
+def residuals(w):
+    """Fill the residuals R, by inverse dynamics from the accelerations of the nodes and the forces on them."""
     nodes, A, P, force = w.nodes, w.acceleration, w.passed, w.force
-    arm, along, effort, rest = w.arm, w.along, w.effort, w.rest
+    arm, along, effort, residual = w.arm, w.along, w.effort, w.residual
     for i in range(nodes.shape[0]):
         P[i, 0] = nodes[i].mass * A[i, 0] - force[i, 0]
         P[i, 1] = nodes[i].mass * A[i, 1] - force[i, 1]
         P[i, 2] = nodes[i].inertia * A[i, 2] - force[i, 2]
     for i in range(nodes.shape[0] - 1, -1, -1):
-        asked = along[i, 0] * P[i, 0] + along[i, 1] * P[i, 1] + along[i, 2] * P[i, 2]
-        rest[i] = asked - effort[i]
+        effort_needed = along[i, 0] * P[i, 0] + along[i, 1] * P[i, 1] + along[i, 2] * P[i, 2]
+        residual[i] = effort_needed - effort[i]
         p = nodes[i].parent
         if p >= 0:
             P[p, 0] += P[i, 0]
@@ -116,7 +120,7 @@ def lack(w):
 
 @part
 def inertias(w):
-    """Fill B and c with what they are without any forces."""
+    """Fill B with the inertias I, and c with zeros: the matrix without any forces."""
     nodes, body = w.nodes, w.body
     clear(body)
     clear(w.stiffness)
@@ -126,7 +130,7 @@ def inertias(w):
 
 
 @part
-def hang(b, f, parent):
+def add_to_parent(b, f, parent):
     """Add X^T (B - U W / D) X of a node to the B of its parent (9,); b: its B (9,), f: record of FACTORS."""
     ux, uy, ut = f.u[0] * f.inverse, f.u[1] * f.inverse, f.u[2] * f.inverse
     wx, wy, wt, tx, ty = f.w[0], f.w[1], f.w[2], f.arm[0], f.arm[1]
@@ -146,8 +150,8 @@ def hang(b, f, parent):
 
 
 @part
-def fold(w):
-    """Fill `factors` from B and c; B of each node then has all that hangs on it."""
+def eliminate(w):
+    """Fill `factors` from B and c; B of each node then includes all nodes that it carries."""
     nodes, body, factors, stiffness = w.nodes, w.body, w.factors, w.stiffness
     along, arm, prescribed = w.along, w.arm, w.prescribed
     for i in range(nodes.shape[0] - 1, -1, -1):
@@ -159,21 +163,21 @@ def fold(w):
         f.inverse = 0.0 if prescribed[i] else 1.0 / d
         f.s[0], f.s[1], f.s[2], f.arm[0], f.arm[1] = x, y, t, arm[i, 0], arm[i, 1]
         if nodes[i].parent >= 0:
-            hang(b, f, piece(body, nodes[i].parent, 9))
+            add_to_parent(b, f, piece(body, nodes[i].parent, 9))
 
 
 @part
 def solve(w):
-    """Fill the change of s'' that takes R away, and that of the nodes' accelerations.
+    """Fill the change of s'' that makes R vanish, and the change of the accelerations of nodes that follows.
 
-    By what `fold` found, which may have been at another place.
+    The factors are those of the last `eliminate`, which may have been at another state (modified Newton).
     """
-    nodes, factors, rest, change = w.nodes, w.factors, w.rest, w.change
-    p, A = w.passed, w.moved
+    nodes, factors, residual, change = w.nodes, w.factors, w.residual, w.change
+    p, A = w.passed, w.node_change
     clear(p)
     for i in range(nodes.shape[0] - 1, -1, -1):
         f, q = factors[i], nodes[i].parent
-        g = (-rest[i] - f.s[0] * p[i, 0] - f.s[1] * p[i, 1] - f.s[2] * p[i, 2]) * f.inverse
+        g = (-residual[i] - f.s[0] * p[i, 0] - f.s[1] * p[i, 1] - f.s[2] * p[i, 2]) * f.inverse
         change[i] = g
         if q >= 0:
             x, y = p[i, 0] + f.u[0] * g, p[i, 1] + f.u[1] * g

@@ -1,7 +1,7 @@
-"""What the march of a tree calls by addresses in a record of CALLS, as laws are called in `law`.
+"""Functions that the march of a tree calls by their addresses in a record of CALL, as laws are called in `law`.
 
-Numba optimises a function together with all that it calls, again for each caller. These are called from several places,
-or are a large part of what would be optimised with each of their callers in turn.
+Reason: Numba optimises a function together with all that it calls, again for each caller. These functions have several
+callers, or would be a large part of each caller in a chain of calls.
 """
 
 from __future__ import annotations
@@ -34,36 +34,37 @@ _SIGNATURES: dict[str, tuple[tuple[Any, ...], Any]] = {  # arguments, result
     "iterate": ((_NUMBER, _NUMBER, TREE.kind), _NUMBER),
     "end": ((TREE.kind, _ROW, _TRUTH), types.none),
     "attempt": ((_NUMBER, _NUMBER, TREE.kind), _TRUTH),
-    "push": ((TREE.kind,), types.none),
-    "stiffen": ((_NUMBER, _NUMBER, TREE.kind), types.none),
+    "ball_efforts": ((TREE.kind,), types.none),
+    "ball_stiffness": ((_NUMBER, _NUMBER, TREE.kind), types.none),
 }
-_force, _tangent, _accept, _update_active, _soonest, _begin, _accelerate, _iterate, _end, _attempt, _push, _stiffen = (
-    caller(name, *_SIGNATURES[name], CALL) for name in _SIGNATURES
-)
 _OF_SAND = "force", "tangent", "accept", "update_active", "soonest"
+_force, _tangent, _accept, _update_active, _soonest = (caller(name, *_SIGNATURES[name], CALL) for name in _OF_SAND)
+_begin, _accelerate, _iterate, _end, _attempt, _ball_efforts, _ball_stiffness = (
+    caller(name, *_SIGNATURES[name], CALL) for name in _SIGNATURES if name not in _OF_SAND
+)
 
 
 @cache
 def record(load: Any, attempt: Any, sand: Any, joints: Any = None) -> NDArray[np.void]:
-    """Record (1,) of CALL with the addresses of functions, which are compiled where they are not yet.
+    """Return a record (1,) of CALL with the addresses of functions, which are compiled first if necessary.
 
-    load: the module of what acts on a tree, `tree_load` in the plane; sand: that of the medium; joints:
-    `space_ball_joints`, where something acts in such.
+    load: module of the forces on the tree, `tree_load` in the plane; attempt: `tree_newton.attempt`; sand: module of
+    the medium; joints: `space_ball_joints` if an effort acts in a ball joint.
     """
     functions = {name: getattr(sand, name) for name in _OF_SAND}
     functions |= {"begin": anderson.begin, "accelerate": anderson.accelerate, "attempt": attempt}
     functions |= {"iterate": load.iteration, "end": load.accept}
     if joints is not None:
-        functions |= {"push": joints.push_balls, "stiffen": joints.stiffen_balls}
-    found = np.zeros(1, CALL)
+        functions |= {"ball_efforts": joints.ball_efforts, "ball_stiffness": joints.ball_stiffness}
+    addresses = np.zeros(1, CALL)
     for name, function in functions.items():
-        found[name] = address_of(function, *_SIGNATURES[name])
-    return found
+        addresses[name] = address_of(function, *_SIGNATURES[name])
+    return addresses
 
 
 @part
-def sand_force(force, w):
-    """Add the generalised forces of the medium to those on the nodes, in the coordinates of their poses."""
+def sand_forces(force, w):
+    """Add the generalised forces of the medium to `force`, in the coordinates of the poses of nodes."""
     if w.sand.shape[0] > 0:
         given = w.sand, flat(w.pose), flat(w.pose_rates), flat(force)
         _force(w.calls[0], given)
@@ -71,7 +72,7 @@ def sand_force(force, w):
 
 @part
 def sand_tangent(fq, fv, w):
-    """Fill triplets with the tangent of these forces, see `planar_sand.tangent`; their number."""
+    """Fill the triplets of the tangent of these forces, see `planar_sand.tangent`; return how many they are."""
     if w.sand.shape[0] == 0:
         return 0
     given = w.sand, flat(w.pose), flat(w.pose_rates), fq, fv, w.triplets
@@ -80,7 +81,7 @@ def sand_tangent(fq, fv, w):
 
 @part
 def sand_accept(w, history, begins):
-    """End of a step in the medium, see `planar_sand.accept`."""
+    """End a step in the medium, see `planar_sand.accept`."""
     if w.sand.shape[0] > 0:
         given = w.sand, flat(w.pose), flat(w.pose_rates), history, begins
         _accept(w.calls[0], given)
@@ -88,55 +89,55 @@ def sand_accept(w, history, begins):
 
 @part
 def update_active(step, w):
-    """Mark the lines that may touch the surface within a step (s)."""
+    """Mark the contact lines that can touch the surface within a step (s)."""
     _update_active(w.calls[0], (w.sand, step))
 
 
 @part
 def soonest(w):
-    """Time (s) until something above the surface may touch it."""
+    """Earliest time (s) until a part above the surface can touch it."""
     return _soonest(w.calls[0], (w.sand,))
 
 
 @part
 def begin_iterations(of_q, of_v, w):
-    """`anderson.begin`."""
+    """Call `anderson.begin`."""
     _begin(w.calls[0], (w.iterations, of_q, of_v))
 
 
 @part
 def accelerate(w):
-    """`anderson.accelerate`: whether the matrix is to be new."""
+    """Call `anderson.accelerate`; return whether the matrix is to be renewed."""
     return _accelerate(w.calls[0], (w.iterations, w.newton[0].matrices))
 
 
 @part
 def iterate(of_q, of_v, w):
-    """`tree_load.iteration`, or that of space."""
+    """Call `tree_load.iteration`, or its counterpart in space."""
     return _iterate(w.calls[0], (of_q, of_v, w))
 
 
 @part
 def end(w, history, begins):
-    """`tree_load.accept`, or that of space."""
+    """Call `tree_load.accept`, or its counterpart in space."""
     _end(w.calls[0], (w, history, begins))
 
 
 @part
-def push_balls(w):
-    """`space_ball_joints.push_balls`, where something acts in such joints."""
-    if w.calls[0].push != 0:
-        _push(w.calls[0], (w,))
+def ball_efforts(w):
+    """Call `space_ball_joints.ball_efforts` if an effort acts in a ball joint."""
+    if w.calls[0].ball_efforts != 0:
+        _ball_efforts(w.calls[0], (w,))
 
 
 @part
-def stiffen_balls(fq, fv, w):
-    """`space_ball_joints.stiffen_balls`, likewise."""
-    if w.calls[0].stiffen != 0:
-        _stiffen(w.calls[0], (fq, fv, w))
+def ball_stiffness(fq, fv, w):
+    """Call `space_ball_joints.ball_stiffness` if an effort acts in a ball joint."""
+    if w.calls[0].ball_stiffness != 0:
+        _ball_stiffness(w.calls[0], (fq, fv, w))
 
 
 @part
 def attempt(h, allowed, w):
-    """`tree_newton.attempt`."""
+    """Call `tree_newton.attempt`."""
     return _attempt(w.calls[0], (h, allowed, w))

@@ -1,4 +1,4 @@
-"""What acts along the coordinates of a tree in the plane or in space: drives, prescribed motions, laws of joints."""
+"""Efforts along the coordinates of a tree, in the plane or in space: drives, prescribed motions, laws of joints."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from granular_contact.sand.kernels.lines import difference
 
 
 @part
-def follow_signals(t, w):
-    """Let drives want what their signals say at t (s)."""
+def evaluate_signals(t, w):
+    """Set the targets of the drives to the values of their signals at t (s)."""
     wanted, laws, state, signals = w.wanted, w.laws, w.state, w.signals
     if wanted.shape[0] == 0:
         return
@@ -32,10 +32,11 @@ def follow_signals(t, w):
 
 @part
 def prescribe(of_v, w):
-    """Put coordinates that are prescribed where their signals want them.
+    """Set prescribed coordinates and their rates to the values of their signals.
 
-    Their accelerations are those by which the scheme comes to their rates: where one jumps within a step, all that they
-    move would else get half of the jump for the whole step. of_v: see `tree_newton`; 0 at a start.
+    Their accelerations are those by which the time scheme reaches these rates. Where a rate jumps within a step, other
+    accelerations would put half of the jump, for the whole step, on all bodies that the coordinate moves. of_v: see
+    `tree_newton`; 0 at the start of a motion.
     """
     prescribed, wanted, signals = w.prescribed, w.wanted, w.signals
     s, rates, s2 = w.s, w.rates, w.s2
@@ -49,34 +50,34 @@ def prescribe(of_v, w):
 
 
 @part
-def along(i, s, rate, w):
-    """Torque (N m) or force (N) of all that acts along coordinate i."""
+def effort(i, s, rate, w):
+    """Torque (N m) or force (N) of the law and the drive of coordinate i, at its value s and its rate."""
     state = w.state[i]
     return total(w.laws[i], s, rate, state.anchor, state.target, state.target_rate)
 
 
 @part
-def push(w):
-    """Fill what acts along the coordinates."""
-    acts, effort, s, rates = w.acts, w.effort, w.s, w.rates
+def coordinate_efforts(w):
+    """Fill the efforts along all coordinates."""
+    acts, efforts, s, rates = w.acts, w.effort, w.s, w.rates
     for i in range(acts.shape[0]):
-        effort[i] = along(i, s[i], rates[i], w) if acts[i] else 0.0
+        efforts[i] = effort(i, s[i], rates[i], w) if acts[i] else 0.0
 
 
 @part
-def stiffen(fq, fv, w):
-    """Fill c of `tree` where something acts; by differences, see `lines.differences`."""
+def joint_stiffness(fq, fv, w):
+    """Fill c of `tree` where an effort acts; by finite differences, see `lines.differences`."""
     acts, prescribed, stiffness = w.acts, w.prescribed, w.stiffness
     s, rates = w.s, w.rates
     for i in range(acts.shape[0]):
         if acts[i] and not prescribed[i]:
             d = difference(rows_of(s, i, 1), fq, fv)
-            stiffness[i] = (along(i, s[i], rates[i], w) - along(i, s[i] + d * fq, rates[i] + d * fv, w)) / d
+            stiffness[i] = (effort(i, s[i], rates[i], w) - effort(i, s[i] + d * fq, rates[i] + d * fv, w)) / d
 
 
 @part
-def follow(w):
-    """End of a step: the anchors of dry friction follow."""
+def move_anchors(w):
+    """End of a step: move the anchors of dry friction (return mapping)."""
     acts, laws, state, s = w.acts, w.laws, w.state, w.s
     for i in range(acts.shape[0]):
         if acts[i] and laws[i].friction > 0.0:

@@ -1,4 +1,4 @@
-"""March of a tree through time: steps that are fixed, or as long as their error allows, one row for each."""
+"""Time integration of a tree: fixed steps, or steps as long as their error allows; one row of results per step."""
 
 from __future__ import annotations
 
@@ -6,63 +6,64 @@ import math
 
 from granular_contact.engines.tree.kernels.tree_arrays import view
 from granular_contact.engines.tree.kernels.tree_calls import attempt, end, soonest
-from granular_contact.engines.tree.kernels.tree_joints import follow_signals, prescribe
-from granular_contact.engines.tree.kernels.tree_newton import finish, go_back, settle_in
+from granular_contact.engines.tree.kernels.tree_joints import evaluate_signals, prescribe
+from granular_contact.engines.tree.kernels.tree_newton import finish_lagged, initial_accelerations, restore_start
 from granular_contact.jit.compiled import kernel, part
 from granular_contact.jit.memory import copy, flat, piece
 from granular_contact.mechanics.kernels import step_error
 from granular_contact.mechanics.kernels.step_choice import LONGER, Prescribed, factor, limit_step, needed
 from granular_contact.sand.kernels.lines import TIME
 
-# Why `march` came back: its share of steps is done, everything rests, the end, no step is small enough, the motion
-# diverged, there are too many steps.
+# Reasons for which `march` returns: its share of steps is done, all bodies rest, the end time, no step is small enough
+# for Newton's method, the motion diverged, too many steps.
 PAUSE, REST, END, FAILED, AWAY, MANY_STEPS = 0, 1, 2, 3, 4, 5
 
 
 @kernel
 def start(begins, addresses):
-    """Find the accelerations and write the first row; begins: with a friction state that is reset, else as it is."""
+    """Find the accelerations at the start and write the first row; begins: whether to reset the friction state."""
     w = view(addresses)
     table, clock = w.table, w.clock[0]
-    follow_signals(0.0, w)
+    evaluate_signals(0.0, w)
     prescribe(0.0, w)
     if begins:
         end(w, piece(table, 0, table.shape[1]), True)
-    settle_in(w)
-    write(0.0, w)
+    initial_accelerations(w)
+    write_row(0.0, w)
     clock.speed = step_error.begin(w.changes, clock.step)
 
 
 @part
-def write(t, w):
-    """Accept a step that ends at t (s) and keep it in the next row.
+def write_row(t, w):
+    """Accept the step that ends at t (s), and write the next rows of `table` and `states`.
 
-    Of states: poses, their rates and accelerations of all nodes, what joints lack, and what their drives want.
+    A row of `states` has the poses, their rates, the accelerations and the residuals of all nodes, and the targets of
+    their drives.
     """
-    table, states, at = w.table, w.states, w.counts[0].steps
-    history, kept = piece(table, at, table.shape[1]), piece(states, at, states.shape[1])
+    table, states, last = w.table, w.states, w.counts[0].steps
+    history, row = piece(table, last, table.shape[1]), piece(states, last, states.shape[1])
     copy(history, w.blank)
     end(w, history, False)
     history[TIME] = t
-    first = put(flat(w.pose), kept, 0)
-    first = put(flat(w.pose_rates), kept, first)
-    first = put(flat(w.acceleration), kept, first)
-    first, state = put(w.rest, kept, first), w.state
+    first = append(flat(w.pose), row, 0)
+    first = append(flat(w.pose_rates), row, first)
+    first = append(flat(w.acceleration), row, first)
+    first, state = append(w.residual, row, first), w.state
     for i in range(state.shape[0]):
-        kept[first + i] = state[i].target
+        row[first + i] = state[i].target
 
 
 @part
-def put(numbers, kept, first):
-    """Write numbers into a row from a place on; where they end."""
+def append(numbers, row, first):
+    """Write numbers into a row from the index `first` on; return the index after them."""
     for i in range(numbers.shape[0]):
-        kept[first + i] = numbers[i]
+        row[first + i] = numbers[i]
     return first + numbers.shape[0]
 
 
 @part
-def keep(w):
-    """Keep the state as that at the start of a step."""
+def keep_start(w):
+    """Keep the state as the one at the start of the step."""
     copy(w.s_before, w.s)
     copy(w.rates_before, w.rates)
     copy(w.s2_before, w.s2)
@@ -70,23 +71,24 @@ def keep(w):
 
 
 @part
-def allowed(h, w):
-    """Change of speeds (m/s) at which the iterations of a step of h (s) end.
+def newton_tolerance(h, w):
+    """Tolerance (m/s) of the iterations of a step h (s), on changes of speeds.
 
-    A share of what the forces of the scene change in the step, and of the fastest speed so far: where elastic forces
-    are small beside the weight of what they move, the first alone leaves as much of them as there is.
+    It is a share of the change of speed that the forces of the scene cause in the step, or of the fastest speed so far,
+    whichever is smaller. The first bound alone would leave errors as large as the elastic forces where these are small
+    beside the weight of the bodies that they move.
     """
     control, fastest = w.control[0], w.clock[0].fastest
     return min(control.tolerance * h, control.share * max(fastest, control.slow))
 
 
 @part
-def chosen(h, w):
-    """Step by h (s), or by less, as the error allows; its length (s), 0 if no step can be solved."""
+def adaptive_step(h, w):
+    """Step by h (s), or by less as the error allows; return the length (s), 0 if no step can be solved."""
     clock, choice, counts = w.clock[0], w.choice[0], w.counts[0]
     refused, newton = False, w.newton[0]
     while True:
-        if not attempt(h, allowed(h, w), w):
+        if not attempt(h, newton_tolerance(h, w), w):
             newton.matrix_of_v = 0.0
             h *= 0.5
             if h < choice.least:
@@ -104,10 +106,10 @@ def chosen(h, w):
 
 
 @part
-def fixed(h, w):
-    """Step by h (s), or by half of it and so on where that can't be solved; its length (s), 0 if none can be."""
+def fixed_step(h, w):
+    """Step by h (s), halved until Newton's method converges; return the length (s), 0 if no step can be solved."""
     whole, least = h, w.choice[0].least
-    while not attempt(h, allowed(h, w), w):
+    while not attempt(h, newton_tolerance(h, w), w):
         w.newton[0].matrix_of_v = 0.0
         h *= 0.5
         if h < least:
@@ -118,7 +120,7 @@ def fixed(h, w):
 
 @part
 def next_step(w):
-    """Length (s) of the step to try next; one that shares the time left evenly with the one after it."""
+    """Length (s) of the step to try next. The last two steps before the end time are about equally long."""
     clock, choice, is_fixed = w.clock[0], w.choice[0], w.scheme[0].fixed
     t, h, left = clock.now, clock.step, w.control[0].end - clock.now
     if is_fixed:
@@ -130,8 +132,8 @@ def next_step(w):
 
 
 @part
-def is_over(w):
-    """Why there is no next step; PAUSE where there is one."""
+def reason_to_end(w):
+    """Code of the reason to end the march; PAUSE if there is a next step."""
     clock, control, counts = w.clock[0], w.control[0], w.counts[0]
     moves = step_error.fastest(flat(w.twist), w.lever) > control.rest_speed
     clock.resting_since = math.inf if moves else min(clock.resting_since, clock.now)
@@ -143,10 +145,10 @@ def is_over(w):
 
 
 @part
-def tick(h, left, w):
-    """Set the clock after a step of h (s), with so much left (s) before it.
+def advance_clock(h, left, w):
+    """Set the clock after a step of h (s), with `left` (s) until the end time before the step.
 
-    Fixed steps are counted: the sum of a hundred thousand would be late by more than round-off.
+    Fixed steps are counted: the rounded sum of a hundred thousand steps would be late by more than round-off.
     """
     clock, whole = w.clock[0], w.scheme[0].fixed and h == w.clock[0].step
     if whole and h < left:
@@ -159,26 +161,26 @@ def tick(h, left, w):
 
 @kernel
 def march(share, addresses):
-    """Step on until one of the reasons above; at most `share` steps, for which the tables have room."""
+    """Take at most `share` steps, for which the tables have room; return the code of the reason to return."""
     w = view(addresses)
     clock, control, counts = w.clock[0], w.control[0], w.counts[0]
     is_fixed = w.scheme[0].fixed
     for _ in range(share):
-        keep(w)
+        keep_start(w)
         asked, left = next_step(w), control.end - clock.now
-        h = fixed(asked, w) if is_fixed else chosen(asked, w)
+        h = fixed_step(asked, w) if is_fixed else adaptive_step(asked, w)
         if h == 0.0:
-            go_back(w)
+            restore_start(w)
             return FAILED
         if not step_error.fastest(flat(w.twist), w.lever) < control.away:
             return AWAY
-        finish(w)
-        tick(h, left, w)
+        finish_lagged(w)
+        advance_clock(h, left, w)
         counts.steps += 1
-        write(clock.now, w)
+        write_row(clock.now, w)
         clock.speed = step_error.begin(w.changes, h)
         clock.fastest = max(clock.fastest, clock.speed)
-        why = is_over(w)
-        if why != PAUSE:
-            return why
+        reason = reason_to_end(w)
+        if reason != PAUSE:
+            return reason
     return PAUSE

@@ -1,15 +1,16 @@
-"""One step of a tree of rigid bodies by the generalised-alpha method, solved by Newton's method.
+"""One step of a tree of rigid bodies by the generalised-alpha method, solved by a modified Newton method.
 
-The method of Chung and Hulbert (1993) in the form of Arnold and Bruels (2007), which is the engine's: accelerations a
-that belong to the motion at the ends of a step h, and lagged ones l that move it,
+The time scheme is that of Chung and Hulbert (1993) in the form of Arnold and Bruels (2007), the one that Exudyn uses.
+Each end of a step h has accelerations a, which satisfy the equations of motion, and lagged accelerations l, which move
+the coordinates:
 
     (1 - alpha_m) l_1 + alpha_m l_0 = (1 - alpha_f) a_1 + alpha_f a_0
     s_1 = s_0 + h s'_0 + h^2 ((1/2 - beta) l_0 + beta l_1),    s'_1 = s'_0 + h ((1 - gamma) l_0 + gamma l_1).
 
-a_1 is found so that every joint passes on what is asked of it at the end of the step, where bristles and all other
-forces are those of s_1 and s'_1. With each unit of a_1 coordinates change by of_q and rates by of_v. Start and
-acceleration of the iterations: `anderson`. The matrix, an articulated-body inertia, is kept over steps; it is renewed
-where an iteration contracts too little, or the step changes by more than the factors SHORTER and LONGER.
+a_1 is found such that all residuals R of `tree` vanish at the end of the step, with bristles and all other forces at
+s_1 and s'_1. A change of a_1 by 1 changes coordinates by of_q (s2) and rates by of_v (s). `anderson` starts and
+accelerates the iterations. The matrix, in the form of articulated-body inertias, is kept over several steps. It is
+renewed when an iteration contracts too little, or when the step changes by more than the factors SHORTER and LONGER.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from __future__ import annotations
 import math
 
 from granular_contact.engines.tree.kernels.tree_calls import accelerate, begin_iterations, iterate, update_active
-from granular_contact.engines.tree.kernels.tree_joints import follow_signals, prescribe
+from granular_contact.engines.tree.kernels.tree_joints import evaluate_signals, prescribe
 from granular_contact.jit.compiled import part
 from granular_contact.jit.memory import copy
 from granular_contact.mechanics.kernels.numerics import MOST_ITERATIONS
@@ -26,7 +27,7 @@ from granular_contact.mechanics.kernels.step_choice import LONGER, SHORTER
 
 @part
 def predict(h, w):
-    """Fill the state with what a step of h (s) leads to without any acceleration at its end; of_q and of_v."""
+    """Fill the state at the end of a step h (s) for zero accelerations a_1; return of_q and of_v."""
     c, s, rates, s2, lagged = w.scheme[0], w.s, w.rates, w.s2, w.lagged
     s_0, rates_0, s2_0, lagged_0 = w.s_before, w.rates_before, w.s2_before, w.lagged_before
     for i in range(s.shape[0]):
@@ -40,7 +41,7 @@ def predict(h, w):
 
 @part
 def begin(of_q, of_v, w):
-    """Begin a step with the accelerations of the last one, as `anderson` does."""
+    """Start the iterations of a step from the accelerations of the last step, as `anderson` does."""
     newton = w.newton[0]
     if not SHORTER * newton.matrix_of_v < of_v < LONGER * newton.matrix_of_v:
         newton.matrix_of_v = 0.0
@@ -50,7 +51,7 @@ def begin(of_q, of_v, w):
 
 @part
 def needs_matrix(of_v, w):
-    """Count an iteration; whether it needs a new matrix, which then is that of of_v."""
+    """Count an iteration; return whether it needs a new matrix, which then is the one for of_v."""
     newton = w.newton[0]
     newton.iterations += 1
     if newton.matrix_of_v != 0.0:
@@ -61,10 +62,10 @@ def needs_matrix(of_v, w):
 
 
 @part
-def solved(of_q, of_v, allowed, w):
-    """Whether Newton's method comes to where the next iteration would change speeds by at most `allowed` (m/s).
+def converges(of_q, of_v, allowed, w):
+    """Iterate Newton's method until the next change of speeds is at most `allowed` (m/s); return whether it converged.
 
-    Then forces and accelerations are those of the state.
+    Afterwards forces and accelerations of nodes belong to the state.
     """
     newton, change, s, rates, s2 = w.newton[0], w.change, w.s, w.rates, w.s2
     for iteration in range(MOST_ITERATIONS):
@@ -86,27 +87,27 @@ def solved(of_q, of_v, allowed, w):
 
 @part
 def attempt(h, allowed, w):
-    """Whether a step of h (s) can be solved; allowed: see `solved`."""
+    """Try a step of h (s); return whether Newton's method converged; allowed (m/s): see `converges`."""
     clock = w.clock[0]
     clock.tried = h
     update_active(h, w)
     of_q, of_v = predict(h, w)
-    follow_signals(clock.now + h, w)
+    evaluate_signals(clock.now + h, w)
     begin(of_q, of_v, w)
-    return solved(of_q, of_v, allowed, w)
+    return converges(of_q, of_v, allowed, w)
 
 
 @part
-def finish(w):
-    """Bring the lagged accelerations to the end of a step that is solved."""
+def finish_lagged(w):
+    """Complete the lagged accelerations at the end of a step that was solved."""
     c, s2, lagged = w.scheme[0], w.s2, w.lagged
     for i in range(s2.shape[0]):
         lagged[i] += (1.0 - c.alpha_f) / (1.0 - c.alpha_m) * s2[i]
 
 
 @part
-def go_back(w):
-    """Return to the start of a step that can't be solved."""
+def restore_start(w):
+    """Return to the state at the start of a step that cannot be solved."""
     copy(w.s, w.s_before)
     copy(w.rates, w.rates_before)
     copy(w.s2, w.s2_before)
@@ -114,8 +115,8 @@ def go_back(w):
 
 
 @part
-def settle_in(w):
-    """Find the accelerations that belong to coordinates and rates at a start, where none are known."""
+def initial_accelerations(w):
+    """Find the accelerations that satisfy the equations of motion at the start; lagged ones are the same."""
     s2, newton, change = w.s2, w.newton[0], w.change
     for i in range(s2.shape[0]):
         s2[i] = 0.0

@@ -1,8 +1,9 @@
-"""Newton's matrix of a tree in space, eliminated from its leaves to its root: articulated-body inertias of 6 x 6.
+"""Articulated-body elimination of Newton's matrix of a tree in space, with inertias of 6 x 6.
 
-The equations of `tree` (Featherstone 2008), on the accelerations of `space_tree`. A ball joint is eliminated as a
-whole, with the inverse of its D (3, 3) = S . U + c, since what acts in it couples its three coordinates. Of what turns
-with a change the moment w x I w counts, as a body that spins fast has much of it.
+The equations are those of `tree` (Featherstone 2008), for the accelerations of `space_tree`. The law of a ball joint
+couples its three coordinates, so the joint is eliminated as a whole, with the inverse of its D (3, 3) = S . U + c.
+Of the terms that turn with the change, the matrix includes the gyroscopic moment w x I w, which is large for a body
+that spins fast.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from granular_contact.sand.kernels.vectors import at, cross, dot, plus, unit, ve
 
 @part
 def inertias(fv, w):
-    """Fill B and c with what they are without any forces but w x I w."""
+    """Fill B with the inertias and the tangent of w x I w, and c with zeros: the matrix without any forces."""
     nodes, body, twist = w.space_nodes, w.body, w.twist
     clear(body)
     clear(w.stiffness)
@@ -35,8 +36,8 @@ def inertias(fv, w):
 
 
 @part
-def fold(w):
-    """Fill `space_factors` from B and c; B of each node then has all that hangs on it."""
+def eliminate(w):
+    """Fill `space_factors` from B and c; B of each node then includes all nodes that it carries."""
     nodes, body, factors, arm = w.space_nodes, w.body, w.space_factors, w.arm
     T = room2(6, 6)
     for i in range(nodes.shape[0] - 1, -1, -1):
@@ -44,19 +45,19 @@ def fold(w):
             if nodes[i].which != LAST:
                 continue
             first = i - LAST
-            _fold_ball(i, T, w)
+            _eliminate_ball(i, T, w)
         else:
             first = i
-            _fold_one(i, T, w)
+            _eliminate_one(i, T, w)
         for k in range(3):
             factors[first].arm[k] = arm[first, k]
         if nodes[first].parent >= 0:
-            hang(T, at(arm, first, 0), piece(body, nodes[first].parent, 36))
+            add_to_parent(T, at(arm, first, 0), piece(body, nodes[first].parent, 36))
 
 
 @part
-def _sides(i, b, w):
-    """Fill U, W and S of node i by the B (36,) of its body."""
+def _products(i, b, w):
+    """Fill U, W and S of node i, from the B (36,) of its body."""
     along, f = w.along, w.space_factors[i]
     for k in range(6):
         of_u, of_w = 0.0, 0.0
@@ -68,7 +69,7 @@ def _sides(i, b, w):
 
 @part
 def _product(s, u):
-    """S . U of two coordinates, (6,) each."""
+    """Scalar product S . U of two coordinates, (6,) each."""
     total = 0.0
     for j in range(6):
         total += s[j] * u[j]
@@ -76,10 +77,10 @@ def _product(s, u):
 
 
 @part
-def _fold_one(i, T, w):
+def _eliminate_one(i, T, w):
     """Fill 1 / D of a hinge or slider, and T (6, 6) with B - U W / D."""
     b, f = piece(w.body, i, 36), w.space_factors[i]
-    _sides(i, b, w)
+    _products(i, b, w)
     d = _product(f.s, f.u) + w.stiffness[i]
     f.inverse[0] = 0.0 if w.prescribed[i] else 1.0 / d
     for j in range(6):
@@ -89,11 +90,11 @@ def _fold_one(i, T, w):
 
 
 @part
-def _fold_ball(i, T, w):
-    """As `_fold_one`, of a ball joint whose last node is i: D (3, 3) is S . U + c of its three coordinates."""
+def _eliminate_ball(i, T, w):
+    """As `_eliminate_one` for the ball joint whose last node is i; its D (3, 3) is S . U + c of three coordinates."""
     b, factors, coupled, D, first = piece(w.body, i, 36), w.space_factors, w.coupled, room2(3, 3), i - LAST
     for k in range(3):
-        _sides(first + k, b, w)
+        _products(first + k, b, w)
     for j in range(3):
         for k in range(3):
             D[j, k] = _product(factors[first + j].s, factors[first + k].u) + coupled[first + j, k]
@@ -112,7 +113,7 @@ def _fold_ball(i, T, w):
 
 @part
 def _invert(D, inverse):
-    """Write the inverse of D (3, 3) into `inverse` (9,), row by row."""
+    """Write the inverse of D (3, 3) into `inverse` (9,), row by row; by the cross products of its columns."""
     a, b, c = at(D, 0, 0), at(D, 1, 0), at(D, 2, 0)
     columns = cross(b, c), cross(c, a), cross(a, b)
     whole = dot(a, columns[0])
@@ -122,8 +123,8 @@ def _invert(D, inverse):
 
 
 @part
-def hang(T, arm, parent):
-    """Add X^T T X of a node, T (6, 6), to the B of its parent (36,); T is used up."""
+def add_to_parent(T, arm, parent):
+    """Add X^T T X of a node, T (6, 6), to the B of its parent (36,); T is overwritten."""
     for i in range(6):
         x = cross(arm, at(T, i, 0))
         for k in range(3):
@@ -137,16 +138,16 @@ def hang(T, arm, parent):
 
 @part
 def solve(w):
-    """As `tree.solve`."""
+    """See `tree.solve`."""
     nodes, factors, change = w.space_nodes, w.space_factors, w.change
-    p, A = w.passed, w.moved
+    p, A = w.passed, w.node_change
     clear(p)
     for i in range(nodes.shape[0] - 1, -1, -1):
         count = 3 if nodes[i].kind == BALL else 1
         first = i - count + 1
         if nodes[i].kind == BALL and nodes[i].which != LAST:
             continue
-        _weigh(first, count, i, p, w)
+        _inward_change(first, count, i, p, w)
         for j in range(count):
             for k in range(6):
                 p[i, k] += factors[first + j].u[k] * change[first + j]
@@ -163,21 +164,21 @@ def solve(w):
         x = cross(at(A, i, 3), vector(factors[first].arm, 0))
         for k in range(3):
             A[i, k] += x[k]
-        _follow(first, count, i, A, w)
+        _outward_change(first, count, i, A, w)
         for j in range(count):
             for k in range(6):
                 A[i, k] += factors[first + j].s[k] * change[first + j]
 
 
 @part
-def _weigh(first, count, i, p, w):
+def _inward_change(first, count, i, p, w):
     """Set the changes of the coordinates of a joint to 1 / D (-R - S . p)."""
-    factors, rest, change = w.space_factors, w.rest, w.change
+    factors, residual, change = w.space_factors, w.residual, w.change
     inverse = factors[first].inverse
     for j in range(count):
         change[first + j] = 0.0
     for k in range(count):
-        g = -rest[first + k]
+        g = -residual[first + k]
         for m in range(6):
             g -= factors[first + k].s[m] * p[i, m]
         for j in range(count):
@@ -185,8 +186,8 @@ def _weigh(first, count, i, p, w):
 
 
 @part
-def _follow(first, count, i, A, w):
-    """Take 1 / D W . A off the changes of the coordinates of a joint, with A of the body before they count."""
+def _outward_change(first, count, i, A, w):
+    """Subtract 1 / D W . A from the changes of the coordinates of a joint; A: change of its body without them."""
     factors, change = w.space_factors, w.change
     inverse = factors[first].inverse
     for k in range(count):
