@@ -128,7 +128,7 @@ def walls_of(
 
 def faults_without_medium(scenario: schema.Scenario, given: dict[str, Any]) -> Iterator[Fault]:
     """Faults of a floor or container (given, by key) without a medium, as only the load of a medium uses them."""
-    if places(scenario):
+    if media_layers(scenario):
         return
     bare = "{from: rft_generic, zeta: 1e-9}, or of spheres {law: bingham, yield_force_N: 0, viscosity_N_s_m: 0}"
     for key, value in given.items():
@@ -142,19 +142,19 @@ def _resultant_faults(scenario: schema.Scenario, layers: tuple[Layer, ...]) -> I
     """Faults of layers, scatter and laws that do not go with `load.form: resultant`."""
     if not all(layer.whole for layer in layers):
         yield scene_fault("load.form", "got resultant, but the bed has layers: allowed is distributed")
-    scattering = next((key for medium, key, *_ in places(scenario) if medium.scatter is not None), None)
+    scattering = next((key for medium, key, *_ in media_layers(scenario) if medium.scatter is not None), None)
     if scattering is not None:
         yield scene_fault(
             f"{scattering}.scatter", "stands beside load.form: resultant, which is a single force; allowed is null"
         )
-    without = dict.fromkeys(medium.law for medium, *_ in places(scenario) if not medium.resultant)
+    without = dict.fromkeys(medium.law for medium, *_ in media_layers(scenario) if not medium.resultant)
     if without:
         laws = ", ".join(tag for tag, law in LAWS.items() if law.resultant)
         why = f"got resultant, but {', '.join(without)} has none; laws with one are {laws}, else distributed is allowed"
         yield scene_fault("load.form", why)
 
 
-def places(scenario: schema.Scenario) -> list[tuple[Law, str, float, float]]:
+def media_layers(scenario: schema.Scenario) -> list[tuple[Law, str, float, float]]:
     """The media of a scenario, each with its key of the config and the depths (m) of its top and its bottom."""
     layers = () if scenario.bed is None else scenario.bed.layers
     bottoms = [*(layer.top_m for layer in layers), math.inf]
@@ -170,7 +170,7 @@ def layers_of(scenario: schema.Scenario, faults: list[Fault], in_space: bool = F
 
     in_space: check also the numbers that media need only in space.
     """
-    for medium, key, top, bottom in places(scenario):
+    for medium, key, top, bottom in media_layers(scenario):
         lacking = [
             scene_fault(
                 f"{key}.{name}",

@@ -13,7 +13,7 @@ from granular_contact.config.schema.joints import joint_of
 from granular_contact.errors import Fault, SceneError, scene_fault
 from granular_contact.scene.bed import Bed, bed_of
 from granular_contact.scene.bodies import flexible_links, rigid_body
-from granular_contact.scene.checks import beyond_numbers, closure_faults, inapplicable, media_notes, too_steep
+from granular_contact.scene.checks import bed_slope_faults, closure_faults, law_faults, magnitude_faults, media_notes
 from granular_contact.scene.drives import drives_of
 from granular_contact.scene.joints import joints_of
 from granular_contact.scene.layout import FREEDOMS, GROUND, ZERO, JointState, Layout, initial_states, lay_out, point
@@ -96,9 +96,9 @@ def _planar_scene(scenario: schema.Scenario) -> Scene:
     rigid, links = _bodies(layout, scenario.load.strips_per_rigid_part)
     ends = ends_of(rigid, links)
     faults += [
-        *_motion_faults(scenario),
+        *_impact_speed_faults(scenario),
         *_joint_faults(layout),
-        *too_steep(scenario),
+        *bed_slope_faults(scenario),
         *closure_faults(layout.model, layout.groups),
     ]
     if scenario.output.travel not in ("x", "path"):
@@ -106,8 +106,8 @@ def _planar_scene(scenario: schema.Scenario) -> Scene:
         faults.append(scene_fault("output.travel", words))
     bed = bed_of(scenario, [end.world - (0.0, end.drop) for end in ends], faults)
     if rigid or links:
-        faults += _nothing_in_medium(scenario, ends)
-        faults += _massless(rigid)
+        faults += _medium_faults(scenario, ends)
+        faults += _mass_faults(rigid)
     else:
         faults.append(scene_fault("model.joints", "every body is welded to the ground, so nothing can move"))
     if faults:
@@ -146,7 +146,7 @@ def verify(scene: Scene, scenario: schema.Scenario) -> tuple[str, ...]:
     SceneError
         The scene can't be solved.
     """
-    if faults := [*beyond_numbers(scene), *inapplicable(scene, scenario)]:
+    if faults := [*magnitude_faults(scene), *law_faults(scene, scenario)]:
         raise SceneError(faults)
     check(scene)
     if scene.method is not None:
@@ -190,7 +190,7 @@ def _hinge_rate_of_tip_speed(scenario: schema.Scenario, layout: Layout, faults: 
     speed, pins = scenario.initial.impact_tip_speed_m_s, _ground_pins(scenario.model)
     assert speed is not None
     if not pins:
-        return 0.0  # `_motion_faults` refuses this
+        return 0.0  # `_impact_speed_faults` refuses this
     rigid, links = _bodies(layout, scenario.load.strips_per_rigid_part)
     name, tip = _tip(ends_of(rigid, links), rigid, layout)
     motions = {body.name: body.motion for body in rigid} | {link.name: link.motion for link in links}
@@ -210,7 +210,7 @@ def _ground_pins(model: schema.Model) -> list[Vector]:
     ]
 
 
-def _motion_faults(scenario: schema.Scenario) -> Iterator[Fault]:
+def _impact_speed_faults(scenario: schema.Scenario) -> Iterator[Fault]:
     """Faults of impact speeds of a model without a hinge on the ground."""
     hinged = bool(_ground_pins(scenario.model))
     for key in ("impact_speed_rad_s", "impact_tip_speed_m_s"):
@@ -221,7 +221,7 @@ def _motion_faults(scenario: schema.Scenario) -> Iterator[Fault]:
             )
 
 
-def _massless(rigid: tuple[RigidBody, ...]) -> Iterator[Fault]:
+def _mass_faults(rigid: tuple[RigidBody, ...]) -> Iterator[Fault]:
     """Faults of bodies so small and light that volume times density underflows to 0."""
     for body in rigid:
         if not body.mass > 0.0:
@@ -315,7 +315,7 @@ def _has_body_columns(scenario: schema.Scenario, rigid: tuple[RigidBody, ...], l
     return bool(moving) and not pendulum and len(rigid) + len(links) <= MOST_BODIES
 
 
-def _nothing_in_medium(scenario: schema.Scenario, ends: list[End]) -> Iterator[Fault]:
+def _medium_faults(scenario: schema.Scenario, ends: list[End]) -> Iterator[Fault]:
     """Fault of a scenario with a medium, in which no part can be in the medium."""
     if scenario.media and not ends:
         yield scene_fault("model.bodies", "no part is a link or a shape in_sand, so the medium has nothing to act on")

@@ -20,7 +20,7 @@ from granular_contact.laws.gravity import gravity_notes
 from granular_contact.laws.kinds import SHAPE_NAMES, Kind
 from granular_contact.laws.law import Law, accepted_shapes
 from granular_contact.laws.repose import slope_faults, slope_notes
-from granular_contact.scene.bed import Bed, places
+from granular_contact.scene.bed import Bed, media_layers
 from granular_contact.scene.layout import GROUND
 from granular_contact.scene.types import FASTEST, Scene, link_of
 from granular_contact.scene.workspace import can_get_below, immersible
@@ -28,7 +28,7 @@ from granular_contact.scene.workspace import can_get_below, immersible
 FARTHEST = 1e6  # m: beyond any mechanism in sand; from some 1e8 m on, round-off of positions is as large as depths
 
 
-def beyond_numbers(scene: Any) -> Iterator[Fault]:
+def magnitude_faults(scene: Any) -> Iterator[Fault]:
     """Faults of forces that overflow, and of bodies that are too large, start too far away or too fast."""
     if not math.isfinite(scene.force_scale):
         moved = f"{scene.mass:.3g} kg at {scene.speed:.3g} m/s"
@@ -57,10 +57,10 @@ def closure_faults(model: Any, groups: list[list[str]]) -> Iterator[Fault]:
             yield scene_fault(f"model.closures.{name}.child", words)
 
 
-def too_steep(scenario: Any) -> Iterator[Fault]:
+def bed_slope_faults(scenario: Any) -> Iterator[Fault]:
     """Faults of a slope that is steeper than the angle of repose of a medium, in the plane or in space."""
     if scenario.bed is not None:
-        media = [medium for medium, *_ in places(scenario)]
+        media = [medium for medium, *_ in media_layers(scenario)]
         yield from (scene_fault("bed.slope_deg", words) for words in slope_faults(media, scenario.bed.slope_deg))
 
 
@@ -69,27 +69,27 @@ def media_notes(scenario: Any, bed: Any, uneven_key: str) -> Iterator[Fault]:
 
     bed: of the scene, or None; uneven_key: key of the config for a surface of several pieces.
     """
-    for medium, key, *_ in places(scenario):
+    for medium, key, *_ in media_layers(scenario):
         yield from (scene_fault(key, words) for words in gravity_notes(medium, scenario.gravity_m_s2))
     if bed is not None:
         yield from (scene_fault(uneven_key, words) for words in slope_notes(bed.media, bed.pieces()))
 
 
-def inapplicable(scene: Scene, scenario: schema.Scenario) -> Iterator[Fault]:
+def law_faults(scene: Scene, scenario: schema.Scenario) -> Iterator[Fault]:
     """Faults of shapes that can reach a depth without a law for them, media without a shape, balls in layers."""
     if scene.bed is None or not scene.media:
         return
-    layers, keys = scene.bed.layers, [key for _, key, _, _ in places(scenario)]
+    layers, keys = scene.bed.layers, [key for _, key, _, _ in media_layers(scenario)]
     parts = _parts_below(scene, scene.bed, 0.0)
     if not all(layer.whole for layer in layers) and any(kind == "ball" for _, kind in parts):
         yield scene_fault("bed.layers", "a sphere is met as a whole: no layers are allowed with one")
         return
     for top in sorted({layer.top for layer in layers}):
         media = {keys[i]: layer.medium for i, layer in enumerate(layers) if layer.top == top}
-        yield from _inapplicable_at(top, media, _parts_below(scene, scene.bed, top))
+        yield from _law_faults_at(top, media, _parts_below(scene, scene.bed, top))
 
 
-def _inapplicable_at(top: float, media: dict[str, Law], parts: list[tuple[str, Kind]]) -> Iterator[Fault]:
+def _law_faults_at(top: float, media: dict[str, Law], parts: list[tuple[str, Kind]]) -> Iterator[Fault]:
     """Faults of the media (by their keys) of the layer below a depth (m) and of the parts that can get there."""
     taken = {kind for medium in media.values() for kind in medium.takes}
     given = "; ".join(dict.fromkeys(map(accepted_shapes, media.values())))

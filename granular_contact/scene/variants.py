@@ -17,7 +17,7 @@ from granular_contact.config.differences import same_but
 from granular_contact.errors import SceneError
 from granular_contact.scene.bed import bed_of
 from granular_contact.scene.build import End, build_checked, ends_of, verify
-from granular_contact.scene.checks import beyond_numbers, media_notes, too_steep
+from granular_contact.scene.checks import bed_slope_faults, magnitude_faults, media_notes
 from granular_contact.scene.methods import medium_obstacles
 from granular_contact.scene.parts import InitialMotion, rotation
 from granular_contact.scene.types import Joint, Reduced, Scene, Vector
@@ -78,7 +78,7 @@ def variant(base: Scene, ends: Sequence[End], scenario: schema.Scenario) -> Scen
     """
     if base.scenario is None or not isinstance(base.method, Reduced) or not _is_variant(base.scenario, scenario):
         return None
-    faults = list(too_steep(scenario))
+    faults = list(bed_slope_faults(scenario))
     turn = _Turn.of(base, scenario.initial)
     bed = bed_of(scenario, [turn.point(end.world) - (0.0, end.drop) for end in ends], faults)
     if faults:
@@ -115,7 +115,7 @@ def _verify(scene: Scene, scenario: schema.Scenario) -> None:
     kinds |= {shape.kind for body in scene.rigid for shape in body.shapes if shape.in_sand}
     if any(medium_obstacles(scene)) or not all(kinds <= set(medium.takes) for medium in scene.media):
         verify(scene, scenario)
-    elif faults := list(beyond_numbers(scene)):
+    elif faults := list(magnitude_faults(scene)):
         raise SceneError(faults)
 
 

@@ -14,7 +14,7 @@ from granular_contact.config.schema.wheel import rig_of
 from granular_contact.errors import Fault, scene_fault
 from granular_contact.laws.surface_pressure import SurfacePressure
 from granular_contact.scene import signals
-from granular_contact.scene.bed import places
+from granular_contact.scene.bed import media_layers
 from granular_contact.scene.bodies import mass_of
 from granular_contact.scene.shapes import effective_radius
 from granular_contact.scene.types import Drive
@@ -79,7 +79,7 @@ def wheel_notes(scenario: schema.Scenario) -> Iterator[Fault]:
     """Notes on media whose shear stress does not grow with the slip path, if a wheel is driven."""
     if not _has_driven_wheel(scenario):
         return
-    for medium, key, *_ in places(scenario):
+    for medium, key, *_ in media_layers(scenario):
         if isinstance(medium, SurfacePressure) and not medium.shear_grows:
             words = "is 0, so that the full shear stress acts at once, and the pull of a wheel hardly depends on its "
             words += "slip; give K (m), as in cmu_dry_sand_bekker"

@@ -28,7 +28,7 @@ TOLERATED: dict[str, tuple[str, str, str, int, str]] = {
     "claim of UTF-16": ('<?xml version="1.0" encoding="utf-16"?>\n', "", "utf-8", 1, "says the encoding 'utf-16'"),
     "claim of nothing": ('<?xml version="1.0" encoding="plain"?>\n', "", "utf-8", 1, "says the encoding 'plain'"),
     "not UTF-8": (START, "<!-- 90\xb0 -->", "latin-1", 14, "the byte 0xb0, which the encoding utf-8 does not have"),
-    "not ASCII": ('<?xml version="1.0" encoding="ascii"?>\n', "<!-- \xb0 -->", "utf-8", 14, "encoding ascii does not have"),
+    "not ASCII": ('<?xml version="1.0" encoding="ascii"?>\n', "<!-- \xb0 -->", "utf-8", 14, "ascii does not have"),
     "dashes in a comment": (START, "<!-- ---- end ---- -->", "utf-8", 14, "a comment holds --"),
     "ampersand": (START, '<gazebo text="sand & gravel"/>', "utf-8", 14, "has an & that begins no known entity"),
 }  # fmt: skip

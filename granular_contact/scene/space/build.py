@@ -12,8 +12,8 @@ from granular_contact.config.schema import space as schema
 from granular_contact.errors import Fault, SceneError, scene_fault
 from granular_contact.laws.law import Law
 from granular_contact.sand.space.load import element_kinds, laws_for
-from granular_contact.scene.bed import places
-from granular_contact.scene.checks import beyond_numbers, closure_faults, media_notes, too_steep
+from granular_contact.scene.bed import media_layers
+from granular_contact.scene.checks import bed_slope_faults, closure_faults, magnitude_faults, media_notes
 from granular_contact.scene.drives import drives_of
 from granular_contact.scene.layout import GROUND, weld_groups
 from granular_contact.scene.loops import close_loops
@@ -47,7 +47,7 @@ def build_spatial(scenario: schema.SpatialScenario) -> SpatialScene:
     drives = drives_of(scenario, solver, faults)
     states = close_loops(SpatialLoops(model), initial_states(scenario, drives, faults), faults, notes)
     constraints = independent_constraints(model, states, drives, faults) if not faults else {}
-    media_kinds = {kind for medium, *_ in places(scenario) for kind in element_kinds(medium)}
+    media_kinds = {kind for medium, *_ in media_layers(scenario) for kind in element_kinds(medium)}
     bodies = bodies_of(model, media_kinds, scenario.load, faults, notes)
     if faults or bodies is None:
         raise SceneError(faults)
@@ -57,9 +57,9 @@ def build_spatial(scenario: schema.SpatialScenario) -> SpatialScene:
         faults.append(scene_fault("model.joints", "every body is welded to the ground, so nothing can move"))
     faults += closure_faults(model, groups)
     bed = bed_of(scenario, rigid, faults)
-    faults += [*too_steep(scenario), *_inapplicable(scenario, rigid)]
-    notes += [*media_notes(scenario, bed, "bed.height_map"), *_links_as_bars(scenario)]
-    notes += _beside_map(bed, rigid)
+    faults += [*bed_slope_faults(scenario), *_law_faults(scenario, rigid)]
+    notes += [*media_notes(scenario, bed, "bed.height_map"), *_bar_link_notes(scenario)]
+    notes += _beside_map_notes(bed, rigid)
     if faults:
         raise SceneError(faults)
     reduced = scenario.method.reduced
@@ -83,7 +83,7 @@ def build_spatial(scenario: schema.SpatialScenario) -> SpatialScene:
         travel=scenario.output.ahead,
         beams=tuple(beams(scenario.model, pose, rigid)),
     )
-    if faults := list(beyond_numbers(scene)):
+    if faults := list(magnitude_faults(scene)):
         raise SceneError(faults)
     check(scene)
     check_modes(scene)
@@ -101,9 +101,9 @@ def _too_stiff(scene: SpatialScene) -> Iterator[str]:
             yield beam.name
 
 
-def _inapplicable(scenario: schema.SpatialScenario, rigid: tuple[SpatialRigidBody, ...]) -> Iterator[Fault]:
+def _law_faults(scenario: schema.SpatialScenario, rigid: tuple[SpatialRigidBody, ...]) -> Iterator[Fault]:
     """Faults of shapes without a law for them, media without a shape to act on, balls in layers."""
-    media = places(scenario)
+    media = media_layers(scenario)
     parts = [part for body in rigid for part in body.parts if part.in_sand]
     if not media:
         return
@@ -116,10 +116,10 @@ def _inapplicable(scenario: schema.SpatialScenario, rigid: tuple[SpatialRigidBod
         return
     for top in sorted({top for *_, top, _ in media}):
         at_top = {key: medium for medium, key, begins, _ in media if begins == top}
-        yield from _inapplicable_at(top, at_top, parts)
+        yield from _law_faults_at(top, at_top, parts)
 
 
-def _inapplicable_at(top: float, media: dict[str, Law], parts: list[Part]) -> Iterator[Fault]:
+def _law_faults_at(top: float, media: dict[str, Law], parts: list[Part]) -> Iterator[Fault]:
     """Faults of the media (by their keys) of the layer below a depth (m) and of parts, all of which may get there."""
     kinds_of = {key: element_kinds(medium) for key, medium in media.items()}
     taken = {kind for accepted in kinds_of.values() for kind in accepted}
@@ -139,7 +139,7 @@ def _inapplicable_at(top: float, media: dict[str, Law], parts: list[Part]) -> It
             yield scene_fault(key, words + why)
 
 
-def _beside_map(bed: SpatialBed | None, rigid: tuple[SpatialRigidBody, ...]) -> Iterator[Fault]:
+def _beside_map_notes(bed: SpatialBed | None, rigid: tuple[SpatialRigidBody, ...]) -> Iterator[Fault]:
     """Note on bodies that start beside a map of heights, where the surface is level."""
     if bed is None or bed.heights is None:
         return
@@ -157,9 +157,9 @@ def _beside_map(bed: SpatialBed | None, rigid: tuple[SpatialRigidBody, ...]) -> 
         yield scene_fault("bed.height_map", f"{words}; beyond it at the start: {names}; corner_m moves the map")
 
 
-def _links_as_bars(scenario: schema.SpatialScenario) -> Iterator[Fault]:
+def _bar_link_notes(scenario: schema.SpatialScenario) -> Iterator[Fault]:
     """Notes on media for surfaces that do not act on round links, as these are bars for another medium."""
-    media = [(key, medium, element_kinds(medium)) for medium, key, *_ in places(scenario)]
+    media = [(key, medium, element_kinds(medium)) for medium, key, *_ in media_layers(scenario)]
     bar_media = [medium.name for _, medium, accepted in media if "bar" in accepted]
     links = [body for body in scenario.model.all_bodies.values() if isinstance(body, schema.SpatialLink)]
     if not bar_media or not any(link.diameter_m is not None for link in links):
