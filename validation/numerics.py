@@ -52,8 +52,8 @@ class Solved:
     error: float
 
 
-def _without_acceleration(solver: Any, _lever: Any, apply: Any) -> Predictor:
-    return Predictor(solver, None, apply)
+def _without_acceleration(solver: Any, _lever: Any, apply: Any, allowed: Any) -> Predictor:
+    return Predictor(solver, None, apply, allowed)
 
 
 def _with_full_newton(scene: Any) -> Any:
