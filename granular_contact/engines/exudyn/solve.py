@@ -75,8 +75,8 @@ class Solve:
         self.system, mbs, scene = system, system.mbs, system.scene
         self.simulation = settings(scene) if simulation is None else simulation
         self.recorder = Recorder(system, progress)
-        self._able = abilities(mbs)
-        if (why := refusal(self._able, pauses=pauses, turns=bool(system.turning))) is not None:
+        self._abilities = abilities(mbs)
+        if (why := refusal(self._abilities, pauses=pauses, turns=bool(system.turning))) is not None:
             raise SolveError(why)
         self.solver = exu.MainSolverImplicitSecondOrder()
         self._it, self._conv = self.solver.it, self.solver.conv  # handles of the solver's own numbers, no copies
@@ -112,7 +112,7 @@ class Solve:
 
     def _choose_steps(self, accuracy: float) -> None:
         """Let a step control choose the steps by their error."""
-        sets_steps = self._able.controls
+        sets_steps = self._abilities.controls
         control = StepControl(self.system, self.solver, self.recorder.lever, accuracy, sets_steps=sets_steps)
         self.recorder.control = control
         self.system.mbs.SetPostNewtonUserFunction(control)
@@ -124,7 +124,7 @@ class Solve:
         None if the accelerations are mere round-off, or if the engine does not let us change its solver and its
         vectors.
         """
-        if unresolved(self.system.scene) or not (self._able.controls and self._able.views):
+        if unresolved(self.system.scene) or not (self._abilities.controls and self._abilities.views):
             return None
         bed = self.system.bed
         lever = self.recorder.lever if bed is not None or self.system.loads else None
@@ -295,7 +295,7 @@ class Solve:
             multipliers=dict(zip(system.motions, np.transpose(recorder.multipliers), strict=True)),
             a=np.array(recorder.accelerations) if system.motions else None,
             set_to=dict(zip(recorder.external_loads, np.transpose(recorder.set_to), strict=True)),
-            notices=(*notices(self._able), *(() if self._keeper is None else self._keeper.notices())),
+            notices=(*notices(self._abilities), *(() if self._keeper is None else self._keeper.notices())),
         )
 
 

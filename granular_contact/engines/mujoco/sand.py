@@ -49,25 +49,32 @@ class Sand(ABC):
     bristles; infinite without bristles.
     """
 
-    def __init__(self, parts: list[_HeldBatch], bodies: int) -> None:
-        self.parts, self.sizes, self.facings = parts, np.zeros(bodies), np.zeros((bodies, 3))
-        for part in parts:
-            np.maximum.at(self.sizes, part.held_places, part.reaches)
-        displacements = [float(part.bristle["u_y"][0]) for part in parts if part.bristle["friction"][0] != SMOOTH]
+    def __init__(self, held_batches: list[_HeldBatch], bodies: int) -> None:
+        self.held_batches, self.sizes, self.facings = held_batches, np.zeros(bodies), np.zeros((bodies, 3))
+        for held_batch in held_batches:
+            np.maximum.at(self.sizes, held_batch.held_places, held_batch.reaches)
+        displacements = [
+            float(held_batch.bristle["u_y"][0])
+            for held_batch in held_batches
+            if held_batch.bristle["friction"][0] != SMOOTH
+        ]
         self.yield_displacement = min(displacements, default=np.inf)
 
     def state(self) -> State:
         """A new state: unstretched bristles, and everything may touch."""
-        return [(np.zeros_like(part.batch.anchors), np.ones(len(part.records), bool)) for part in self.parts]
+        return [
+            (np.zeros_like(held_batch.batch.anchors), np.ones(len(held_batch.records), bool))
+            for held_batch in self.held_batches
+        ]
 
     @staticmethod
     def _arrays(
-        part: _HeldBatch, state: tuple[Vector, NDArray[np.bool_]], held: Any, bed: Any, *names: str
+        held_batch: _HeldBatch, state: tuple[Vector, NDArray[np.bool_]], held: Any, bed: Any, *names: str
     ) -> dict[str, Any]:
         """Arrays of a batch in a state, by the names that kernels use; names: attributes of the batch among them."""
         anchors, active = state
-        step_arrays = {"held_places": part.held_places, "bristle": part.bristle, "held": held, "bed": bed}
-        batch_arrays = {name: getattr(part.batch, name) for name in names}
+        step_arrays = {"held_places": held_batch.held_places, "bristle": held_batch.bristle, "held": held, "bed": bed}
+        batch_arrays = {name: getattr(held_batch.batch, name) for name in names}
         return step_arrays | {"anchors": anchors, "active": active} | batch_arrays
 
     @abstractmethod
@@ -84,16 +91,18 @@ class SpatialSand(Sand):
     def __init__(self, load: Any, static: Elastoplastic | Smooth) -> None:
         self.media = load.batch_media
         pairs = zip(load.batch_media, load.batches, strict=True)
-        parts = [_spatial_batch(batch, bristle_record(static, medium, batch)) for medium, batch in pairs]
-        super().__init__(parts, 1 + max(int(part.held_places.max()) for part in parts))
+        held_batches = [_spatial_batch(batch, bristle_record(static, medium, batch)) for medium, batch in pairs]
+        super().__init__(held_batches, 1 + max(int(held_batch.held_places.max()) for held_batch in held_batches))
 
     def calls(self, state: State, held: Any, bed: Any) -> list[Callable[[], None]]:
         """As in `Sand`."""
         calls = []
         names = "bodies", "clusters", "elements", "ground", "medium"
-        for medium, part, batch_state in zip(self.media, self.parts, state, strict=True):
-            arrays = self._arrays(part, batch_state, held, bed, *names) | {"inner_clusters": part.records}
-            calls.append(bound(self._kernel(medium), space_added_mass.BATCH.addresses(arrays), part.rows, keep=arrays))
+        for medium, held_batch, batch_state in zip(self.media, self.held_batches, state, strict=True):
+            arrays = self._arrays(held_batch, batch_state, held, bed, *names) | {"inner_clusters": held_batch.records}
+            calls.append(
+                bound(self._kernel(medium), space_added_mass.BATCH.addresses(arrays), held_batch.rows, keep=arrays)
+            )
         return calls
 
     @staticmethod
@@ -127,17 +136,17 @@ class PlanarSand(Sand):
 
     def __init__(self, load: GranularLoad, static: Elastoplastic | Smooth, facings: Vector) -> None:
         pairs = zip(load.batch_media, load.batches, strict=True)
-        parts = [_planar_batch(batch, bristle_record(static, medium, batch)) for medium, batch in pairs]
-        super().__init__(parts, len(facings))
+        held_batches = [_planar_batch(batch, bristle_record(static, medium, batch)) for medium, batch in pairs]
+        super().__init__(held_batches, len(facings))
         self.facings = facings
 
     def calls(self, state: State, held: Any, bed: Any) -> list[Callable[[], None]]:
         """As in `Sand`."""
         calls = []
         names = "ends", "geometry", "profile", "medium"
-        for part, batch_state in zip(self.parts, state, strict=True):
-            arrays = self._arrays(part, batch_state, held, bed, *names)
-            arrays |= {"reaches": part.reaches, "lines": part.records}
+        for held_batch, batch_state in zip(self.held_batches, state, strict=True):
+            arrays = self._arrays(held_batch, batch_state, held, bed, *names)
+            arrays |= {"reaches": held_batch.reaches, "lines": held_batch.records}
             calls.append(bound(planar_added_mass.act, planar_added_mass.BATCH.addresses(arrays), keep=arrays))
         return calls
 
