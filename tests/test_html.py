@@ -176,8 +176,8 @@ WORDS = {
     "sweep": ["4 cases: ", "case0", "still", "impact speed (rad/s)", "exudyn", "impact_angle_deg: 31"],
     "fit": [
         "misfit",
-        "2 coefficients from 2 instants of 1 measured run: eta_h 8.123 \N{PLUS-MINUS SIGN} 0.12, eta_d 65 (no error",
-        "the model misses something",
+        "2 coefficients from 2 instants of 1 measured run: eta_h 8.123 \N{PLUS-MINUS SIGN} 0.12, eta_d 65 (not determined",
+        "the model does not describe the data",
         "medium.eta_d is at",
         "\N{MINUS SIGN}0.43",
         "13.7 %",
@@ -286,7 +286,7 @@ def test_numbers_that_are_the_same_in_all_cases_are_one_line(tmp_path: Path) -> 
         (tmp_path / "table.csv").write_text("\n".join([head, *lines[:count]]))
         text = "".join(Outline(html(tmp_path)).text).split("Key numbers")[-1].split("Figures")[0]
         assert ("The same in all cases" in text) == (constant is not None)
-        before, _, table = text.partition("What the cases found.")
+        before, _, table = text.partition("Statistics over the cases.")
         assert constant is None or constant in before
         assert ("largest depth" in table) == (constant is None)
         assert "largest deflection" in table
@@ -319,7 +319,7 @@ def test_contacts_travel_and_work_of_a_mechanism_are_told(tmp_path: Path) -> Non
     report.write(dataclasses.replace(one, summary=one.summary | more), tmp_path / "r", figures=False)
     text = "".join(Outline(html(tmp_path / "r")).text)
     for words in (
-        "It travelled 343.2 mm, at 0.2288 m/s in the mean. Its cost of transport was 3.25.",
+        "It travelled 343.2 mm, with a mean speed of 0.2288 m/s. Its cost of transport was 3.25.",
         "10 ms to 20 ms; 50 ms to 90 ms",
         "and 12 more",
         "work of drives3.9 J",
@@ -461,20 +461,20 @@ def test_a_run_is_viewed_in_the_browser_by_any_method(
 
 def broken(folder: Path) -> Iterator[str]:
     """Ways in which a folder can be no results, and what is said then."""
-    yield "is not there"
+    yield "does not exist"
     folder.mkdir()
-    yield "no results"
+    yield "is not a folder of results"
     (folder / "table.csv").write_text("")
     yield "is empty"
     (folder / "table.csv").write_text("case,status\na\n")
     yield "table.csv:2: has 1 cells; 2 are allowed"
     (folder / "table.csv").unlink()
     (folder / "timeseries.csv").touch()
-    yield "holds no summary.json"
+    yield "has no summary.json"
     (folder / "summary.json").write_text("{")
     yield "is not JSON"
     (folder / "summary.json").write_text("[1]")
-    yield "holds no object"
+    yield "is not a JSON object"
 
 
 def test_broken_folders_are_refused_in_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -494,9 +494,13 @@ DAMAGES: tuple[tuple[str, bytes, str], ...] = (
     ("summary.json", b'{"warnings": "none"}', "warnings is not a list"),
     ("summary.json", b'{"energy": 3}', "energy is not an object"),
     ("summary.json", b'{"contacts": []}', "contacts is not an object"),
-    ("summary.json", b'{"contacts": {"foot": 3}}', "holds what no run of this program writes"),
-    ("summary.json", b'{"contacts": {"foot": [[1, 2, 3]]}}', "holds what no run of this program writes"),
-    ("summary.json", b'{"max_depth_m": "deep"}', "holds what no run of this program writes"),
+    ("summary.json", b'{"contacts": {"foot": 3}}', "does not have the form that this program writes for a run"),
+    (
+        "summary.json",
+        b'{"contacts": {"foot": [[1, 2, 3]]}}',
+        "does not have the form that this program writes for a run",
+    ),
+    ("summary.json", b'{"max_depth_m": "deep"}', "does not have the form that this program writes for a run"),
     ("summary.json", b'{"versions": [1]}', "versions is not an object"),
     ("summary.json", b"[" * 100_000, "is not JSON"),
     ("summary.json", b"\xff\xfe", "is not text"),

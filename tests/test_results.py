@@ -92,15 +92,15 @@ def damaged() -> dict[str, tuple[dict[str, bytes | None], str]]:
     summary, table = saved()["summary.json"], saved()["timeseries.csv"]
     odd = json.dumps({**json.loads(summary), "status": "fine"}).encode()
     return {
-        "no table": ({"timeseries": None}, "holds no timeseries.csv: it is not a complete run"),
+        "no table": ({"timeseries": None}, "has no timeseries.csv: it is not the complete folder of a run"),
         "a table cut short": ({"timeseries": table[:-40]}, "timeseries.csv: can't be read as a table: "),
         "a table of words": ({"timeseries": table + b"well, x\n"}, "timeseries.csv: can't be read as a table: "),
         "another table": ({"timeseries": b"time_s,x_m\n0,1\n"}, "has other columns than those listed in summary.json"),
-        "no summary": ({"summary": None}, "holds no summary.json: it is not a complete run"),
+        "no summary": ({"summary": None}, "has no summary.json: it is not the complete folder of a run"),
         "no JSON": ({"summary": summary[:100]}, "summary.json: is not JSON"),
         "no columns": ({"summary": b'{"status": "rest"}'}, "has no columns"),
         "no such status": ({"summary": odd}, "got the status 'fine'"),
-        "no scenario": ({"scenario": None}, "holds no scenario.yaml"),
+        "no scenario": ({"scenario": None}, "has no scenario.yaml"),
         "a broken scenario": ({"scenario": b"model: pendulam\n"}, "scenario.yaml:1: model: got 'pendulam'"),
     }
 

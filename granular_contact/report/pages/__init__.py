@@ -1,10 +1,10 @@
-"""Results folder -> one HTML file that holds everything: text, numbers, figures, motion, scenario, warnings.
+"""HTML page of a results folder, in one file: text, numbers, figures, motion, scenario, warnings.
 
-folder                                  what is on the disk
-run, comparison, sweep, fit, optimise   what is shown of each kind of results; of several runs
-chart, stage, live                      a chart of many rows; the player of the plane; what scripts get
-templates, rendering                    the words and the look of pages; what templates ask for
-scripts                                 what runs in the browser
+folder                                  results folder on the disk
+run, comparison, sweep, fit, optimise   content of the page of each kind of results; a gallery of several runs
+chart, stage, live                      a chart of many rows; the player in the plane; data for scripts
+templates, rendering                    texts and layout of pages; functions for templates
+scripts                                 scripts that run in the browser
 """
 
 from __future__ import annotations
@@ -29,15 +29,16 @@ from granular_contact.report.pages.rendering import GENERATOR, rendered
 __all__ = ["FolderError", "html", "write"]
 
 GALLERY = "gallery.html"
-MOST_BYTES = 5_000_000  # of a file that can be saved from a page
+MOST_BYTES = 5_000_000  # greatest size of a file that can be saved from a page
 
-_ODD = (
+# Exceptions of data of unexpected types in a results folder.
+_MALFORMED = (
     *(ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError),
     *(struct.error, TemplateError),
 )
 
 
-# What is shown of each kind of results; of the others their tables and figures.
+# Function that makes the content of each kind of results; other kinds have a page of their tables and figures.
 _CONTENTS: dict[str, Callable[[Folder], dict[str, Any]]] = {
     **dict.fromkeys(("compare", "compare-media"), comparison.content),
     **{"run": run.content, "fit": fit.content, "optimise": optimise.content},
@@ -45,36 +46,38 @@ _CONTENTS: dict[str, Callable[[Folder], dict[str, Any]]] = {
 
 
 def html(directory: Path) -> str:
-    """The page of a results folder.
+    """Make the page of a results folder.
 
     Raises
     ------
     FolderError
-        The folder holds no results, or broken ones.
+        The folder contains no results, or damaged ones.
     """
     folder = open_folder(directory)
     try:
-        with tempfile.TemporaryDirectory() as place:
-            of_kind = _CONTENTS.get(folder.kind, _tables)
-            content = sweep.content(folder, Path(place)) if folder.kind == "sweep" else of_kind(folder)
+        with tempfile.TemporaryDirectory() as pictures:
+            make = _CONTENTS.get(folder.kind, _tables)
+            content = sweep.content(folder, Path(pictures)) if folder.kind == "sweep" else make(folder)
             data, cases = {"files": _files(folder)} | content.pop("data"), content.pop("cases", {})
             data |= {"cases": cases} if cases else {}
             return rendered(folder.kind, content, data, draws=bool(cases or content["groups"]))
-    except _ODD as error:  # what is written here has other types somewhere
-        held = [str(folder.path / name) for name in ENTRIES[folder.kind] if name.endswith((".json", ".csv"))]
-        named = " or ".join(name for name in held if Path(name).is_file())
-        raise FolderError(f"{named} holds what no {folder.kind} of this program writes ({error!r})") from error
+    except _MALFORMED as error:
+        files = [folder.path / name for name in ENTRIES[folder.kind] if name.endswith((".json", ".csv"))]
+        named = " or ".join(str(file) for file in files if file.is_file())
+        raise FolderError(
+            f"{named} does not have the form that this program writes for a {folder.kind} ({error!r})"
+        ) from error
 
 
 def _files(folder: Folder) -> dict[str, str]:
-    """Texts that can be saved from the page, by their names; none of a size that would make the page unwieldy.
+    """Texts that can be saved from the page, by file name; large files are left out, to keep the page small.
 
-    A run gives all but its table, which the page holds for its scripts.
+    For a run the table is left out as well, because the page contains it for its scripts.
     """
     if folder.kind == "run":
         return {name: str(folder.text(name)) for name in (SUMMARY, SCENARIO, MOTION) if folder.has(name)}
-    given = (OVERLAY, MOTION)  # which the page holds for its scripts
-    names = [one for one in ENTRIES[folder.kind] if one.endswith((".json", ".csv", ".yaml")) and one not in given]
+    in_page = (OVERLAY, MOTION)  # the page contains them for its scripts
+    names = [name for name in ENTRIES[folder.kind] if name.endswith((".json", ".csv", ".yaml")) and name not in in_page]
     small = [name for name in names if folder.has(name) and (folder.path / name).stat().st_size <= MOST_BYTES]
     return {name: text for name in small if (text := folder.text(name)) is not None}
 
@@ -91,23 +94,23 @@ def _tables(folder: Folder) -> dict[str, Any]:
 
 
 def write(directory: Path | Sequence[Path], file: Path | None = None) -> Path:
-    """Write the page of a results folder to a file, `report.html` in the folder unless given, whole or not at all.
+    """Write the page of a results folder to a file, by default `report.html` in the folder, completely or not at all.
 
-    Of several folders of runs it is a gallery, `gallery.html` in the folder that holds the first unless given.
+    For several folders of runs the page is a gallery, by default `gallery.html` beside the first folder.
 
     Raises
     ------
     FolderError
-        As `html`; or the file is there already and is no page of ours.
+        As `html`; or the file exists and is not a page of this program.
     OSError
-        The disk refuses.
+        The file cannot be written.
     """
-    several = [] if isinstance(directory, Path) else list(directory)
+    runs = [] if isinstance(directory, Path) else list(directory)
     if file is None:
-        file = directory / PAGE if isinstance(directory, Path) else several[0].resolve().parent / GALLERY
-    if file.exists() and not _is_ours(file):
-        raise FolderError(f"{file} is there already and is not a report of this program: give another name, or move it")
-    text = html(directory) if isinstance(directory, Path) else comparison.html(several, file)
+        file = directory / PAGE if isinstance(directory, Path) else runs[0].resolve().parent / GALLERY
+    if file.exists() and not _is_page(file):
+        raise FolderError(f"{file} exists and is not a report of this program: give another name, or move the file")
+    text = html(directory) if isinstance(directory, Path) else comparison.html(runs, file)
     making = file.with_name(f".{file.name}.{secrets.token_hex(4)}")
     try:
         making.write_text(text, encoding="utf-8")
@@ -117,7 +120,8 @@ def write(directory: Path | Sequence[Path], file: Path | None = None) -> Path:
     return file
 
 
-def _is_ours(file: Path) -> bool:
+def _is_page(file: Path) -> bool:
+    """Return whether a file is a page of this program."""
     if not file.is_file():
         return False
     with file.open("rb") as opened:

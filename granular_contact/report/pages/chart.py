@@ -1,4 +1,4 @@
-"""The chart of a page of many rows: any column of numbers against any other, with a third as colour."""
+"""Data of the chart on a page with many rows: any column of numbers against any other, with a third as colour."""
 
 from __future__ import annotations
 
@@ -8,37 +8,37 @@ from typing import Any
 
 from granular_contact.report.units import column, is_number
 
-MOST_POINTS = 20_000  # of a longer table every second row, or third, and so on
+MOST_POINTS = 20_000  # greatest number of points; of a longer table every second row is shown, or every third, ...
 
 
 def chart(
     names: Sequence[str], columns: Mapping[str, Sequence[Any]], x: str, y: str, *, joined: bool = False
 ) -> dict[str, Any]:
-    """Data for the script: what each row is called, and the columns of which numbers differ; empty without x or y.
+    """Data for the script: names of the rows, and the columns whose numbers differ; empty if x or y is constant.
 
     Parameters
     ----------
     names
-        What is reported of the row that is pointed at.
+        Text that is shown for the row under the pointer.
     columns
-        Cells of each column, by its key; its unit is that of the key.
+        Cells of each column, by key; the unit is that of the key.
     x, y
-        Keys of the columns that are shown at first.
+        Keys of the columns that are shown first.
     joined
-        Whether points are joined along x, where that is shown: of rows in which nothing else was varied.
+        Whether points are joined by a line along x, for rows in which only x was varied.
     """
     every = max(1, -(-len(names) // MOST_POINTS))
-    differ = [key for key, cells in columns.items() if len({one for one in cells if _is_finite(one)}) > 1]
-    if x not in differ or y not in differ:
+    differing = [key for key, cells in columns.items() if len({cell for cell in cells if _is_finite(cell)}) > 1]
+    if x not in differing or y not in differing:
         return {}
-    shown = [_column(key, columns[key][::every]) for key in differ]
-    places = {"x": differ.index(x), "y": differ.index(y)}
-    return {"names": list(names[::every]), "columns": shown, **places, "joined": joined}
+    shown = [_column(key, columns[key][::every]) for key in differing]
+    axes = {"x": differing.index(x), "y": differing.index(y)}
+    return {"names": list(names[::every]), "columns": shown, **axes, "joined": joined}
 
 
 def _column(key: str, cells: Sequence[Any]) -> dict[str, Any]:
-    words, numbers = column(key, [float(one) if _is_finite(one) else None for one in cells])
-    return {"label": words, "values": [float(one) if is_number(one) else None for one in numbers]}
+    heading, numbers = column(key, [float(cell) if _is_finite(cell) else None for cell in cells])
+    return {"label": heading, "values": [float(number) if is_number(number) else None for number in numbers]}
 
 
 def _is_finite(value: Any) -> bool:

@@ -1,4 +1,4 @@
-"""Pages of several runs: of models or media of one run, and a gallery of any runs with a table to sort."""
+"""Pages of several runs: comparison of models or media, and a gallery of any runs with a table to sort."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ _OF_MODELS = (
     *("model", "stopping_time_s", "stopping_time_relative", "angle_at_stop_deg", "travel_relative"),
     *("max_deflection_m", "deflection_relative", "angle_rms_deg", "deflection_rms_m", "solve_s"),
 )
-_NOT_SHOWN = ("warnings", "energy_imbalance_relative")  # of media: shown elsewhere on the page
+_NOT_SHOWN = ("warnings", "energy_imbalance_relative")  # columns of media that are shown elsewhere on the page
 
 
 def content(folder: Folder) -> dict[str, Any]:
-    """Content for its template."""
+    """Values for the template."""
     of_media = folder.kind == "compare-media"
     table = folder.table(OF_MEDIA if of_media else COMPARISON)
     head, names = table.head, [str(row[0]) for row in table.rows]
@@ -32,9 +32,9 @@ def content(folder: Folder) -> dict[str, Any]:
     if of_media and "energy_imbalance_relative" in head:
         imbalance = dict(zip(names, table.column("energy_imbalance_relative"), strict=True))
     if of_media and "warnings" in head:
-        found = zip(names, table.column("warnings"), strict=True)
-        summary = {"warnings": [f"{name}: {words}" for name, words in found if words]}
-    live = nothing_live()  # of a folder of an earlier version
+        warnings = zip(names, table.column("warnings"), strict=True)
+        summary = {"warnings": [f"{name}: {warning}" for name, warning in warnings if warning]}
+    live = nothing_live()  # folders of earlier versions have no histories
     if folder.has(OVERLAY):
         reference = names[-1] if names and not of_media else ""
         live = live_overlay(names, folder.numbers(OVERLAY), folder.played(), reference)
@@ -52,27 +52,27 @@ def content(folder: Folder) -> dict[str, Any]:
     }
 
 
-NUMBERS = (  # the most telling first
+NUMBERS = (  # the most important first
     *("forward_speed_m_s", "cost_of_transport", "penetration_time_s", "stopping_time_s", "max_depth_m"),
     *("max_deflection_m", "largest_drive_torque_Nm", "energy.imbalance_relative"),
 )
-MOST_NUMBERS = 4  # of a card
-PICTURES = ("views", "mechanism", "travel", "joints")  # the first that there is
+MOST_NUMBERS = 4  # greatest number of key numbers on a card
+PICTURES = ("views", "mechanism", "travel", "joints")  # a card shows the first that exists
 
 
 def html(directories: Sequence[Path], file: Path) -> str:
-    """The page of several runs, which will stand in a file: links to the pages of runs start from its folder.
+    """Make the gallery of several runs; file: of the gallery, for relative links to the pages of the runs.
 
     Raises
     ------
     FolderError
-        One of the folders holds no run, or a broken one.
+        One of the folders contains no run, or a damaged one.
     """
     cards, rows = [], []
     for directory in directories:
         folder = open_folder(directory)
         if folder.kind != "run":
-            raise FolderError(f"{directory} holds a {folder.kind}; a gallery is of runs")
+            raise FolderError(f"{directory} contains a {folder.kind}; a gallery shows single runs")
         card = _card(folder, file)
         cards.append(card)
         rows.append([card["title"], card["status"], *(card["numbers"].get(key) for key in NUMBERS)])
@@ -81,18 +81,18 @@ def html(directories: Sequence[Path], file: Path) -> str:
 
 
 def _card(folder: Folder, file: Path) -> dict[str, Any]:
-    """What is shown of a run."""
+    """Content of the card of a run."""
     summary = folder.read(SUMMARY)
     energy = {f"energy.{key}": value for key, value in (summary.get("energy") or {}).items()}
-    known = {key: value for key in NUMBERS if is_number(value := (summary | energy).get(key))}
+    numbers = {key: value for key in NUMBERS if is_number(value := (summary | energy).get(key))}
     figures = {path.stem: path for path in folder.figures()}
     page = folder.path / PAGE
     return {
         "title": folder.path.name,
         "status": str(summary.get("status", "unknown")),
         "words": str(summary.get("message") or ""),
-        "numbers": known,
-        "facts": {key: quantity(key, value) for key, value in list(known.items())[:MOST_NUMBERS]},
+        "numbers": numbers,
+        "facts": {key: quantity(key, value) for key, value in list(numbers.items())[:MOST_NUMBERS]},
         "picture": next((figures[name] for name in PICTURES if name in figures), None),
         "link": Path(os.path.relpath(page, file.resolve().parent)).as_posix() if page.is_file() else "",
     }

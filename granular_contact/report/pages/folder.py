@@ -1,4 +1,4 @@
-"""A results folder on the disk, read with checks for broken files."""
+"""Read a results folder on the disk, with checks for damaged files."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ from granular_contact.results.motion import Motion, of_plain
 
 
 class FolderError(ResultsError):
-    """A folder that holds no results, or results that can't be read; the message says what and where."""
+    """The folder contains no results, or files that can't be read; the message names the file and the fault."""
 
 
 Rows = list[list[Any]]
-# Entries of JSON files that pages look into.
+# Types of the entries of JSON files that pages use.
 _OBJECT, _LIST = (dict, "an object"), (list, "a list")
 _TYPES: dict[str, tuple[type, str]] = {
     "warnings": _LIST,
@@ -32,38 +32,36 @@ _TYPES: dict[str, tuple[type, str]] = {
 
 
 class Table(NamedTuple):
-    """A CSV file: its head, and rows with numbers as numbers, empty cells as None."""
+    """A CSV file: headings, and rows with cells as numbers, texts, or None for empty cells."""
 
     head: list[str]
     rows: Rows
 
     def column(self, name: str) -> list[Any]:
-        """Values of a column."""
+        """Cells of a column."""
         i = self.head.index(name)
         return [row[i] for row in self.rows]
 
     def numbers(self, name: str) -> Array:
-        """Values (rows,) of a column, NaN where there is no number."""
+        """Numbers (rows,) of a column; NaN for cells that are not numbers."""
         return np.array([value if is_number(value) else np.nan for value in self.column(name)], dtype=float)
 
     def of(self, names: Sequence[str]) -> Rows:
-        """Rows of these columns alone."""
-        places = [self.head.index(name) for name in names]
-        return [[row[i] for i in places] for row in self.rows]
+        """Rows restricted to the given columns."""
+        indices = [self.head.index(name) for name in names]
+        return [[row[i] for i in indices] for row in self.rows]
 
 
 @dataclass(frozen=True)
 class Bed:
-    """What the medium looks like: surface (m, or corners (k, 2) m; None in vacuum), depths of layers and height of the
-    floor (m).
-    """
+    """Surface (m, or corners (k, 2) m; None in vacuum), depths of layers (m) and height of the floor (m) of a bed."""
 
     surface: float | Array | None = None
     layers: tuple[float, ...] = ()
     floor: float | None = None
 
     def scaled(self, factor: float) -> Bed:
-        """The same with all lengths times a factor."""
+        """Return the bed with all lengths multiplied by a factor."""
         surface = None if self.surface is None else factor * np.asarray(self.surface)
         floor = None if self.floor is None else factor * self.floor
         return Bed(surface, tuple(factor * depth for depth in self.layers), floor)
@@ -78,30 +76,30 @@ class Folder:
     _tables: dict[str, Table] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def has(self, name: str) -> bool:
-        """Whether there is a file of this name."""
+        """Return whether the folder has a file of this name."""
         return (self.path / name).is_file()
 
     def file(self, name: str) -> Path:
-        """Path of a file that is there; FolderError if it is not."""
+        """Path of a file; FolderError if it does not exist."""
         if not self.has(name):
-            raise FolderError(f"{self.path} holds no {name}: it is not a complete {self.kind}")
+            raise FolderError(f"{self.path} has no {name}: it is not the complete folder of a {self.kind}")
         return self.path / name
 
     def read(self, name: str) -> dict[str, Any]:
-        """A JSON file that holds an object."""
+        """Content of a JSON file that has to contain an object."""
         try:
-            found = json.loads(self._text(name))
+            content = json.loads(self._text(name))
         except (ValueError, RecursionError) as error:
             raise FolderError(f"{self.path / name}: is not JSON: {error}") from None
-        if not isinstance(found, dict):
-            raise FolderError(f"{self.path / name}: holds no object")
-        for key, (kind, words) in _TYPES.items():
-            if not isinstance(found.get(key), kind | None):
-                raise FolderError(f"{self.path / name}: {key} is not {words}, as this program writes it")
-        return found
+        if not isinstance(content, dict):
+            raise FolderError(f"{self.path / name}: is not a JSON object")
+        for key, (kind, noun) in _TYPES.items():
+            if not isinstance(content.get(key), kind | None):
+                raise FolderError(f"{self.path / name}: {key} is not {noun}, as this program writes it")
+        return content
 
     def table(self, name: str) -> Table:
-        """A CSV file, which is read once."""
+        """Content of a CSV file, which is read only once."""
         if name not in self._tables:
             self._tables[name] = self._table(name)
         return self._tables[name]
@@ -116,36 +114,36 @@ class Folder:
         return Table(list(table.header), [[_value(cell) for cell in row] for row in table.rows])
 
     def numbers(self, name: str) -> dict[str, Array]:
-        """Columns (rows,) of a CSV file that holds numbers alone, by name."""
+        """Columns (rows,) of a CSV file of numbers, by name."""
         file = self.file(name)
         try:
             with file.open(encoding="utf-8") as lines:
                 head = lines.readline().rstrip("\n").split(",")
                 table = np.loadtxt(lines, delimiter=",", ndmin=2, comments=None)
-        except (OSError, ValueError) as error:  # of text that is no number, of rows that are cut short
-            words = str(getattr(error, "strerror", None) or error).partition("\n")[0]
-            raise FolderError(f"{file}: can't be read as a table: {words}") from None
+        except (OSError, ValueError) as error:  # cells that are not numbers, or incomplete rows
+            reason = str(getattr(error, "strerror", None) or error).partition("\n")[0]
+            raise FolderError(f"{file}: can't be read as a table: {reason}") from None
         if table.size and table.shape[1] != len(head):
             raise FolderError(f"{file}: has {table.shape[1]} columns below {len(head)} headings")
         return dict(zip(head, table.reshape(-1, len(head)).T, strict=True))
 
     def text(self, name: str) -> str | None:
-        """A text file as it is, YAML checked for its form; None if there is none."""
+        """Text of a file; None if it does not exist. FolderError for YAML with a fault of syntax."""
         if not self.has(name):
             return None
-        found, faults = self._text(name), list[Fault]()
+        text, faults = self._text(name), list[Fault]()
         if name.endswith(".yaml"):
-            read_text(found, str(self.path / name), faults)
+            read_text(text, str(self.path / name), faults)
         if faults:
             raise FolderError(str(faults[0]))
-        return found
+        return text
 
     def motion(self) -> Motion | None:
-        """How the mechanism moved; None if that was not saved."""
-        return None if (found := self.played()) is None else found[0]
+        """Motion of the mechanism; None if it was not saved."""
+        return None if (saved := self.played()) is None else saved[0]
 
     def played(self) -> tuple[Motion, Bed] | None:
-        """How the mechanism moved, and the bed in which it did; None if that was not saved."""
+        """Motion of the mechanism and its bed; None if the motion was not saved."""
         if not self.has(MOTION):
             return None
         saved = self.read(MOTION)
@@ -155,10 +153,10 @@ class Folder:
             corners = np.array(surface, float) if isinstance(surface, list) else surface
             return of_plain(saved), Bed(corners, tuple(bed.get("layers_m") or ()), bed.get("floor_m"))
         except (KeyError, TypeError, ValueError, AttributeError) as error:
-            raise FolderError(f"{self.path / MOTION}: is no motion, as this program writes it ({error!r})") from None
+            raise FolderError(f"{self.path / MOTION}: is not a motion as this program writes it ({error!r})") from None
 
     def figures(self) -> list[Path]:
-        """Figures, in the order of their names."""
+        """Paths of the figures, sorted by name."""
         return sorted((self.path / FIGURES).glob("*.png"))
 
     def _text(self, name: str) -> str:
@@ -178,7 +176,7 @@ def _value(cell: str) -> Any:
     return int(cell) if cell.lstrip("+-").isdecimal() else number
 
 
-_BEGIN, _END = b"\x89PNG\r\n\x1a\n", b"IEND\xaeB`\x82"  # of a PNG
+_BEGIN, _END = b"\x89PNG\r\n\x1a\n", b"IEND\xaeB`\x82"  # first and last bytes of a PNG
 
 
 def picture(path: Path) -> bytes:
@@ -187,30 +185,31 @@ def picture(path: Path) -> bytes:
     Raises
     ------
     FolderError
-        It is cut short, or no such file.
+        The file is incomplete, or not a PNG.
     """
     try:
         content = path.read_bytes()
     except OSError as error:
         raise FolderError(f"{path}: can't be read: {error.strerror}") from None
     if not content.startswith(_BEGIN) or not content.endswith(_END):
-        what = "is empty" if not content else "is cut short" if content.startswith(_BEGIN) else "is not a picture"
-        raise FolderError(f"{path}: {what}; run again what wrote it, or remove it")
+        fault = "is empty" if not content else "is cut short" if content.startswith(_BEGIN) else "is not a picture"
+        raise FolderError(f"{path}: {fault}; repeat the command that wrote it, or remove it")
     return content
 
 
 def open_folder(path: Path) -> Folder:
-    """The results folder at a path.
+    """Open the results folder at a path.
 
     Raises
     ------
     FolderError
-        It is none.
+        The path is not a results folder.
     """
     if not path.is_dir():
-        raise FolderError(f"{path} is {'a file' if path.exists() else 'not there'}; a folder of results is needed")
+        fault = "is a file" if path.exists() else "does not exist"
+        raise FolderError(f"{path} {fault}; a folder of results is needed")
     kind = kind_of(path)
     if kind is None:
         kinds = "; ".join(f"{kind}: {', '.join(names)}" for kind, names in ENTRIES.items())
-        raise FolderError(f"{path} holds no results of a single kind, whose files are: {kinds}")
+        raise FolderError(f"{path} is not a folder of results of one kind; the kinds and their files are: {kinds}")
     return Folder(path, kind)

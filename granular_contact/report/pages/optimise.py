@@ -1,4 +1,4 @@
-"""What the page of a search shows."""
+"""Content of the page of a search."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from granular_contact.report.pages.live import live as of_run
 from granular_contact.report.pages.live import nothing_live
 from granular_contact.report.units import label, plain, quantity
 
-MOST_ROWS = 100  # shown; the rest is in the table
+MOST_ROWS = 100  # greatest number of rows on the page; the file has all
 MOST_REASONS = 10
-_WORDS = {
-    "history": "The objective of each run, the best so far, and half of each generation.",
-    "parameters": "What each run tried; the line is the best run.",
+_CAPTIONS = {
+    "history": "The objective of each run, the best so far, and the middle half of each generation.",
+    "parameters": "Parameters of each run; the line marks the best run.",
 }
 
 
 def content(folder: Folder) -> dict[str, Any]:
-    """What its template asks for."""
+    """Values for the template."""
     outcome = folder.read(OPTIMUM)
     table = folder.table(HISTORY)
     parameters = outcome["parameters"]
@@ -32,18 +32,15 @@ def content(folder: Folder) -> dict[str, Any]:
         "version": outcome["versions"].get(PROGRAM, ""),
         "outcome": outcome,
         "gain": None if outcome["gain_relative"] is None else f"{100 * outcome['gain_relative']:.3g} %",
-        "start": _worth(outcome, "start"),
-        "best": _worth(outcome, "best"),
-        "parameters": [
-            [label(name), *(quantity(name, one[key]) for key in ("from", "to")), one["scale"], *_numbers(name, one)]
-            for name, one in parameters.items()
-        ],
+        "start": _objective(outcome, "start"),
+        "best": _objective(outcome, "best"),
+        "parameters": [_parameter_row(name, parameter) for name, parameter in parameters.items()],
         "constraints": [
-            [label(name), *(_number(name, one[key]) for key in ("at_least", "at_most", "start", "best"))]
-            for name, one in outcome["constraints"].items()
+            [label(name), *(_number(name, limit[key]) for key in ("at_least", "at_most", "start", "best"))]
+            for name, limit in outcome["constraints"].items()
         ],
-        "reasons": [[words, count] for words, count in reasons[:MOST_REASONS]],
-        "pictures": [(path, _WORDS.get(path.stem, path.stem)) for path in folder.figures()],
+        "reasons": [[reason, count] for reason, count in reasons[:MOST_REASONS]],
+        "pictures": [(path, _CAPTIONS.get(path.stem, path.stem)) for path in folder.figures()],
         "mechanism": next(iter(sorted((folder.path / BEST / FIGURES).glob("mechanism.png"))), None),
         "config": folder.text(BEST_CONFIG),
         "search": folder.text(OPTIMISE),
@@ -56,7 +53,7 @@ def content(folder: Folder) -> dict[str, Any]:
 
 
 def _live(folder: Folder) -> dict[str, Any]:
-    """The best run, as on a page of its own."""
+    """Motion and histories of the best run, as on the page of a run."""
     best = Folder(folder.path / BEST, "run")
     if not best.has(SUMMARY):
         return nothing_live()
@@ -64,15 +61,17 @@ def _live(folder: Folder) -> dict[str, Any]:
     return shown | {"data": shown["data"] | {"table_name": f"{BEST}_{SERIES}"}}
 
 
-def _worth(outcome: dict[str, Any], key: str) -> str:
-    value, words = outcome[key], outcome["objective"]
+def _objective(outcome: dict[str, Any], key: str) -> str:
+    value, formula = outcome[key], outcome["objective"]
     if value is None:
         return "none"
-    return plain(value) if " " in words else quantity(words, value)  # a sum has no unit
+    return plain(value) if " " in formula else quantity(formula, value)  # a weighted sum has no unit
 
 
-def _numbers(name: str, one: dict[str, Any]) -> list[str]:
-    return [_number(name, one[key]) for key in ("start", "best")]
+def _parameter_row(name: str, parameter: dict[str, Any]) -> list[str]:
+    bounds = (quantity(name, parameter[key]) for key in ("from", "to"))
+    values = (_number(name, parameter[key]) for key in ("start", "best"))
+    return [label(name), *bounds, parameter["scale"], *values]
 
 
 def _number(name: str, value: Any) -> str:

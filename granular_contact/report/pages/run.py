@@ -1,4 +1,4 @@
-"""What the page of a single run shows."""
+"""Content of the page of a single run."""
 
 from __future__ import annotations
 
@@ -11,21 +11,21 @@ from granular_contact.report.pages.live import live
 from granular_contact.report.units import is_number, label, quantity
 from granular_contact.results import FINISHED, REST_MEASURE
 
-# Told elsewhere on the page, or of no use as a single number.
+# Entries of the summary that are shown elsewhere on the page, or make no sense as a single number.
 _ELSEWHERE = ("name", "status", "message", "warnings", "columns", "energy", "cost", "versions", "drives", "strides")
-NOW = 1e-9  # s: a touch before that is the start
-MOST_CONTACTS = 8  # of a body, that are reported one by one
+AT_START = 1e-9  # s: an earlier touch is at the start
+MOST_CONTACTS = 8  # greatest number of contacts of a body that are listed
 
 
 def content(folder: Folder) -> dict[str, Any]:
-    """Content for its template."""
+    """Values for the template."""
     summary = folder.read(SUMMARY)
     energy, measure = summary.get("energy") or {}, summary.get("stopping_time_measure")
     status, imbalance = str(summary.get("status", "unknown")), energy.get("imbalance_relative")
     pictures = folder.figures()
-    known = {key: value for key, value in summary.items() if key not in _ELSEWHERE and is_number(value)}
-    if known.get("touch_time_s", 1.0) < NOW:  # it starts in the medium, or on it
-        del known["touch_time_s"]
+    numbers = {key: value for key, value in summary.items() if key not in _ELSEWHERE and is_number(value)}
+    if numbers.get("touch_time_s", 1.0) < AT_START:  # the mechanism starts in the medium, or on it
+        del numbers["touch_time_s"]
     wheel = {key: value for key, value in (summary.get("wheel") or {}).items() if is_number(value)}
     return {
         "title": summary.get("name") or folder.path.name,
@@ -37,7 +37,7 @@ def content(folder: Folder) -> dict[str, Any]:
         "of_all": measure == REST_MEASURE,
         "imbalance": imbalance,
         "numbers": {f"wheel.{key}": value for key, value in wheel.items()}
-        | known
+        | numbers
         | {"energy.imbalance_relative": imbalance},
         "pictures": pictures,
         "energy": energy,
@@ -58,23 +58,24 @@ DRIVE = (
 
 
 def _drives(drives: dict[str, dict[str, float]]) -> Iterator[list[Any]]:
-    """Rows of each drive, with headings first."""
-    keys = [key for key in DRIVE if any(key in one for one in drives.values())]
+    """Yield the headings, then a row for each drive."""
+    keys = [key for key in DRIVE if any(key in numbers for numbers in drives.values())]
     if keys:
         yield ["drive", *(label(key) for key in keys)]
-    for name, one in drives.items():
-        yield [name, *(quantity(key, one.get(key)) for key in keys)]
+    for name, numbers in drives.items():
+        yield [name, *(quantity(key, numbers.get(key)) for key in keys)]
 
 
 def _strides(strides: dict[str, Any]) -> Iterator[list[Any]]:
-    for key, one in strides.items():
-        if isinstance(one, dict) and "mean" in one:
-            yield [label(key), quantity(key, one["mean"]), quantity(key, one.get("standard_deviation"))]
+    for key, statistic in strides.items():
+        if isinstance(statistic, dict) and "mean" in statistic:
+            deviation = quantity(key, statistic.get("standard_deviation"))
+            yield [label(key), quantity(key, statistic["mean"]), deviation]
 
 
 def _contacts(contacts: dict[str, list[list[float]]]) -> Iterator[list[Any]]:
     for body, spans in contacts.items():
-        spans = [[on if on > NOW else 0.0, off] for on, off in spans]
+        spans = [[on if on > AT_START else 0.0, off] for on, off in spans]
         intervals = [f"{quantity('t_s', on)} to {quantity('t_s', off)}" for on, off in spans[:MOST_CONTACTS]]
         more = [f"and {len(spans) - MOST_CONTACTS} more"] if len(spans) > MOST_CONTACTS else []
         yield [body, len(spans), quantity("sum_s", sum(off - on for on, off in spans)), "; ".join(intervals + more)]
