@@ -9,6 +9,7 @@ prepare, checks           all inputs read and checked: the `Problem`
 problem, responses        curves of every run for given parameters
 solve                     weighted least squares from many starting points; derivatives by central differences
 uncertainty, goodness     standard errors, parameters that the data can't distinguish; whether residuals are noise
+step_bias                 change of the parameters with finer time steps
 diagnostics               estimates of noise, and other checks of the data
 scatter                   scatter of grains, separated from noise and coefficients in force tests
 fitting                   the `Fit`, and warnings about units and media that differ

@@ -28,6 +28,7 @@ from granular_contact.studies.fit.problem import Parameter, Problem
 from granular_contact.studies.fit.responses import Key, ModelFailed
 from granular_contact.studies.fit.scatter import Scattering, separate
 from granular_contact.studies.fit.solve import DIED, NEGLIGIBLE_COST, SAME_COST, Progress, Solution, solve
+from granular_contact.studies.fit.step_bias import step_bias, step_bias_warnings
 from granular_contact.studies.fit.uncertainty import Uncertainty, uncertainty
 from granular_contact.values.arrays import Vector
 
@@ -38,6 +39,7 @@ DISTRUST = "the model does not describe these data, and the standard errors are 
 class Fit:
     """Result of a fit. residuals: data minus model (n, columns) of each run.
 
+    bias: change of the parameters (p,) with finer steps, see `step_bias`.
     scatter: of the grains; None if it was not separated from noise.
     """
 
@@ -46,6 +48,7 @@ class Fit:
     uncertainty: Uncertainty
     goodness: Goodness
     residuals: tuple[Vector, ...]
+    bias: Vector
     scatter: Scattering | None = None
 
     @property
@@ -71,6 +74,7 @@ class Fit:
         listed += dict.fromkeys(note for run in self.problem.runs for note in run.measured.notes)
         listed += media_warnings(self.problem, self.values)
         listed += unit_warnings(self.problem, self.values, self.residuals)
+        listed += step_bias_warnings(self.uncertainty.estimates, self.bias)
         if self.scatter is not None and self.scatter.relative > MOST:
             size = f"{self.scatter.relative:.2g}"
             listed.append(f"the fitted scatter of the medium, {size}, is above the limit of {MOST:g}, which is written")
@@ -110,7 +114,8 @@ def fit(problem: Problem, workers: int = 1, progress: Progress | None = None) ->
         judged, covariance = replace(solution, residuals=scatter.white * scatter.noise), scatter.covariance
     errors = uncertainty(problem, solution, covariance)
     residuals = tuple(problem.split(solution.residuals))
-    return Fit(problem, solution, errors, goodness(problem, judged), residuals, scatter)
+    bias = step_bias(problem, solution)
+    return Fit(problem, solution, errors, goodness(problem, judged), residuals, bias, scatter)
 
 
 BEYOND = 2.0  # greatest plausible factor above the largest, or below the smallest published value

@@ -115,6 +115,8 @@ class LawAlone(Simulator):
     zeros: the fitted ones of depth_offset_m and force_offset_N.
     """
 
+    solves = False
+
     def __init__(
         self,
         template: Template,

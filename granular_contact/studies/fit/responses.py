@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -60,11 +62,14 @@ class Simulator:
     start for which curves are needed.
     """
 
+    solves = True  # whether responses are runs with time steps
+
     def __init__(self, template: Template, keys: Sequence[Key] = (), columns: Sequence[str] = ()) -> None:
         self._template, self._keys = template, tuple(keys)
         self.columns, self.early = tuple(columns), 0.0
         self._responses: dict[tuple[float, ...], Response] = {}
         self._build = Builder()
+        self._settings: tuple[Override, ...] = ()
 
     def __getstate__(self) -> dict[str, object]:
         """State for a worker, without the cached runs, which a worker computes faster than it receives them."""
@@ -72,11 +77,15 @@ class Simulator:
 
     def load(self, values: Sequence[float], more: Sequence[Override] = ()) -> Loaded:
         """Scenario for values of the keys; raises ConfigError if a value is not allowed."""
-        varied = [
-            Override(key, Scalar(HERE, float(value), repr(float(value))), HERE)
-            for key, value in zip(self._keys, values, strict=True)
-        ]
-        return self._template.make(effective([*varied, *_ALL_ROWS, *more]))
+        varied = [_override(key, float(value)) for key, value in zip(self._keys, values, strict=True)]
+        return self._template.make(effective([*varied, *_ALL_ROWS, *self._settings, *more]))
+
+    def with_settings(self, settings: Mapping[Key, float]) -> Simulator:
+        """Return a simulator of the same config with other values of keys that are not varied."""
+        other = copy(self)
+        other._responses, other._build = {}, Builder()
+        other._settings = tuple(_override(key, value) for key, value in settings.items())
+        return other
 
     def results(self, values: Sequence[float], more: Sequence[Override] = ()) -> Results:
         """Results of the run for values of the keys.
@@ -124,5 +133,9 @@ class Simulator:
             changes["surface_height_m",] = self._build(scenario).surface
         if "bed" in scenario_to_dict(scenario):
             changes["bed",] = None
-        overrides = [Override(key, Scalar(HERE, value, repr(value)), HERE) for key, value in changes.items()]
-        return self.results(values, overrides)
+        return self.results(values, [_override(key, value) for key, value in changes.items()])
+
+
+def _override(key: Key, value: Any) -> Override:
+    """Override of a key by a value that no file gives."""
+    return Override(key, Scalar(HERE, value, repr(value)), HERE)
