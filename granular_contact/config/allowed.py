@@ -207,6 +207,8 @@ def _range(schema: Schema) -> str:
         return f"from {least:.10g} to {most:.10g}"
     if above is not None and below is not None:
         return f"above {above:g} and below {below:g}"
+    if above is not None and most is not None:
+        return f"above {above:g} and at most {most:.10g}"
     if least is not None and below is not None:
         return f"from {least:.10g} to below {below:.10g}"
     return f"of at least {least:g}" if least is not None else f"above {above:g}" if above is not None else ""

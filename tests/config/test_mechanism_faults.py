@@ -167,6 +167,14 @@ FAULTS = {
         "drives.knee.angle_deg.blend",
         "got 0.05; allowed is at most 0.02, the shorter of stance and swing",
     ),
+    "clock that only blends": (
+        "",
+        "  knee: {type: motion, angle_deg: "
+        "{type: buehler, frequency_Hz: 1, stance_sweep_deg: 40, duty_factor: 0.5, blend: 0.6}}\n",
+        14,
+        "drives.knee.angle_deg.blend",
+        "got the number 0.6; allowed is a finite number above 0 and at most 0.5",
+    ),
     "no such signal": (
         "",
         "  knee: {type: motion, angle_deg: gait}\n",

@@ -63,6 +63,10 @@ class ClockBounds(Bounds):
     """Lower bound."""
     high: Annotated[float, Field(alias="to")]
     """Upper bound."""
+    start: float | None = None
+    """First estimate. null: 0, or the nearer bound if 0 is outside."""
+    scale: Literal["log", "linear"] | None = None
+    """Without effect: offsets are varied on a linear scale."""
 
 
 Parameters = Annotated[

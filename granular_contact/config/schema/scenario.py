@@ -133,7 +133,8 @@ class Scenario(Strict):
     signals: dict[str, Signal] = Field(default_factory=dict)
     """Signals that several drives share, by name."""
     wheel: WheelRun | None = None
-    """Slip or torque, and load, of a single wheel on a mechanism like models/wheel.yaml, in place of its drives."""
+    """Slip or torque, and load, of a single wheel on a mechanism like models/wheel.yaml, in place of its drives. null:
+    none; the only value in space."""
     load: Load = Load()
     """Computation of the forces of the medium."""
     solver: Solver = Solver()
