@@ -1,11 +1,11 @@
-"""Results -> a folder of summary.json, timeseries.csv, scenario.yaml, written completely or not at all; then figures.
+"""Write results to a folder: summary.json, timeseries.csv and scenario.yaml, completely or not at all; then figures.
 
-drawn       a picture that fails is told, and costs nothing else
-units       numbers for readers
+drawn       figures are written after the data; one that fails is a warning
+units       units of axes, and numbers as text
 histories   panels over time, for figures and pages
-overlay     several runs on one clock
-figures     PNG, PDF and SVG
-pages       one HTML file
+overlay     several runs on one time axis
+figures     figures as PNG, PDF and SVG; films
+pages       report as one HTML file
 """
 
 from __future__ import annotations
@@ -37,14 +37,14 @@ from granular_contact.results.motion import Motion, motion_of, plain
 
 try:
     import fcntl
-except ImportError:  # on Windows, where nothing is locked
+except ImportError:  # on Windows, where folders are not locked
     fcntl = None  # type: ignore[assignment]
 
 PROGRAM = "granular-contact"
 SUMMARY, SERIES, SCENARIO, FIGURES = "summary.json", "timeseries.csv", "scenario.yaml", "figures"
 MOTION = "motion.json"
 FORMATS = ("png", "pdf", "svg")  # of figures
-ANIMATION, PAGE = "animation", "report.html"  # .gif or .mp4; of any kind of results, see `report.pages`
+ANIMATION, PAGE = "animation", "report.html"  # film without its ending (.gif or .mp4); page, see `report.pages`
 COMPARISON, OF_MEDIA, OVERLAY = "compare.csv", "compare-media.csv", "histories.csv"
 TABLE, SWEEP, CASES, LAW = "table.csv", "sweep.yaml", "cases", "law.png"
 JOURNAL, SENSITIVITY = "journal", "sensitivity.csv"
@@ -52,7 +52,7 @@ STATISTICS, CONVERGENCE, BANDS = "statistics.csv", "convergence.csv", "bands.csv
 OPTIMISE, HISTORY, OPTIMUM = "optimise.yaml", "history.csv", "optimise.json"
 BEST_CONFIG, BEST = "best.yaml", "best"
 FIT, RESIDUALS = "fit.json", "residuals.csv"
-# What a results folder holds, by what wrote it.
+# Entries of a results folder, by kind of results.
 ENTRIES = {
     "run": (SUMMARY, SERIES, SCENARIO, MOTION, FIGURES),
     "sweep": (TABLE, SWEEP, CASES, JOURNAL, SENSITIVITY, FIGURES, STATISTICS, CONVERGENCE, BANDS),
@@ -62,39 +62,43 @@ ENTRIES = {
     "media": (LAW,),
     "fit": (FIT, "medium.yaml", *(f"medium_{i}.yaml" for i in range(8)), RESIDUALS, FIGURES),
 }
-YOUNG = 60.0  # s: age up to which nobody's folder is cleared away
+YOUNG = 60.0  # s: unfinished folders of other processes are removed only if they are older
 
 
 def check_target(directory: Path, kind: str = "run") -> None:
-    """Raise unless `directory` may become a results folder; to be called before a long run, and called by `write`.
+    """Check that `directory` may become a results folder. `write` calls it; call it before a long run as well.
 
-    It may if it is absent, empty, or holds nothing but earlier results of its `kind`, a key of `ENTRIES` (files named
-    `animation.*` or `report.html` count as such, so do hidden files): nothing that a user put there is ever replaced.
+    The folder may be absent, empty, or contain only earlier results of its `kind`, a key of `ENTRIES`; `animation.*`,
+    `report.html` and hidden files count as results. So a file that a user put there is never replaced.
 
     Raises
     ------
     NotADirectoryError
-        A file of that name is in the way.
+        A file has this name.
     FileExistsError
-        The folder holds something else; the message names it.
+        The folder contains something else; the message names it.
     """
     if not directory.exists():
         return
     if not directory.is_dir():
         raise NotADirectoryError(f"{directory} is a file; results need a folder: give another name")
     entries = sorted(path.name for path in directory.iterdir())
-    own = (*ENTRIES[kind], PAGE)
-    foreign = [name for name in entries if name not in own and not name.startswith((".", f"{ANIMATION}."))]
+    results = (*ENTRIES[kind], PAGE)
+    foreign = [name for name in entries if name not in results and not name.startswith((".", f"{ANIMATION}."))]
     if foreign:
-        message = f"{directory} holds {foreign[0]!r}, which no {kind} wrote: give another folder or move it"
+        message = f"{directory} contains {foreign[0]!r}, which no {kind} wrote: give another folder, or move this file"
         raise FileExistsError(message)
 
 
 def kind_of(directory: Path) -> str | None:
-    """The kind of results (a key of `ENTRIES`) that a folder holds, by the files that only one kind has; else None."""
+    """Kind of results (a key of `ENTRIES`) in a folder, recognised by files of this kind alone; None if unclear."""
     counts = Counter(name for names in ENTRIES.values() for name in names)
-    found = [k for k, names in ENTRIES.items() if any(counts[n] == 1 and (directory / n).exists() for n in names)]
-    return found[0] if len(found) == 1 else None
+    kinds = [
+        kind
+        for kind, names in ENTRIES.items()
+        if any(counts[name] == 1 and (directory / name).exists() for name in names)
+    ]
+    return kinds[0] if len(kinds) == 1 else None
 
 
 def write(
@@ -104,18 +108,18 @@ def write(
     film: str | None = None,
     formats: Sequence[str] = ("png",),
 ) -> None:
-    """Write `results` to `directory`, in place of an earlier run's results there.
+    """Write `results` to `directory`; results of an earlier run in the folder are replaced.
 
-    film: `gif` or `mp4`, for the frames of results that have some; None for no animation. formats: of figures, beside
-    the PNG that pages show (`FORMATS`).
+    film: `gif` or `mp4` for a film of results with frames, None for no film. formats: of figures (`FORMATS`), in
+    addition to the PNG that pages show.
 
-    The folder is made beside its place under a hidden name and then exchanged for the old one, so that a full disk or
-    Ctrl-C leaves the old folder as it was. Pictures come after that: one that can't be drawn is a `FigureWarning`.
+    The folder is written beside the target under a hidden name and then exchanged for the old one, so that a full disk
+    or Ctrl-C leaves the old folder unchanged. Figures are drawn after that; one that fails is a `FigureWarning`.
 
     Raises
     ------
     OSError
-        The disk refuses, or `check_target` does.
+        The folder cannot be written, or `check_target` refuses it.
     """
     with whole_folder(directory) as making:
         (making / SUMMARY).write_text(_summary(results), encoding="utf-8")
@@ -137,11 +141,11 @@ def write(
 
 @contextmanager
 def whole_folder(directory: Path, kind: str = "run") -> Iterator[Path]:
-    """Give an empty hidden folder beside `directory`, which replaces it when the block ends without an exception.
+    """Provide an empty hidden folder, which replaces `directory` when the block ends without an exception.
 
-    kind: as for `check_target`, which is called first.
+    kind: see `check_target`, which is called first.
     """
-    target = directory.resolve()  # of a symbolic link, what it points to is replaced
+    target = directory.resolve()  # a symbolic link stays; its target is replaced
     check_target(target, kind)
     target.parent.mkdir(parents=True, exist_ok=True)
     _clear_left(target, kind)
@@ -157,7 +161,7 @@ def whole_folder(directory: Path, kind: str = "run") -> Iterator[Path]:
 
 @contextmanager
 def held(folder: Path) -> Iterator[bool | None]:
-    """Lock a folder that a process is writing; False if another has it, None where nothing can be locked.
+    """Lock a folder within the block; yields False if another process holds the lock, None if locks are not supported.
 
     The system releases the lock when the process dies.
     """
@@ -169,7 +173,7 @@ def held(folder: Path) -> Iterator[bool | None]:
     try:
         try:
             fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError as error:  # another has it; or a file system without locks
+        except OSError as error:  # another process holds it, or the file system has no locks
             locked = False if isinstance(error, BlockingIOError) else None
         yield locked
     finally:
@@ -177,9 +181,9 @@ def held(folder: Path) -> Iterator[bool | None]:
 
 
 def _clear_left(target: Path, kind: str) -> None:
-    """Remove unfinished folders beside `target` of processes that were killed while they wrote there.
+    """Remove unfinished folders beside `target`, left by killed processes.
 
-    Only folders with such a name, older than a minute, with nothing but results in them and not locked.
+    A folder is removed only if it has such a name, is older than `YOUNG`, contains only results and is not locked.
     """
     if fcntl is None:
         return
@@ -195,7 +199,7 @@ def _clear_left(target: Path, kind: str) -> None:
 
 
 def _summary(results: Results) -> str:
-    """Text of summary.json: the summary as it is, then what every column of the time series means."""
+    """Text of summary.json: the summary, followed by the descriptions of all columns of the time series."""
     content = dict(results.summary)
     if "warnings" not in content:
         content = {"warnings": list(results.warnings), **content}
@@ -204,7 +208,7 @@ def _summary(results: Results) -> str:
 
 
 def motion_text(motion: Motion, results: Results) -> str:
-    """Text of motion.json: how it moved, and what its bed looks like."""
+    """Text of motion.json: the motion, and surface, layers and floor of the bed."""
     surface = results.surface
     bed = {
         "surface_m": surface.tolist() if isinstance(surface, np.ndarray) else surface,
@@ -215,12 +219,12 @@ def motion_text(motion: Motion, results: Results) -> str:
 
 
 def json_text(content: dict[str, Any]) -> str:
-    """`content` as strict JSON, to be read."""
+    """Format `content` as strict JSON with line breaks."""
     return json.dumps(_plain(content), indent=2, allow_nan=False, ensure_ascii=False) + "\n"
 
 
 def _plain(value: Any) -> Any:
-    """`value` in JSON types, with None for NaN and infinities, which JSON does not have."""
+    """Convert `value` to JSON types, with None for NaN and infinities, which JSON does not have."""
     if isinstance(value, dict):
         return {key: _plain(entry) for key, entry in value.items()}
     if isinstance(value, list | tuple):
@@ -231,14 +235,14 @@ def _plain(value: Any) -> Any:
 
 
 class _Dumper(yaml.SafeDumper):
-    """Block style with plain lists of scalars on one line, and no anchors: written to be read."""
+    """YAML in block style, with lists of scalars on one line and without anchors."""
 
     def ignore_aliases(self, data: Any) -> bool:  # noqa: ARG002
         return True
 
 
 def _represent_list(dumper: yaml.SafeDumper, data: list[Any]) -> yaml.Node:
-    """A list of scalars as `[a, b]`, any other one entry per line."""
+    """Write a list of scalars as `[a, b]`, any other list with one entry per line."""
     flat = not any(isinstance(entry, dict | list) for entry in data)
     return dumper.represent_sequence("tag:yaml.org,2002:seq", data, flow_style=flat)
 
@@ -253,17 +257,17 @@ def scenario_text(results: Results) -> str:
 
 
 def origin(command: str, version: str = __version__) -> str:
-    """First line of a file that the program reads again: which version wrote it, and the command."""
+    """First line of a file that can be run again: the version that wrote it, and the command."""
     return f"# Written by {PROGRAM} {version}; to run it again: {PROGRAM} {command}\n"
 
 
 def yaml_text(content: dict[str, Any]) -> str:
-    """`content`, of plain YAML types, as text to be read."""
+    """Format `content`, of plain YAML types, as YAML."""
     return yaml.dump(content, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=120)
 
 
 def write_table(path: Path, head: Sequence[str], rows: Iterable[Sequence[Any]]) -> None:
-    """A CSV file; None is an empty cell, a float the shortest text that reads back as the same one."""
+    """Write a CSV file; None is an empty cell, a float the shortest text that reads back as the same number."""
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(head)
@@ -271,24 +275,24 @@ def write_table(path: Path, head: Sequence[str], rows: Iterable[Sequence[Any]]) 
 
 
 def swap(making: Path, target: Path) -> None:
-    """Put the finished folder `making` in the place of `target`; afterwards `making` is absent or the old folder."""
+    """Replace `target` by the finished folder `making`; afterwards `making` is absent, or the old folder."""
     if not target.exists():
         making.rename(target)
     elif not _exchange(making, target):
         _replace(making, target)
 
 
-def _exchange(one: Path, other: Path) -> bool:
-    """Exchange two folders in one system call, with no instant between; False where the system can't."""
+def _exchange(first: Path, second: Path) -> bool:
+    """Exchange two folders atomically, in one system call; return False if the system does not support it."""
     if not sys.platform.startswith("linux"):
         return False
     rename = getattr(ctypes.CDLL(None), "renameat2", None)  # glibc 2.28
-    here, exchange = -100, 2  # AT_FDCWD, RENAME_EXCHANGE
-    return rename is not None and rename(here, os.fsencode(one), here, os.fsencode(other), exchange) == 0
+    at_cwd, exchange = -100, 2  # AT_FDCWD, RENAME_EXCHANGE
+    return rename is not None and rename(at_cwd, os.fsencode(first), at_cwd, os.fsencode(second), exchange) == 0
 
 
 def _replace(making: Path, target: Path) -> None:
-    """The same in two renames: between them the old folder has a hidden name; it is restored on failure."""
+    """Replace a folder by two renames; in between the old folder has a hidden name. It is restored on failure."""
     old = making.with_name(f"{making.name}.old")
     try:
         target.rename(old)

@@ -1,4 +1,4 @@
-"""Data first, then pictures: what only shows is drawn when the data is saved, and one that fails costs only itself."""
+"""Draw pictures after the data are saved; a picture that fails is a warning and does not affect anything else."""
 
 from __future__ import annotations
 
@@ -13,19 +13,19 @@ from granular_contact.errors import FigureWarning
 
 @contextmanager
 def drawn(file: Path) -> Iterator[Path]:
-    """Give a path to draw to, which gets the name `file` when the block ends; the folder is made if it is missing.
+    """Provide a path to draw to, which is renamed to `file` when the block ends; a missing folder is created.
 
-    An exception of the block leaves no file, and becomes a `FigureWarning`.
+    An exception in the block becomes a `FigureWarning`, and leaves no file.
     """
     making = file.with_name(f".{file.name}")
     try:
         file.parent.mkdir(exist_ok=True)
         yield making
         os.replace(making, file)
-    except Exception as error:  # whatever drawing may raise: the numbers do not depend on it
+    except Exception as error:  # any exception, because the saved numbers do not depend on pictures
         reason = " ".join(str(getattr(error, "strerror", None) or error).split())
-        words = f"{type(error).__name__}: {reason}" if reason else type(error).__name__
-        warnings.warn(f"{file} is missing, as drawing it failed ({words})", FigureWarning, stacklevel=3)
+        cause = f"{type(error).__name__}: {reason}" if reason else type(error).__name__
+        warnings.warn(f"{file} is missing, as drawing it failed ({cause})", FigureWarning, stacklevel=3)
     finally:
         with suppress(OSError):
             making.unlink()
@@ -33,8 +33,8 @@ def drawn(file: Path) -> Iterator[Path]:
 
 @contextmanager
 def saved_before(directory: Path) -> Iterator[None]:
-    """Let a Ctrl-C among the pictures say that the data is in `directory`."""
+    """Add to a Ctrl-C within the block that the data are already saved in `directory`."""
     try:
         yield
     except KeyboardInterrupt:
-        raise KeyboardInterrupt(f"the data is saved in {directory}, without all of its pictures") from None
+        raise KeyboardInterrupt(f"the data is saved in {directory}, but not all of its pictures") from None
