@@ -19,8 +19,8 @@ OTHER_KEYS = (
     ("medium", "medium: rft3d_sand", "another medium; `granular-contact media` lists them, null is a vacuum"),
     ("bed", "bed: {slope_deg: 10}", "a slope, in place of surface_height_m; it rises to the right"),
     ("gravity_m_s2", "gravity_m_s2: 1.62", "on the Moon"),
-    ("solver", "solver: {end_time_s: 1, accuracy: 1.0e-3}", "steps chosen so that positions are right to a thousandth"),
-    ("output", "output: {interval_s: 0.001, figures: false}", "rows of the table in time, no figures"),
+    ("solver", "solver: {end_time_s: 1, accuracy: 1.0e-3}", "time steps chosen for positions to a thousandth"),
+    ("output", "output: {interval_s: 0.001, figures: false}", "time between rows of the time series; no figures"),
 )
 _MODEL = re.compile(r"^model: (\w+) *$", re.M)
 
@@ -69,7 +69,7 @@ def text(name: str, file: str) -> str:
         "",
         body.strip(),
         "",
-        "# What else a run may say; take the # away. All keys: the reference of the documentation, or",
+        "# Other keys of a run: remove the # to use one. The reference in the documentation lists all keys, and so does",
         "# `granular-contact schema`, which editors read.",
         *_other_keys(body),
     ]

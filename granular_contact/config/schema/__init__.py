@@ -1,9 +1,17 @@
-"""What a scenario may say: strict frozen classes, SI units in the names of the fields.
+"""Schema of all files: strict frozen classes with SI units in the names of the fields.
 
-`mechanism` holds the bodies and chains, `shapes` what they are made of, `joints` and `model` what becomes of them,
-`initial`, `drives` and `signals` what moves them, `bed` the media and where they lie, `wheel` the run of one wheel,
-`method` the choice of solver, `scenario` the run around them. `robot` is a model from a robot file, `space` holds
-mechanisms in space; `sweep`, `optimise` and `fit` are other files.
+scenario                     a run as a whole; its load, solver and output
+model, mechanism, shapes     a mechanism: its bodies, links and chains, and the shapes of rigid bodies
+joints                       joints of a mechanism, and their springs, stops and friction
+initial, drives, signals     initial state, drives and their signals over time
+bed                          media, surface, layers, floor and container
+wheel                        single-wheel tests
+method                       methods of solution
+robot                        models from robot files
+space                        mechanisms in space
+sweep, optimise, fit         files of many runs
+
+The text under a field is its description in the reference and in the JSON Schema for editors.
 """
 
 # mypy: implicit-reexport
