@@ -69,7 +69,7 @@ def text(name: str, file: str) -> str:
         "",
         body.strip(),
         "",
-        "# Other keys of a run: remove the # to use one. The reference in the documentation lists all keys, and so does",
+        "# Other keys of a run: remove the # to use one. All keys are in the reference of the documentation, and in",
         "# `granular-contact schema`, which editors read.",
         *_other_keys(body),
     ]
