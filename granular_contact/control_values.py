@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from granular_contact.controllers import finite
 from granular_contact.errors import MOST_NAMES, ControlError, unknown_name
-from granular_contact.scene.drives import Beyond, Control, controls_of, range_warnings
+from granular_contact.scene.drives import Control, RangeExcess, controls_of, range_warnings
 from granular_contact.scene.types import Scene
 
 ROUND_OFF = 1e-9  # relative to a range; a value that exceeds it by less counts as its end
@@ -33,7 +33,7 @@ class ControlValues:
         self._joints_and_units = {name: (control.joint, control.unit) for name, control in self._controls.items()}
         self._ranges = {control.joint: control.bounds_in_si for control in self._controls.values()}
         self.set_to = {control.joint: control.start for control in self._controls.values()}
-        self.beyond: dict[str, Beyond] = {}
+        self.beyond: dict[str, RangeExcess] = {}
 
     @property
     def bounds(self) -> NDArray[np.float64]:
@@ -92,7 +92,7 @@ class ControlValues:
             return value
         end = min(max(value, low), high)
         if (excess := abs(value - end)) > ROUND_OFF * (high - low):
-            self.beyond[joint] = self.beyond.get(joint, Beyond()).and_by(excess)
+            self.beyond[joint] = self.beyond.get(joint, RangeExcess()).with_excess(excess)
         return end
 
     def _named(self, controls: Any) -> dict[str, Any]:

@@ -9,7 +9,7 @@ from granular_contact.config import Scenario, scenario_to_dict
 from granular_contact.config.differences import differing_keys
 from granular_contact.errors import ControlError
 from granular_contact.results import Status
-from granular_contact.scene.drives import Beyond
+from granular_contact.scene.drives import RangeExcess
 
 
 @dataclass(frozen=True, repr=False)
@@ -17,15 +17,15 @@ class State:
     """State of a simulation at one instant, for `Simulation.restore`. It can be pickled.
 
     time (s); scenario: scenario of the simulation; solve: state of the solver; controls: values of the controls, in SI
-    units; beyond: values outside ranges by joint, see `Beyond`; random: state of the random generator; failed: status
-    of a run that a controller ended, else None.
+    units; beyond: values outside ranges by joint, see `RangeExcess`; random: state of the random generator; failed:
+    status of a run that a controller ended, else None.
     """
 
     time: float
     scenario: Scenario
     solve: Any
     controls: tuple[float, ...]
-    beyond: dict[str, Beyond]
+    beyond: dict[str, RangeExcess]
     random: dict[str, Any]
     failed: Status | None
 

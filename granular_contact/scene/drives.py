@@ -148,18 +148,18 @@ class Control:
         return self.unit * self.bounds[0], self.unit * self.bounds[1]
 
 
-class Beyond(NamedTuple):
+class RangeExcess(NamedTuple):
     """How often a control was set beyond the range of its drive, and the greatest excess (SI units)."""
 
     times: int = 0
     most: float = 0.0
 
-    def and_by(self, excess: float) -> Beyond:
+    def with_excess(self, excess: float) -> RangeExcess:
         """Count one more value, with this excess."""
-        return Beyond(self.times + 1, max(self.most, excess))
+        return RangeExcess(self.times + 1, max(self.most, excess))
 
 
-def range_warnings(controls: Mapping[str, Control], beyond: Mapping[str, Beyond]) -> Iterator[str]:
+def range_warnings(controls: Mapping[str, Control], beyond: Mapping[str, RangeExcess]) -> Iterator[str]:
     """Warnings of controls (by name) that were set beyond their range; beyond: by joint."""
     for name, control in controls.items():
         if (excess := beyond.get(control.joint)) is not None:

@@ -11,10 +11,10 @@ for the lowest `modes` modes of torsion, of bending about y, and of bending abou
 axis has the length of the straight one. The difference from the modes of a cantilever is proportional to l^2.
 
 The error of the truncation is estimated by the static deflection of the omitted modes: R_k / K_k, with the residual
-moments R_k of the joints between elements (static correction of the mode acceleration method; Craig 1981). Phi^T R = 0
-makes this deflection orthogonal to the modes that are kept. Under a step load the omitted modes swing twice as far, so
-twice the greatest deflection at the tip is the estimated error: 0.5 to 1.2 times the true error in
-`validation/oblique_modes.py`.
+moments R_k of the joints between elements (static correction of the mode acceleration method; Craig 1981). The
+equations of motion in modes, Phi^T R = 0 (Phi: see `engines.tree.kernels.space_modes`), make this deflection orthogonal
+to the modes that are kept. Under a step load the omitted modes swing twice as far, so twice the greatest deflection at
+the tip is the estimated error: 0.5 to 1.2 times the true error in `validation/oblique_modes.py`.
 """
 
 from __future__ import annotations
