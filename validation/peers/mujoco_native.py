@@ -77,7 +77,7 @@ def _march(kernels: tuple[Any, ...]) -> Any:
             states[i] = place
             controls_now[:] = controls[i]
             position(model, data)
-            bed[0].passed, bed[0].begins = step if i else 0.0, i == 0
+            bed[0].elapsed, bed[0].starts = step if i else 0.0, i == 0
             begins(*arguments[0])
             acts(*arguments[1])
             if guesses(*arguments[2]):
