@@ -18,7 +18,7 @@ from granular_contact.laws.static_friction import Elastoplastic
 from granular_contact.sand.kernels import law, lines
 from granular_contact.sand.kernels.forces import medium_record
 from granular_contact.sand.kernels.friction import SWITCH
-from granular_contact.sand.kernels.plates import SMALL, turned_by
+from granular_contact.sand.kernels.plates import SMALL, cosine_and_sine
 from granular_contact.sand.kernels.probe import probe
 
 LEVEL = np.zeros((1, 2))
@@ -69,7 +69,7 @@ def square(angle: float) -> Array:
 @pytest.mark.parametrize("x", [0.0, 1e-9, -0.065, 0.13, -SMALL, SMALL, 1.01 * SMALL, 2.0])
 def test_cosine_and_sine_of_an_arc_are_those_of_the_library(x: float) -> None:
     # The first term left out of the series is x^10 / 10!, 3e-14 at SMALL, the last one that is taken 1e-12 and more.
-    np.testing.assert_allclose(called(turned_by)(x), [np.cos(x), np.sin(x)], rtol=5e-14, atol=0.0)
+    np.testing.assert_allclose(called(cosine_and_sine)(x), [np.cos(x), np.sin(x)], rtol=5e-14, atol=0.0)
 
 
 @MEDIA

@@ -43,9 +43,9 @@ from granular_contact.sand.kernels.vectors import (
     minus,
     norm,
     plus,
-    seen,
     times,
     turned,
+    turned_back,
     vector,
 )
 
@@ -180,7 +180,7 @@ def _bend(joint, parent, child, v, out):
     A, B = _frames(joint, parent, child)
     s, a = _from_home(A, B)
     w = _relative(joint, parent, child, v)
-    _add_moments(joint, turned(A, moment(times(s, seen(A, a)), seen(A, w), joint)), parent, child, out)
+    _add_moments(joint, turned(A, moment(times(s, turned_back(A, a)), turned_back(A, w), joint)), parent, child, out)
 
 
 @part

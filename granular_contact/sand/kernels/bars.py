@@ -27,7 +27,19 @@ from granular_contact.sand.kernels.immersion import GAUSS_HIGH, GAUSS_LOW, THREE
 from granular_contact.sand.kernels.law import TERMS
 from granular_contact.sand.kernels.planar_friction import drive, mobilised
 from granular_contact.sand.kernels.strip import Strip
-from granular_contact.sand.kernels.vectors import at, axes, cross, dot, minus, moving, norm, plus, put, times, turned
+from granular_contact.sand.kernels.vectors import (
+    at,
+    axes,
+    cross,
+    dot,
+    minus,
+    norm,
+    plus,
+    plus_cross,
+    put,
+    times,
+    turned,
+)
 
 
 @part
@@ -36,7 +48,7 @@ def station(E, pose, ground, medium):
     x, v, w = pose[law.POSITION], pose[law.VELOCITY], pose[law.SPIN]
     r = turned(axes(pose), E)
     p = plus(x, r)
-    return p, moving(v, w, r), surface_at(p[0], p[1], ground, medium, room1(PLANE)) - p[2]
+    return p, plus_cross(v, w, r), surface_at(p[0], p[1], ground, medium, room1(PLANE)) - p[2]
 
 
 @part
@@ -96,7 +108,7 @@ def follow_stations(elements, anchors, cluster, pose, ground, medium, row):
 
 
 @part
-def nearest(a, b, p, q):
+def shortest_at(a, b, p, q):
     """Position in [a, b] along a strip at which a vector (3,) that varies linearly from p to q is shortest."""
     d = minus(q, p)
     square = dot(d, d)
@@ -104,7 +116,7 @@ def nearest(a, b, p, q):
 
 
 @part
-def mixed(xi, p, q):
+def interpolated(xi, p, q):
     """Linear interpolation (3,) at xi between p and q at the ends of a strip."""
     return plus(times(1.0 - xi, p), times(xi, q))
 
@@ -113,14 +125,14 @@ def mixed(xi, p, q):
 def drag_force(strip, k, f):
     """Add the drag to f[end, xyz] (N); k in kg/m^2."""
     w0, w1 = cross(strip.c, strip.v0), cross(strip.c, strip.v1)
-    turn = nearest(strip.a, strip.b, w0, w1)
+    turn = shortest_at(strip.a, strip.b, w0, w1)
     for start, end in ((strip.a, turn), (turn, strip.b)):
         if start == end:
             continue
         for gauss in (GAUSS_LOW, GAUSS_HIGH):
             xi = start + (end - start) * gauss
-            kw = k * 0.5 * (end - start) * norm(mixed(xi, w0, w1))
-            vx, vy, vz = mixed(xi, strip.v0, strip.v1)
+            kw = k * 0.5 * (end - start) * norm(interpolated(xi, w0, w1))
+            vx, vy, vz = interpolated(xi, strip.v0, strip.v1)
             for e, share in ((0, (1.0 - xi) * kw), (1, xi * kw)):
                 f[e, 0] -= share * vx
                 f[e, 1] -= share * vy
@@ -134,7 +146,7 @@ def horizontal_force(strip, k, m, f):
     cx, cy, cz = strip.c
     q0x, q0y = drive((strip.e0[0], strip.e0[1]), (strip.v0[0], strip.v0[1]), m)
     q1x, q1y = drive((strip.e1[0], strip.e1[1]), (strip.v1[0], strip.v1[1]), m)
-    turn = nearest(a, b, (q0x, q0y, 0.0), (q1x, q1y, 0.0))
+    turn = shortest_at(a, b, (q0x, q0y, 0.0), (q1x, q1y, 0.0))
     first, last = turn, turn  # bristles between these positions are below their yield
     if m.friction != SMOOTH:
         dx, dy = q1x - q0x, q1y - q0y
@@ -151,8 +163,8 @@ def horizontal_force(strip, k, m, f):
             xi = start + (end - start) * gauss
             (rx, ry), share = mobilised(((1.0 - xi) * q0x + xi * q1x, (1.0 - xi) * q0y + xi * q1y), m)
             across = cx * ry - cy * rx
-            seen = math.sqrt(cz * cz + across * across)
-            load = 2.0 * k * (end - start) * weight * seen * max(0.0, z0 + xi * (z1 - z0)) * share
+            projected = math.sqrt(cz * cz + across * across)
+            load = 2.0 * k * (end - start) * weight * projected * max(0.0, z0 + xi * (z1 - z0)) * share
             f[0, 0] -= (1.0 - xi) * load * rx
             f[0, 1] -= (1.0 - xi) * load * ry
             f[1, 0] -= xi * load * rx

@@ -31,13 +31,13 @@ from granular_contact.sand.kernels.vectors import (
     cross,
     dot,
     minus,
-    moving,
     norm,
     plus,
+    plus_cross,
     put,
-    seen,
     times,
     turned,
+    turned_back,
     xyz,
 )
 
@@ -79,7 +79,7 @@ def gather(elements, anchors, cluster, pose, ground, first, medium, block):
     R, v, w, steep = axes(pose), at(pose, law.VELOCITY, 0), at(pose, law.SPIN, 0), ground[GROWTH]
     x0, y0, z0 = x = at(pose, law.POSITION, 0)
     # In the frame of the body: gradient of the depth, angular velocity, velocity of the reference point.
-    d, q, velocity = seen(R, (ground[RISE_X], ground[RISE_Y], -1.0)), seen(R, w), seen(R, v)
+    d, q, velocity = turned_back(R, (ground[RISE_X], ground[RISE_Y], -1.0)), turned_back(R, w), turned_back(R, v)
     depth = ground[HEIGHT] + ground[RISE_X] * x0 + ground[RISE_Y] * y0 - z0  # of the reference point
     mapped, plane = medium.heights != 0, room1(PLANE)
     high = highest(cluster, R, pose[law.POSITION], ground, medium, plane) if mapped else 0.0
@@ -98,19 +98,19 @@ def gather(elements, anchors, cluster, pose, ground, first, medium, block):
         if (mapped and high - z0 - r[2] + facet.reach * steep <= 0.0) or facet.form == RIM:
             continue
         e = minus(plus(x, r), at(anchors, i, 0))
-        u = moving(velocity, q, b)
+        u = plus_cross(velocity, q, b)
         by_motion = facet.side == 0.0 or leads(facet, u, q, 1.0)
-        if not by_motion and not is_pulled(facet, u, seen(R, e), q):
+        if not by_motion and not is_pulled(facet, u, turned_back(R, e), q):
             continue
         gradient = d
         if mapped:
             z = surface_at(x0 + r[0], y0 + r[1], ground, medium, plane) - z0 - r[2]
-            gradient = seen(R, (plane[RISE_X], plane[RISE_Y], -1.0))
+            gradient = turned_back(R, (plane[RISE_X], plane[RISE_Y], -1.0))
         moments = below_surface(facet, z, gradient, medium)
         if moments[0] <= 0.0 or moments[1] <= 0.0:
             continue
         write(turned(R, xyz(facet.normal)), block.normal, n)
-        write(moving(v, w, r), block.velocity, n)
+        write(plus_cross(v, w, r), block.velocity, n)
         write(e, block.stretch, n)
         block.spread[0, n], block.spread[1, n] = spread_along(facet, q)
         write(normal_turn(R, facet.curvatures[0], facet.a), block.turn_a, n)
@@ -221,7 +221,7 @@ def follow_facets(elements, anchors, cluster, pose, ground, medium, row):
     """`space_law.follow` of facets; most are above the surface, or less deep than a facet before them."""
     R, x, v, w = axes(pose), at(pose, law.POSITION, 0), at(pose, law.VELOCITY, 0), at(pose, law.SPIN, 0)
     steep = ground[GROWTH]
-    d, down = seen(R, (ground[RISE_X], ground[RISE_Y], -1.0)), seen(R, (0.0, 0.0, -1.0))
+    d, down = turned_back(R, (ground[RISE_X], ground[RISE_Y], -1.0)), turned_back(R, (0.0, 0.0, -1.0))
     mapped, plane = medium.heights != 0, room1(PLANE)
     high = highest(cluster, R, x, ground, medium, plane) if mapped else 0.0
     facets = as_facets(elements)
@@ -232,7 +232,7 @@ def follow_facets(elements, anchors, cluster, pose, ground, medium, row):
         z = high - pz if mapped else ground[HEIGHT] + ground[RISE_X] * px + ground[RISE_Y] * py - pz
         if mapped and (z + facet.reach * steep > min(0.0, row[law.DEPTH]) or medium.count != 0):
             z = surface_at(px, py, ground, medium, plane) - pz
-            d = seen(R, (plane[RISE_X], plane[RISE_Y], -1.0))
+            d = turned_back(R, (plane[RISE_X], plane[RISE_Y], -1.0))
         if z + facet.reach * steep <= min(0.0, row[law.DEPTH]) and medium.count == 0:
             put(p, anchors, i, 0)
             continue
@@ -242,7 +242,7 @@ def follow_facets(elements, anchors, cluster, pose, ground, medium, row):
             if deepest > 0.0:
                 row[law.LOWEST] = min(row[law.LOWEST], pz - beyond_centre(facet, down))
         if deepest > 0.0:
-            row[law.SPEED] = max(row[law.SPEED], norm(moving(v, w, r)))
+            row[law.SPEED] = max(row[law.SPEED], norm(plus_cross(v, w, r)))
             anchor = law.drag_anchor(medium, (p, at(anchors, i, 0)))
         if medium.count != 0:
             law.count(medium, (anchors, i, p, anchor, turned(R, xyz(facet.normal)), deepest > 0.0))

@@ -66,7 +66,7 @@ def leading(t, q, side, m):
 
 
 @part
-def turned_by(x):
+def cosine_and_sine(x):
     """Cosine and sine of an angle x (rad), up to SMALL by series, which takes a third of the library's time."""
     if abs(x) > SMALL:
         return math.cos(x), math.sin(x)
@@ -81,7 +81,7 @@ def tangent_at(t, turn, xi):
     """Unit tangent at xi of a strip with the chord t that turns by `turn` (rad) from end to end."""
     if turn == 0.0:
         return t
-    c, s = turned_by((xi - 0.5) * turn)
+    c, s = cosine_and_sine((xi - 0.5) * turn)
     return c * t[0] - s * t[1], s * t[0] + c * t[1]
 
 

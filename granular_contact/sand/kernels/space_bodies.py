@@ -46,7 +46,7 @@ from granular_contact.sand.kernels.law import TERMS
 from granular_contact.sand.kernels.proximity import APPROACH, DEEPEST, GREATEST, may_touch
 from granular_contact.sand.kernels.space_clusters import bound, bound_cluster, reach_below, release
 from granular_contact.sand.kernels.space_coordinates import by_parameters
-from granular_contact.sand.kernels.vectors import at, axes, moving, seen
+from granular_contact.sand.kernels.vectors import at, axes, plus_cross, turned_back
 
 view = law.BODIES.view
 
@@ -258,21 +258,21 @@ def follow(body, w, medium, pose, near, row):
     of the clusters stand for the depth: the sphere around a long body can be deep in the bed though the body is not.
     """
     clusters, elements, anchors, active = w.clusters, w.elements, w.anchors, w.active
-    seen, loaded = room1(3), False
-    seen[law.DEPTH], seen[law.SPEED], seen[law.LOWEST] = -np.inf, 0.0, np.inf
+    extremes, loaded = room1(3), False
+    extremes[law.DEPTH], extremes[law.SPEED], extremes[law.LOWEST] = -np.inf, 0.0, np.inf
     for c in range(body.first, body.last):
         if active[c]:
             cluster = clusters[c]
             s, n = cluster.first, cluster.last - cluster.first
-            law.follow(medium, (rows(elements, s, n), rows(anchors, s, n), cluster, pose, w.ground, seen))
+            law.follow(medium, (rows(elements, s, n), rows(anchors, s, n), cluster, pose, w.ground, extremes))
             loaded = True
-    depth = seen[law.DEPTH]
+    depth = extremes[law.DEPTH]
     if not loaded and near[DEEPEST] > row[lines.DEPTH]:  # else another body is deeper
         depth = min(near[DEEPEST], deepest_cluster(body, w, medium, pose))
     near[GREATEST] = max(near[GREATEST], depth)
     row[lines.DEPTH] = max(row[lines.DEPTH], depth)
-    row[lines.SPEED] = max(row[lines.SPEED], seen[law.SPEED])
-    row[lines.LOWEST] = min(row[lines.LOWEST], seen[law.LOWEST])
+    row[lines.SPEED] = max(row[lines.SPEED], extremes[law.SPEED])
+    row[lines.LOWEST] = min(row[lines.LOWEST], extremes[law.LOWEST])
 
 
 @part
@@ -291,8 +291,8 @@ def write(W, term, turn, q, row, first):
 
     W: about the reference point q of a body, frame of the bed; in the row: about the world origin, world frame.
     """
-    f = seen(axes(turn), at(W, term, 0))
-    m = moving(seen(axes(turn), at(W, term, 3)), q, f)
+    f = turned_back(axes(turn), at(W, term, 0))
+    m = plus_cross(turned_back(axes(turn), at(W, term, 3)), q, f)
     for k in range(3):
         row[first + k] += f[k]
         row[first + 3 + k] += m[k]

@@ -11,7 +11,7 @@ from granular_contact.jit.memory import room1
 from granular_contact.sand.kernels import space_law as law
 from granular_contact.sand.kernels.ground import GROWTH, PLANE, RISE_X, RISE_Y, surface_at
 from granular_contact.sand.kernels.proximity import APPROACH, DEEPEST
-from granular_contact.sand.kernels.vectors import axes, moving, norm, plus, put, seen, turned, vector
+from granular_contact.sand.kernels.vectors import axes, norm, plus, plus_cross, put, turned, turned_back, vector
 
 
 @part
@@ -28,7 +28,7 @@ def bound(ball, pose, ground, medium, near):
     depth, r = depth_of(ball, pose, ground, medium)
     w = vector(pose[law.SPIN], 0)
     near[DEEPEST] = depth + ball.radius * ground[GROWTH]
-    near[APPROACH] = (norm(moving(pose[law.VELOCITY], w, r)) + norm(w) * ball.radius) * ground[GROWTH]
+    near[APPROACH] = (norm(plus_cross(pose[law.VELOCITY], w, r)) + norm(w) * ball.radius) * ground[GROWTH]
 
 
 @part
@@ -48,7 +48,7 @@ def reach_below(cluster, pose, ground, medium):
     depth = depth_of(cluster, pose, ground, medium)[0]
     if medium.heights != 0:
         return depth + cluster.radius * ground[GROWTH]
-    dx, dy, dz = seen(axes(pose), (ground[RISE_X], ground[RISE_Y], -1.0))
+    dx, dy, dz = turned_back(axes(pose), (ground[RISE_X], ground[RISE_Y], -1.0))
     return depth + abs(dx) * cluster.along_x + abs(dy) * cluster.along_y + abs(dz) * cluster.along_z
 
 

@@ -83,8 +83,8 @@ def cross(a, b):
 
 
 @part(inline=True)
-def moving(v, w, r):
-    """Velocity v + w x r (3,) of a point at r of a body."""
+def plus_cross(v, w, r):
+    """Sum v + w x r (3,), as the velocity of a point at r of a body with velocity v and angular velocity w."""
     x, y, z = cross(w, r)
     return v[0] + x, v[1] + y, v[2] + z
 
@@ -107,7 +107,7 @@ def turned(R, a):
 
 
 @part(inline=True)
-def seen(R, a):
+def turned_back(R, a):
     """R^T a (3,), with R (9,) row by row: from the frame around a body to the frame of the body."""
     return (
         R[0] * a[0] + R[3] * a[1] + R[6] * a[2],

@@ -31,7 +31,7 @@ from granular_contact.engines.mujoco.kernels.held_bodies import BED, HELD
 from granular_contact.jit.compiled import kernel, part
 from granular_contact.jit.memory import room1
 from granular_contact.jit.records import record_dtype
-from granular_contact.sand.kernels.vectors import axes, cross, moving, seen, vector
+from granular_contact.sand.kernels.vectors import axes, cross, plus_cross, turned_back, vector
 
 # Constants of `friction`; by_component: whether the law opposes each component of the motion by itself.
 _CONSTANTS = [("u_y", "f8"), ("tau", "f8"), ("v_eps", "f8"), ("pressed", "f8")]
@@ -157,8 +157,8 @@ def find_zero_gain_load(body, turn, step):
     The wrench belongs to the predicted gain: M predicted_gain / h is added to extrapolate it to a gain of zero.
     """
     p, w = room1(6), body.wrench
-    f = seen(axes(turn), vector(w, 0))
-    load = *f, *moving(seen(axes(turn), vector(w, 3)), body.arm, f)
+    f = turned_back(axes(turn), vector(w, 0))
+    load = *f, *plus_cross(turned_back(axes(turn), vector(w, 3)), body.arm, f)
     momentum(body.added_inertia, body.predicted_gain, p)
     has_wrench = False
     for k in range(6):

@@ -15,7 +15,7 @@ import numpy as np
 from granular_contact.jit.compiled import kernel, part
 from granular_contact.jit.memory import clear
 from granular_contact.jit.records import fields, record_dtype
-from granular_contact.sand.kernels.vectors import column, cross, dot, minus, moving, norm, plus, times, vector
+from granular_contact.sand.kernels.vectors import column, cross, dot, minus, norm, plus, plus_cross, times, vector
 
 # Record of a body in sand, whose load MuJoCo holds over a step:
 #
@@ -101,7 +101,7 @@ def set_pose(body, x, R, c, twist, turn, pose):
     rotation to the frame of the bed.
     """
     r, w = minus(x, c), vector(twist, 0)
-    v = moving(vector(twist, 3), w, r)
+    v = plus_cross(vector(twist, 3), w, r)
     body.arm[0], body.arm[1], body.arm[2] = r
     for i in range(3):
         to = vector(turn[i], 0)
@@ -139,7 +139,7 @@ def step_work(body, x, y, z, load, end_twist, elapsed):
     """
     power = 0.0
     for twist in (body.twist, end_twist):
-        v = moving(vector(twist, 3), vector(twist, 0), (x, y, z))
+        v = plus_cross(vector(twist, 3), vector(twist, 0), (x, y, z))
         power += dot(vector(load, 0), v) + dot(vector(load, 3), vector(twist, 0))
     return 0.5 * elapsed * power
 
@@ -175,7 +175,7 @@ def largest_deviation(held):
     for b in range(held.shape[0]):
         reached, predicted = held[b].reached_gain, held[b].predicted_gain
         w = minus(vector(reached, 0), vector(predicted, 0))
-        v = moving(minus(vector(reached, 3), vector(predicted, 3)), w, held[b].arm)
+        v = plus_cross(minus(vector(reached, 3), vector(predicted, 3)), w, held[b].arm)
         largest = max(largest, norm(v) + held[b].radius * norm(w))
     return largest
 

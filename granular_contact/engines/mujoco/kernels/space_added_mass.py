@@ -23,7 +23,7 @@ from granular_contact.sand.kernels.planar_friction import drive as drive_across
 from granular_contact.sand.kernels.proximity import APPROACH, DEEPEST, may_touch
 from granular_contact.sand.kernels.space_clusters import bound, bound_cluster, reach_below, release
 from granular_contact.sand.kernels.space_friction import factors
-from granular_contact.sand.kernels.vectors import axes, minus, moving, norm, plus, turned
+from granular_contact.sand.kernels.vectors import axes, minus, norm, plus, plus_cross, turned
 
 # Arrays of `space_law.BODIES`, and those above; active (clusters,): whether a cluster may touch the surface in this
 # step.
@@ -157,7 +157,7 @@ def add_element_inertia(f, E, A, pose, end_pose, step, bristle, inertia):
     """
     (fx, fy, fz), (bx, by, bz) = f, mean_position(E)
     r = turned(axes(end_pose), (bx, by, bz))
-    vx, vy, vz = moving(end_pose[4], end_pose[5], r)
+    vx, vy, vz = plus_cross(end_pose[4], end_pose[5], r)
     ex, ey, ez = minus(plus(end_pose[3], r), mean_position(A))
     if bristle.by_component and bristle.friction != SMOOTH:
         qx, qy = drive_across((ex, ey), (vx, vy), bristle)

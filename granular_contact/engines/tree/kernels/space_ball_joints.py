@@ -33,7 +33,7 @@ from granular_contact.mechanics.kernels.space_rotations import (
     quaternion,
 )
 from granular_contact.sand.kernels.lines import difference
-from granular_contact.sand.kernels.vectors import dot, fill, plus, seen, times, turned, vector
+from granular_contact.sand.kernels.vectors import dot, fill, plus, times, turned, turned_back, vector
 
 SPRUNG, ELASTIC = 1, 2  # field `acts` of a node: a law of the joint, or a link that bends
 
@@ -58,7 +58,7 @@ def torques(u, rate, home, node, law):
 def elastic(turn, w, node):
     """Moment (N m) between elements of a link, in the parent's frame; turn: rotation vector from home, w (rad/s)."""
     P = matrix_of(as_quaternion(node.before))
-    return turned(P, moment(seen(P, turn), seen(P, w), node))
+    return turned(P, moment(turned_back(P, turn), turned_back(P, w), node))
 
 
 @part

@@ -40,7 +40,7 @@ from granular_contact.mechanics.kernels.space_rotations import (
     quaternion,
     rates_of,
 )
-from granular_contact.sand.kernels.vectors import at, cross, fill, plus, put, seen, times, turned, unit, vector
+from granular_contact.sand.kernels.vectors import at, cross, fill, plus, put, times, turned, turned_back, unit, vector
 
 HINGE, SLIDER, BALL = 0, 1, 2
 LAST = 2  # index, among the three nodes of a ball joint, of the one with the body
@@ -59,7 +59,7 @@ def momentum(w, i, R, a):
     """The inertia of node i about its centre of mass times a vector a (3,); R: rotation matrix of the node."""
     J = w.space_nodes[i].inertia
     inertia = J[0], J[1], J[2], J[3], J[4], J[5], J[6], J[7], J[8]
-    return turned(R, turned(inertia, seen(R, a)))
+    return turned(R, turned(inertia, turned_back(R, a)))
 
 
 @part
