@@ -1,4 +1,4 @@
-"""What a law does with a block of facets: which of them lead, and their tractions.
+"""Tractions of a law on a block of facets, and the shares of the facets that lead.
 
 A block (BLOCK of `facet_records`) has an array of numbers of its facets for each quantity. The equations of a law are
 written for one facet, in a loop over the facets of a block, with all parts inlined and without branches where

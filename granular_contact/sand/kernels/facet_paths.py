@@ -120,7 +120,7 @@ def keep(anchors, i, grain, facet, cluster):
 
 @part
 def note(block, n, elements, anchors, cluster):
-    """Fill in what depends on the paths of the n facets of a block: shear displacements, and scatter of the terms."""
+    """Fill in the shear displacements of the n facets of a block, and the scatter of the terms."""
     rows, stretch = block.row, block.stretch
     if shears(anchors):
         for k in range(n):

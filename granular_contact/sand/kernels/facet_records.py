@@ -12,13 +12,12 @@ A row of `elements` that is a facet has the fields of FACET:
     form        TRIANGLE, PARALLELOGRAM, PATCH or RIM
     curvatures  (2,) 1/m: by how much the normal turns along a and along b, over their lengths
 
-A PATCH of a round surface is a parallelogram whose normal turns. A RIM has no area and takes no force; no point of a
-round body is deeper than its rims: a circle around the normal with the radius a[0], and spheres around all points of
-the circle with the radius a[1] (m).
+A PATCH of a round surface is a parallelogram whose normal turns. A RIM has no area and takes no force: it consists of a
+circle around the normal with the radius a[0], and of spheres around all points of the circle with the radius a[1] (m).
+No point of a round body is deeper than the deepest of its rims.
 
 A block is one record BLOCK, whose fields are arrays with one number for each of at most LANES facets, so that a law
-treats several facets in one instruction. `facets.gather` fills the fields before `growing`, those of vectors with
-three rows:
+treats several facets in one instruction. `facets.gather` fills the fields before `growing`. Vectors have three rows:
 
     depth               z > 0: mean depth of the immersed part (m)
     normal              n
@@ -30,15 +29,14 @@ three rows:
     area                of the immersed part (m^2)
     scatter             (2,) factors of the two terms of the law, see `facet_paths`
     growing_arm         from the reference point of the body to where the growing term acts (m)
-    constant_arm        likewise of the constant term
+    constant_arm        from there to where the constant term acts (m)
     centroid_depth      m
     turn_a, turn_b      change of the normal along a and along b
     row                 of the facet among the elements of its cluster
     path, ahead, grain, grain_ends      work arrays of `facet_paths`, (1,), (1,), (1,), (2,)
     growing, constant   tractions that the law fills in: stress per depth (N/m^3) of the term that grows with depth,
                         stress (Pa) of the other
-    direction, share    see `facet_blocks.lead`: unit vector u against which static resistance acts, and the share of
-                        the resistance that acts
+    direction, share    direction of motion u that the law takes, and share of its static force, see `facet_blocks.lead`
 """
 
 from __future__ import annotations
