@@ -1,7 +1,7 @@
-"""What is drawn over time of a run: panels of curves, each a sum of columns, for figures and for the page alike.
+"""Panels of curves over time, for figures and pages; each curve is a sum of columns.
 
-What a run has is read from its columns: joints, drives, bodies, terms of the medium's force, energies. Curves that are
-the same are drawn as one, those that are only round-off not at all.
+The names of the columns tell which joints, drives, bodies, terms of the medium's force and energies a run has. Equal
+curves are drawn as one curve; curves that are only round-off are not drawn.
 """
 
 from __future__ import annotations
@@ -14,9 +14,9 @@ import numpy as np
 from granular_contact.report.units import Array, Unit, greatest, split, unit_for
 from granular_contact.results.energy import accumulate
 
-ROUND_OFF = 1e-9  # of the largest number of its unit in the table: what is smaller is no motion, force or energy
-SAME = 1e-6  # of the greatest: curves that differ by less are one
-# Numbers whose round-off has another measure than the largest of its unit: a turn, and some lengths of a mechanism.
+ROUND_OFF = 1e-9  # of the largest number with the same unit in the table; smaller curves are round-off
+SAME = 1e-6  # relative tolerance of equal curves
+# Least scale of round-off of angles and lengths, for runs in which all of them are small.
 _LEAST = {"deg": 1.0, "m": 1e-3}
 BASES = {"deg": "deg", "m": "m", "m_s": "m/s", "rad_s": "rad/s", "N": "N", "Nm": "N·m", "W": "W", "J": "J"}
 FIXED = ("deg", "rad/s", "m/s")  # units without prefixes
@@ -30,8 +30,8 @@ Values = Callable[[str], Array]
 class Curve:
     """A sum of columns, each with a factor.
 
-    start: counted from its first value; integral: over time, as the work of a power. along: as of its panel, where
-    curves of one panel have columns of their own for it.
+    start: whether values are relative to the first one; integral: whether to integrate over time, as a power to a work.
+    along: column of the abscissa, if it differs between the curves of a panel.
     """
 
     label: str
@@ -41,7 +41,7 @@ class Curve:
     along: str = ""
 
     def values(self, column: Values) -> Array:
-        """Its values (rows,) in SI units or degrees, by the values of columns."""
+        """Values (rows,) in SI units or degrees; column: function from the name of a column to its values."""
         total = np.sum([factor * column(name) for name, factor in self.terms], axis=0)
         if self.integral:
             total = accumulate(column("time_s"), total)
@@ -50,7 +50,7 @@ class Curve:
 
 @dataclass(frozen=True)
 class Panel:
-    """Curves of one quantity, in a unit that suits them; over time, or over a column `along` (m)."""
+    """Curves of one quantity in a common unit, over time or over a column `along` (m)."""
 
     title: str
     base: str
@@ -60,13 +60,13 @@ class Panel:
 
     @property
     def heading(self) -> str:
-        """Its title with the unit."""
+        """Title with the unit."""
         return f"{self.title} ({self.unit.name})" if self.title and self.unit.name else self.title or self.unit.name
 
 
 @dataclass(frozen=True)
 class Group:
-    """Panels that belong together: the name of their figure, a heading, and what they show."""
+    """Panels of one figure: its name, a heading and a caption."""
 
     name: str
     heading: str
@@ -75,55 +75,56 @@ class Group:
 
 
 def groups(names: Sequence[str], terms: Sequence[str], column: Values) -> list[Group]:
-    """Groups of panels of a table with these columns and terms of force, as far as there is something to see."""
+    """Groups of panels of a table with the given columns and terms of the medium's force; empty ones are left out."""
     found = _Names(names, terms)
     scales = _scales(names, column)
     made = [_wheels(found), _travel(found), _joints(found), _forces(found), _depths(found), _energy(found)]
-    kept = [replace(one, panels=tuple(_seen(one.panels, column, scales))) for one in made]
-    return [one for one in kept if one.panels]
+    kept = [replace(group, panels=tuple(_visible(group.panels, column, scales))) for group in made]
+    return [group for group in kept if group.panels]
 
 
 def groups_of(names: Sequence[str], terms: Sequence[str], column: Values) -> list[Group]:
-    """The groups of a table, without panels that show the same as others; see `groups` and `distinct`."""
+    """Groups of a table without panels that repeat others; see `groups` and `distinct`."""
     return distinct(groups(names, terms, column), column)
 
 
 def distinct(found: Sequence[Group], column: Values, *, compared: bool = False) -> list[Group]:
-    """Groups without panels whose curves others show: the force on a single body is the sum, a carriage is on its rail.
+    """Remove panels whose curves other panels show: the force on a single body is the sum, a carriage follows its rail.
 
-    A length or an energy of the other sign is the same: a post goes up as far as its wheel sinks less. compared: of
-    several runs, where a panel on which all runs stand still at one value tells nothing either.
+    Lengths or energies of opposite sign count as equal: a post rises as far as its wheel sinks less. compared: whether
+    the curves are of several runs; then panels on which all runs are constant and equal are removed as well.
     """
     shown: list[tuple[str, Array]] = []
-    left = set()
-    for group in sorted(found, key=lambda one: _TELLING.index(one.name) if one.name in _TELLING else len(_TELLING)):
-        for place, one in enumerate(group.panels):
-            curves = [] if one.along else [curve.values(column) for curve in one.curves]
+    removed = set()
+    for group in sorted(found, key=lambda one: _PRIORITY.index(one.name) if one.name in _PRIORITY else len(_PRIORITY)):
+        for i, panel in enumerate(group.panels):
+            curves = [] if panel.along else [curve.values(column) for curve in panel.curves]
             if curves and (
-                all(_is_shown(one.base, values, shown) for values in curves) or (compared and _still(curves))
+                all(_is_shown(panel.base, values, shown) for values in curves) or (compared and _are_constant(curves))
             ):
-                left.add((group.name, place))
-            shown += [(one.base, values) for values in curves]
+                removed.add((group.name, i))
+            shown += [(panel.base, values) for values in curves]
     kept = [
-        replace(one, panels=tuple(p for i, p in enumerate(one.panels) if (one.name, i) not in left)) for one in found
+        replace(group, panels=tuple(panel for i, panel in enumerate(group.panels) if (group.name, i) not in removed))
+        for group in found
     ]
-    return [one for one in kept if one.panels]
+    return [group for group in kept if group.panels]
 
 
-_TELLING = ("wheel", "travel", "path", "depth", "forces", "joints", "energy")  # what stays of two that are the same
+_PRIORITY = ("wheel", "travel", "path", "depth", "forces", "joints", "energy")  # of two equal panels the first stays
 
 
 def _is_shown(base: str, values: Array, shown: Sequence[tuple[str, Array]]) -> bool:
     signs = (1.0, -1.0) if base in ("m", "J") else (1.0,)
-    return any(base == other and _alike(values, sign * one) for other, one in shown for sign in signs)
+    return any(base == other_base and _alike(values, sign * other) for other_base, other in shown for sign in signs)
 
 
-def _still(curves: Sequence[Array]) -> bool:
+def _are_constant(curves: Sequence[Array]) -> bool:
     return float(np.nanmax(curves) - np.nanmin(curves)) <= SAME * greatest(curves)
 
 
 def _scales(names: Iterable[str], column: Values) -> dict[str, float]:
-    """The largest number of each unit in the table; of a moment the largest force at the largest length, if more."""
+    """Largest number of each unit in the table; for moments at least the largest force times the largest length."""
     scales: dict[str, float] = {}
     for name in names:
         base = BASES.get(split(name)[1])
@@ -133,8 +134,8 @@ def _scales(names: Iterable[str], column: Values) -> dict[str, float]:
     return scales
 
 
-def _seen(panels: Iterable[Panel], column: Values, scales: dict[str, float]) -> Iterable[Panel]:
-    """Panels in their units, with curves that are not round-off, those that are the same as one."""
+def _visible(panels: Iterable[Panel], column: Values, scales: dict[str, float]) -> Iterable[Panel]:
+    """Panels in suitable units, without curves that are only round-off, and with equal curves joined to one."""
     for panel in panels:
         least = ROUND_OFF * max(scales.get(panel.base, 0.0), _LEAST.get(panel.base, 0.0))
         kept: list[tuple[Curve, Array]] = []
@@ -153,33 +154,33 @@ def _seen(panels: Iterable[Panel], column: Values, scales: dict[str, float]) -> 
         yield in_unit(replace(panel, curves=tuple(curve for curve, _ in kept)), column)
 
 
-def panel(words: str, name: str, curves: Sequence[Curve], column: Values) -> Panel:
-    """A panel of curves that are all in the unit of a column `name`."""
-    return in_unit(Panel(words, BASES.get(split(name)[1], ""), tuple(curves)), column)
+def panel(title: str, name: str, curves: Sequence[Curve], column: Values) -> Panel:
+    """Make a panel of curves that all have the unit of the column `name`."""
+    return in_unit(Panel(title, BASES.get(split(name)[1], ""), tuple(curves)), column)
 
 
 def in_unit(panel: Panel, column: Values) -> Panel:
-    """A panel with the unit that suits its curves."""
+    """Return a panel with the unit that suits its curves."""
     if not panel.base or panel.base in FIXED:
         return replace(panel, unit=Unit(1.0, panel.base))
     largest = max(greatest(curve.values(column)) for curve in panel.curves)
     return replace(panel, unit=unit_for(largest, panel.base))
 
 
-def _alike(one: Array, other: Array) -> bool:
-    return greatest(one - other) <= SAME * max(greatest(one), greatest(other))
+def _alike(first: Array, second: Array) -> bool:
+    return greatest(first - second) <= SAME * max(greatest(first), greatest(second))
 
 
 class _Names:
-    """What the columns of a run are of."""
+    """Names of joints, drives, bodies and links of a run, taken from the names of its columns."""
 
     def __init__(self, names: Sequence[str], terms: Sequence[str]) -> None:
         has = set(names)
         self.has, self.terms = has, tuple(terms)
 
         def stems(end: str, *others: str) -> list[str]:
-            ones = [name.removesuffix(end) for name in names if name.endswith(end)]
-            return [one for one in ones if all(one + other in has for other in others)]
+            candidates = [name.removesuffix(end) for name in names if name.endswith(end)]
+            return [stem for stem in candidates if all(stem + other in has for other in others)]
 
         self.hinges = stems("_angle_deg", "_rate_rad_s")
         self.sliders = stems("_position_m", "_speed_m_s")
@@ -195,13 +196,13 @@ class _Names:
         self.up = "z" if self.in_space else "y"
 
     def panel(self, title: str, base: str, curves: Iterable[tuple[str, str]], along: str = "") -> Panel:
-        """A panel of single columns, given by label and name."""
-        kept = tuple(Curve(words, ((name, 1.0),)) for words, name in curves if name in self.has)
+        """Make a panel of single columns, given by label and name; missing columns are skipped."""
+        kept = tuple(Curve(label, ((name, 1.0),)) for label, name in curves if name in self.has)
         return Panel(title, base, kept, along=along)
 
 
 def _wheels(found: _Names) -> Group:
-    """What terramechanics asks of wheels, along and across the surface below their axle."""
+    """Slip, sinkage and forces of wheels, along and across the surface below their axle."""
     quantities = (
         *(("slip", "", "slip"), ("sinkage", "m", "sinkage_m"), ("drawbar pull", "N", "drawbar_pull_N")),
         *(("load", "N", "load_N"), ("torque", "N·m", "torque_Nm"), ("side force", "N", "side_force_N")),
@@ -211,19 +212,19 @@ def _wheels(found: _Names) -> Group:
         found.panel(title, base, [(wheel, f"{wheel}_{end}") for wheel in found.wheels])
         for title, base, end in quantities
     ]
-    words = "Slip, sinkage, pull, load and torque, along and across the surface below the axle."
-    return Group("wheel", "Wheel" if len(found.wheels) == 1 else "Wheels", words, tuple(panels))
+    caption = "Slip, sinkage, pull, load and torque, along and across the surface below the axle."
+    return Group("wheel", "Wheel" if len(found.wheels) == 1 else "Wheels", caption, tuple(panels))
 
 
 def _travel(found: _Names) -> Group:
-    """Where the first body goes, in a model that has several the trunk; of others the path of the tip."""
+    """Motion of the first body (of a robot the trunk), or the path of the tip if bodies have no columns."""
     up = "height" if found.in_space or found.bodies else "height of the tip"
     if not found.bodies:
         panels = [
             found.panel("tip, horizontal", "m", [("tip x", "tip_x_m")]),
             found.panel(up, "m", [("tip y", "tip_y_m"), ("tip z", "tip_z_m")]),
         ]
-        return Group("path", "Path of the tip", "Where the tip is.", () if found.hinges else tuple(panels))
+        return Group("path", "Path of the tip", "Path of the tip.", () if found.hinges else tuple(panels))
     body = found.bodies[0]
     tilts = [(name, f"{body}_{name}_deg") for name in ("roll", "pitch", "yaw")]
     tilts.append(("pitch (clockwise)", f"{body}_orientation_deg"))  # in the plane
@@ -236,8 +237,8 @@ def _travel(found: _Names) -> Group:
         found.panel(f"{body}, {'angles' if found.in_space else 'pitch'}", "deg", tilts),
         found.panel(f"{body}, speed", "m/s", [("ahead", ahead), *sideways, ("upward", upward)]),
     ]
-    words = f"Path, attitude and speed of {body}, of its centre of mass."
-    return Group("travel", f"Motion of {body}", words, tuple(panels))
+    caption = f"Path and speed of the centre of mass of {body}, and its attitude."
+    return Group("travel", f"Motion of {body}", caption, tuple(panels))
 
 
 def _joints(found: _Names) -> Group:
@@ -266,12 +267,12 @@ def _joints(found: _Names) -> Group:
         found.panel("twist of links", "deg", [(link, f"{link}_twist_deg") for link in found.bending]),
         found.panel("greatest strain of links", "", [(link, f"{link}_strain") for link in found.strained]),
     ]
-    words = "Angle, rate, torque, power and work of joints." if driven else "Angle and rate of joints."
-    return Group("joints", "Joints", words, tuple(panels))
+    caption = "Angle, rate, torque, power and work of joints." if driven else "Angle and rate of joints."
+    return Group("joints", "Joints", caption, tuple(panels))
 
 
 def _forces(found: _Names) -> Group:
-    """Forces of the medium: of each term and in sum, and upward on each body."""
+    """Forces of the medium: each term, their sum, and the forces on each body."""
     axes = [("horizontal force", "x"), ("vertical force", "y")]
     if found.in_space:
         axes = [("force ahead", "x"), ("force to the left", "y"), ("vertical force", "z")]
@@ -281,19 +282,19 @@ def _forces(found: _Names) -> Group:
     for side, axis in (("ahead", "x"), ("upward", found.up)):
         curves = [(name, f"{name}_granular_{axis}_N") for name in found.met]
         panels.append(found.panel(f"force on each body, {side}", "N", curves))
-    words = "Forces of the medium: each term, their sum, and what each body takes."
-    return Group("forces", "Forces of the medium", words, tuple(panels))
+    caption = "Forces of the medium: each term, their sum, and the forces on each body."
+    return Group("forces", "Forces of the medium", caption, tuple(panels))
 
 
 def _terms(found: _Names, end: str) -> tuple[Curve, ...]:
-    """Each term of a force and, of several, their sum."""
+    """Curves of the terms of a force, with their sum first if there are several."""
     names = [(term, f"{term}_{end}") for term in found.terms if f"{term}_{end}" in found.has]
     single = tuple(Curve(term.replace("_", " "), ((name, 1.0),)) for term, name in names)
     return (Curve("sum", tuple((name, 1.0) for _, name in names)), *single) if len(single) > 1 else single
 
 
 def _depths(found: _Names) -> Group:
-    """How deep bodies are, and the vertical force against depth; wheels have their sinkage."""
+    """Depth of bodies other than wheels, which have a sinkage, and vertical force against depth."""
     deep = [name for name in found.deep if name not in found.wheels]
     depths = [(name, f"{name}_depth_m") for name in deep]
     panels = [found.panel("depth", "m", depths or [("deepest point", "depth_m")])] if deep or not found.wheels else []
@@ -303,11 +304,11 @@ def _depths(found: _Names) -> Group:
     upward = tuple((f"{t}_force_{found.up}_N", 1.0) for t in found.terms if f"{t}_force_{found.up}_N" in found.has)
     if not found.deep and upward and "depth_m" in found.has:
         panels.append(Panel("vertical force against depth", "N", (Curve("sum", upward),), along="depth_m"))
-    words = "Depth of the deepest point of each body, and the vertical force of the medium against it."
-    return Group("depth", "Depth, and force against depth", words, tuple(panels))
+    caption = "Depth of the deepest point of each body, and the vertical force of the medium against it."
+    return Group("depth", "Depth, and force against depth", caption, tuple(panels))
 
 
-MOST_BODIES = 8  # whose force is drawn against their depth
+MOST_BODIES = 8  # greatest number of bodies whose force is drawn against depth
 
 
 ENERGIES = (  # label, column, factor; gravity is counted from the start
@@ -325,12 +326,12 @@ ENERGIES = (  # label, column, factor; gravity is counted from the start
 
 
 def _energy(found: _Names) -> Group:
-    """Energies and works, and by how much their balance does not close."""
-    there = (one for one in ENERGIES if one[1] in found.has)
-    curves = tuple(Curve(words, ((name, factor),), start=name == "gravity_J") for words, name, factor in there)
+    """Energies and works, and the imbalance of energy."""
+    present = (entry for entry in ENERGIES if entry[1] in found.has)
+    curves = tuple(Curve(label, ((name, factor),), start=name == "gravity_J") for label, name, factor in present)
     panels = [
         Panel("energy", "J", curves),
         found.panel("energy imbalance", "J", [("imbalance", "energy_imbalance_J")]),
     ]
-    words = "Where the energy is and went; the sum is constant but for the imbalance."
-    return Group("energy", "Energy", words, tuple(panels))
+    caption = "Stored and dissipated energy; apart from the imbalance the sum is constant."
+    return Group("energy", "Energy", caption, tuple(panels))

@@ -1,8 +1,8 @@
-"""Several runs on one clock: their histories side by side, and their motions as one, for pages that compare them.
+"""Several runs on a common time axis: their histories side by side, and their motions as one, for comparisons.
 
-A column of a run is named `RUN.column`, where RUN is its name without spaces and signs. Positions and angles between
-the rows of a run are cubics (as in `results.interpolation`), all else is linear. A run that ends before the others has
-no numbers after its end, and stays where it was.
+A column of a run is named `RUN.column`, where RUN is the name of the run without spaces and signs. Between the rows of
+a run positions and angles are interpolated by cubics (as in `results.interpolation`), all other columns linearly. After
+the end of a run its columns are NaN, and its motion stays at the last position.
 """
 
 from __future__ import annotations
@@ -22,15 +22,15 @@ from granular_contact.results.frames import MOST, resample
 from granular_contact.results.interpolation import at_times, rates
 from granular_contact.results.motion import Motion, motion_of
 
-MOST_NUMBERS, MOST_ROWS, LEAST_ROWS = 600_000, 4000, 400  # of a table
-MOST_CURVES = 4  # of a panel of one run; of more the first two are compared, and any other can be chosen
-_SMOOTH = ("deg", "m")  # units of what is a cubic between rows
+MOST_NUMBERS, MOST_ROWS, LEAST_ROWS = 600_000, 4000, 400  # limits of a table
+MOST_CURVES = 4  # of a panel with more curves only the first two are compared; any other column can be chosen
+_SMOOTH = ("deg", "m")  # units of columns that are interpolated by cubics
 _BALANCE = ("granular_work_J", "drive_work_J", "energy_imbalance_J")  # energies that are compared
 
 
 @dataclass(frozen=True)
 class History:
-    """A run as it is compared: its columns (rows,) by name, `time_s` among them, and how it moved if that is known."""
+    """A run to compare: its columns (rows,) by name, with `time_s`, and its motion, None if it was not saved."""
 
     name: str
     columns: Mapping[str, Array]
@@ -38,76 +38,84 @@ class History:
 
 
 def history(name: str, results: Results) -> History:
-    """What is compared of results."""
+    """Make the history of results."""
     return History(name, {column: results[column] for column in results.names}, motion_of(results))
 
 
 def keys(names: Iterable[str]) -> list[str]:
-    """What columns of runs begin with, one for each name, all of them different."""
-    found: list[str] = []
+    """Unique prefixes of the columns of runs, one for each name."""
+    prefixes: list[str] = []
     for name in names:
         key = re.sub(r"\W+", "_", name).strip("_") or "run"
-        found.append(key if key not in found else f"{key}_{len(found) + 1}")
-    return found
+        prefixes.append(key if key not in prefixes else f"{key}_{len(prefixes) + 1}")
+    return prefixes
 
 
 def table(runs: Sequence[History]) -> dict[str, Array]:
-    """Columns of all runs on one clock (rows,), by name; without those that are zero throughout."""
+    """Columns (rows,) of all runs on a common time axis, by name; columns of zeros are left out."""
     times = np.unique(np.concatenate([run.columns["time_s"] for run in runs]))
     count = sum(len(run.columns) for run in runs)
     most = int(np.clip(MOST_NUMBERS // max(count, 1), LEAST_ROWS, MOST_ROWS))
     time = times if len(times) <= most else np.linspace(times[0], times[-1], most)
-    found: dict[str, Array] = {"time_s": time}
-    for key, run in zip(keys(one.name for one in runs), runs, strict=True):
-        own = run.columns["time_s"]
+    columns: dict[str, Array] = {"time_s": time}
+    for key, run in zip(keys(run.name for run in runs), runs, strict=True):
+        run_time = run.columns["time_s"]
         for name, values in run.columns.items():
             if name == "time_s" or not greatest(values) > 0.0:
                 continue
-            smooth = split(name)[1] in _SMOOTH and len(own) > 1
-            at = at_times(own, values, rates(own, values), time) if smooth else np.interp(time, own, values)
-            found[f"{key}.{name}"] = np.where(time <= own[-1], at, np.nan)
-    return found
+            if split(name)[1] in _SMOOTH and len(run_time) > 1:
+                sampled = at_times(run_time, values, rates(run_time, values), time)
+            else:
+                sampled = np.interp(time, run_time, values)
+            columns[f"{key}.{name}"] = np.where(time <= run_time[-1], sampled, np.nan)
+    return columns
 
 
 def motion(runs: Sequence[History]) -> Motion | None:
-    """The motions of runs as one, whose parts are called `RUN: part`; None where a run has none, or of another kind."""
-    ones = [(run.name, run.motion) for run in runs if run.motion is not None and len(run.motion.time) > 1]
-    if len(ones) < len(runs) or len({one.in_space for _, one in ones}) != 1:
+    """The motions of all runs as one, with parts named `RUN: part`.
+
+    None if a run has no motion, or if some runs are in the plane and others in space.
+    """
+    motions = [(run.name, run.motion) for run in runs if run.motion is not None and len(run.motion.time) > 1]
+    if len(motions) < len(runs) or len({motion.in_space for _, motion in motions}) != 1:
         return None
-    end = max(float(one.time[-1]) for _, one in ones)
-    time = np.linspace(0.0, end, min(MOST, max(len(one.time) for _, one in ones)))
-    moved = [(name, _at(one, time)) for name, one in ones]
+    end = max(float(motion.time[-1]) for _, motion in motions)
+    time = np.linspace(0.0, end, min(MOST, max(len(motion.time) for _, motion in motions)))
+    resampled = [(name, _at_times(motion, time)) for name, motion in motions]
     bent: dict[int, Array] = {}
-    place = 0
-    for _, one in moved:
-        bent |= {place + i: points for i, points in one.bent.items()}
-        place += len(one.parts)
+    first = 0
+    for _, motion in resampled:
+        bent |= {first + i: points for i, points in motion.bent.items()}
+        first += len(motion.parts)
     return replace(
-        moved[-1][1],
-        parts=tuple(replace(part, name=f"{name}: {part.name}") for name, one in moved for part in one.parts),
-        poses=np.concatenate([one.poses for _, one in moved], axis=1),
+        resampled[-1][1],
+        parts=tuple(replace(part, name=f"{name}: {part.name}") for name, motion in resampled for part in motion.parts),
+        poses=np.concatenate([motion.poses for _, motion in resampled], axis=1),
         bent=bent,
-        forces={f"{name}: {body}": force for name, one in moved for body, force in one.forces.items()},
+        forces={f"{name}: {body}": force for name, motion in resampled for body, force in motion.forces.items()},
     )
 
 
-def _at(one: Motion, time: Array) -> Motion:
-    """A motion at other times, straight between its pictures, and held beyond its end."""
-    poses = one.poses
-    if one.in_space:  # of the two quaternions of an attitude the one that is nearer to that before
+def _at_times(motion: Motion, time: Array) -> Motion:
+    """Resample a motion linearly at other times (s); after its end it is constant."""
+    poses = motion.poses
+    if motion.in_space:  # of both quaternions of an attitude take the one nearer to its predecessor
         same = np.sign(np.sum(poses[1:, :, 3:] * poses[:-1, :, 3:], axis=2))
         sign = np.cumprod(np.concatenate([np.ones((1, poses.shape[1])), np.where(same < 0, -1.0, 1.0)]), axis=0)
         poses = np.concatenate([poses[..., :3], poses[..., 3:] * sign[..., None]], axis=2)
-    drawn = resample(one.time, poses, time)
-    if one.in_space:
-        drawn[..., 3:] /= np.linalg.norm(drawn[..., 3:], axis=2, keepdims=True)
-    bent = {i: resample(one.time, points, time) for i, points in one.bent.items()}
-    forces = {body: (resample(one.time, at, time), resample(one.time, f, time)) for body, (at, f) in one.forces.items()}
-    return replace(one, time=time, poses=drawn, bent=bent, forces=forces)
+    sampled = resample(motion.time, poses, time)
+    if motion.in_space:
+        sampled[..., 3:] /= np.linalg.norm(sampled[..., 3:], axis=2, keepdims=True)
+    bent = {i: resample(motion.time, points, time) for i, points in motion.bent.items()}
+    forces = {
+        body: (resample(motion.time, points, time), resample(motion.time, vectors, time))
+        for body, (points, vectors) in motion.forces.items()
+    }
+    return replace(motion, time=time, poses=sampled, bent=bent, forces=forces)
 
 
 def write(runs: Sequence[tuple[str, Results]], folder: Path) -> None:
-    """Write what is compared of runs (name and results) into their folder: a table, and a motion if all have one."""
+    """Write histories and motion of runs (name and results) into a folder; no motion unless all runs have one."""
     compared = [history(*run) for run in runs]
     columns = table(compared)
     with (folder / OVERLAY).open("w", encoding="utf-8", newline="") as file:
@@ -116,13 +124,13 @@ def write(runs: Sequence[tuple[str, Results]], folder: Path) -> None:
         (folder / MOTION).write_text(motion_text(moved, runs[-1][1]), encoding="utf-8")
 
 
-# ---- what is drawn of it ----
+# ---- panels ----
 
 
 def panels(names: Sequence[str], columns: Mapping[str, Array], reference: str = "") -> list[Group]:
-    """Groups of panels of a `table`, each of one quantity, with a curve for each run, by the names of runs.
+    """Groups of panels of a `table`, each of one quantity with a curve for each run; names: of the runs.
 
-    reference: a run from which the others are distinguished, in panels of their own for angles and positions.
+    reference: name of the reference run; further panels show differences of angles and positions from it.
     """
     runs = dict(zip(keys(names), names, strict=True))
     found: dict[str, Group] = {}
@@ -164,7 +172,7 @@ def _quantities(group: Group, key: str, name: str) -> Iterator[Panel]:
 
 
 def _drawn(of_runs: Mapping[str, Panel], columns: Mapping[str, Array], base: str, reference: str) -> Iterator[Panel]:
-    """A quantity with a curve for each run; and, for a reference, how far the others are from it."""
+    """Panel of a quantity with a curve for each run; with a reference a second panel, of the differences from it."""
     column = columns.__getitem__
     one = next(iter(of_runs.values()))
     curves = {key: panel.curves[0] for key, panel in of_runs.items()}

@@ -99,7 +99,7 @@ _STATISTICS = {"mean": "mean of a stride", "standard_deviation": "scatter of str
 
 
 def _statistic(key: str) -> tuple[str, str]:
-    """Split the (dotted) key of a statistic into the key of the quantity and the name of the statistic ("" for none)."""
+    """Split the (dotted) key of a statistic into the key of the quantity and the statistic's name ("" for none)."""
     above, _, last = key.rpartition(".")
     return (above, _STATISTICS[last]) if above and last in _STATISTICS else (key, "")
 

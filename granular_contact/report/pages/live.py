@@ -1,4 +1,4 @@
-"""What scripts get of a run, or of several on one clock: the table, panels to draw, the motion to play, files."""
+"""Data for the scripts of a page, of one run or of several on a common time axis: table, panels, motion, files."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ from granular_contact.report.pages.stage import stage
 from granular_contact.report.units import Array, label, split
 from granular_contact.results.motion import Motion, plain
 
-MOST_NUMBERS = 4_000_000  # of the table, in a page; of a longer one every second row, or third, and so on
+MOST_NUMBERS = 4_000_000  # greatest size of the table in a page; of a longer one every second row, or every third, ...
 _OF_STAGE = ("width", "height", "left", "top", "arrow", "longest")
 _TERM = "_force_x_N"
 
 
 def nothing_live() -> dict[str, Any]:
-    """Of a page on which nothing moves and nothing is drawn over time."""
+    """Values for the template of a page without motion and histories."""
     return {"in_space": False, "stage": None, "groups": [], "thinned": 0, "overlaid": [], "data": {}}
 
 
 def live(folder: Folder, summary: dict[str, Any]) -> dict[str, Any]:
-    """Data for scripts, and what templates need of it: stage and groups of panels; empty without a table."""
+    """Data of a run for scripts, and values for the template: stage and groups of panels; empty without a table."""
     if not folder.has(SERIES):
         return nothing_live()
     columns = folder.numbers(SERIES)
@@ -46,7 +46,7 @@ def live(folder: Folder, summary: dict[str, Any]) -> dict[str, Any]:
 def live_overlay(
     names: Sequence[str], columns: Mapping[str, Array], played: tuple[Motion, Bed] | None, reference: str = ""
 ) -> dict[str, Any]:
-    """The same for several runs, of `report.overlay`; reference: the run from which the others are distinguished."""
+    """`live` for several runs, in a table of `report.overlay`; reference: name of the reference run."""
     if len(columns.get("time_s", ())) < 2:
         return nothing_live()
     prefixes = keys(names)
@@ -62,7 +62,7 @@ def live_overlay(
 
 
 def _subtracted(columns: Mapping[str, Array], found: list[Group]) -> tuple[Mapping[str, Array], list[Group]]:
-    """The table and the groups with differences of runs as columns of their own: a page has seven digits of each."""
+    """Add differences of runs to the table as columns: differences of the page's seven-digit numbers would be rough."""
     more: dict[str, Array] = {}
 
     def single(curve: Curve) -> Curve:
@@ -80,19 +80,19 @@ def _subtracted(columns: Mapping[str, Array], found: list[Group]) -> tuple[Mappi
 
 
 def _columns(names: Sequence[str]) -> list[tuple[str, str]]:
-    """Every column with a unit, by name and words, to be chosen."""
+    """Names and labels of all columns with a unit, for the choice of another column."""
     return [(name, label(name)) for name in names if name != "time_s" and split(name)[1] in BASES]
 
 
 def _first_end(prefixes: Sequence[str], columns: Mapping[str, Array]) -> float:
-    """When (s) the first of several runs ends."""
+    """Time (s) at which the first of several runs ends."""
     one_of_each = [next((v for n, v in columns.items() if n.startswith(f"{key}.")), None) for key in prefixes]
     time = columns["time_s"]
     return min((float(time[np.isfinite(values)][-1]) for values in one_of_each if values is not None), default=time[-1])
 
 
 def live_curves(columns: Mapping[str, Array], found: list[Group], table_name: str) -> dict[str, Any]:
-    """The same for a table of curves over time without a motion."""
+    """`live` for a table of curves over time without a motion."""
     page = _page(columns, found, None, None)
     return page | {"data": page["data"] | {"columns": [], "table_name": table_name}}
 
@@ -100,7 +100,7 @@ def live_curves(columns: Mapping[str, Array], found: list[Group], table_name: st
 def _page(
     columns: Mapping[str, Array], found: list[Group], played: tuple[Motion, Bed] | None, shown: dict[str, Any] | None
 ) -> dict[str, Any]:
-    """What all pages with histories have: data for scripts, and what templates need; shown: the stage in the plane."""
+    """Data for scripts and values for templates of all pages with histories; shown: stage of a motion in the plane."""
     table = np.column_stack(list(columns.values()))
     every = max(1, -(-table.size // MOST_NUMBERS))
     data: dict[str, Any] = {
@@ -118,7 +118,7 @@ def _page(
 
 
 def _packed(names: list[str], table: Array) -> dict[str, Any]:
-    """The table for scripts: time as it is, all else to seven digits."""
+    """Pack the table for scripts: time in double precision, all other columns in single precision (seven digits)."""
     time = names.index("time_s") if "time_s" in names else 0
     with np.errstate(over="ignore"):
         values = np.ascontiguousarray(np.delete(table, time, axis=1).T, "<f4")
@@ -126,13 +126,13 @@ def _packed(names: list[str], table: Array) -> dict[str, Any]:
         "names": [name for i, name in enumerate(names) if i != time],
         "rows": len(table),
         "time": packed(np.ascontiguousarray(table[:, time], "<f8").tobytes()),
-        # bytes of the same weight beside each other, which packs better
+        # Bytes of the same significance are stored together, which compresses better.
         "values": packed(values.reshape(-1, 1).view(np.uint8).T.tobytes()),
     }
 
 
 def _moments(summary: dict[str, Any], columns: dict[str, Array]) -> dict[str, float]:
-    """Instants (s) to go to, by their names."""
+    """Instants (s) that the player offers, by name."""
     time, found = columns["time_s"], dict[str, float]()
     touch, stop = summary.get("touch_time_s"), summary.get("stopping_time_s")
     if touch is not None and touch > time[0] + 0.01 * np.ptp(time):
@@ -145,7 +145,7 @@ def _moments(summary: dict[str, Any], columns: dict[str, Array]) -> dict[str, fl
 
 
 def _stage(motion: Motion, bed: Bed, columns: dict[str, Array], moments: dict[str, float]) -> dict[str, Any]:
-    """The stage of the player, with the path of the first body, or of the tip."""
+    """Stage of the player, with the path of the first body, or of the tip."""
     bodies = [n.removesuffix("_vx_m_s") for n in columns if n.endswith("_vx_m_s")]
     of = bodies[0] if bodies else "tip"
     has = f"{of}_x_m" in columns and f"{of}_y_m" in columns

@@ -1,8 +1,9 @@
-"""Templates and their filters: numbers in words, tables and pictures. Every text is escaped.
+"""Templates and their filters: numbers as text, tables and pictures. Every text is escaped.
 
-Scripts are our own, which are small, and plotly's, which draws curves and what is in space. A page names the hashes of
-its scripts in its policy, so that nothing else that looks like one is run. Plotly's script comes with its Python
-package; it is packed into the page, so that one file can be passed on; the browser unpacks it.
+A page runs small scripts of this package, and the script of plotly, which draws curves and motions in space. The
+content security policy of the page names the hashes of its scripts, so that the browser runs no others. The script of
+plotly comes with its Python package; it is compressed into the page, so that the page is a single file, and the browser
+unpacks it.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ from granular_contact.report.pages.stage import turned
 from granular_contact.report.units import column, is_number, label, plain, quantity
 
 GENERATOR = "granular-contact"
-WIDE = 2.4  # width to height of pictures that get a row of their own
+WIDE = 2.4  # ratio of width to height above which a picture has its own row
 _HEADING = re.compile(r'<h2 id="([^"]*)">(.*?)</h2>')
 _QUANTITY = re.compile(r"[\N{MINUS SIGN}+]?\d[\d.e\N{MINUS SIGN}+]*( \S+)?")
 _DRAWING = ("tables", "data", "player", "histories", "space", "cases", "run")
@@ -37,9 +38,9 @@ Rows = Iterable[Sequence[Any]]
 
 
 def rendered(kind: str, content: dict[str, Any], data: dict[str, Any], *, draws: bool = False) -> str:
-    """The page of results of a kind by its template, or by that of tables and figures.
+    """Render the page of a kind of results by its template, or by the template of tables and figures.
 
-    It runs our scripts alone, on the data given, and is readable without them; draws: whether they need plotly's.
+    data: for the scripts; the page is readable without scripts. draws: whether the scripts need plotly.
     """
     template = _templates().select_template([f"{kind}.html", "fallback.html"])
     made = datetime.now(timezone.utc).strftime("%Y-%m-%d %H:%M UTC")
@@ -60,18 +61,18 @@ def _templates() -> Environment:
 
 
 def headings(content: Markup) -> list[tuple[str, Markup]]:
-    """Names and words of the sections of a page."""
+    """Names and headings of the sections of a page."""
     return [(Markup(name), Markup(words)) for name, words in _HEADING.findall(content)]
 
 
 def run_of(part: str, runs: Sequence[Mapping[str, str]]) -> Markup:
-    """The attribute of a part `RUN: part` that names the place of its run."""
+    """HTML attribute of a part `RUN: part` with the index of its run."""
     place = next((i for i, run in enumerate(runs) if part.startswith(f"{run['name']}: ")), None)
     return Markup("") if place is None else Markup(f' data-run="{place}"')
 
 
 def squeezed(text: Markup) -> Markup:
-    """Words with one space between them."""
+    """Replace white space by single spaces."""
     return Markup(" ").join(text.split())
 
 
@@ -79,7 +80,7 @@ def squeezed(text: Markup) -> Markup:
 
 
 def keyed(rows: Sequence[Sequence[Any]], keys: Sequence[str]) -> tuple[list[str], list[tuple[Any, ...]]]:
-    """Head and rows of a table whose columns are named by keys: in words, numbers in a unit that suits the column.
+    """Headings and rows of a table whose columns are named by keys: labels, and numbers in a suitable unit.
 
     Columns without any value are left out.
     """
@@ -89,7 +90,7 @@ def keyed(rows: Sequence[Sequence[Any]], keys: Sequence[str]) -> tuple[list[str]
 
 
 def cell(value: Any, first: bool) -> tuple[str, str]:
-    """Class and words of a cell; numbers stand right. first: whether it names its row."""
+    """CSS class and text of a cell; first: whether the cell names its row."""
     if value is None or value == "":
         return "empty", "\N{EN DASH}"
     if is_number(value) or (not first and _QUANTITY.fullmatch(str(value))):
@@ -97,11 +98,11 @@ def cell(value: Any, first: bool) -> tuple[str, str]:
     return "", "yes" if value is True else "no" if value is False else str(value)
 
 
-# ---- whatever JSON can hold ----
+# ---- JSON values ----
 
 
 def records(value: Any, name: str) -> tuple[list[str], list[list[Any]]] | None:
-    """Keys and rows of a table, of a list or a mapping of mappings; None of anything else. name: of mapped keys."""
+    """Headings and rows of a list or mapping of mappings; None for other values. name: heading of mapping keys."""
     ones = list(value.values()) if isinstance(value, dict) else value
     if not isinstance(ones, list) or not ones or not all(isinstance(one, dict) for one in ones):
         return None
@@ -113,12 +114,12 @@ def records(value: Any, name: str) -> tuple[list[str], list[list[Any]]] | None:
 
 
 def is_deep(value: Any) -> bool:
-    """Whether a value does not fit into a cell."""
+    """Return whether a value does not fit into a cell."""
     return isinstance(value, dict) or (isinstance(value, list) and any(isinstance(one, dict | list) for one in value))
 
 
 def flat(value: Any) -> Any:
-    """A value that fits into a cell."""
+    """Convert a value to one that fits into a cell."""
     if isinstance(value, list):
         return ", ".join(plain(flat(one)) for one in value)
     if isinstance(value, dict):
@@ -135,25 +136,25 @@ def uri(path: Path) -> str:
 
 
 def is_wide(path: Path) -> bool:
-    """Whether a PNG is too wide to be read beside another, or on a phone unless it can be moved."""
+    """Return whether a PNG is too wide to be shown beside another one, or on a phone without scrolling."""
     width, height = struct.unpack(">II", picture(path)[16:24])
     return bool(width > WIDE * height)
 
 
 _SOURCES = Path(__file__).parent / "scripts"
-LEVEL = 4  # of packing: 0.1 s for plotly's script, and 4 % more than the best
+LEVEL = 4  # of compression: 0.1 s for the script of plotly, 4 % larger than at the best level
 _ESCAPES = {"<": "\\u003c", ">": "\\u003e", "&": "\\u0026", "\u2028": "\\u2028", "\u2029": "\\u2029"}
 
 
 class Script(NamedTuple):
-    """A script, and its hash as policies name it."""
+    """A script, and its hash in the form of content security policies."""
 
     text: Markup
     hash: str
 
 
 def packed(content: bytes) -> str:
-    """Bytes as text that scripts unpack: zlib, base64."""
+    """Compress bytes to text for scripts: zlib, base64."""
     return b64encode(zlib.compress(content, LEVEL)).decode()
 
 
@@ -163,7 +164,7 @@ def _hash(text: str) -> str:
 
 @cache
 def own(*names: str) -> Script:
-    """Scripts of ours by name, as one."""
+    """Scripts of this package by name, joined to one."""
     text = "".join((_SOURCES / f"{name}.js").read_text(encoding="utf-8") for name in names)
     text = f'"use strict";\n(() => {{\n{text}}})();\n'
     return Script(Markup(text), _hash(text))
@@ -171,15 +172,15 @@ def own(*names: str) -> Script:
 
 @cache
 def plotly() -> Script:
-    """Plotly's script, packed."""
-    # Not imported, which would take longer than all else.
+    """Script of plotly, compressed."""
+    # plotly is not imported, because the import would take longer than the whole page.
     file = distribution("plotly").locate_file("plotly/package_data/plotly.min.js")
     text = Path(str(file)).read_text(encoding="utf-8")
     return Script(Markup(packed(text.encode())), _hash(text))
 
 
 def data_block(content: Any) -> Markup:
-    """JSON for a script, that no text in it can end."""
+    """JSON for a script element, escaped so that no text in it can end the element."""
     text = json.dumps(content, allow_nan=False, separators=(",", ":"), ensure_ascii=False)
     for sign, escape in _ESCAPES.items():
         text = text.replace(sign, escape)

@@ -1,7 +1,7 @@
-"""The stage of the player in the plane: the mechanism, the sand and its surface as SVG, which scripts then move.
+"""Stage of the player in the plane: the mechanism, the sand and its surface as SVG, which scripts move.
 
-Without scripts it stands still at one instant. Lengths in it are px of the stage before it is zoomed, y upward:
-browsers do not draw what is micrometres long in metres.
+Without scripts it shows one instant. Lengths are px of the stage before zooming, y upward, because browsers do not draw
+lengths of micrometres given in metres.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ USUAL_ARROW, LONGEST_ARROW = 0.2, 0.45  # of the height: of the force that a ten
 
 
 def stage(motion: Motion, bed: Bed, shown: int, path: Array) -> dict[str, Any]:
-    """What the template and the scripts need of a motion; shown: the picture (index) that stands without scripts.
+    """Values for the template and the scripts; shown: index of the picture that is visible without scripts.
 
-    path: (rows, 2) m, of the tip or of a body. `motion` of it is the motion in px.
+    path: (rows, 2) m, of the tip or of a body. The entry `motion` is the motion in px.
     """
     drawn = [motion.points(i) for i in range(len(motion.parts))]
     reach = [0.5 * part.diameter for part in motion.parts]
@@ -55,7 +55,7 @@ def stage(motion: Motion, bed: Bed, shown: int, path: Array) -> dict[str, Any]:
 
 
 def _part(motion: Motion, index: int, now: Array) -> dict[str, Any]:
-    """How a part is drawn: as a disc, a bar or an area, in its own frame; one that bends where it is."""
+    """SVG data of a part: a disc, a bar or an area, in its own frame, or in the stage's frame if the part bends."""
     part, bends = motion.parts[index], index in motion.bent
     points = now if bends else part.points
     closed = len(points) > 3 and bool(np.allclose(points[0], points[-1], atol=1e-6))
@@ -76,7 +76,7 @@ def _line(points: Array, closed: bool = False) -> str:
 
 
 def _thinned(path: Array, least: float) -> Array:
-    """Points of a path that are at least so far (px) apart, its last one among them."""
+    """Thin a path to points that are at least `least` px apart; the last point is kept."""
     steps = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(path, axis=0).T))])
     _, first = np.unique(np.floor(steps / least), return_index=True)
     return np.asarray(path[np.unique([*first, len(path) - 1])])
@@ -103,14 +103,14 @@ def _sand(bed: Bed, left: float, bottom: float) -> dict[str, str]:
 
 
 def _usual(motion: Motion) -> float:
-    """The force (N) that is exceeded in a tenth of all pictures with one: a short shock does not make others small."""
+    """Scale of force arrows: the 90 % quantile of all forces (N), so that a short shock does not hide the others."""
     sizes = [np.hypot(*force.T) for _, force in motion.forces.values()]
-    found = np.concatenate(sizes) if sizes else np.zeros(0)
-    return float(np.quantile(found[found > 0.0], 0.9)) if np.any(found > 0.0) else 0.0
+    forces = np.concatenate(sizes) if sizes else np.zeros(0)
+    return float(np.quantile(forces[forces > 0.0], 0.9)) if np.any(forces > 0.0) else 0.0
 
 
 def _key(usual: float, px: float) -> dict[str, Any]:
-    """A round force as the key of arrows: the length of its arrow (px), and words."""
+    """Key of the force arrows: a round force, with the length of its arrow (px) and a text."""
     if not usual > 0.0:
         return {}
     newton = round_below(usual)

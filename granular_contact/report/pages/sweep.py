@@ -1,4 +1,4 @@
-"""What the page of a sweep shows."""
+"""Content of the page of a sweep."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ from granular_contact.report.units import Array, greatest, label, quantity
 from granular_contact.results import FINISHED
 from granular_contact.results.alike import Kinds
 
-MOST_RUNS = 6  # of cases that were kept, side by side
-MOST_ROWS = 100  # shown; the rest is in the table
+MOST_RUNS = 6  # greatest number of saved cases shown side by side
+MOST_ROWS = 100  # greatest number of rows on the page; the file has all
 IMBALANCE, SECONDS = "energy.imbalance_relative", "cost.solve_s"
 _NOT_KEY = (
     "cost.",
@@ -34,7 +34,7 @@ _NOT_KEY = (
     "strides.count",
     "strides.period",
 )
-# Shown and drawn before all others, in this order.
+# Key numbers that are listed and drawn first, in this order.
 _FIRST = (
     *("wheel.drawbar_pull_N", "wheel.sinkage_m", "forward_speed_second_half_m_s", "forward_speed_m_s"),
     *("cost_of_transport", "penetration_time_s", "stopping_time_s", "max_depth_m", "max_deflection_m"),
@@ -43,16 +43,17 @@ _NOT_DRAWN = ("hub_stopping_time_s",)
 OVER_SLIP = ("wheel.drawbar_pull_N", "wheel.torque_Nm", "wheel.sinkage_m", "max_depth_m", "largest_torque_Nm")
 _CAPTIONS = {
     "wheel_over_slip": "Drawbar pull, torque and sinkage of the wheel over slip, means of the last half of the path.",
-    "bands": "The motion: the median of all runs, and where half and nine tenths of them lie.",
-    "convergence_of_means": "Means of the first 2, 3, 4 ... runs, with their 95 % intervals.",
+    "bands": "The motion: the median of all runs, and bands that contain half and nine tenths of them.",
+    "convergence_of_means": "Means of the first 2, 3, 4 ... runs, with their 95 % confidence intervals.",
 }
-MOST_WARNINGS = 10  # kinds
+MOST_WARNINGS = 10  # greatest number of kinds of warnings
 
 
 class _Cases(NamedTuple):
-    """table.csv, and of it the cases that ended regularly: numbers of the others are those of where they stopped.
+    """Cases of a sweep.
 
-    varied: what the sweep varies; found: what came of it, key numbers only.
+    table: table.csv; ended: only the cases that ended regularly, because numbers of the others are not of a whole run.
+    varied: keys that the sweep varies; found: key numbers.
     """
 
     table: Table
@@ -62,7 +63,7 @@ class _Cases(NamedTuple):
 
 
 def content(folder: Folder, place: Path) -> dict[str, Any]:
-    """Content for its template; place: a folder for pictures that are drawn for the page."""
+    """Values for the template; place: folder for pictures that are drawn for the page."""
     cases = _read(folder)
     table = cases.table
     counts = Counter(str(status) for status in table.column("status"))
@@ -97,7 +98,7 @@ def content(folder: Folder, place: Path) -> dict[str, Any]:
 
 
 def _chart(cases: _Cases) -> dict[str, Any]:
-    """Data for the scripts: numbers that differ between the cases that came to an end; nothing where there are none."""
+    """Data of the chart: numbers that differ between the cases that ended regularly; empty if there are none."""
     drawn, along, table = _drawn(cases), _differing(cases, cases.varied), cases.ended
     if not drawn or not along:
         return {}
@@ -107,9 +108,7 @@ def _chart(cases: _Cases) -> dict[str, Any]:
 
 
 def _live(folder: Folder) -> dict[str, Any]:
-    """Bands of histories of an ensemble; or the runs of some cases, where they were kept: the first, the last, and some
-    between.
-    """
+    """Bands of histories of an ensemble, or histories of saved cases: the first, the last and some in between."""
     if folder.has(BANDS):
         columns = folder.numbers(BANDS)
         return live_curves(columns, _bands(columns), BANDS)
@@ -125,14 +124,14 @@ def _live(folder: Folder) -> dict[str, Any]:
 
 
 def _bands(columns: dict[str, Array]) -> list[Group]:
-    """A panel of quantiles for each column that has some."""
-    found: dict[str, list[Curve]] = {}
+    """A panel of quantiles for each column of the ensemble."""
+    quantiles: dict[str, list[Curve]] = {}
     for name in columns:
         stem, _, level = name.rpartition("_q")
         if stem:
-            words = "median" if level == "50" else f"{int(level)} %"
-            found.setdefault(stem, []).append(Curve(words, ((name, 1.0),)))
-    panels = [panel(label(stem), stem, curves, columns.__getitem__) for stem, curves in found.items()]
+            text = "median" if level == "50" else f"{int(level)} %"
+            quantiles.setdefault(stem, []).append(Curve(text, ((name, 1.0),)))
+    panels = [panel(label(stem), stem, curves, columns.__getitem__) for stem, curves in quantiles.items()]
     return [Group("bands", "Bands", "Quantiles of all runs at each instant.", tuple(panels))] if panels else []
 
 
@@ -151,17 +150,17 @@ def _read(folder: Folder) -> _Cases:
 
 
 def _useless(table: Table) -> int:
-    """How many results are not usable."""
-    return sum(str(one).lower() == "false" for one in table.column("usable")) if "usable" in table.head else 0
+    """Number of results that are not usable."""
+    return sum(str(cell).lower() == "false" for cell in table.column("usable")) if "usable" in table.head else 0
 
 
 def _distinct(table: Table, name: str) -> list[Any]:
-    """Distinct values of a column; none if there is no such column."""
+    """Distinct values of a column; empty if there is no such column."""
     return list(dict.fromkeys(v for v in table.column(name) if v is not None)) if name in table.head else []
 
 
 def _warnings(table: Table) -> list[str]:
-    """Warnings of the cases, those that differ only in numbers as one kind; the most frequent first."""
+    """Warnings of the cases, grouped where they differ only in numbers; the most frequent first."""
     if "warnings" not in table.head:
         return []
     kinds = Kinds()
@@ -171,15 +170,15 @@ def _warnings(table: Table) -> list[str]:
 
 
 def _vague(folder: Folder) -> list[str]:
-    """Sensitivities that are not known well enough."""
+    """Warnings about sensitivity indices that are too imprecise."""
     if not folder.has(SENSITIVITY):
         return []
     table, names = folder.table(SENSITIVITY), ("output", "input", "note", "first_order")
     if not set(names) <= set(table.head):
         return []
     return [
-        f"sensitivity of {label(str(output))} to {label(str(of))}: {note}"
-        for output, of, note, first_order in table.of(names)
+        f"sensitivity of {label(str(output))} to {label(str(name))}: {note}"
+        for output, name, note, first_order in table.of(names)
         if note and first_order is not None
     ]
 
@@ -194,7 +193,7 @@ def _statistics(cases: _Cases) -> Iterator[list[Any]]:
 
 
 def _constant(cases: _Cases) -> list[str]:
-    """Key numbers that several cases have, all of them the same."""
+    """Key numbers that are equal in all cases, if there are several cases."""
     if len(cases.ended.rows) < 2:
         return []
     differing = _differing(cases, cases.found)
@@ -203,7 +202,7 @@ def _constant(cases: _Cases) -> list[str]:
 
 
 def _overviews(cases: _Cases, place: Path, shown: Collection[str]) -> Iterator[tuple[Path, str]]:
-    """Drawings of key numbers against the varied quantities, and their captions; shown: what other figures show."""
+    """Figures of key numbers against the varied quantities, with captions; shown: key numbers of other figures."""
     varied = _differing(cases, cases.varied)
     if not varied or not cases.found or all(map(_is_seed, varied)):
         return
@@ -214,7 +213,7 @@ def _overviews(cases: _Cases, place: Path, shown: Collection[str]) -> Iterator[t
         along, found = {key: cases.ended.numbers(key) for key in varied}, (name, cases.ended.numbers(name))
         draw(along, found, path, joined=_joined(varied))
         if path.exists():
-            yield path, f"{label(name).capitalize()} of every case that came to an end against what varies."
+            yield path, f"{label(name).capitalize()} of every case that came to an end, against the varied quantities."
 
 
 def _caption(stem: str) -> str:
@@ -225,14 +224,14 @@ def _caption(stem: str) -> str:
 
 
 def _differing(cases: _Cases, names: Sequence[str]) -> list[str]:
-    """Those of the numbers that differ between cases by more than round-off."""
+    """Names of the numbers that differ between cases by more than round-off."""
     columns = ((name, cases.ended.numbers(name)) for name in names)
     known = [(name, values[np.isfinite(values)]) for name, values in columns]
     return [name for name, values in known if len(values) and np.ptp(values) > SAME * greatest(values)]
 
 
 def _joined(varied: Sequence[str]) -> bool:
-    """Whether points over what varies are joined: over a single quantity, and a seed is none."""
+    """Return whether points are joined by a line: if a single quantity is varied that is not a seed."""
     return len(varied) == 1 and not _is_seed(varied[0])
 
 
@@ -246,8 +245,8 @@ def _drawn(cases: _Cases) -> list[str]:
 
 
 def _ordered(names: Iterable[str]) -> list[str]:
-    """Names of numbers, the most telling first."""
-    return sorted(names, key=lambda one: _FIRST.index(one) if one in _FIRST else len(_FIRST))
+    """Sort key numbers, the most important first."""
+    return sorted(names, key=lambda name: _FIRST.index(name) if name in _FIRST else len(_FIRST))
 
 
 def _failures(table: Table) -> Rows:
@@ -256,7 +255,7 @@ def _failures(table: Table) -> Rows:
 
 
 def _audit(table: Table) -> dict[str, Any] | None:
-    """Energy imbalance: in the median, and in the worst case."""
+    """Energy imbalance: the median, and the worst case."""
     values = table.numbers(IMBALANCE) if IMBALANCE in table.head else np.zeros(0)
     if not np.isfinite(values).any():
         return None
