@@ -28,11 +28,9 @@ Meets = Literal["surface", "bar", "ball"]
 
 @dataclass(frozen=True)
 class SpatialWheel:
-    """Wheel of a shape, in the body's frame.
+    """Wheel of a shape in the body's frame: a point (3,) m of its axle, radius (m) for slip, radius of the rim (m).
 
-    axle: a point (3,) m on its axle. axis: direction (3,) of the axle, to the left of the direction in which the wheel
-    rolls when it turns about the axis in the positive sense. radius: for slip (m); rim: radius of the rim (m); pitch:
-    as of `Wheel`.
+    axis: direction (3,) of the axle, to the left of the rolling direction for a positive rate. pitch: as of `Wheel`.
     """
 
     axle: Vector
@@ -67,7 +65,7 @@ class Part:
     wheel: SpatialWheel | None = None
 
     def reach(self, rise_x: Vector, rise_y: Vector) -> Vector:
-        """How much deeper (m) than its points the part is below a surface with these slopes along x and y."""
+        """How much deeper (m) than its points the part is, see `reach`."""
         return reach(self.drop, self.meets == ("ball",), rise_x, rise_y)
 
 
@@ -138,10 +136,7 @@ class SpatialRigidBody:
         return 3, 4, 5, 6
 
     def levers(self, radius: float) -> tuple[float, ...]:
-        """Factors from the rates of the coordinates to greatest speeds (m/s) of points within a radius (m).
-
-        The angular speed is at most 2 |e'|, with the rates e' of the Euler parameters.
-        """
+        """Factors from coordinate rates to greatest speeds (m/s) of points within a radius (m); w = 2 e'."""
         return (1.0,) * 3 + (2.0 * radius,) * 4
 
     def mass_matrix(self) -> Vector:
@@ -301,10 +296,7 @@ class SpatialScene(Scene):
         return replace(self, facet_shares=shares)
 
     def radius(self, body: SpatialRigidBody) -> float:  # type: ignore[override]
-        """Distance (m) from a body's centre of mass to the farthest point of its parts and joints.
-
-        A body without such points gets its radius of gyration, so that its rotation counts.
-        """
+        """Distance (m) from a body's centre of mass to the farthest point of its parts and joints, as in `Scene`."""
         points = [joint.child_point for joint in self.joints if joint.child == body.name and joint.kind != "free"]
         points += [joint.parent_point for joint in self.joints if joint.parent == body.name]
         distances = [float(np.linalg.norm(point)) for point in points]
