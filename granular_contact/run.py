@@ -315,7 +315,7 @@ def _chosen(scene: Scene, progress: Progress | None) -> tuple[Begun, Any]:
     begun, trajectory = _solved(scene, progress)
     if begun.system is None or trajectory.load is None:
         return begun, trajectory
-    from granular_contact.mechanics.strip_error import errors, finer, way
+    from granular_contact.mechanics.strip_error import errors, finer, run_track
 
     spent, errors_before, coarser = trajectory.cost.solve_s, None, None
     while begun.system:
@@ -327,7 +327,7 @@ def _chosen(scene: Scene, progress: Progress | None) -> tuple[Begun, Any]:
             break
         # An estimate from one run can't be compared with an estimate from two runs.
         errors_before = None if scene.in_space and coarser is None else strip_errors
-        coarser = way(motion, strip_errors)
+        coarser = run_track(motion, strip_errors)
         finer_solve, finer_trajectory = _solved(finer_scene, progress)
         spent += finer_trajectory.cost.solve_s
         if scene.in_space and finer_trajectory.status.code in ("time_limit", "failed"):

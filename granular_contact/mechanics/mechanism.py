@@ -106,18 +106,18 @@ def joint_forces(motion: Kinematics) -> dict[str, JointForces]:
 
 
 def joint_energies(motion: Kinematics, driven: Driven) -> dict[str, Vector]:
-    """What joints store, and the work done in them; only of what the mechanism has."""
+    """Energies stored in joints, and work done in them; only of elements that the mechanism has."""
     joints, forces = [joint for joint in motion.scene.joints if not joint.law.is_idle], joint_forces(motion)
     time = motion.trajectory.time
-    done = [forces[j.name].done(time, motion.coordinate(j)[1]) for j in joints]
+    works = [forces[j.name].done(time, motion.coordinate(j)[1]) for j in joints]
     laws = [joint.law for joint in joints]
     energies = {}
     if any(law.stiffness > 0.0 or law.has_stops for law in laws):
-        energies["spring_J"] = np.sum([stored for stored, _, _ in done], axis=0)
+        energies["spring_J"] = np.sum([stored for stored, _, _ in works], axis=0)
     if any(law.damping > 0.0 or law.dissipation > 0.0 for law in laws):
-        energies["joint_damping_work_J"] = np.sum([damping for _, damping, _ in done] + motion.damped_balls(), axis=0)
+        energies["joint_damping_work_J"] = np.sum([damping for _, damping, _ in works] + motion.damped_balls(), axis=0)
     if any(law.friction > 0.0 for law in laws):
-        energies["friction_work_J"] = np.sum([friction for _, _, friction in done], axis=0)
+        energies["friction_work_J"] = np.sum([friction for _, _, friction in works], axis=0)
     if driven:
         energies["drive_work_J"] = np.sum([drive.work for drive in driven.values()], axis=0)
     return energies

@@ -1,4 +1,4 @@
-"""Trajectory -> Observation, for the coordinates of the engine."""
+"""Trajectory -> Observation, in the generalised coordinates of the engine."""
 
 from __future__ import annotations
 
@@ -29,18 +29,18 @@ if TYPE_CHECKING:
 
 
 def observe(system: System, trajectory: Trajectory) -> Observation:
-    """What results hold of a run."""
+    """Observation of a run, from which its results are made."""
     motion = Kinematics(system, trajectory)
-    with np.errstate(over="ignore", invalid="ignore"):  # of a run that failed by running away
+    with np.errstate(over="ignore", invalid="ignore"):  # as in a run that diverged
         depths, forces = depths_by_body(motion), forces_of(trajectory)
-        found = observed(motion, forces, depths, all_depths(motion, depths))
-        found["motion"] |= mechanism.body_columns(motion, forces, depths)
-        add_wheels(found, wheel_histories(motion, forces))
-        return Observation(**found)
+        fields = observed(motion, forces, depths, all_depths(motion, depths))
+        fields["motion"] |= mechanism.body_columns(motion, forces, depths)
+        add_wheels(fields, wheel_histories(motion, forces))
+        return Observation(**fields)
 
 
 def forces_of(trajectory: Trajectory) -> dict[str, Vector]:
-    """Force of the medium on each body: resultant (N) and moment (N m) about the origin, (n, 3), in space (n, 6)."""
+    """Wrench of the medium on each body: force (N) and moment (N m) about the origin, (n, 3), in space (n, 6)."""
     load = trajectory.load
     return {} if load is None else {name: load.bodies[:, i] for i, name in enumerate(load.body_names)}
 
@@ -48,27 +48,27 @@ def forces_of(trajectory: Trajectory) -> dict[str, Vector]:
 def observed(
     motion: Kinematics, forces: dict[str, Vector], by_body: dict[str, list[Track]], depths: list[Track]
 ) -> dict[str, Any]:
-    """Fields of an observation that are found alike in the plane and in space, by their names."""
+    """Fields of an observation, by name, that are computed alike in the plane and in space."""
     trajectory, scene, load = motion.engine, motion.scene, motion.trajectory.load
     driven, links, system = mechanism.drive_forces(motion), motion.system.links, motion.system
     terms = term_names(scene.media) if load is None or not scene.media else load.term_names
     strains, time = motion.strains(), trajectory.time
-    of_links: Series = {}
-    for name, one in strains.items():
-        of_links |= one.columns(name)
-    nothing = np.zeros((len(trajectory.time), len(terms), 6 if scene.in_space else 3))
+    strain_columns: Series = {}
+    for name, strain in strains.items():
+        strain_columns |= strain.columns(name)
+    no_forces = np.zeros((len(trajectory.time), len(terms), 6 if scene.in_space else 3))
     return {
         "scene": scene,
         "status": trajectory.status,
         "cost": trajectory.cost,
         "time": trajectory.time,
-        "motion": mechanism.joint_columns(motion) | mechanism.drive_columns(scene, driven) | of_links,
+        "motion": mechanism.joint_columns(motion) | mechanism.drive_columns(scene, driven) | strain_columns,
         "mean_rate": None if scene.pivot is None else motion.mean_rate[0],
         "tip": motion.position(*scene.tip)[0],
         "deflection": motion.bend(list(links)[-1]) if links else None,
         "depths": depths,
         "terms": terms,
-        "term_forces": nothing if load is None else load.terms,
+        "term_forces": no_forces if load is None else load.terms,
         "moments_about": motion.common_center[0] if scene.pivot is None else scene.pivot.parent_point,
         "body_forces": forces,
         "energies": energies(motion, driven),
@@ -83,7 +83,7 @@ def observed(
 
 
 def _reach(motion: Kinematics) -> Reach | None:
-    """Extremes of what was immersed; None where nothing could meet the medium."""
+    """Extremes of the immersed parts over the run; None without a granular load."""
     load = motion.trajectory.load
     if load is None:
         return None
@@ -99,15 +99,15 @@ def _reach(motion: Kinematics) -> Reach | None:
 
 
 def energies(motion: Kinematics, driven: mechanism.Driven) -> Series:
-    """Columns of what was stored, and of the work done so far."""
+    """Columns of stored energies, and of the work done since the start."""
     t, scene = motion.trajectory, motion.scene
     kinetic = 0.5 * np.sum((t.v @ t.mass) * t.v, axis=1)
     gravity = scene.gravity * motion.lifted()
     elastic, damping, work = (np.zeros_like(kinetic) for _ in range(3))
     links = motion.elastic()
-    for stored, lost in links:
+    for stored, dissipated in links:
         elastic += stored
-        damping -= energy.accumulate(t.time, lost)
+        damping -= energy.accumulate(t.time, dissipated)
     joints = mechanism.joint_energies(motion, driven)
     if t.load is not None:
         work, at_floor = medium_works(motion, t.load)
@@ -117,24 +117,24 @@ def energies(motion: Kinematics, driven: mechanism.Driven) -> Series:
 
 
 def medium_works(motion: Kinematics, load: LoadHistory) -> tuple[Vector, Vector]:
-    """Work (n,) J of all media, and of the floor, since the start, as the motion has it (see `sand.work`).
+    """Work (n,) J of all media and of the floor since the start, corrected by the motion (see `sand.work`).
 
-    A step in which the floor was touched has its difference with the floor, which is far stiffer.
+    The correction of a step in which the floor was touched goes to the floor, which is far stiffer.
     """
     if not motion.scene.media:
         return load.work, load.floor_work
-    more = motion.work_beyond
-    steps = np.diff(more, prepend=0.0)
+    correction = motion.work_beyond
+    steps = np.diff(correction, prepend=0.0)
     touched = np.diff(load.floor_work, prepend=0.0) != 0.0
     at_floor = np.cumsum(np.where(touched, steps, 0.0))
-    return load.work + more - at_floor, load.floor_work + at_floor
+    return load.work + correction - at_floor, load.floor_work + at_floor
 
 
 # ---- stopping ----
 
 
 def stop(motion: Kinematics, touch: Touch) -> Stop | None:
-    """When the mechanism stopped after the touch; None where it did not, or is driven."""
+    """Stop of the mechanism after the touch; None where it did not stop, or has drives."""
     scene, time = motion.scene, motion.trajectory.time
     if _never_stops(motion):
         return None
@@ -150,25 +150,25 @@ def stop(motion: Kinematics, touch: Touch) -> Stop | None:
 
 
 def _never_stops(motion: Kinematics) -> bool:
-    """Whether a stop means nothing: of what is driven, and of what did not move."""
+    """Whether a stop has no meaning: the mechanism has drives, or did not move."""
     return bool(motion.scene.drives) or motion.path_length <= motion.scene.least_path
 
 
 def _stop_about(motion: Kinematics, pivot: Joint, after: slice) -> Stop | None:
-    """First zero of the mean rate in some instants, with the pivot's angle there."""
+    """Stop of a pendulum: first zero of its mean rate in the rows `after`, with the pivot's angle there."""
     rate, inertia = motion.mean_rate
     moment, load = motion.weight_moment(), motion.trajectory.load
     if load is not None:
-        fx, fy, about_origin = load.terms.sum(axis=1).T
+        fx, fy, moment_at_origin = load.terms.sum(axis=1).T
         x, y = pivot.parent_point
-        moment = moment + about_origin - (x * fy - y * fx)
+        moment = moment + moment_at_origin - (x * fy - y * fx)
     angle, angle_rate = motion.angle(pivot.child, pivot.child_point)
     histories = motion.trajectory.time, rate, -moment / inertia, -angle, -angle_rate
     return find_stop(*(values[after] for values in histories))
 
 
 def _penetration_time(motion: Kinematics, depths: list[Track]) -> float | None:
-    """Time (s) from touch to the first zero of the vertical velocity of the lower end of what falls freely."""
+    """Time (s) from touch to the first zero of the vertical velocity of the lower end of a falling body."""
     scene, time = motion.scene, motion.trajectory.time
     if _never_stops(motion) or scene.floating is None:
         return None
@@ -188,7 +188,7 @@ def _penetration_time(motion: Kinematics, depths: list[Track]) -> float | None:
 def key_numbers(
     motion: Kinematics, driven: mechanism.Driven, by_body: dict[str, list[Track]], depths: list[Track]
 ) -> dict[str, Any]:
-    """Contacts of bodies whose motion is reported; of what is driven and can travel, how far and at what cost."""
+    """Numbers of the summary: penetration time, contacts of bodies, travel and its cost, drives, strips."""
     numbers: dict[str, Any] = {}
     scene, load = motion.scene, motion.trajectory.load
     if (sinking := _penetration_time(motion, depths)) is not None:
@@ -203,7 +203,7 @@ def key_numbers(
     if driven:
         numbers["drives"] = mechanism.drives(motion, driven)
     numbers |= mechanism.largest_torque(scene, driven)
-    # What chooses its steps by their error does so with its strips.
+    # With step-size control strips are chosen by their error too.
     if scene.solver.accuracy is not None and load is not None and not scene.in_space:
         chosen = {"per_rigid_part": scene.load.strips_per_rigid_part, "per_element": scene.load.strips_per_element}
         numbers["strips"] = chosen
@@ -211,8 +211,8 @@ def key_numbers(
 
 
 def accuracy(motion: Kinematics, driven: mechanism.Driven) -> list[AccuracyWarning]:
-    """What the steps say of their accuracy."""
-    with np.errstate(all="ignore"):  # of a run that failed by running away
+    """Accuracy warnings of a run."""
+    with np.errstate(all="ignore"):  # as in a run that diverged
         time = motion.trajectory.time
         drives = drive_warnings(motion.scene, driven, greatest_energy(motion), float(time[-1] - time[0]))
         return [*accuracy_warnings(motion), *drives]

@@ -1,12 +1,12 @@
-"""Torques and forces of prescribed motions, at the state that every step reached.
+"""Reactions of prescribed motions: torques and forces at the end of every step, consistent with the acceleration level.
 
-The engine solves M a + J^T f = F for positions that obey the joints, at the end of every step: its multipliers f belong
-to its own accelerations a. These are what the scheme needs to bring positions to where they have to be. After a jump of
-the force, or a step much shorter than the one before, they swing about the true ones by as much as these changed, and
-fade by some 0.7 a step. The state itself asks for others: with J a + c, of what is held and of what is prescribed (see
-`constraints`), J a + c = g'', the second derivative of what is followed. The force that the state takes is that of
-these, -f - (J M^-1 J^T)^-1 (J a + c - g''), where all other forces are those that the engine had. What Newton's method
-leaves in the positions, which acts on a as 1 / h^2, is taken out as well.
+The engine solves M a + J^T f = F with constraints on positions at the end of every step. Its multipliers f belong to
+its own accelerations a, which the scheme needs to bring the positions to their prescribed values. After a jump of the
+force, or a step much shorter than the last, these accelerations oscillate about the true ones, with the size of that
+change, and the oscillation decays by a factor of about 0.7 a step. The constraints on accelerations are J a + c = g''
+(J, c: see `constraints`; g'': second derivative of the prescribed values, zero for fixed directions). With all other
+forces as in the engine, the consistent reaction is -f - (J M^-1 J^T)^-1 (J a + c - g''). This also removes the effect of
+the residual that Newton's method leaves in the positions, which enters a divided by h^2.
 """
 
 from __future__ import annotations
@@ -24,112 +24,121 @@ from granular_contact.results.summary import Driving
 from granular_contact.scene.signal_tables import jerks
 from granular_contact.scene.types import Drive, Vector
 
-AT_ONCE = 2_000_000  # numbers of J
-AROUND = 1e-10  # s, before and after a jump of an acceleration
+AT_ONCE = 2_000_000  # entries of J that are held in memory at a time
+AROUND = 1e-10  # s, offset of the instants before and after a jump of an acceleration
 
 
 def reactions(motion: Kinematics) -> dict[str, Driving]:
-    """What the drives of all prescribed motions did, by joint."""
+    """Force, power and work of the drives of all prescribed motions, by joint."""
     drives = [drive for drive in motion.scene.drives if drive.kind == "motion"]
     if not drives:
         return {}
-    asked = _asked(drives, motion.trajectory.time)
+    accelerations = _accelerations(drives, motion.trajectory.time)
     inverse = _inverse(motion.trajectory.mass)
-    forces, inertias = (np.concatenate(part) for part in zip(*_parts(motion, drives, asked, inverse), strict=True))
+    parts = _parts(motion, drives, accelerations, inverse)
+    excess, inertias = (np.concatenate(part) for part in zip(*parts, strict=True))
     multipliers = motion.trajectory.multipliers
-    # A multiplier pulls the constraint back; the drive pushes along the coordinate.
-    forces = -np.column_stack([multipliers[drive.joint] for drive in drives]) - forces
-    ways, rates = np.transpose([motion.coordinate(motion.scene.joint(drive.joint)) for drive in drives], (1, 2, 0))
-    prescribed = _Prescribed(motion.trajectory.time, drives, asked, ways, rates, forces, inertias)
+    # A multiplier acts against the constraint, the drive along the coordinate.
+    forces = -np.column_stack([multipliers[drive.joint] for drive in drives]) - excess
+    coordinates, rates = np.transpose(
+        [motion.coordinate(motion.scene.joint(drive.joint)) for drive in drives], (1, 2, 0)
+    )
+    prescribed = _Prescribed(motion.trajectory.time, drives, accelerations, coordinates, rates, forces, inertias)
     return {drive.joint: prescribed.driving(i) for i, drive in enumerate(drives)}
 
 
 def _parts(
-    motion: Kinematics, drives: Sequence[Drive], asked: Vector, inverse: Vector
+    motion: Kinematics, drives: Sequence[Drive], accelerations: Vector, inverse: Vector
 ) -> Iterator[tuple[Vector, Vector]]:
-    """What `_excess` finds, of so many instants at a time that their rows find room."""
+    """Yield the results of `_excess` for blocks of instants whose constraint rows fit into memory."""
     t = motion.engine
     each = max(1, AT_ONCE // (4 * len(motion.scene.joints) * t.q.shape[1]))
     for first in range(0, len(t.time), each):
         rows = slice(first, first + each)
         a = None if t.a is None else t.a[rows]
         piece = replace(t, time=t.time[rows], q=t.q[rows], v=t.v[rows], a=a)
-        yield _excess(type(motion)(motion.system, piece), drives, asked[rows], inverse)
+        yield _excess(type(motion)(motion.system, piece), drives, accelerations[rows], inverse)
 
 
-def _excess(motion: Kinematics, drives: Sequence[Drive], asked: Vector, inverse: Vector) -> tuple[Vector, Vector]:
-    """What multipliers (n, d) have too much, and inertia (n, d, d) that the prescribed accelerations meet."""
+def _excess(
+    motion: Kinematics, drives: Sequence[Drive], accelerations: Vector, inverse: Vector
+) -> tuple[Vector, Vector]:
+    """Error (n, d) of the multipliers, and effective inertia (n, d, d) for the prescribed accelerations (n, d)."""
     constraints, scene = motion.constraints, motion.scene
     moved = [constraints.moved(scene.joint(drive.joint)) for drive in drives]
     rows = together([*moved, *(constraints.held(joint) for joint in scene.joints)])
-    off = np.einsum("nkm,nm->nk", rows.J, motion.accelerations) + rows.c
-    off[:, : len(drives)] -= asked
+    residual = np.einsum("nkm,nm->nk", rows.J, motion.accelerations) + rows.c
+    residual[:, : len(drives)] -= accelerations
     used = np.flatnonzero(rows.J.any(axis=(0, 1)))
     J = rows.J[:, :, used]
     A = J @ inverse[np.ix_(used, used)] @ J.transpose(0, 2, 1)
-    sides = np.zeros((*off.shape, 1 + len(drives)))
-    sides[:, :, 0], sides[:, : len(drives), 1:] = off, np.eye(len(drives))
+    right_sides = np.zeros((*residual.shape, 1 + len(drives)))
+    right_sides[:, :, 0], right_sides[:, : len(drives), 1:] = residual, np.eye(len(drives))
     try:
-        found = np.asarray(np.linalg.solve(A, sides)[:, : len(drives)], float)
-    except np.linalg.LinAlgError:  # of a run that failed
-        found = np.zeros((len(off), len(drives), 1 + len(drives)))
-    return found[:, :, 0], found[:, :, 1:]
+        solution = np.asarray(np.linalg.solve(A, right_sides)[:, : len(drives)], float)
+    except np.linalg.LinAlgError:  # as in a run that failed
+        solution = np.zeros((len(residual), len(drives), 1 + len(drives)))
+    return solution[:, :, 0], solution[:, :, 1:]
 
 
-def _asked(drives: Sequence[Drive], time: Vector) -> Vector:
-    """Prescribed accelerations (n, d); a signal that several follow is asked once."""
-    each = {drive.signal: [drive.signal.acceleration(t) for t in time.tolist()] for drive in drives}
-    return np.array([each[drive.signal] for drive in drives]).T
+def _accelerations(drives: Sequence[Drive], time: Vector) -> Vector:
+    """Prescribed accelerations (n, d); a signal that several drives follow is evaluated once."""
+    by_signal = {drive.signal: [drive.signal.acceleration(t) for t in time.tolist()] for drive in drives}
+    return np.array([by_signal[drive.signal] for drive in drives]).T
 
 
 def _inverse(mass: Any) -> Vector:
+    """Inverse (m, m) of a mass matrix, sparse or not."""
     inverse: Vector = np.linalg.inv(mass if isinstance(mass, np.ndarray) else mass.toarray())
     return inverse
 
 
 @dataclass(frozen=True)
 class _Prescribed:
-    """Motions at instants (n,) s: prescribed accelerations, coordinates, rates, forces (n, d), inertia (n, d, d)."""
+    """Prescribed motions at instants (n,) s: accelerations, coordinates, rates, forces (n, d), inertias (n, d, d)."""
 
     time: Vector
     drives: Sequence[Drive]
-    asked: Vector
-    ways: Vector
+    accelerations: Vector
+    coordinates: Vector
     rates: Vector
     forces: Vector
     inertias: Vector
 
     def driving(self, i: int) -> Driving:
-        """What the drive of one of them did.
+        """Force, power and work of the drive of motion i.
 
-        Its work is that on inertia, by the change of the rates and their mean, also where an acceleration jumps within
-        a step, and that of the rest of its force, by its mean and the way, as weights and springs have theirs.
+        The work of a step has two parts. Work on inertia is mean inertia times change of the rates times mean rate,
+        which holds also where an acceleration jumps within the step. Work of the rest of the force is its mean times
+        the displacement, as for weights and springs.
         """
         force, rate, inertia = self.forces[:, i], self.rates[:, i], self.inertias[:, i]
-        rest = force - np.sum(inertia * self.asked, axis=1)
-        way = np.diff(self.ways[:, i])
-        gained = 0.5 * np.sum((inertia[1:] + inertia[:-1]) * np.diff(self.rates, axis=0), axis=1)
-        done = 0.5 * (rest[1:] + rest[:-1]) * way + gained * 0.5 * (rate[1:] + rate[:-1])
+        rest = force - np.sum(inertia * self.accelerations, axis=1)
+        displacement = np.diff(self.coordinates[:, i])
+        impulse = 0.5 * np.sum((inertia[1:] + inertia[:-1]) * np.diff(self.rates, axis=0), axis=1)
+        done = 0.5 * (rest[1:] + rest[:-1]) * displacement + impulse * 0.5 * (rate[1:] + rate[:-1])
         jumps = self._jumps(i, rest)
         return Driving(force, force * rate, np.concatenate([[0.0], np.cumsum(done)]), jumps)
 
     @cached_property
     def _around(self) -> tuple[Vector, list[Vector]]:
-        """When (k,) s any of the accelerations jumps, and all of them (k, d) before and after it."""
-        every = {jerk for drive in self.drives for jerk in jerks(drive.signal)}
-        at = np.array(sorted(jerk for jerk in every if self.time[0] < jerk <= self.time[-1]))
-        return at, [_asked(self.drives, at + side).reshape(len(at), len(self.drives)) for side in (-AROUND, AROUND)]
+        """Times (k,) s at which any acceleration jumps, and all accelerations (k, d) just before and after them."""
+        times = {time for drive in self.drives for time in jerks(drive.signal)}
+        t = np.array(sorted(time for time in times if self.time[0] < time <= self.time[-1]))
+        return t, [
+            _accelerations(self.drives, t + side).reshape(len(t), len(self.drives)) for side in (-AROUND, AROUND)
+        ]
 
     def _jumps(self, i: int, rest: Vector) -> Vector:
         """Time (s), force and power (W), (k, 3), on either side of each jump of the prescribed accelerations.
 
-        rest (n,): of the force, without its inertia.
+        rest (n,): force without its part for inertia.
         """
-        t, (at, sides) = self.time, self._around
-        rate = np.array([self.drives[i].signal.rate(jerk) for jerk in at.tolist()])
-        inertia = np.column_stack([np.interp(at, t, of) for of in self.inertias[:, i].T])
-        found = []
-        for side, asked in zip((-AROUND, AROUND), sides, strict=True):
-            force = np.interp(at, t, rest) + np.sum(inertia * asked, axis=1)
-            found.append(np.column_stack([at + side, force, force * rate]))
-        return np.concatenate(found)
+        t, sides = self._around
+        rate = np.array([self.drives[i].signal.rate(time) for time in t.tolist()])
+        inertia = np.column_stack([np.interp(t, self.time, column) for column in self.inertias[:, i].T])
+        rows = []
+        for side, accelerations in zip((-AROUND, AROUND), sides, strict=True):
+            force = np.interp(t, self.time, rest) + np.sum(inertia * accelerations, axis=1)
+            rows.append(np.column_stack([t + side, force, force * rate]))
+        return np.concatenate(rows)

@@ -1,4 +1,4 @@
-"""Coordinates of one instant -> Observations, in the coordinates of the engine."""
+"""Coordinates of one instant -> Observations, in the generalised coordinates of the engine."""
 
 from __future__ import annotations
 
@@ -21,13 +21,14 @@ if TYPE_CHECKING:
 
 
 Places = NDArray[np.int64]
-ROOT = np.zeros(2)  # of a body, m in its frame
+ROOT = np.zeros(2)  # m, origin of a body's frame
 
 
 class Sensors:
-    """Reads observations of a system; `seen`: what there is of them.
+    """Sensors that read observations of a system; `seen`: names of the observed joints, bodies and parts.
 
-    It follows links that bend from row to row, for their slopes do not count whole turns; `follows`: whether it has to.
+    The slope at a node of a flexible link does not show whole turns, so `follow` has to be called with every row of
+    coordinates where `follows` is true.
     """
 
     _seen_type: type[Seen] = Seen
@@ -47,14 +48,15 @@ class Sensors:
         self._find(joints)
 
     def _reported(self) -> tuple[list[str], list[str]]:
-        """Names of bodies, and of those that the medium can meet."""
+        """Names of all bodies, and of the bodies that the medium can touch."""
         met = () if self.load is None else self.load.table.bodies
         return [body.name for body in self.system.scene.bodies], list(met)
 
     def _find(self, joints: list[Joint]) -> None:
-        """Where the coordinates of joints and bodies are, and the lines of bodies."""
+        """Find the indices of the coordinates of joints and bodies, and the contact lines of bodies."""
         system = self.system
-        self._turning: list[tuple[Vector, list[int]]] = []  # angles (1,) of ends on links, places of coordinates
+        # Last angles (1,) of joint ends and roots on flexible links, and indices of the node's coordinates.
+        self._turning: list[tuple[Vector, list[int]]] = []
         self._joints = {i: self._joint(joint) for i, joint in enumerate(joints) if not self._turns_rigid(joint)}
         self._rigid = np.array([system.places(name, ROOT) for name in system.rigid], int).reshape(-1, 3)
         self._links = [self._link(name) for name in system.links]
@@ -64,31 +66,31 @@ class Sensors:
 
     @property
     def follows(self) -> bool:
-        """Whether it has to see all rows."""
+        """Whether `follow` has to be called with every row."""
         return bool(self._turning)
 
     # ---- set up ----
 
     def _turns_rigid(self, joint: Joint) -> bool:
-        """Whether it is a hinge of rigid bodies."""
+        """Whether a joint is a hinge between rigid bodies or the ground."""
         return joint.kind == "hinge" and not {joint.parent, joint.child} & self.system.links.keys()
 
     def _joint(self, joint: Joint) -> tuple[Coordinate, list[int]]:
-        """Coordinate of a joint, and the places of what it depends on; both with reference values."""
+        """Coordinate of a joint, and indices of the coordinates that it depends on (reference values included)."""
         from granular_contact.mechanics.coordinates import coordinate
 
-        made, found = coordinate(self.system, joint, np.zeros(2)), []
+        s, indices = coordinate(self.system, joint, np.zeros(2)), []
         for i, (body, point) in enumerate(((joint.parent, joint.parent_point), (joint.child, joint.child_point))):
             if body is not None:
                 places = self.system.places(body, point)
-                found += places
+                indices += places
                 if body in self.system.links:
-                    self._turning.append((made.last_angles[i : i + 1], places))
-        self.system.turns.append(made.last_angles)
-        return made, found
+                    self._turning.append((s.last_angles[i : i + 1], places))
+        self.system.turns.append(s.last_angles)
+        return s, indices
 
     def _link(self, name: str) -> tuple[Vector, Vector, list[int]]:
-        """Shares (2, m) of coordinates in a link's centre of mass, the angle (1,) at its root, and its places."""
+        """Shares (2, m) of coordinates in a link's centre of mass; last angle (1,) and indices of its root."""
         system, coordinates = self.system, self.system.coordinates
         nodes = np.array([coordinates.places(node) for node in system.links[name].nodes])
         last, places = np.array([system.scene.body(name).motion.angle]), system.places(name, ROOT)
@@ -97,7 +99,7 @@ class Sensors:
         return center_shares(mass_matrix(system), nodes), last, places
 
     def _rigid_hinges(self, joints: list[Joint]) -> tuple[Vector, Vector]:
-        """Matrix (joints, m) and offsets (joints,) of hinges of rigid bodies."""
+        """Matrix (joints, m) and offsets (joints,): angles of the hinges of rigid bodies are affine in q."""
         matrix, offsets = np.zeros((len(joints), self.system.coordinates.size)), np.zeros(len(joints))
         for i, joint in enumerate(joints):
             if i not in self._joints:
@@ -110,14 +112,14 @@ class Sensors:
     # ---- read ----
 
     def follow(self, q: Vector) -> None:
-        """Count the turns of links over rows (n, m) of coordinates that came since the last call."""
+        """Count whole turns of flexible links over the rows (n, m) of coordinates since the last call."""
         for last, places in self._turning:
             last[0] = np.unwrap([last[0], *np.arctan2(q[:, places[3]], q[:, places[2]])])[-1]
 
     def read(self, time: float, q: Vector, v: Vector, row: Vector | None) -> Observations:
-        """Observations at a time (s) of coordinates (m,), reference values included, and rates.
+        """Observations at a time (s) from coordinates (m,), reference values included, and rates (m,).
 
-        row: of the history of the load, None without one. Arrays that are written over later are copied.
+        row: row of the load's history, None without a load. Arrays that are overwritten later are copied.
         """
         v, row = v.copy(), None if row is None else row.copy()
         depths = [] if self.load is None else [batch.depths.copy() for batch in self.load.batches]
@@ -127,64 +129,66 @@ class Sensors:
             lambda poses: self.forces(poses, row),
             lambda: self.depths(depths),
         )
-        found = Observations(self.seen, time, now)
-        return found.computed() if self._turning else found  # turns are counted on, later there are others
+        observations = Observations(self.seen, time, now)
+        # With flexible links they are computed now: whole turns are counted on, so later they would be others.
+        return observations.computed() if self._turning else observations
 
     def joints(self, q: Vector, v: Vector) -> tuple[Vector, Vector]:
-        """Coordinates and rates of joints."""
+        """Coordinates and rates (joints,) of joints."""
         matrix, offsets = self._hinges
         coordinates, rates = matrix @ q + offsets, matrix @ v
-        for i, (how, places) in self._joints.items():
-            coordinates[i], rates[i], _ = how.at(q[places].tolist(), v[places].tolist())
+        for i, (s, places) in self._joints.items():
+            coordinates[i], rates[i], _ = s.at(q[places].tolist(), v[places].tolist())
         return coordinates, rates
 
     def bodies(self, q: Vector, v: Vector) -> tuple[Vector, Vector]:
-        """Poses and velocities of bodies."""
+        """Poses and velocities (bodies, 3) of bodies: centre of mass x, y and angle, clockwise."""
         poses, velocities = q[self._rigid], v[self._rigid]
         if self._links:
-            bent = [self._of_link(q, v, *link) for link in self._links]
-            poses = np.vstack([poses, [pose for pose, _ in bent]])
-            velocities = np.vstack([velocities, [velocity for _, velocity in bent]])
-        poses[:, 2] = 0.0 - poses[:, 2]  # no zero below zero
+            links = [self._link_pose(q, v, *link) for link in self._links]
+            poses = np.vstack([poses, [pose for pose, _ in links]])
+            velocities = np.vstack([velocities, [velocity for _, velocity in links]])
+        poses[:, 2] = 0.0 - poses[:, 2]  # avoids a negative zero
         velocities[:, 2] = 0.0 - velocities[:, 2]
         return poses, velocities
 
     @staticmethod
-    def _of_link(q: Vector, v: Vector, shares: Vector, last: Vector, places: list[int]) -> tuple[Vector, Vector]:
+    def _link_pose(q: Vector, v: Vector, shares: Vector, last: Vector, places: list[int]) -> tuple[Vector, Vector]:
+        """Pose (3,) and velocity (3,) of a flexible link: of its centre of mass, and the angle of its root."""
         angle, rate = _root_angle(last, *q[places][2:], *v[places][2:])
         return np.array([*(shares @ q), angle]), np.array([*(shares @ v), rate])
 
     def forces(self, poses: Vector, row: Vector | None) -> Vector:
-        """Forces of the medium on bodies at their poses (met, 3)."""
+        """Forces (met, 3) on bodies at their poses: x, y (N), and clockwise moment (N m) about the centre."""
         if self.load is None or row is None:
             return np.zeros((0, 3))
         forces = self.load.table.wrenches(row)
         forces[:, 2] = clockwise_moment(forces, poses[self._met, :2])
         return forces
 
-    def depths(self, of_lines: list[Vector]) -> Vector:
-        """Depths of bodies (met,) m, by those of the lines of each batch."""
+    def depths(self, line_depths: list[Vector]) -> Vector:
+        """Depths (met,) m of bodies, from the depths of the contact lines of each batch."""
         deepest = self._above.copy()
-        for depths, (order, starts, bodies) in zip(of_lines, self._lines, strict=True):
+        for depths, (order, starts, bodies) in zip(line_depths, self._lines, strict=True):
             deepest[bodies] = np.maximum(deepest[bodies], np.maximum.reduceat(depths[order], starts))
         return deepest
 
 
 def _root_angle(last: Vector, x: float, y: float, x_rate: float, y_rate: float) -> tuple[float, float]:
-    """Angle and rate of the slope (x, y) at a root; last (1,) rad: found last, by which whole turns are counted."""
+    """Angle and rate of the slope (x, y) at a root; last (1,) rad: last angle, by which whole turns are counted."""
     phi = math.atan2(y, x)
     last[0] = phi + 2.0 * math.pi * round((last[0] - phi) / (2.0 * math.pi))
     return float(last[0]), (x * y_rate - y * x_rate) / (x * x + y * y)
 
 
 def _lines_of(load: GranularLoad | None) -> list[tuple[Places, Places, Places]]:
-    """Of each batch: an order of its lines by their bodies, where in it each body begins, and which body that is."""
+    """Contact lines of each batch by body: their order, the start of each body in it, and index of the body."""
     if load is None:
         return []
-    found = []
+    batches = []
     for batch in load.batches:
         body = np.array([load.table.bodies.index(line.body.name) for line in batch.lines])
         order = np.argsort(body, kind="stable")
         bodies, starts = np.unique(body[order], return_index=True)
-        found.append((order, starts, bodies))
-    return found
+        batches.append((order, starts, bodies))
+    return batches

@@ -1,11 +1,11 @@
-"""What a motion in space departs by with larger facets, and the error that this stands for.
+"""Discretisation error of a motion in space by its facets: Richardson extrapolation of a departure, or of two runs.
 
 As `strip_departure` in the plane, by `mechanics.departure`, with the facets of `sand.space.other_facets` on the bodies
-that touch. Rates are those of `SpatialKinematics`, six of each body; W spans what the joints leave of them. Of a run
-that was repeated with smaller facets both runs tell it, see `of_two`.
+that touch. Rates are those of `SpatialKinematics`, six for each body; W spans the null space of the joints'
+constraints. For a run that was repeated with smaller facets the error follows from both runs, see `of_two`.
 
-Left out: how W changes with x, inertial forces of the departure beside M x'', and how springs turn with their bodies.
-Neighbouring elements of a link that has many of them move as one.
+Neglected: the change of W with x, inertial forces of the departure other than M x'', and the rotation of springs with
+their bodies. Neighbouring elements of a link with many elements move as one rigid body.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from granular_contact.mechanics.constraints import together
-from granular_contact.mechanics.departure import Flat, Instant, departures, pieces
+from granular_contact.mechanics.departure import Instant, PlanarCoordinates, departures, pieces
 from granular_contact.mechanics.freedoms import null_space, slopes
 from granular_contact.mechanics.space.kinematics import SpatialKinematics
 from granular_contact.mechanics.space.system import SpatialSystem
@@ -37,88 +37,95 @@ from granular_contact.sand.space.other_facets import (
 )
 from granular_contact.scene.space.types import Vector
 
-# Of the motion at which its departure is followed at a glance, at the least, and for a body that touches alone: its
-# impact may be a few of them, so that with 24 one was told 0.5 % for 3.4 %, and a strip that falls and bends 11 times
-# its error. Looks have twice and four times as many.
+# Number of instants of the first estimate: at least, and for a single touching body. Its impact may last only a few of
+# them: with 24 instants one error was estimated as 0.5 % in place of 3.4 %, and that of a falling flexible strip as 11
+# times its value. Later estimates use twice and four times as many.
 INSTANTS, ALONE = 24, 96
-GLANCE = 2.0  # edges of the other facets at a glance, over those of the load's own
-AGREE = 1.5  # factor between two estimates in turn, from which on there is another look
-# Of the error of a motion by facets, which is that of forces, 2, where facets are many [measured: 1.0 to 2.3 where few
-# are loaded, or come to lead or to trail, as under a ball that rolls].
+GLANCE = 2.0  # edges of the other facets in the first estimate, over the load's own
+AGREE = 1.5  # ratio of two successive estimates up to which they agree
+# Order of the error of a motion in the edge of facets. With many loaded facets it is that of forces, 2 [measured: 1.0
+# to 2.3 with few loaded facets, or facets that change between leading and trailing, as under a rolling ball].
 ORDER = 1.5
-# Freedoms of all links that bend. With 24 the estimate of a tail of 64 elements is 0.5 % less than with all 192 and
-# takes a tenth of the time; of 8 elements, with 12 and with 3, it is 2 % more and 5 % less.
+# Degrees of freedom of all flexible links together. With 24 the estimate for a tail of 64 elements is 0.5 % smaller
+# than with all 192 and takes a tenth of the time. For 8 elements it is 2 % larger with 12, and 5 % smaller with 3.
 BENDING = 48
 GROUND = -1
-Errors = dict[str, float]  # of positions by mechanism, as parts of the distance that the fastest point travels
+Errors = dict[str, float]  # of positions by mechanism, over the path of the fastest point
 
 
 def errors(observer: Any, doubtful: float, coarser: Track | None = None) -> Errors:
-    """Estimated errors.
+    """Estimated errors, by mechanism.
 
-    coarser: the same run with larger facets of some mechanisms, with which their errors are found; those of others are
-    what they were.
+    coarser: the same run with larger facets on some mechanisms, whose errors then follow from both runs; the errors of
+    the other mechanisms are kept.
     """
     if coarser is None:
         return estimate(observer, doubtful)
-    found = of_two(coarser, observer)
-    if math.inf in found.values():
-        told = estimate(observer, doubtful)
-        found = {name: error if error < math.inf else told.get(name, 0.0) for name, error in found.items()}
-    return found
+    by_mechanism = of_two(coarser, observer)
+    if math.inf in by_mechanism.values():
+        single = estimate(observer, doubtful)
+        by_mechanism = {
+            name: error if error < math.inf else single.get(name, 0.0) for name, error in by_mechanism.items()
+        }
+    return by_mechanism
 
 
 def estimate(observer: Any, doubtful: float) -> Errors:
-    """Errors by what the motion departs by with other facets.
+    """Errors from the departure of the motion with other facets.
 
-    A glance at few instants, with facets of twice the size, which tell much more than round-off and no less than the
-    error where it is small. Where that finds more than what is doubtful looks at more instants, with facets that are
-    nearer in size, until two in turn agree, and a look at smaller facets, if the others were larger; of looks the
-    greatest counts. Where facets are far too large either may be a tenth of the error, rarely both; a glance may be
-    thirty times as large as it.
+    First from few instants, with facets of twice the edge: these estimates are far above round-off, and not below a
+    small error. Where an error is above `doubtful`, from more instants and with facets of a more similar size, until
+    two successive estimates agree, and once more with smaller facets if the others were larger; the greatest of these
+    estimates counts. Where facets are far too large, either estimate may be a tenth of the error, rarely both; the
+    first estimate may be thirty times the error.
     """
     touching = _touching(observer)
-    given = observer.system.facets, partial(load_with, observer.system), touching
-    other = comparison_with_others(*given, (GLANCE, *SHARES[1:]))
-    if other is None:  # there are none: bars and balls alone
+    arguments = observer.system.facets, partial(load_with, observer.system), touching
+    other = comparison_with_others(*arguments, (GLANCE, *SHARES[1:]))
+    if other is None:  # no facets: bars and balls alone
         return {}
-    of, told = observer.scene.mechanisms, Errors()
+    mechanisms, greatest = observer.scene.mechanisms, Errors()
     instants = max(INSTANTS, ALONE // max(1, _links(observer.scene, touching)))
-    before = _seen(observer, other, of, instants)
-    if max(before.values()) <= doubtful:
-        return before
-    other = comparison_with_others(*given) or other
+    last = _by_departure(observer, other, mechanisms, instants)
+    if max(last.values()) <= doubtful:
+        return last
+    other = comparison_with_others(*arguments) or other
     for count in (2 * instants, 4 * instants):
-        now = _seen(observer, other, of, count)
-        told = {name: max(error, told.get(name, 0.0)) for name, error in now.items()}
-        pairs = [sorted((error, before.get(name, 0.0))) for name, error in now.items() if error > doubtful]
+        estimates = _by_departure(observer, other, mechanisms, count)
+        greatest = {name: max(error, greatest.get(name, 0.0)) for name, error in estimates.items()}
+        pairs = [sorted((error, last.get(name, 0.0))) for name, error in estimates.items() if error > doubtful]
         if all(high <= AGREE * low for low, high in pairs):
             break
-        before = now
-    smaller = comparison_with_others(*given, [share for share in SHARES if share < 1.0]) if other.share > 1.0 else None
-    for name, error in _seen(observer, smaller, of, count).items() if smaller is not None else ():
-        told[name] = max(error, told.get(name, 0.0))
-    return told
+        last = estimates
+    smaller = (
+        comparison_with_others(*arguments, [share for share in SHARES if share < 1.0]) if other.share > 1.0 else None
+    )
+    for name, error in _by_departure(observer, smaller, mechanisms, count).items() if smaller is not None else ():
+        greatest[name] = max(error, greatest.get(name, 0.0))
+    return greatest
 
 
-def _seen(observer: Any, other: FacetComparison, of: dict[str, str], count: int) -> Errors:
-    """Errors by the departure that so many instants of the motion show."""
-    (rates,) = departures(observer, _motion(observer, count), observer.system.facets, [other.load], Poses())
-    far = rates.reshape(-1, 6).max(axis=1)
-    found: Errors = {}
-    for name, one in zip(observer.system.rigid, far.tolist(), strict=True):
-        own, there = (
-            sum(n for body, n in each.items() if of[body] == of[name]) for each in (other.counts, other.other_counts)
+def _by_departure(observer: Any, other: FacetComparison, mechanisms: dict[str, str], count: int) -> Errors:
+    """Errors by mechanism, from the departure with other facets at `count` instants; mechanisms: names, by body."""
+    (by_rate,) = departures(observer, _motion(observer, count), observer.system.facets, [other.load], Poses())
+    by_body = by_rate.reshape(-1, 6).max(axis=1)
+    by_mechanism: Errors = {}
+    for body, departure in zip(observer.system.rigid, by_body.tolist(), strict=True):
+        name = mechanisms[body]
+        own, of_other = (
+            sum(n for body, n in counts.items() if mechanisms[body] == name)
+            for counts in (other.counts, other.other_counts)
         )
         if own > 0:
-            found[of[name]] = max(found.get(of[name], 0.0), richardson_factor(own, there) * one)
-    return found
+            by_mechanism[name] = max(by_mechanism.get(name, 0.0), richardson_factor(own, of_other) * departure)
+    return by_mechanism
 
 
 class Track(NamedTuple):
-    """Where points of all bodies were: time (n,) s, places (n, b, 12) m.
+    """Motion of points of all bodies: time (n,) s, places (n, b, 12) m.
 
-    shares: of the size of facets, by mechanism; numbers: of facets, of bodies that touch; errors: as found of it.
+    shares: sizes of facets over those of the scene, by mechanism; numbers: of facets, by touching body; errors: as
+    estimated for this run.
     """
 
     time: Vector
@@ -128,67 +135,68 @@ class Track(NamedTuple):
     errors: Errors
 
 
-def track(observer: Any, found: Errors | None = None) -> Track:
-    """The way of the middle of each body, and of the ends of its axes as far out as it reaches."""
+def track(observer: Any, estimated: Errors | None = None) -> Track:
+    """Track of a run: centre of mass of each body, and its axes times its radius; estimated: errors of the run."""
     scene, places = observer.scene, []
     for body in (handle.body for handle in observer.system.rigid.values()):
         ends = scene.radius(body) * observer.rotation(body.name).reshape(-1, 9)
         places.append(np.hstack([observer.center(body.name)[0], ends]))
-    shares = {of: scene.facet_shares.get(of, 1.0) for of in scene.mechanisms.values()}
-    counted = facet_counts(observer.system.facets, _touching(observer))
-    return Track(observer.trajectory.time, np.stack(places, axis=1), shares, counted, found or {})
+    shares = {name: scene.facet_shares.get(name, 1.0) for name in scene.mechanisms.values()}
+    counts = facet_counts(observer.system.facets, _touching(observer))
+    return Track(observer.trajectory.time, np.stack(places, axis=1), shares, counts, estimated or {})
 
 
 def of_two(before: Track, observer: Any) -> Errors:
-    """Errors by a run with larger facets: Richardson's extrapolation.
+    """Errors from this run and an earlier one with larger facets: Richardson extrapolation.
 
-    An error e of order k, of facets with edges of the share s of those before, was e / s^k times as large before, so
-    the runs differ by e (1 / s^k - 1). What else they differ by, the errors of their steps, counts as well. Where there
-    are hardly more facets than before, two runs tell nothing: infinite. Where they are the same, the error is what it
-    was.
+    Let the edges be s times those of the earlier run. An error e of order k was then e / s^k in the earlier run, so the
+    two runs differ by e (1 / s^k - 1). Errors of their steps, by which they differ too, count as well. The error is
+    infinite, as unknown, where there are hardly more facets than before; it is that of the earlier run where the facets
+    are the same.
     """
-    now, of = track(observer), observer.scene.mechanisms
-    at = now.time[now.time <= before.time[-1]]
+    now, mechanisms = track(observer), observer.scene.mechanisms
+    times = now.time[now.time <= before.time[-1]]
     places = before.places.reshape(len(before.time), -1)
-    there = np.column_stack([np.interp(at, before.time, column) for column in places.T]).reshape(len(at), -1, 12)
-    apart = np.abs(there - now.places[: len(at)]).max(axis=(0, 2))
-    apart /= float(max(observer.path_length, observer.scene.least_path))
-    found = {}
+    resampled = np.column_stack([np.interp(times, before.time, column) for column in places.T])
+    distances = np.abs(resampled.reshape(len(times), -1, 12) - now.places[: len(times)]).max(axis=(0, 2))
+    distances /= float(max(observer.path_length, observer.scene.least_path))
+    by_body = dict(zip(observer.system.rigid, distances.tolist(), strict=True))
+    by_mechanism = {}
     for name, share in now.shares.items():
-        mine = {body: n for body, n in before.numbers.items() if of[body] == name and body in now.numbers}
+        counts = {body: n for body, n in before.numbers.items() if mechanisms[body] == name and body in now.numbers}
         if share == before.shares[name]:
-            found[name] = before.errors.get(name, 0.0)
-        elif len(changed_bodies(mine, now.numbers)) < len(mine):
-            found[name] = math.inf
+            by_mechanism[name] = before.errors.get(name, 0.0)
+        elif len(changed_bodies(counts, now.numbers)) < len(counts):
+            by_mechanism[name] = math.inf
         else:
-            far = max(one for body, one in zip(observer.system.rigid, apart.tolist(), strict=True) if of[body] == name)
-            found[name] = far / ((before.shares[name] / share) ** ORDER - 1.0)
-    return found
+            distance = max(d for body, d in by_body.items() if mechanisms[body] == name)
+            by_mechanism[name] = distance / ((before.shares[name] / share) ** ORDER - 1.0)
+    return by_mechanism
 
 
 def _touching(observer: SpatialKinematics) -> set[str]:
-    """Bodies that touch the medium."""
+    """Names of the bodies that touch the medium in the run."""
     history: Any = observer.trajectory.load
     return {name for i, name in enumerate(history.body_names) if history.bodies[:, i].any()}
 
 
 def _links(scene: Any, touching: set[str]) -> int:
-    """How many bodies touch; elements of a link that bends are one."""
-    beam = {name: i for i, one in enumerate(scene.beams) for name, *_ in one.pieces}
-    return len({beam.get(name, name) for name in touching})
+    """Number of touching bodies; the elements of a flexible link count as one."""
+    link = {name: i for i, beam in enumerate(scene.beams) for name, *_ in beam.pieces}
+    return len({link.get(name, name) for name in touching})
 
 
 def load_with(system: SpatialSystem, share: float) -> SpatialLoad:
-    """The load of a scene with a share of its size of facets, without what scatters.
+    """Load of a scene with facets of `share` times their size, without scatter.
 
-    Its bodies have seven coordinates, one body after another.
+    Each body has seven coordinates, in the order of bodies.
     """
     scene = system.scene
     load = load_from_scene(scene)
     for i, handle in enumerate(system.rigid.values()):
-        on = Body(handle.body.name, range(7 * i, 7 * i + 7))
-        for one in (one for one in handle.body.parts if one.in_sand):
-            add_part(load, on, one, scene, handle.body.mass, share)
+        on_body = Body(handle.body.name, range(7 * i, 7 * i + 7))
+        for shape in (shape for shape in handle.body.parts if shape.in_sand):
+            add_part(load, on_body, shape, scene, handle.body.mass, share)
     load.close()
     for batch in load.batches:
         batch.clusters["scatter"] = 0.0
@@ -196,131 +204,132 @@ def load_with(system: SpatialSystem, share: float) -> SpatialLoad:
 
 
 def _motion(observer: Any, count: int) -> Iterator[Instant]:
-    """The motion at so many of its instants, with its freedoms there."""
-    for some in pieces(observer, observer.engine, count):
-        seen = SpatialKinematics(observer.system, some)
-        W, K, D = _freedoms(seen)
-        places = [one for name in seen.system.rigid for one in (seen.center(name)[0], seen.quaternion(name))]
-        # (of rows with gaps, as numpy may join them, all kernels would be compiled anew)
-        q, v = np.ascontiguousarray(np.concatenate(places, axis=1)), seen.trajectory.v
-        for i, time in enumerate(some.time.tolist()):
-            yield Instant(time, q[i], v[i], W[i], seen.trajectory.mass, K[i], D[i])
+    """Yield the motion at `count` instants, with its degrees of freedom."""
+    for trajectory in pieces(observer, observer.engine, count):
+        motion = SpatialKinematics(observer.system, trajectory)
+        W, K, D = _freedoms(motion)
+        poses = [values for name in motion.system.rigid for values in (motion.center(name)[0], motion.quaternion(name))]
+        # Contiguous, as kernels would be compiled anew for rows with gaps, which numpy may return.
+        q, v = np.ascontiguousarray(np.concatenate(poses, axis=1)), motion.trajectory.v
+        for i, time in enumerate(trajectory.time.tolist()):
+            yield Instant(time, q[i], v[i], W[i], motion.trajectory.mass, K[i], D[i])
 
 
-def _freedoms(seen: SpatialKinematics) -> tuple[Vector, Vector, Vector]:
-    """W (n, m, d) of the freedoms, and stiffness and damping (n, d, d) of joints."""
-    n, scene = len(seen.trajectory.v), seen.scene
-    each = _elements_together(scene)
-    group = _groups(scene, each)
+def _freedoms(motion: SpatialKinematics) -> tuple[Vector, Vector, Vector]:
+    """Jacobian W (n, m, d) of the degrees of freedom, and tangent stiffness and damping (n, d, d) of joints."""
+    n, scene = len(motion.trajectory.v), motion.scene
+    size = _elements_together(scene)
+    group = _groups(scene, size)
     joints: Any = [joint for joint in scene.joints if group[joint.parent] != group[joint.child]]
     moved = {drive.joint for drive in scene.drives if drive.kind == "motion"}
-    rows = [seen.constraints.held(joint) for joint in joints]
-    rows += [seen.constraints.moved(joint) for joint in joints if joint.name in moved]
-    W = _carried(seen, group)
+    rows = [motion.constraints.held(joint) for joint in joints]
+    rows += [motion.constraints.moved(joint) for joint in joints if joint.name in moved]
+    W = _carried(motion, group)
     if rows and (held := together(rows).J).shape[1]:
         W = W @ null_space(held @ W)
     K, D = np.zeros((2, n, W.shape[2], W.shape[2]))
     for joint in joints:
         if joint.name in moved or not (joint.has_coordinate or joint.acts):
             continue
-        J = seen.constraints.coordinates(joint).J @ W
-        stiffness, damping = (one / each if joint.elastic is not None else one for one in _acting(seen, joint))
+        J = motion.constraints.coordinates(joint).J @ W
+        stiffness, damping = (value / size if joint.elastic is not None else value for value in _slopes(motion, joint))
         K += J.transpose(0, 2, 1) @ (stiffness * J)
         D += J.transpose(0, 2, 1) @ (damping * J)
     return W, K, D
 
 
 def _elements_together(scene: Any) -> int:
-    """How many neighbouring elements of links that bend move as one, so that they have `BENDING` freedoms at most.
+    """Number of neighbouring elements of flexible links that move as one: `BENDING` degrees of freedom remain at most.
 
-    An odd number: the joint between two such groups is in the middle of the joints whose compliance it has.
+    An odd number: the joint between two such groups is then in the middle of the joints whose compliance it stands for.
     """
     freedoms: int = sum((4 if beam.stretches else 3) * beam.elements for beam in scene.beams)
     return 2 * math.ceil(max(0.0, freedoms / BENDING - 1.0) / 2.0) + 1
 
 
-def _groups(scene: Any, each: int) -> dict[str | None, int]:
-    """By body the group that moves as one: itself, or so many elements of a link, with what is welded to them.
+def _groups(scene: Any, size: int) -> dict[str | None, int]:
+    """Group by body that moves as one: a single body, or `size` elements of a link and the bodies welded to them.
 
-    Of the ground, None, and what is welded to it: GROUND.
+    The ground, None, and bodies welded to it are in the group GROUND.
     """
     group: dict[str | None, int] = {None: GROUND}
-    for beam in scene.beams if each > 1 else ():
+    for beam in scene.beams if size > 1 else ():
         names = [name for name, *_ in beam.pieces]
-        for some in np.split(np.array(names, object), range(each // 2 + 1, len(names), each)):
-            number = next((group[name] for name in some if name in group), len(group))
-            group |= {name: group.get(name, number) for name in some}
+        for elements in np.split(np.array(names, object), range(size // 2 + 1, len(names), size)):
+            number = next((group[name] for name in elements if name in group), len(group))
+            group |= {name: group.get(name, number) for name in elements}
     return group | {body.name: len(scene.rigid) + i for i, body in enumerate(scene.rigid) if body.name not in group}
 
 
-def _carried(seen: SpatialKinematics, group: dict[str | None, int]) -> Vector:
-    """Rates of bodies by those of groups (n, m, 6 g): of the middle of the first body of each, and spins in the world.
+def _carried(motion: SpatialKinematics, group: dict[str | None, int]) -> Vector:
+    """Jacobian (n, m, 6 g) from the rates of groups to those of bodies.
 
-    Of a body that is a group by itself, its own rates.
+    Rates of a group: velocity of the centre of its first body, and angular velocity in the world frame; of a single
+    body the rates of that body.
     """
-    n, m = seen.trajectory.v.shape
+    n, m = motion.trajectory.v.shape
     leads: dict[int, str] = {}
-    for name in seen.system.rigid:
+    for name in motion.system.rigid:
         if group[name] != GROUND:
             leads.setdefault(group[name], name)
     column = {number: 6 * i for i, number in enumerate(leads)}
-    alone = Counter(group.values())
-    found = np.zeros((n, m, 6 * len(leads)))
-    for i, name in enumerate(seen.system.rigid):
+    sizes = Counter(group.values())
+    jacobian = np.zeros((n, m, 6 * len(leads)))
+    for i, name in enumerate(motion.system.rigid):
         if group[name] == GROUND:
             continue
-        at = column[group[name]]
-        block = found[:, 6 * i : 6 * i + 6, at : at + 6]
+        first = column[group[name]]
+        block = jacobian[:, 6 * i : 6 * i + 6, first : first + 6]
         block[:] = np.eye(6)
-        if alone[group[name]] > 1:
-            arm = seen.center(name)[0] - seen.center(leads[group[name]])[0]
+        if sizes[group[name]] > 1:
+            arm = motion.center(name)[0] - motion.center(leads[group[name]])[0]
             block[:, :3, 3:] = np.cross(np.eye(3), arm[:, None]).transpose(0, 2, 1)
-            block[:, 3:, 3:] = seen.rotation(name).transpose(0, 2, 1)
-    return found
+            block[:, 3:, 3:] = motion.rotation(name).transpose(0, 2, 1)
+    return jacobian
 
 
-def _acting(seen: SpatialKinematics, joint: Any) -> tuple[Vector, Vector]:
-    """Stiffness and damping of what acts in a joint, to be multiplied with the rows (n, k, m) of its coordinates."""
+def _slopes(motion: SpatialKinematics, joint: Any) -> tuple[Vector, Vector]:
+    """Tangent stiffness and damping of a joint, which broadcast with the rows (n, k, m) of its coordinates."""
     elastic = joint.elastic
     if elastic is None:
-        stiffness, damping = slopes(seen, joint, seen.scene.drive(joint.name))
+        stiffness, damping = slopes(motion, joint, motion.scene.drive(joint.name))
         return stiffness[:, None, None], damping[:, None, None]
     axial = np.reshape(elastic.axial or (), (2, -1))
     return np.append(elastic.stiffness, axial[0])[:, None], np.append(elastic.damping, axial[1])[:, None]
 
 
-_ENTRIES = np.array([[1, 2, 3], [0, 3, 2], [3, 0, 1], [2, 1, 0]])  # of e in the matrix of e (0, w) / 2
+_ENTRIES = np.array([[1, 2, 3], [0, 3, 2], [3, 0, 1], [2, 1, 0]])  # indices of e in the matrix of e (0, w) / 2
 _SIGNS = 0.5 * np.array([[-1, -1, -1], [1, -1, 1], [1, 1, -1], [-1, 1, 1]])
-_FIXED, _BY_E = np.zeros((7, 6)), np.zeros((4, 7, 6))  # the rates by those of a body: fixed, and in proportion to e
+_FIXED, _BY_E = np.zeros((7, 6)), np.zeros((4, 7, 6))  # Jacobian of the rates of a pose: constant, and linear in e
 _FIXED[:3, :3] = np.eye(3)
 _BY_E[_ENTRIES, [[3], [4], [5], [6]], [3, 4, 5]] = _SIGNS
 
 
-class Poses(Flat):
-    """Places and Euler parameters of bodies, seven coordinates each, whose rates are six: as of `SpatialKinematics`."""
+class Poses(PlanarCoordinates):
+    """Positions and Euler parameters of bodies, seven coordinates each; six rates each, as in `SpatialKinematics`."""
 
-    def moved(self, q: Vector, by: Vector) -> Vector:
-        """As of `Flat`."""
-        there = (q + by).reshape(-1, 7)
-        there[:, 3:] /= np.sqrt((there[:, 3:] ** 2).sum(axis=1, keepdims=True))
-        return there.ravel()
+    def displaced(self, q: Vector, change: Vector) -> Vector:
+        """Coordinates q (c,) plus a change (c,), with normalised Euler parameters."""
+        poses = (q + change).reshape(-1, 7)
+        poses[:, 3:] /= np.sqrt((poses[:, 3:] ** 2).sum(axis=1, keepdims=True))
+        return poses.ravel()
 
     def rates(self, q: Vector, v: Vector) -> Vector:
-        """As of `Flat`."""
-        return _by_turns(_turns(q), v)
+        """See `PlanarCoordinates.rates`."""
+        return _pose_rates(_jacobians(q), v)
 
     def forces(self, load: GranularLoad, q: Vector, v: Vector) -> Vector:
-        """As of `Flat`."""
-        turns = _turns(q)
-        found = load.force(q, _by_turns(turns, v), np.zeros_like(q)).reshape(-1, 1, 7)
-        return np.asarray((found @ turns).ravel())
+        """See `PlanarCoordinates.forces`."""
+        jacobians = _jacobians(q)
+        forces = load.force(q, _pose_rates(jacobians, v), np.zeros_like(q)).reshape(-1, 1, 7)
+        return np.asarray((forces @ jacobians).ravel())
 
 
-def _by_turns(turns: Vector, v: Vector) -> Vector:
-    """Rates (7 b, ...) of coordinates by those of bodies (6 b, ...)."""
-    return np.asarray((turns @ v.reshape(len(turns), 6, -1)).reshape(7 * len(turns), *v.shape[1:]))
+def _pose_rates(jacobians: Vector, v: Vector) -> Vector:
+    """Rates (7 b, ...) of poses from the rates (6 b, ...) of bodies."""
+    return np.asarray((jacobians @ v.reshape(len(jacobians), 6, -1)).reshape(7 * len(jacobians), *v.shape[1:]))
 
 
-def _turns(q: Vector) -> Vector:
-    """Rates of places and Euler parameters by those of bodies (b, 7, 6)."""
+def _jacobians(q: Vector) -> Vector:
+    """Jacobians (b, 7, 6) from the rates of bodies to the rates of their positions and Euler parameters."""
     return _FIXED + (q.reshape(-1, 7)[:, 3:] @ _BY_E.reshape(4, -1)).reshape(-1, 7, 6)
