@@ -1,18 +1,18 @@
-"""What every engine needs of a mechanism, without any engine.
+"""Mechanics of a mechanism that all engines share, without any engine.
 
-the mechanism   system                  its parts among the coordinates of an engine; trajectories
-                kinematics, sensors      positions and rates of a trajectory, of an instant
-                coordinates, constraints    coordinates of joints; what they hold
-                mass_and_gravity, freedoms  mass and weight; how a mechanism can depart from its motion
-                joint_loads, reactions  springs, stops, friction, drives; forces of prescribed motions
-the solve       scheme, stepping        the spectral radius of the integrator; choice of steps
-                ending                  how a solve ended
-what is seen    observe, mechanism, wheels, depths    Trajectory -> Observation
+the mechanism   system                  parts in the coordinates of an engine; trajectories
+                kinematics, sensors      positions and rates along a trajectory, at an instant
+                coordinates, constraints    joint coordinates; constraints on accelerations
+                mass_and_gravity, freedoms  mass matrix and weight; degrees of freedom
+                joint_loads, reactions  springs, stops, friction, drives; reactions of prescribed motions
+the solve       scheme, stepping        spectral radius and tolerance; step-size control
+                ending                  status at the end of a solve
+observation     observe, mechanism, wheels, depths    Trajectory -> Observation
                 joint_history, beam_energy            energies and works
-                strains                               strains and stresses of links that bend
+                strains                               strains and stresses of flexible links
                 accuracy, drive_error, strip_error    warnings about steps, drives and strips
-                creep                                 what motion is left when a run ends at rest
-                departure, strip_departure            what strips of another length would change
+                creep                                 motion that is left when a run ends at rest
+                departure, strip_departure            error of a motion by the length of strips
                 omissions                             what a run leaves out
 kernels   compiled code
 space     the same names in space, where they differ

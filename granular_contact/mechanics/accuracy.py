@@ -1,8 +1,8 @@
-"""Accuracy checks of a finished solve, made from its own steps, and what to change.
+"""A posteriori accuracy checks of a finished solve, from its own steps, with remedies.
 
-Each sentence says what was measured on the trajectory. No warning is no proof: a run whose steps miss an event entirely
-has no trace of it in its states. What a run left (depth, speed, floor) is found in `results.limits`, the energy balance
-in `results.accuracy`, which says which of all that is reported.
+Each sentence gives a number that was measured on the trajectory. The absence of warnings is no proof: a run whose steps
+miss an event entirely has no trace of it in its states. `results.limits` checks the range of the run (depth, speed,
+floor), `results.accuracy` its energy balance; the latter selects what is reported.
 """
 
 from __future__ import annotations
@@ -29,18 +29,18 @@ from granular_contact.scene.types import Vector
 
 STEP_ERROR = 5e-3  # of the path length
 CREEP = 5e-3  # of the path length: what is still to come when a run ends at rest
-UNKNOWN = 0.1  # of the energy: beyond it the motion itself is another
-FEWEST_STEPS = 8  # steps from the touch to the stop
-ROUGH_BEAM = 0.05  # of the path length: jumps of curvature times the square of an element; errors are smaller
-ROUGH = 0.5  # mean square of second over first differences: at 6 steps a period both are as large
-COARSE_BEAM, MOST_ELEMENTS = 0.01, 256  # of a link in space: error as a part of the path, elements
-FEW_MODES = 0.02  # of a link's greatest deflection: error by the modes that it does not have
-TREMBLE = 1e-3  # of a link's length
+UNKNOWN = 0.1  # of the energy: with a larger uncertainty of the work the computed motion is another one
+FEWEST_STEPS = 8  # steps from the touch to the deepest point
+ROUGH_BEAM = 0.05  # of the path length: jumps of curvature times an element's length squared; the error is smaller
+ROUGH = 0.5  # rms of second differences over twice that of first ones; at 6 steps a period the two rms are equal
+COARSE_BEAM, MOST_ELEMENTS = 0.01, 256  # of a link in space: error over the path, number of elements
+FEW_MODES = 0.02  # of a link's greatest deflection: error by the neglected modes
+TREMBLE = 1e-3  # of a link's length: smaller vibration does not count
 EXCESS = 1.0 / 9.0  # |beta - 1/6| at a spectral radius of 0.9, see `stepping`
 
 
 def accuracy_warnings(motion: Kinematics) -> Iterator[AccuracyWarning]:
-    """Sentences on steps, beams and vibration."""
+    """Yield sentences on steps, strips, beams and vibration."""
     if len(motion.trajectory.time) < 4:
         return
     yield from _steps(motion)
@@ -55,7 +55,7 @@ def accuracy_warnings(motion: Kinematics) -> Iterator[AccuracyWarning]:
     for name, error in motion.trajectory.mode_errors.items():
         yield from _modes(motion, name, error)
     for name, deflections in motion.bends().items():
-        yield from (found for bend in deflections for found in _vibration(motion, name, bend))
+        yield from (warning for bend in deflections for warning in _vibration(motion, name, bend))
 
 
 def step_error(time: Vector, speeds: Vector) -> float:
@@ -68,11 +68,12 @@ def step_error(time: Vector, speeds: Vector) -> float:
 def jump_error(time: Vector, v: Vector, mass: Any, fastest: Vector) -> float:
     """Estimated error (m) of positions by jumps of the force, as in `stepping`.
 
-    v (n, m): rates of all coordinates, with their mass matrix; fastest (n,) m/s: greatest speed of any point. A jump J
-    within a step of length h changes the mean acceleration from this step to the next by J / 2, so that what is
-    unexpected of these changes, times h, is the most that the velocity is off by: what it has of the motion itself (in
-    the sense of the mass, in which vibration has nothing of it). With its sign, for what comes and goes leaves no
-    error. It fades with v / a, the time that the motion lasts. Where in its step the jump comes: root mean square.
+    v (n, m): rates of all coordinates; mass (m, m): mass matrix; fastest (n,) m/s: greatest speed of any point. A jump
+    J within a step h changes the mean acceleration from this step to the next by J / 2. So h times the unexpected part
+    of this change bounds the error of the velocity. Only its projection on the motion counts, in the scalar product of
+    the mass matrix, in which vibration is orthogonal to it. It keeps its sign, as forces that come and go leave no
+    error, and it decays with the time v / a that the motion lasts. The instant of a jump within its step is taken as
+    random: root mean square.
     """
     steps = np.diff(time)[:, None]
     mean = np.diff(v, axis=0) / steps
@@ -81,40 +82,41 @@ def jump_error(time: Vector, v: Vector, mass: Any, fastest: Vector) -> float:
     jump = steps[1:] * np.where(np.abs(change) < np.abs(change - before), change, change - before)
     momentum = (v @ mass)[2:]
     energy = np.sum(momentum * v[2:], axis=1)
-    kick = np.divide(np.sum(momentum * jump, axis=1), energy, out=np.zeros_like(energy), where=energy > 0.0)
+    relative = np.divide(np.sum(momentum * jump, axis=1), energy, out=np.zeros_like(energy), where=energy > 0.0)
     rate = np.sqrt(np.sum((mean @ mass) * mean, axis=1)[1:] / np.maximum(energy, 1e-300))
-    kicks, fade = kick * fastest[2:], np.exp(-steps[1:, 0] * rate)
-    return travelled(steps[1:, 0], kicks, fade) / math.sqrt(3.0)
+    kicks, decay = relative * fastest[2:], np.exp(-steps[1:, 0] * rate)
+    return displacement(steps[1:, 0], kicks, decay) / math.sqrt(3.0)
 
 
-def travelled(steps: Vector, kicks: Vector, fade: Vector) -> float:
-    """Greatest displacement (m) by changes of a velocity (n,) m/s, each of which fades from step to step."""
-    velocity, path, most = 0.0, 0.0, 0.0
-    for step, kick, factor in zip(steps.tolist(), kicks.tolist(), fade.tolist(), strict=True):
+def displacement(steps: Vector, kicks: Vector, decay: Vector) -> float:
+    """Greatest displacement (m) by changes (n,) m/s of a velocity that decays by a factor (n,) in each step (n,) s."""
+    velocity, path, greatest = 0.0, 0.0, 0.0
+    for step, kick, factor in zip(steps.tolist(), kicks.tolist(), decay.tolist(), strict=True):
         velocity = velocity * factor + kick
         path += step * velocity
-        most = max(most, abs(path))
-    return most
+        greatest = max(greatest, abs(path))
+    return greatest
 
 
 def _steps(motion: Kinematics) -> Iterator[AccuracyWarning]:
+    """Yield a sentence if steps are too long for the motion, or the work of the medium is uncertain."""
     lever = motion.lever
     time, v, fastest = motion.trajectory.time, motion.trajectory.v, motion.speeds
     if motion.trajectory.load is not None:
-        # Only what meets the medium, or a short impact would drown in a long flight.
-        met = motion.trajectory.load.depth > 0.0
-        since = max(0, int(np.argmax(met)) - 1)
-        time, v, fastest = time[since:], v[since:], fastest[since:]
+        # From the first touch on, or a short impact would not show beside a long flight.
+        immersed = motion.trajectory.load.depth > 0.0
+        first = max(0, int(np.argmax(immersed)) - 1)
+        time, v, fastest = time[first:], v[first:], fastest[first:]
     if len(time) < 4:
         return
-    unknown = _unknown_energy(motion)
+    unknown = _work_uncertainty(motion)
     if unknown > UNKNOWN:
         said = f"the steps are too long: the work of the medium is known to {unknown:.0%} of the energy only"
         yield AccuracyWarning(f"{said}, and the result is not usable; {remedy(motion.scene)}", math.inf)
         return
     path = max(float(np.sum(np.diff(time) * fastest[1:])), motion.scene.least_path)
     error = step_error(time, (v * lever)[:, lever > 0.0]) / path
-    if motion.scene.solver.accuracy is None:  # or every jump was judged as it came
+    if motion.scene.solver.accuracy is None:  # step-size control has limited every jump already
         error = max(error + jump_error(time, v, motion.trajectory.mass, fastest) / path, 0.5 * unknown)
     if error > STEP_ERROR:
         said = f"the steps are too long: the error of the motion is about {error:.1%} of its path, {error * path:.2g} m"
@@ -133,11 +135,11 @@ def _creep(motion: Kinematics) -> Iterator[AccuracyWarning]:
         yield AccuracyWarning(f"{said}; take {slower}, or solver.rest_time_s: null", error)
 
 
-def _unknown_energy(motion: Kinematics) -> float:
-    """Uncertainty of the medium's work by the steps, relative to the greatest energy; velocities go with its root.
+def _work_uncertainty(motion: Kinematics) -> float:
+    """Uncertainty of the medium's work by the steps, over the greatest energy; velocities vary with its square root.
 
-    It is by how much the work on bodies differs at most between two rules of second order: small where forces and
-    velocities change little in a step. It includes forces that change within a step in any direction, also across the
+    It is the greatest difference between the work on bodies by two quadrature rules of second order, which is small
+    where forces and velocities change little in a step. It includes changes of forces in any direction, also across the
     motion, where they change its direction.
     """
     if not motion.scene.media:
@@ -147,7 +149,7 @@ def _unknown_energy(motion: Kinematics) -> float:
 
 
 def greatest_energy(motion: Kinematics) -> float:
-    """Greatest kinetic energy (J) of a run, or the work of its medium where that is more; `least_energy` at least."""
+    """Greatest kinetic energy (J) of a run or work of its medium, whichever is greater; at least `least_energy`."""
     trajectory = motion.trajectory
     kinetic = 0.5 * np.sum((trajectory.v @ trajectory.mass) * trajectory.v, axis=1)
     work = 0.0 if trajectory.load is None else float(np.abs(trajectory.load.work).max())
@@ -155,12 +157,12 @@ def greatest_energy(motion: Kinematics) -> float:
 
 
 def _entry(motion: Kinematics) -> Iterator[AccuracyWarning]:
-    """Whether the first contact was resolved by too few steps."""
+    """Yield a sentence if too few steps resolve the first contact."""
     load = motion.trajectory.load
     if load is None:
         return
     below = np.flatnonzero(load.depth > 0.0)
-    if len(below) == 0 or below[-1] == below[0] or load.depth.max() <= LEAST_START_DEPTH:  # which only grazes it
+    if len(below) == 0 or below[-1] == below[0] or load.depth.max() <= LEAST_START_DEPTH:  # it only grazes
         return
     first = int(below[0])
     deepest = int(first + np.argmax(load.depth[first:]))
@@ -170,15 +172,16 @@ def _entry(motion: Kinematics) -> Iterator[AccuracyWarning]:
 
 
 def _signals(motion: Kinematics) -> Iterator[AccuracyWarning]:
-    """Whether fixed steps are too long for the signals that drives follow; chosen ones end at the bends of tables, and
-    are a share of a period.
+    """Yield sentences if fixed steps are too long for the signals of drives.
+
+    Step-size control ends steps at the bends of tables, and limits them to a share of a period.
     """
     solver, end = motion.scene.solver, motion.trajectory.time[-1]
     if solver.accuracy is not None:
         return
     for drive in motion.scene.drives:
         if isinstance(drive.signal, Piecewise) and drive.kind != "motion":
-            continue  # see below
+            continue  # not periodic; its bends are checked below
         steps = shortest_period(drive.signal, float(end)) / solver.step_s
         if steps < WELL_SAMPLED:
             said = f"the drive of {drive.joint} goes to and fro within {steps * solver.step_s:.3g} s, {steps:.1f} steps"
@@ -191,11 +194,11 @@ def _signals(motion: Kinematics) -> Iterator[AccuracyWarning]:
 
 
 def _beam(motion: Kinematics, name: str) -> Iterator[AccuracyWarning]:
-    """Whether a link bends within single elements: the error of cubic elements shows as jumps of curvature between
-    elements.
+    """Yield a sentence if the elements of a link are too long for its bending.
 
-    At a free end the curvature jumps to zero. A jump over elements of length l puts positions off by some part of its
-    l^2; in 35 beams of 1 to 16 elements, EI from 1e-6 to 1 times the source's, it was a sixteenth to one.
+    The error of cubic elements shows as jumps of curvature between elements; at a free end the curvature jumps to zero.
+    With elements of length l the error of positions is some part of the jump times l^2: a sixteenth to one in 35 beams
+    of 1 to 16 elements, EI from 1e-6 to 1 times the source's.
     """
     t, link = motion.trajectory, motion.system.links[name].link
     nodes = np.array(motion.nodes(name))
@@ -215,9 +218,9 @@ def _beam(motion: Kinematics, name: str) -> Iterator[AccuracyWarning]:
 
 
 def _elements(motion: Kinematics, name: str, error: float, elements: int) -> Iterator[AccuracyWarning]:
-    """Whether a link in space has too few elements; the error goes with the square of their length.
+    """Yield a sentence if a link in space has too few elements; their error has order two in the length.
 
-    It counts against the path, or the deflection of what stands.
+    The error is compared with the path, or with the deflection of a link that hardly moves.
     """
     bent = max(float(np.abs(values).max()) for values in motion.bends()[name])
     scale = max(motion.path_length, motion.scene.least_path, bent)
@@ -230,7 +233,7 @@ def _elements(motion: Kinematics, name: str, error: float, elements: int) -> Ite
 
 
 def _modes(motion: Kinematics, name: str, error: float) -> Iterator[AccuracyWarning]:
-    """Whether a link has too few modes, against its greatest deflection."""
+    """Yield a sentence if a link has too few modes; the error is compared with its greatest deflection."""
     bent = float(np.hypot(*motion.bends()[name]).max())
     if error > FEW_MODES * bent > FEW_MODES * LEAST_BOW * motion.scene.link_length(name):
         path = max(motion.path_length, motion.scene.least_path)
@@ -239,6 +242,7 @@ def _modes(motion: Kinematics, name: str, error: float) -> Iterator[AccuracyWarn
 
 
 def _vibration(motion: Kinematics, name: str, bend: Vector) -> Iterator[AccuracyWarning]:
+    """Yield a sentence if the deflection (n,) m of a link alternates faster than the steps resolve."""
     first, second = np.diff(bend), np.diff(bend, 2)
     size = float(np.sqrt(np.mean(first**2)))
     if size < TREMBLE * motion.scene.link_length(name):

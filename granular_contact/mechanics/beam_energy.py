@@ -1,6 +1,6 @@
-"""Energies of planar ANCF cable elements, for all instants at once.
+"""Strain energy and dissipation of planar ANCF cable elements, for all instants at once.
 
-The engine's own strain measures: axial strain |r'| - 1 and material curvature (r' x r'') / |r'|^2.
+The strain measures are those of the engine: axial strain |r'| - 1 and material curvature (r' x r'') / |r'|^2.
 """
 
 from __future__ import annotations
@@ -10,12 +10,13 @@ import numpy as np
 from granular_contact.scene.parts import FlexibleLink
 from granular_contact.scene.types import Vector
 
-# Order 9 in the axial strain and 5 in the curvature are the engine's rules; five points serve both to round-off.
+# The engine's quadrature has order 9 for the axial strain and 5 for the curvature. With five Gauss points both agree to
+# round-off.
 GAUSS_POINTS, GAUSS_WEIGHTS = np.polynomial.legendre.leggauss(5)
 
 
 def elastic_energy_and_loss(q: Vector, v: Vector, link: FlexibleLink) -> tuple[Vector, Vector]:
-    """Strain energy (instants,) J of a link, and the power (instants,) W that its damping takes.
+    """Strain energy (instants,) J of a link, and the power (instants,) W that its damping dissipates.
 
     q, v: (instants, nodes, 4) coordinates r_x, r_y, r'_x, r'_y and their rates.
     """
@@ -26,6 +27,7 @@ def elastic_energy_and_loss(q: Vector, v: Vector, link: FlexibleLink) -> tuple[V
     second = np.stack([12 * xi - 6, (6 * xi - 4) * length, 6 - 12 * xi, (6 * xi - 2) * length], 1) / length**2
 
     def along(field: Vector, shapes: Vector) -> tuple[Vector, Vector]:
+        """Components x and y of an interpolated field (instants, points)."""
         nodes = field.reshape(len(field), -1, 2, 2)
         ends = np.concatenate([nodes[:, :-1], nodes[:, 1:]], axis=2)
         value = np.einsum("gk,tekd->tegd", shapes, ends)
@@ -48,12 +50,15 @@ def elastic_energy_and_loss(q: Vector, v: Vector, link: FlexibleLink) -> tuple[V
 
 
 def curvatures(q: Vector, length: float) -> tuple[Vector, Vector]:
-    """Curvature (1/m) at both ends of every element (instants, elements); q (instants, nodes, 4); length of one (m)."""
-    place, slope = q[..., :2], q[..., 2:]
-    chord = 6.0 * np.diff(place, axis=1)
+    """Curvature (1/m) at the first and second end of every element, (instants, elements); length (m): of an element.
+
+    q (instants, nodes, 4): as in `elastic_energy_and_loss`.
+    """
+    position, slope = q[..., :2], q[..., 2:]
+    chord = 6.0 * np.diff(position, axis=1)
     a, b = slope[:, :-1], slope[:, 1:]
-    found = []
-    for at, second in ((a, chord - length * (4.0 * a + 2.0 * b)), (b, length * (2.0 * a + 4.0 * b) - chord)):
-        turn = at[..., 0] * second[..., 1] - at[..., 1] * second[..., 0]
-        found.append(turn / length**2 / np.sum(at**2, axis=2) ** 1.5)
-    return found[0], found[1]
+    ends = []
+    for first, second in ((a, chord - length * (4.0 * a + 2.0 * b)), (b, length * (2.0 * a + 4.0 * b) - chord)):
+        cross = first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0]
+        ends.append(cross / length**2 / np.sum(first**2, axis=2) ** 1.5)
+    return ends[0], ends[1]

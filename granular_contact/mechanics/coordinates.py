@@ -1,7 +1,4 @@
-"""Coordinates of hinges and sliders for Python, by the compiled functions of `kernels.joint_coordinates`.
-
-Used with engine coordinates: without reference values.
-"""
+"""Coordinates of hinges and sliders for Python, by the compiled functions of `kernels.joint_coordinates`."""
 
 from __future__ import annotations
 
@@ -25,10 +22,11 @@ Reference = Callable[[int], Numbers]  # of a node, by its number
 
 @dataclass(frozen=True)
 class End:
-    """One end of a joint: reference coordinates of its node (3 of a rigid body, 4 of a cable's, none of the ground).
+    """One end of a joint.
 
-    point (2,) m: of the joint, from the node, in its frame; on the ground from the origin of the coordinates. angle
-    (rad): at the start, from which the turns of a slope are counted.
+    reference: values that the coordinates of its node are counted from: 3 for a rigid body, 4 for the node of a cable,
+    none for the ground. point (2,) m: the joint's point from the node, in the node's frame; on the ground from the
+    origin of the coordinates. angle (rad): of the body at the start, from which whole turns of a slope are counted.
     """
 
     reference: Numbers
@@ -37,17 +35,17 @@ class End:
 
 
 def coordinate(system: System, joint: Joint, origin: Vector, reference: Reference | None = None) -> Coordinate:
-    """Coordinate of a joint of a system, whose ground has its origin at a place (2,) m of the world frame.
+    """Coordinate of a joint of a system; origin (2,) m: of the system's coordinates, world frame.
 
-    reference: values of a node that its coordinates are counted from; None where they are whole.
+    reference: values by node that its coordinates are counted from; None where coordinates include them.
     """
 
     def end(body: str | None, point: Vector) -> End:
         if body is None:
             return End([], (point - origin).tolist())
-        at, size = (point.tolist(), 3) if body in system.rigid else ([0.0, 0.0], 4)
-        of_node = [0.0] * size if reference is None else reference(system.node_at(body, point))
-        return End(of_node, at, system.scene.body(body).motion.angle)
+        arm, size = (point.tolist(), 3) if body in system.rigid else ([0.0, 0.0], 4)
+        values = [0.0] * size if reference is None else reference(system.node_at(body, point))
+        return End(values, arm, system.scene.body(body).motion.angle)
 
     return Coordinate(joint, end(joint.parent, joint.parent_point), end(joint.child, joint.child_point))
 
@@ -55,7 +53,7 @@ def coordinate(system: System, joint: Joint, origin: Vector, reference: Referenc
 class Coordinate:
     """Coordinate of a hinge or slider; a slider's parent is rigid, or the ground.
 
-    record (1,): its `JOINT`; last_angles (2,) rad: of the ends, found last.
+    record (1,): of `JOINT`; last_angles (2,) rad: of the ends at the last evaluation.
     """
 
     _at: Callable[..., tuple[float, float]] | None = None
@@ -75,12 +73,12 @@ class Coordinate:
         self._slope = np.zeros(MOST)
 
     def at(self, q: Numbers, v: Numbers) -> tuple[float, float, Numbers]:
-        """Coordinate, its rate and gradient, by the coordinates of the parent's node and then the child's."""
+        """Coordinate, its rate and its gradient; q, v: coordinates and rates of the parent's and the child's node."""
         s, rate = self.now(q, v)
         return s, rate, self._slope[: self.size].tolist()
 
     def now(self, q: Numbers, v: Numbers, slope: Vector | None = None) -> tuple[float, float]:
-        """Coordinate and its rate, as `at`; slope, of at least as many numbers as kernels fill, gets the gradient."""
+        """Coordinate and its rate, as `at`; slope (MOST,): array for the gradient."""
         arguments = self.record, self.last_angles, np.array(q), np.array(v), self._slope if slope is None else slope
         if self._at is None:
             self._at = ready(single, *arguments)

@@ -1,4 +1,4 @@
-"""Whether the greatest torques, forces and powers of drives are resolved by the steps."""
+"""Accuracy warnings for drives: whether the steps resolve their greatest torques, forces and powers."""
 
 from __future__ import annotations
 
@@ -10,26 +10,27 @@ from granular_contact.results.accuracy import AccuracyWarning, remedy, share
 from granular_contact.results.summary import Driving
 from granular_contact.scene.types import Scene
 
-# Of the greatest force, what it falls by in the steps before and after it together; of chosen steps times the accuracy.
+# Allowed decrease of the force in the steps before and after its maximum together, over the maximum: SHARP, or ASKED
+# times the accuracy of step-size control.
 SHARP, ASKED = 0.1, 20.0
-LITTLE = 1e-3  # of the forces, torques and powers of a run: what is smaller is no result of it, round-off mostly
-RISING = 0.02  # of the greatest power, what it grows by in the last step
+LITTLE = 1e-3  # of the forces, torques and powers of a run: smaller ones are no result, mostly round-off
+RISING = 0.02  # of the greatest power: allowed increase in the last step
 
 
 def drive_warnings(
-    scene: Scene, driven: Mapping[str, Driving], energy: float = 0.0, lasted: float = 1.0
+    scene: Scene, driven: Mapping[str, Driving], energy: float = 0.0, duration: float = 1.0
 ) -> Iterator[AccuracyWarning]:
-    """Sentences on drives whose greatest force the steps do not resolve, so that shorter ones may find another one.
+    """Yield sentences on drives whose greatest force the steps do not resolve: shorter steps may give another one.
 
-    A smooth force is greater than that of any step by an eighth of what is allowed at most; one that comes and goes
-    faster, as a controller's that is faster than the steps, or where sand lets go, is known worse. A given force is
-    looked at as a signal (see `accuracy`), and at its limit a controller's greatest force is known.
+    The maximum of a smooth force is above that of the steps by at most an eighth of the allowed decrease. A force that
+    comes and goes faster is known less exactly, as of a controller faster than the steps, or where sand breaks away.
+    Loads are checked as signals (see `accuracy`), and the greatest force of a controller at its limit is known.
 
-    energy (J), lasted (s): the greatest energy that moved or was given to the medium, and the time of the run.
+    energy (J): greatest kinetic energy, or work on the medium; duration (s): of the run.
     """
     allowed = max(SHARP, ASKED * (scene.solver.accuracy or 0.0))
-    powers = [float(np.abs(one.power).max()) for one in driven.values()]
-    yield from _powers(scene, driven, LITTLE * max([energy / lasted if lasted > 0.0 else 0.0, *powers]))
+    powers = [float(np.abs(drive.power).max()) for drive in driven.values()]
+    yield from _powers(scene, driven, LITTLE * max([energy / duration if duration > 0.0 else 0.0, *powers]))
     least = {kind: LITTLE * size for kind, size in _sizes(scene, driven).items()}
     for drive in scene.drives:
         force = driven[drive.joint].force
@@ -37,7 +38,7 @@ def drive_warnings(
         if drive.kind == "load" or drive.sets or not 0 < top < len(force) - 1:
             continue
         greatest = float(force[top])
-        if driven[drive.joint].largest > abs(greatest):  # at a jump of what is prescribed, where it is known
+        if driven[drive.joint].largest > abs(greatest):  # at a jump of a prescribed acceleration, where it is known
             continue
         if not least[scene.joint(drive.joint).kind] < abs(greatest) < (1.0 - 1e-9) * drive.limit:
             continue
@@ -50,20 +51,20 @@ def drive_warnings(
 
 
 def _sizes(scene: Scene, driven: Mapping[str, Driving]) -> dict[str, float]:
-    """Size of the forces (N) of sliders and of the torques (N m) of hinges: of drives, and of weights and impacts."""
-    found = {"slider": scene.force_scale, "hinge": scene.force_scale * scene.length}
-    for joint, one in driven.items():
+    """Scale of the forces (N) of sliders and of the torques (N m) of hinges: of drives, weights and impacts."""
+    scales = {"slider": scene.force_scale, "hinge": scene.force_scale * scene.length}
+    for joint, drive in driven.items():
         kind = scene.joint(joint).kind
-        found[kind] = max(found[kind], one.largest)
-    return found
+        scales[kind] = max(scales[kind], drive.largest)
+    return scales
 
 
 def _powers(scene: Scene, driven: Mapping[str, Driving], least: float) -> Iterator[AccuracyWarning]:
-    """Sentences on drives whose greatest power is that at the end of a run by fixed steps, and still rises.
+    """Yield sentences on drives whose power is greatest at the end of a run by fixed steps, and still rises.
 
-    What comes within a step, as sand that lets go, is known to a step, and so is how far such a rise gets. Before a
-    greatest power within the run it only shifts its instant. Not of powers (W) up to the least: the drive brakes, or
-    holds still.
+    Events within a step, as sand that breaks away, are known to a step, and so is the height of such a rise. Before a
+    maximum within the run they only shift its instant. Powers up to `least` (W) are left out: the drive brakes, or
+    stands still.
     """
     if scene.solver.accuracy is not None:
         return

@@ -1,4 +1,4 @@
-"""What joints stored, lost and were given over a run, from the accepted steps: energies, works, torques of drives."""
+"""Histories of joints over a run, from the accepted steps: stored energies, works, torques of drives."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from granular_contact.scene.types import Drive, Vector
 
 @dataclass(frozen=True)
 class JointForces:
-    """What each element of a joint does along its coordinate (rad clockwise, or m), (n,) each.
+    """Forces of the elements of a joint along its coordinate (rad clockwise, or m), (n,) each, by element.
 
-    Torques (N m) or forces (N) by element; elastic: of these the part that is stored; stored (J) in each of them. The
-    power of an element is its force times the rate of the coordinate; of what is not elastic it is never positive.
+    force: torque (N m) or force (N); elastic: its conservative part; stored (J): energy of that part. The power of an
+    element is its force times the rate of the coordinate; the power of its dissipative part is never positive.
     """
 
     force: dict[str, Vector]
@@ -25,23 +25,23 @@ class JointForces:
     stored: dict[str, Vector]
 
     def lost(self, name: str, rate: Vector) -> Vector:
-        """Power (n,) W of an element less that of its elastic part."""
+        """Power (n,) W of the dissipative part of an element."""
         return (self.force[name] - self.elastic.get(name, 0.0)) * rate
 
     def done(self, time: Vector, rate: Vector) -> tuple[Vector, Vector, Vector]:
-        """Energy stored (n,) J, and work (n,) J done so far by dampers and stops, and by friction, at a rate (n,)."""
-        nothing = np.zeros_like(rate)
-        lossy = [
-            force - self.elastic.get(name, nothing)
+        """Stored energy (n,) J, work (n,) J of dampers and stops, and work (n,) J of friction since the start."""
+        zeros = np.zeros_like(rate)
+        dissipative = [
+            force - self.elastic.get(name, zeros)
             for name, force in self.force.items()
             if name not in ("spring", "friction")
         ]
-        stored = sum(self.stored.values(), nothing)
-        return stored, work(time, sum(lossy, nothing), rate), work(time, self.force.get("friction", nothing), rate)
+        stored, friction = sum(self.stored.values(), zeros), self.force.get("friction", zeros)
+        return stored, work(time, sum(dissipative, zeros), rate), work(time, friction, rate)
 
 
 def joint_forces(law: JointLaw, anchor: float, s: Vector, rate: Vector) -> JointForces:
-    """Forces in a joint with coordinate s (n,) rad or m and its rate (n,), its bristle held at the anchor at first."""
+    """Forces in a joint with coordinate s (n,) rad or m and rate (n,); anchor: of its bristle at the start."""
     force, elastic, stored = {}, {}, {}
     if law.stiffness > 0.0:
         elastic["spring"] = force["spring"] = -law.stiffness * (s - law.rest)
@@ -51,10 +51,10 @@ def joint_forces(law: JointLaw, anchor: float, s: Vector, rate: Vector) -> Joint
     if law.has_stops:
         from granular_contact.mechanics.kernels.joint_laws import stops
 
-        part, whole = stops(_record(law), s, rate)
+        conservative, whole = stops(_record(law), s, rate)
         for name, depth in (("lower_stop", law.lower - s), ("upper_stop", s - law.upper)):
-            there = depth > 0.0
-            elastic[name], force[name] = np.where(there, part, 0.0), np.where(there, whole, 0.0)
+            touches = depth > 0.0
+            elastic[name], force[name] = np.where(touches, conservative, 0.0), np.where(touches, whole, 0.0)
             stored[name] = 0.5 * law.stop_stiffness * np.maximum(depth, 0.0) ** 2
     if law.friction > 0.0:
         from granular_contact.mechanics.kernels.joint_laws import frictions
@@ -64,7 +64,7 @@ def joint_forces(law: JointLaw, anchor: float, s: Vector, rate: Vector) -> Joint
 
 
 def drive_history(drive: Drive, time: Vector, s: Vector, rate: Vector, set_to: Vector | None = None) -> Vector:
-    """Torque or force (n,) of a drive that is no prescribed motion; set_to (n,): of one that is set from outside."""
+    """Torque or force (n,) of a drive without prescribed motion; set_to (n,): targets of one set from outside."""
     from granular_contact.mechanics.joint_loads import held, setpoint
     from granular_contact.mechanics.kernels.joint_laws import drive_forces
 
@@ -77,7 +77,7 @@ def drive_history(drive: Drive, time: Vector, s: Vector, rate: Vector, set_to: V
 
 
 def _record(law: JointLaw, drive: Drive | None = None) -> NDArray[np.void]:
-    """Record (1,) as kernels read it."""
+    """Record (1,) of JOINT with a law and a drive."""
     from granular_contact.mechanics.joint_loads import fill
     from granular_contact.mechanics.kernels.joint_loads import JOINT
 

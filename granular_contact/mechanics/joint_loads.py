@@ -1,7 +1,7 @@
-"""What acts in a joint by its coordinate: springs, dampers, stops, dry friction, and drives but for motions.
+"""Forces along the coordinate of a joint: springs, dampers, stops, dry friction, and drives except prescribed motions.
 
-That of all joints is computed in one compiled call, `kernels.joint_loads`, and reaches the bodies with the bed's
-forces, see `joint_actions`.
+One compiled call computes the forces of all joints (`kernels.joint_loads`); they reach the bodies with the forces of
+the bed (`joint_actions`).
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from granular_contact.scene.types import Drive, Vector
 
 
 def fill(record: NDArray[np.void], law: JointLaw, drive: Drive | None) -> None:
-    """Write what acts in a joint into its record (1,)."""
+    """Write the numbers of a joint's law and drive into its record (1,)."""
     for name in joint_loads.LAW:
         record[name] = getattr(law, name)
     if drive is not None:
@@ -27,7 +27,7 @@ def fill(record: NDArray[np.void], law: JointLaw, drive: Drive | None) -> None:
 
 
 def setpoint(drive: Drive, t: float) -> tuple[float, float]:
-    """Signal of a drive at a time, and the rate that it wants; before t = 0 its clock stands, and it wants none."""
+    """Target and target rate of a drive at a time (s); before t = 0 the value at 0 and no rate."""
     if t < 0.0:
         return (0.0, 0.0) if drive.of_rate else (drive.signal.value(0.0), 0.0)
     value = drive.signal.value(t)
@@ -35,15 +35,15 @@ def setpoint(drive: Drive, t: float) -> tuple[float, float]:
 
 
 def held(drive: Drive, value: float) -> tuple[float, float]:
-    """What a drive that is set from outside wants while it is set to a value, and the rate that it wants."""
+    """Target and target rate of a drive that is set to a value from outside."""
     return value, value if drive.of_rate else 0.0
 
 
 class JointLoad:
-    """What acts in one joint; `nodes` are those of parent and child, without the ground's, `sizes` their coordinates.
+    """Forces in one joint.
 
-    state: record of `kernels.joint_loads.STATE`, among those of all joints once there are such. first_anchor: of its
-    bristle, at the start.
+    nodes: of parent and child; the ground has none; sizes: their numbers of coordinates. state: record of
+    `kernels.joint_loads.STATE`, later a view into the table of all joints. first_anchor: of its bristle at the start.
     """
 
     def __init__(self, coordinate: Coordinate, nodes: list[int], law: JointLaw, drive: Drive | None) -> None:
@@ -53,18 +53,18 @@ class JointLoad:
         self.sizes = [int(self.record[end][0]) for end in ("parent", "child") if self.record[end][0]]
         self.first_anchor = self.state["anchor"] = coordinate.joint.start
         self.state["last_angles"] = coordinate.last_angles
-        self.where = np.zeros(0, int)  # places of its nodes' coordinates in the assembled system
+        self.where = np.zeros(0, int)  # indices of its nodes' coordinates in the assembled system
         if drive is not None and drive.sets:
             self.set_to = drive.signal.value(0.0)
 
     @property
     def anchor(self) -> float:
-        """Where the bristle of dry friction is held."""
+        """Anchor of the bristle of dry friction."""
         return float(self.state["anchor"])
 
     @property
     def set_to(self) -> float:
-        """What a drive that is set from outside is set to."""
+        """Target of a drive that is set from outside."""
         return float(self.state["target"])
 
     @set_to.setter
@@ -73,18 +73,18 @@ class JointLoad:
         self.want(held(self.drive, value))
 
     def setpoint(self, t: float) -> tuple[float, float]:
-        """As of its drive, see `setpoint`."""
+        """Target and target rate of its drive, see the function `setpoint`."""
         assert self.drive is not None  # of a joint with one
         return setpoint(self.drive, t)
 
     def want(self, values: tuple[float, float]) -> None:
-        """Let the drive want a value and a rate."""
+        """Set the target and the target rate of the drive."""
         self.state["target"], self.state["target_rate"] = values
 
     def slope(self, q: Vector) -> Vector:
-        """Gradient of the coordinate by those at `where`, in the system's state q."""
-        place, still, slope = np.zeros((3, joint_loads.MOST))
-        place[: len(self.where)] = q[self.where]
-        joint_loads.single(self.record, np.zeros(2), place, still, slope)
-        gradient: Vector = slope[: len(self.where)]
-        return gradient
+        """Gradient of the coordinate by the coordinates at `where`, in the system's state q."""
+        q_joint, v_joint, gradient = np.zeros((3, joint_loads.MOST))
+        q_joint[: len(self.where)] = q[self.where]
+        joint_loads.single(self.record, np.zeros(2), q_joint, v_joint, gradient)
+        used: Vector = gradient[: len(self.where)]
+        return used

@@ -5,8 +5,8 @@ its own accelerations a, which the scheme needs to bring the positions to their 
 force, or a step much shorter than the last, these accelerations oscillate about the true ones, with the size of that
 change, and the oscillation decays by a factor of about 0.7 a step. The constraints on accelerations are J a + c = g''
 (J, c: see `constraints`; g'': second derivative of the prescribed values, zero for fixed directions). With all other
-forces as in the engine, the consistent reaction is -f - (J M^-1 J^T)^-1 (J a + c - g''). This also removes the effect of
-the residual that Newton's method leaves in the positions, which enters a divided by h^2.
+forces as in the engine, the consistent reaction is -f - (J M^-1 J^T)^-1 (J a + c - g''). This also removes the effect
+of the residual that Newton's method leaves in the positions, which enters a divided by h^2.
 """
 
 from __future__ import annotations

@@ -1,15 +1,15 @@
 """Mechanisms in space in the engine: rigid bodies with Euler parameters and joints between them.
 
 build         Scene -> System: bodies, joints, what acts in them, the granular load
-system        the System of space, with the handles of its bodies
-coordinates   coordinates of hinges and sliders, along which springs, stops, friction and drives act
+system        the System in space, with the handles of its bodies
+coordinates   coordinates of hinges, sliders and ball joints, along which springs, stops, friction and drives act
 kinematics    positions, orientations, rates of bodies and joints along a trajectory
-beams         links that bend: what is between their elements, energies, deflection
-constraints   what joints ask of accelerations
+beams         flexible links: rotations between their elements, energies, deflection
+constraints   constraints of joints on accelerations
 wheels        slip, sinkage and forces of wheels
-facet_departure   what larger facets would change
-facet_sizes   facets that bodies have, and their error, as they are told
+facet_departure   error of a motion by the size of facets
+facet_sizes   sizes of facets and their error, for summaries
 observe, sensors   Trajectory, or one instant, in columns of three dimensions
 
-The solve itself, its choice of steps, what is recorded and finding rest are those of the plane.
+The solve itself, step-size control, recording and the detection of rest are those of the plane.
 """

@@ -21,16 +21,16 @@ KINDS |= {"elastic": space_joints.ELASTIC, "stretching": space_joints.STRETCHING
 
 
 def coordinate(system: SpatialSystem, joint: SpatialJoint, reference: Reference | None = None) -> SpatialCoordinate:
-    """As of `mechanics.coordinates`."""
+    """Coordinate of a joint of a system, see `mechanics.coordinates.coordinate`."""
     nodes = system.nodes_of(joint)
     return SpatialCoordinate(joint, [x for node in nodes for x in (reference(node) if reference else [0.0] * 7)])
 
 
 class SpatialCoordinate(Coordinate):
-    """As `Coordinate`; last_angles (2,): the coordinate found last, by which turns are counted, and nothing."""
+    """Coordinate of a joint in space; last_angles (2,): its last value, by which turns are counted, and a zero."""
 
     def __init__(self, joint: SpatialJoint, references: Sequence[float]) -> None:
-        """references: values of the coordinates of parent and child, none of the ground."""
+        """references: values that the coordinates of parent and child are counted from; none for the ground."""
         self.joint, self.size = joint, len(references)  # type: ignore[assignment]
         self.record, self.last_angles = np.zeros(1, space_joints.JOINT), np.array([joint.start, 0.0])
         record = self.record[0]

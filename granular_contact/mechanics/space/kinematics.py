@@ -1,4 +1,4 @@
-"""Positions, orientations and rates of bodies and joints in space, from the coordinates of all accepted steps."""
+"""Kinematics in space: positions, orientations and rates of bodies and joints, for all accepted steps at once."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ from granular_contact.scene.types import link_of
 
 
 class SpatialKinematics(Kinematics):
-    """The motion of a system along a trajectory; (n,) and (n, 3) arrays over its instants, world frame.
+    """Motion of a system along a trajectory; (n,) and (n, 3) arrays over its instants, world frame.
 
-    engine: the trajectory in the engine's coordinates. trajectory: the same, with the rates of every body one after
-    another, the velocity of its centre of mass along the axes of the world and the angular velocity along its own, in
-    which the mass matrix is constant.
+    engine: the trajectory in the engine's coordinates. trajectory: the same with six rates for each body, in the order
+    of bodies: velocity of the centre of mass in the world frame, and angular velocity in the body frame. The mass
+    matrix of these rates is constant.
     """
 
     system: SpatialSystem
@@ -45,46 +45,48 @@ class SpatialKinematics(Kinematics):
             rates += [trajectory.v[:, self._places[name][:3]], spin]
             masses += [np.eye(3) * handle.body.mass, handle.body.inertia]
         mass = np.zeros((3 * len(masses),) * 2)
-        for i, one in enumerate(masses):
-            mass[3 * i : 3 * i + 3, 3 * i : 3 * i + 3] = one
+        for i, block in enumerate(masses):
+            mass[3 * i : 3 * i + 3, 3 * i : 3 * i + 3] = block
         self.trajectory = replace(trajectory, v=np.concatenate(rates, axis=1), mass=mass)
 
     @property
     def accelerations(self) -> Vector:
-        """The engine's accelerations (n, m) in the coordinates of the rates; there are some with prescribed motions."""
+        """Derivatives (n, m) of the trajectory's rates; known only where signals prescribe motions."""
         a = self.engine.a
         assert a is not None
-        found = []
-        for name, at in self._places.items():
-            turning = angular(self.engine.q[:, at[3:]], a[:, at[3:]])  # e' adds nothing: G' e' = 0
-            found += [a[:, at[:3]], np.einsum("nji,nj->ni", self.rotation(name), turning)]
-        return np.concatenate(found, axis=1)
+        parts = []
+        for name, places in self._places.items():
+            angular_acceleration = angular(self.engine.q[:, places[3:]], a[:, places[3:]])  # without G' e', which is 0
+            parts += [a[:, places[:3]], np.einsum("nji,nj->ni", self.rotation(name), angular_acceleration)]
+        return np.concatenate(parts, axis=1)
 
     @cached_property
     def constraints(self) -> SpatialConstraints:  # type: ignore[override]
-        """What joints ask of accelerations."""
+        """Constraints of the joints on the accelerations."""
         return SpatialConstraints(self)
 
     @cached_property
     def _rotations(self) -> dict[str, Vector]:
+        """Rotation matrices (n, 3, 3) of rigid bodies."""
         return {name: rotations.of_quaternion(self.engine.q[:, at[3:]]) for name, at in self._places.items()}
 
     @cached_property
     def _spins(self) -> dict[str, Vector]:
+        """Angular velocities (n, 3) rad/s of rigid bodies."""
         q, v = self.engine.q, self.engine.v
         return {name: angular(q[:, at[3:]], v[:, at[3:]]) for name, at in self._places.items()}
 
     @cached_property
     def beams(self) -> dict[str, BeamMotion]:
-        """Links that bend, by name."""
+        """Motions of flexible links, by name."""
         return {beam.name: BeamMotion(self, beam) for beam in self.scene.beams}
 
     def reported(self, body: str) -> str:
-        """As of `Kinematics`: of an element of a link that bends the name of the link."""
+        """Name under which a body is reported; for an element of a flexible link the name of the link."""
         return link_of(body)
 
     def rotation(self, name: str | None) -> Vector:
-        """Rotation (n, 3, 3) of a body's frame, of a link that bends of that of its root; None is the ground."""
+        """Rotation matrices (n, 3, 3) of a body's frame; of a flexible link at its root; None is the ground."""
         if name is None:
             return np.broadcast_to(np.eye(3), (len(self.engine.time), 3, 3))
         if name in self.beams:
@@ -92,12 +94,12 @@ class SpatialKinematics(Kinematics):
         return self._rotations[name]
 
     def quaternion(self, name: str) -> Vector:
-        """Orientation (n, 4) of a body."""
+        """Orientation (n, 4) of a body as a unit quaternion."""
         e = self.engine.q[:, self._places[name][3:]]
         return np.asarray(e / np.linalg.norm(e, axis=1, keepdims=True))
 
     def spin(self, name: str | None) -> Vector:
-        """Angular velocity (n, 3) rad/s of a body, of a link that bends that of its root; w = G(e) e'."""
+        """Angular velocity w = G(e) e' (n, 3) rad/s of a body; of a flexible link at its root; None is the ground."""
         if name in self.beams:
             name = self.beams[name].beam.root[0]
         if name is None:
@@ -105,7 +107,7 @@ class SpatialKinematics(Kinematics):
         return self._spins[name]
 
     def position(self, name: str | None, point: Vector) -> tuple[Vector, Vector]:
-        """Position and velocity (n, 3) of a body-frame point; None is the ground."""
+        """Position and velocity (n, 3) of a body-fixed point; None is the ground."""
         if name is None:
             fixed = np.broadcast_to(point, (len(self.engine.time), 3))
             return fixed, 0.0 * fixed
@@ -121,7 +123,7 @@ class SpatialKinematics(Kinematics):
         return self.engine.q[:, at], self.engine.v[:, at]
 
     def coordinate(self, joint: SpatialJoint) -> tuple[Vector, Vector]:  # type: ignore[override]
-        """Coordinate (n,) rad, right-handed, or m, of a hinge or slider, angle from home of a ball joint; its rate."""
+        """Coordinate (n,) of a hinge (rad, right-handed), slider (m) or ball joint (angle, rad), and its rate."""
         if joint.kind == "ball":
             angle, axis = self.from_home(joint)
             return angle, np.sum(axis * (self.spin(joint.child) - self.spin(joint.parent)), axis=1)
@@ -134,12 +136,12 @@ class SpatialKinematics(Kinematics):
             return angle, np.sum(axis * (self.spin(joint.child) - self.spin(joint.parent)), axis=1)
         on_parent, parent_speed = self.position(joint.parent, joint.parent_point)
         on_child, child_speed = self.position(joint.child, joint.child_point)
-        apart, speed = on_child - on_parent, child_speed - parent_speed
-        # What is apart is parallel to the axis, so that turning with the parent does not change the speed along it.
-        return np.sum(axis * apart, axis=1), np.sum(axis * speed, axis=1)
+        offset, speed = on_child - on_parent, child_speed - parent_speed
+        # The offset is parallel to the axis, so the rotation of the axis adds nothing to the rate.
+        return np.sum(axis * offset, axis=1), np.sum(axis * speed, axis=1)
 
     def from_home(self, joint: SpatialJoint) -> tuple[Vector, Vector]:
-        """Angle (n,) rad and axis (n, 3) of the rotation from the parent's frame of a joint to the child's."""
+        """Angle (n,) rad and axis (n, 3) of the rotation from a joint's frame on the parent to that on the child."""
         parent = self.rotation(joint.parent) @ joint.parent_turn
         child = self.rotation(joint.child) @ joint.child_turn
         axis = 0.5 * np.cross(parent, child, axis=1).sum(axis=2)
@@ -148,27 +150,27 @@ class SpatialKinematics(Kinematics):
         return angle, np.divide(axis, sine, out=np.zeros_like(axis), where=sine > 0.0)
 
     def elastic(self) -> list[tuple[Vector, Vector]]:
-        """As of `Kinematics`."""
+        """See `Kinematics.elastic`."""
         return [beam.energy_and_loss() for beam in self.beams.values()]
 
     def strains(self) -> dict[str, Strains]:
-        """As of `Kinematics`."""
-        return {name: one.strains() for name, one in self.beams.items()}
+        """See `Kinematics.strains`."""
+        return {name: beam.strains() for name, beam in self.beams.items()}
 
     def element_errors(self) -> dict[str, tuple[float, int]]:
-        """As of `Kinematics`."""
-        return {name: (one.element_error(), one.beam.elements) for name, one in self.beams.items()}
+        """See `Kinematics.element_errors`."""
+        return {name: (motion.element_error(), motion.beam.elements) for name, motion in self.beams.items()}
 
     def bends(self) -> dict[str, list[Vector]]:
-        """As of `Kinematics`, across the axis of the root along its y and z."""
-        return {name: list(one.deflection[0][:, 1:].T) for name, one in self.beams.items()}
+        """Deflections (n,) m of the tip of each flexible link along y and z of its root."""
+        return {name: list(beam.deflection[0][:, 1:].T) for name, beam in self.beams.items()}
 
     def bend(self, name: str) -> Track:
-        """Distance (m) of the tip of a link that bends from the axis of its root."""
+        """Distance (m) of the tip of a flexible link from the axis of its root, and its rate."""
         return self.beams[name].bend()
 
     def damped_balls(self) -> list[Vector]:
-        """As of `Kinematics`."""
+        """Work (n,) J of the damper of each ball joint."""
         works = []
         for joint in self.system.scene.joints:
             if joint.is_sprung and joint.law.damping > 0.0:
@@ -183,53 +185,55 @@ class SpatialKinematics(Kinematics):
         return np.array([factor for r in radii for factor in (1.0, 1.0, 1.0, r, r, r)])
 
     def lifted(self) -> Vector:
-        """First moment of the masses (n,) kg m about the height of the origin."""
+        """First moment of mass (n,) kg m: mass times height above the origin, summed up."""
         return np.asarray(self.scene.mass * self.common_center[0][:, 2])
 
     def depths(self) -> dict[str, list[Track]]:
-        """Depths (m) of the points of each body in sand that are deepest at some instant, by what is reported."""
+        """Depths (m) of the points that are the deepest of a shape at some instant, by reported body."""
         bed = self.scene.bed
         if bed is None or not self.scene.media:
             return {}
-        found: dict[str, list[Track]] = {}
+        tracks: dict[str, list[Track]] = {}
         for name, handle in self.system.rigid.items():
             for part in handle.body.parts:
                 if part.in_sand:
-                    found.setdefault(link_of(name), []).extend(self._depths(name, part))
-        return found
+                    tracks.setdefault(link_of(name), []).extend(self._depths(name, part))
+        return tracks
 
     def _depths(self, name: str, part: Part) -> list[Track]:
+        """Depths (m) of the points of a shape that are its deepest at some instant."""
         bed: Any = self.scene.bed
-        R, at = self.rotation(name), self._places[name][:3]
-        place, spin = self.engine.q[:, at], self.spin(name)
-        if bed.heights is None:  # below a plane only the difference in depth to the origin of the body counts
+        R, places = self.rotation(name), self._places[name][:3]
+        center, spin = self.engine.q[:, places], self.spin(name)
+        if bed.heights is None:  # below a plane the depth is that of the centre plus a term linear in the point
             deeper = np.einsum("ni,ki->kn", np.array([*bed.rise, -1.0]) @ R, part.points)
-            depth = deeper + bed.height(place[:, 0], place[:, 1]) - place[:, 2] + part.reach(*bed.rise)
+            depth = deeper + bed.height(center[:, 0], center[:, 1]) - center[:, 2] + part.reach(*bed.rise)
         else:
-            x, y, z = np.moveaxis(place + np.einsum("nij,kj->kni", R, part.points), 2, 0)
+            x, y, z = np.moveaxis(center + np.einsum("nij,kj->kni", R, part.points), 2, 0)
             depth = bed.height(x, y) - z + part.reach(*bed.slope(x, y))
         tracks = []
         for k in np.unique(depth.argmax(axis=0)):
-            turned = R @ part.points[k]
-            vx, vy, vz = (self.engine.v[:, at] + np.cross(spin, turned)).T
-            rise_x, rise_y = bed.slope(*(place + turned)[:, :2].T)
+            arm = R @ part.points[k]
+            vx, vy, vz = (self.engine.v[:, places] + np.cross(spin, arm)).T
+            rise_x, rise_y = bed.slope(*(center + arm)[:, :2].T)
             tracks.append(Track(depth[k], rise_x * vx + rise_y * vy - vz))
         return tracks
 
     def outlines(self, instant: int) -> tuple[Outline, ...]:
-        """The mechanism in side view, x and z, at an instant (index)."""
-        drawn = []
+        """Outlines of the parts of the mechanism in side view, x and z, at an instant (index)."""
+        outlines = []
         for name, handle in self.system.rigid.items():
             R, at = self.rotation(name)[instant], self.engine.q[instant, self._places[name][:3]]
             for part in handle.body.parts:
-                seen = (part.points @ R.T + at)[:, [0, 2]]
+                points = (part.points @ R.T + at)[:, [0, 2]]
                 bar = part.meets == ("bar",)
-                across = part.shape.diameter if bar else 2.0 * part.drop
-                drawn.append(Outline(part.name, seen if bar or len(seen) <= 2 else silhouette(seen), across))
-        return tuple(drawn)
+                thickness = part.shape.diameter if bar else 2.0 * part.drop
+                line = points if bar or len(points) <= 2 else silhouette(points)
+                outlines.append(Outline(part.name, line, thickness))
+        return tuple(outlines)
 
 
 def angular(e: Vector, d: Vector) -> Vector:
-    """G(e) d (n, 3): the angular velocity of Euler parameters e (n, 4) with the rates d."""
-    found: Vector = 2.0 * (e[:, :1] * d[:, 1:] - d[:, :1] * e[:, 1:] + np.cross(e[:, 1:], d[:, 1:]))
-    return found
+    """Angular velocity G(e) d (n, 3) of Euler parameters e (n, 4) with the rates d (n, 4)."""
+    w: Vector = 2.0 * (e[:, :1] * d[:, 1:] - d[:, :1] * e[:, 1:] + np.cross(e[:, 1:], d[:, 1:]))
+    return w

@@ -1,4 +1,4 @@
-"""Trajectory -> Observation, for the coordinates of the engine in space."""
+"""Trajectory -> Observation in space."""
 
 from __future__ import annotations
 
@@ -28,39 +28,39 @@ from granular_contact.scene.types import link_of
 
 
 def observe(system: SpatialSystem, trajectory: Trajectory) -> SpatialObservation:
-    """What results hold of a run."""
+    """Observation of a run, from which its results are made."""
     motion = SpatialKinematics(system, trajectory)
-    # Of a run that is observed on its way nobody has estimated it.
+    # The error of a run that is observed before its end is not yet known.
     error = strip_error(motion)
     motion = SpatialKinematics(system, replace(trajectory, strip_error=error))
-    with np.errstate(over="ignore", invalid="ignore"):  # of a run that failed by running away
+    with np.errstate(over="ignore", invalid="ignore"):  # as in a run that diverged
         depths, on_bodies = motion.depths(), forces_of(trajectory)
         forces = as_reported(on_bodies)
-        found = observed(motion, forces, depths, [track for tracks in depths.values() for track in tracks])
-        found["motion"] |= body_columns(motion, forces, depths)
-        add_wheels(found, wheel_histories(motion, forces))
+        fields = observed(motion, forces, depths, [track for tracks in depths.values() for track in tracks])
+        fields["motion"] |= body_columns(motion, forces, depths)
+        add_wheels(fields, wheel_histories(motion, forces))
         if trajectory.load is not None and (facets := facet_sizes.numbers(motion, error)):
-            found["more"]["facets"] = facets
+            fields["more"]["facets"] = facets
         for beam in motion.beams.values():
-            found["motion"] |= beam.columns()
-            found["deflection"] = beam.bend()
-        play = partial(moved, system, trajectory, on_bodies)
-        return SpatialObservation(**found, moved=play)
+            fields["motion"] |= beam.columns()
+            fields["deflection"] = beam.bend()
+        motion_at = partial(moved, system, trajectory, on_bodies)
+        return SpatialObservation(**fields, moved=motion_at)
 
 
 def as_reported(forces: Mapping[str, Vector]) -> dict[str, Vector]:
-    """Forces (n, 6) of the medium by what is reported: of a link that bends the sum over its elements."""
-    found: dict[str, Vector] = {}
+    """Wrenches (n, 6) of the medium by reported body; those of the elements of a flexible link are added up."""
+    reported: dict[str, Vector] = {}
     for body, wrench in forces.items():
         name = link_of(body)
-        found[name] = found[name] + wrench if name in found else wrench
-    return found
+        reported[name] = reported[name] + wrench if name in reported else wrench
+    return reported
 
 
 def body_columns(
     motion: SpatialKinematics, forces: Mapping[str, Vector], depths: Mapping[str, list[Track]]
 ) -> series.Series:
-    """Motion of every body, the medium's force on it and its depth; forces (n, 6) by body, moments about the origin."""
+    """Columns of every body: motion, wrench of the medium, depth; forces (n, 6): moments about the origin."""
     columns: series.Series = {}
     for body in motion.scene.reported if motion.scene.body_columns else ():
         name, (center, velocity) = mechanism.label(body), motion.center(body)
@@ -74,7 +74,7 @@ def body_columns(
 
 
 def moved(system: SpatialSystem, trajectory: Trajectory, forces: Mapping[str, Vector], at: Vector) -> Motion:
-    """The motion at times (k,) s, as it is drawn: every shape once, then poses; forces (n, 6) of the medium by body."""
+    """Motion at times (k,) s for drawing: shapes, poses, arrows; forces (n, 6): of the medium, by body."""
     t = trajectory
     sampled = replace(t, time=at, q=at_times(t.time, t.q, t.v, at), v=resample(t.time, t.v, at))
     motion = SpatialKinematics(system, sampled)
@@ -90,14 +90,14 @@ def moved(system: SpatialSystem, trajectory: Trajectory, forces: Mapping[str, Ve
         radius = system.scene.radius(system.scene.body(name))
         arrow = _arrow(resample(t.time, wrench, at), motion.center(name)[0], radius)
         drawn.setdefault(mechanism.label(link_of(name)), []).append(arrow)
-    arrows = {name: _whole(ones) for name, ones in drawn.items()}
+    arrows = {name: _sum(parts) for name, parts in drawn.items()}
     shown = np.stack(poses, axis=1) if poses else np.zeros((len(at), 0, 7))
     return Motion(at, tuple(parts), shown, {}, arrows)
 
 
-def _whole(arrows: list[tuple[Vector, Vector]]) -> tuple[Vector, Vector]:
-    """The sum of forces (k, 3) N, drawn at the mean of their places (k, 3) m by their sizes."""
-    places, forces = (np.array(ones) for ones in zip(*arrows, strict=True))
+def _sum(arrows: list[tuple[Vector, Vector]]) -> tuple[Vector, Vector]:
+    """Mean position (k, 3) m of forces (k, 3) N, weighted with their sizes, and their sum."""
+    places, forces = (np.array(part) for part in zip(*arrows, strict=True))
     sizes = np.linalg.norm(forces, axis=2, keepdims=True) + 1e-300
     mean: Vector = np.sum(sizes * places, axis=0) / np.sum(sizes, axis=0)
     total: Vector = np.sum(forces, axis=0)
@@ -105,7 +105,7 @@ def _whole(arrows: list[tuple[Vector, Vector]]) -> tuple[Vector, Vector]:
 
 
 def _arrow(wrench: Vector, center: Vector, radius: float) -> tuple[Vector, Vector]:
-    """Where a force (k, 3) N is drawn, (k, 3) m: on its line of action, as near to the centre of mass as it comes."""
+    """Point (k, 3) m of a force's line of action nearest to the centre of mass, and the force (k, 3) N."""
     force = wrench[:, :3]
     moment = wrench[:, 3:] - np.cross(center, force)
     square = np.sum(force * force, axis=1, keepdims=True)

@@ -20,7 +20,7 @@ from granular_contact.scene.types import Vector, link_of
 
 
 class SpatialSensors(Sensors):
-    """As `Sensors`. It follows hinges from row to row, for the orientations of bodies do not count whole turns."""
+    """Sensors in space; orientations do not show whole turns, so `follow` counts those of hinges."""
 
     system: SpatialSystem
     _seen_type = SpatialSeen
@@ -36,13 +36,13 @@ class SpatialSensors(Sensors):
         self._number = {body.name: i for i, body in enumerate(scene.bodies)}
         self._whole = [i for i, body in enumerate(scene.rigid) if not body.is_element]
         met, links = self._reported()[1], () if self.load is None else self.load.table.bodies
-        # Of each body of the load: its row among what is reported, and its number.
+        # For each body of the load: its row among the reported bodies, and its index among bodies.
         self._loaded = [(met.index(link_of(name)), self._number[name]) for name in links]
         self._find_joints(joints)
         self._find_points()
 
     def _find_joints(self, joints: list[Any]) -> None:
-        """Where the coordinates of joints are."""
+        """Find the indices of the coordinates of joints."""
         system, coordinates = self.system, self.system.coordinates
 
         def at_nodes(joint: Any) -> list[int]:
@@ -53,20 +53,20 @@ class SpatialSensors(Sensors):
 
     @property
     def follows(self) -> bool:
-        """As of `Sensors`."""
+        """Whether `follow` has to be called with every row: there are hinges."""
         return any(self.seen.hinges)
 
     def follow(self, q: Vector) -> None:
-        """Count the turns of hinges over rows (n, m) of coordinates that came since the last call."""
+        """Count whole turns of hinges over the rows (n, m) of coordinates since the last call."""
         still = [0.0] * 14
         for (joint, places), is_hinge in zip(self._coordinates, self.seen.hinges, strict=True):
             for row in q[:, places] if is_hinge else ():
                 joint.at(row.tolist(), still)
 
     def read(self, time: float, q: Vector, v: Vector, row: Vector | None) -> Observations:
-        """As of `Sensors`."""
+        """See `Sensors.read`."""
         v, row = v.copy(), None if row is None else row.copy()
-        joints = self.joints(q, v)  # at once, as a hinge counts its turns on
+        joints = self.joints(q, v)  # now, as whole turns are counted on
         axes = cache(lambda: rotations.of_quaternion(q[self._at[:, 3:]]))  # of bodies
         now = Instant(
             lambda: joints,
@@ -77,9 +77,9 @@ class SpatialSensors(Sensors):
         return Observations(self.seen, time, now)
 
     def joints(self, q: Vector, v: Vector) -> tuple[Vector, Vector]:
-        """As of `Sensors`."""
-        found = [joint.at(q[at].tolist(), v[at].tolist())[:2] for joint, at in self._coordinates]
-        coordinates, rates = np.array(found).reshape(-1, 2).T
+        """See `Sensors.joints`."""
+        pairs = [joint.at(q[at].tolist(), v[at].tolist())[:2] for joint, at in self._coordinates]
+        coordinates, rates = np.array(pairs).reshape(-1, 2).T
         return coordinates, rates
 
     def placed(self, q: Vector, v: Vector, R: Vector) -> tuple[Vector, Vector]:
@@ -89,12 +89,12 @@ class SpatialSensors(Sensors):
         poses = np.concatenate([places[:, :3], rotations.rpy_of(R)], axis=1)[self._whole]
         velocities = np.concatenate([rates[:, :3], spin], axis=1)[self._whole]
         for beam in self.system.scene.beams:
-            pose, velocity = self._of_beam(beam, places[:, :3], R, rates[:, :3], spin)
+            pose, velocity = self._beam_pose(beam, places[:, :3], R, rates[:, :3], spin)
             poses, velocities = np.vstack([poses, pose]), np.vstack([velocities, velocity])
         return poses, velocities
 
-    def _of_beam(self, beam: SpatialBeam, x: Vector, R: Vector, v: Vector, spin: Vector) -> tuple[Vector, Vector]:
-        """Pose (6,) and velocity (6,) of a link that bends: of its centre of mass, and of the frame of its root."""
+    def _beam_pose(self, beam: SpatialBeam, x: Vector, R: Vector, v: Vector, spin: Vector) -> tuple[Vector, Vector]:
+        """Pose (6,) and velocity (6,) of a flexible link: of its centre of mass, and of the frame of its root."""
         place, velocity, total = np.zeros(3), np.zeros(3), sum(mass for *_, mass in beam.pieces)
         for body, point, mass in beam.pieces:
             at, speed = point, np.zeros(3)
@@ -110,7 +110,7 @@ class SpatialSensors(Sensors):
         return np.concatenate([place, rotations.rpy_of(turn)]), np.concatenate([velocity, turning])
 
     def forces(self, poses: Vector, row: Vector | None) -> Vector:
-        """Forces of the medium (met, 6), moments about the centres of mass."""
+        """Wrenches (met, 6) of the medium, with moments about the centres of mass."""
         if self.load is None or row is None:
             return np.zeros((0, 6))
         wrenches = np.zeros((len(self._met), 6))
@@ -119,27 +119,27 @@ class SpatialSensors(Sensors):
         return wrenches_about(wrenches, poses[self._met, :3])
 
     def _find_points(self) -> None:
-        """Outermost points of what the medium meets: their bodies, places and reach, what is reported as one together.
+        """Find the outermost points of shapes in the medium: their bodies, places and reach.
 
-        They are ordered by what is reported, of which each begins at one of `_firsts`.
+        Points are sorted by reported body; the first of each is at an index of `_firsts`.
         """
-        bodies, found = self.system.scene.rigid, []
+        bodies, blocks = self.system.scene.rigid, []
         for k, i in sorted(self._loaded):
             for part in bodies[i].parts:
                 if part.in_sand:
                     n, as_ball = len(part.points), float(part.meets == ("ball",))
                     numbers = np.tile([k, i, part.drop, as_ball], (n, 1))
-                    found.append(np.column_stack([numbers, part.points]))
-        table = np.concatenate(found) if found else np.zeros((0, 7))
+                    blocks.append(np.column_stack([numbers, part.points]))
+        table = np.concatenate(blocks) if blocks else np.zeros((0, 7))
         self._of_points, self._points = table[:, 1].astype(int), table[:, 4:]
         self._drops, self._as_balls = table[:, 2], table[:, 3] > 0.0
         self._firsts = np.searchsorted(table[:, 0], np.arange(len(self._met)))
 
     def deepest(self, q: Vector, R: Vector) -> Vector:
-        """Depths (met,) m of the deepest points of bodies, from their axes R (bodies, 3, 3)."""
+        """Depths (met,) m of the deepest points of reported bodies; R (bodies, 3, 3): axes of bodies."""
         if len(self._met) == 0:
             return np.zeros(0)
-        bed: Any = self.system.scene.bed  # there is one where something is in sand
+        bed: Any = self.system.scene.bed  # not None, as bodies are in the medium
         at = q[self._at[:, :3]][self._of_points]
         x, y, z = (at + np.einsum("nij,nj->ni", R[self._of_points], self._points)).T
         beyond = reach(self._drops, self._as_balls, *bed.slope(x, y))

@@ -1,4 +1,4 @@
-"""An assembled system in space: as in the plane, with the bodies and joint loads of space."""
+"""A mechanism in space in the generalised coordinates of an engine."""
 
 from __future__ import annotations
 
@@ -18,32 +18,32 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class SpatialSystem(System):
-    """As `System`."""
+    """System in space, see `System`."""
 
     scene: SpatialScene
     rigid: dict[str, RigidHandle[SpatialRigidBody]]  # type: ignore[assignment]
 
     @cached_property
     def facets(self) -> SpatialLoad:
-        """The load with the facets of its bodies, by which their error is found: see `facet_departure.load_with`."""
+        """Load with the facets of the bodies, for estimates of their error: see `facet_departure.load_with`."""
         from granular_contact.mechanics.space.facet_departure import load_with
 
         return load_with(self, 1.0)
 
     def sensors(self) -> Sensors:
-        """As of `System`."""
+        """Sensors that read the state in the pauses of a solve."""
         from granular_contact.mechanics.space.sensors import SpatialSensors
 
         return SpatialSensors(self, None if self.bed is None else self.bed.load)
 
     def kinematics(self, trajectory: Trajectory) -> SpatialKinematics:
-        """As of `System`."""
+        """Kinematics of the system along a trajectory."""
         from granular_contact.mechanics.space.kinematics import SpatialKinematics
 
         return SpatialKinematics(self, trajectory)
 
     def observe(self, trajectory: Trajectory) -> Observation:
-        """As of `System`."""
+        """Observation of a run, from which its results are made."""
         from granular_contact.mechanics.space.observe import observe
 
         return observe(self, trajectory)

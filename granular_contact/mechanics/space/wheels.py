@@ -1,7 +1,8 @@
 """Slip, sinkage, pull, side force and load of wheels in space.
 
-Ahead is along the surface below the axle and at right angles to the axle, to where the wheel rolls as it turns about
-its axis; to the left is along the surface at right angles to that; load and sinkage are at right angles to the surface.
+Directions at the surface below the axle: ahead is tangential to the surface and normal to the axle, to where the wheel
+rolls as it turns about its axis; left is tangential to the surface and normal to that; load and sinkage are normal to
+the surface.
 """
 
 from __future__ import annotations
@@ -16,15 +17,15 @@ from granular_contact.mechanics.wheels import STANDS, sense
 from granular_contact.scene.space.bed import SpatialBed
 from granular_contact.scene.space.types import Vector
 
-BESIDE = 1e-3  # of the rim, between the heights of which the slope of the surface is taken
+BESIDE = 1e-3  # of the rim: step of the central differences for the slope of the surface
 
 
 def wheel_histories(motion: SpatialKinematics, forces: Mapping[str, Vector]) -> dict[str, dict[str, Vector]]:
-    """As of `mechanics.wheels.wheel_histories`, and the side force (N, to the left) and the slip angle (rad).
+    """Histories of `mechanics.wheels.wheel_histories`, and the side force (N, to the left) and slip angle (degrees).
 
     forces: of the medium by body, (n, 6): N, and N m about the origin.
     """
-    found, bed = {}, motion.scene.bed
+    histories, bed = {}, motion.scene.bed
     for body in motion.scene.rigid:
         name, wheel = body.name, body.wheel
         if wheel is None or name not in forces or bed is None:
@@ -42,7 +43,7 @@ def wheel_histories(motion: SpatialKinematics, forces: Mapping[str, Vector]) -> 
         above = (p[:, 2] - bed.height(p[:, 0], p[:, 1])) * normal[:, 2]
         pull, aside = np.sum(force * ahead, axis=1), np.sum(v * left, axis=1)
         moves = np.hypot(speed, aside) > STANDS
-        found[label(name)] = {
+        histories[label(name)] = {
             "v": speed,
             "omega": spin,
             "slip": slip,
@@ -53,11 +54,11 @@ def wheel_histories(motion: SpatialKinematics, forces: Mapping[str, Vector]) -> 
             "side_force_N": np.sum(force * left, axis=1),
             "slip_angle_deg": np.where(moves, np.degrees(np.arctan2(aside, np.abs(speed))), 0.0),
         }
-    return found
+    return histories
 
 
 def _normals(bed: SpatialBed, places: Vector, step: float) -> Vector:
-    """Unit normals (n, 3) upward of the surface below places (n, 3) m, from heights a step (m) beside them."""
+    """Upward unit normals (n, 3) of the surface at places (n, 3) m, by central differences with a step (m)."""
     x, y = places[:, 0], places[:, 1]
     along = (bed.height(x + step, y) - bed.height(x - step, y)) / (2.0 * step)
     across = (bed.height(x, y + step) - bed.height(x, y - step)) / (2.0 * step)
