@@ -2,9 +2,9 @@
 
     python validation/house.py [--files 15] [--small] [--run configs/pendulum.yaml]
 
-A line of code is one that is neither blank nor part of a comment or a docstring (of an attribute, too). Printed are the
-rooms (folders) with their files and lines, the longest files, functions of more than ten arguments, and the lines of the
-functions that a run enters. Compiled functions are counted only with `NUMBA_DISABLE_JIT=1`.
+A line of code is one that is neither blank nor part of a comment or a docstring (of an attribute, too). Printed are
+the rooms (folders) with their files and lines, the longest files, functions of more than ten arguments, and the lines
+of the functions that a run enters. Compiled functions are counted only with `NUMBA_DISABLE_JIT=1`.
 `--small` lists files below 75 lines that one other module imports.
 """
 
