@@ -17,11 +17,11 @@ from granular_contact.sand.kernels.law import LAW, LINE
 
 # The true sign is aimed, not computed from a bristle: see `kernels.modal_load`.
 AIMED = Elastoplastic(yield_displacement=1.0, damping_time=0.0)
-STILL = 1e-10  # what counts as no speed, of the speed of the scene
+STILL = 1e-10  # speed that counts as none, as a share of the speed of the scene
 
 
 def arrays_of(reduced: Model) -> PendulumArrays:
-    """Mass properties, and stations, lines and medium of all that can reach the surface."""
+    """Mass properties of a model, and the stations, lines and medium of the bars that can reach the surface."""
     scene = reduced.scene
     meets = [(reduced.bars[i], reduced.stations[i]) for i in reduced.met]
     starts = np.cumsum([0, *(len(stations) for _, stations in meets)])
@@ -46,55 +46,57 @@ def arrays_of(reduced: Model) -> PendulumArrays:
 
 
 def stacked(several: Sequence[Model]) -> PendulumArrays:
-    """Arrays of models whose arrays have the same sizes, as `kernels.march` takes those of several runs."""
+    """Arrays of models of equal array sizes, in the form that `kernels.march` takes for several runs."""
     like, count = several[0], len(several)
-    own = arrays_of(like)
-    if not all(_differs_in_numbers(like, one) for one in several):
-        return joined([alone(own), *(alone(arrays_of(one)) for one in several[1:])])
-    made = own._replace(**{name: np.repeat(getattr(alone(own), name), count, axis=0) for name in _ITS_OWN})
-    made.pendulum["still"] = [STILL * one.speed for one in several]
-    made.profile[:, 0, 1] = [-np.inf if one.scene.surface is None else one.scene.surface for one in several]
+    first = arrays_of(like)
+    if not all(_differs_in_numbers(like, other) for other in several):
+        return joined([alone(first), *(alone(arrays_of(other)) for other in several[1:])])
+    made = first._replace(**{name: np.repeat(getattr(alone(first), name), count, axis=0) for name in _OF_A_RUN})
+    made.pendulum["still"] = [STILL * reduced.speed for reduced in several]
+    made.profile[:, 0, 1] = [-np.inf if reduced.scene.surface is None else reduced.scene.surface for reduced in several]
     if like.scene.media:
-        laws = np.concatenate([_law(one) for one in several])
+        laws = np.concatenate([_law(reduced) for reduced in several])
         numbers = made.medium["own"].view(np.uint8)
         numbers[:, : laws.itemsize] = laws.view(np.uint8).reshape(count, laws.itemsize)
     return made
 
 
-def _differs_in_numbers(one: Model, other: Model) -> bool:
-    """Whether models of the same parts meet media of one law with the same of these parts."""
-    alike = one.mechanics is other.mechanics and list(map(type, one.scene.media)) == list(map(type, other.scene.media))
-    return alike and one.scene.static == other.scene.static and one.met == other.met
+def _differs_in_numbers(like: Model, other: Model) -> bool:
+    """Whether two models share their parts, their static law and the law of the medium, so that only numbers differ."""
+    same_law = list(map(type, like.scene.media)) == list(map(type, other.scene.media))
+    alike = like.mechanics is other.mechanics and same_law
+    return alike and like.scene.static == other.scene.static and like.met == other.met
 
 
 def _law(reduced: Model) -> NDArray[np.void]:
-    """The record (1,) of the medium's law."""
+    """Record (1,) of the law of the medium."""
     static = AIMED if reduced.method.static == "true_sign" else reduced.scene.static
     return reduced.scene.media[0].record(static, reduced.scene.gravity)
 
 
-_ITS_OWN = ("pendulum", "geometry", "lines", "profile", "medium", "anchors")  # of a run; runs share all else
+# Arrays that each run has of its own; runs share all others.
+_OF_A_RUN = ("pendulum", "geometry", "lines", "profile", "medium", "anchors")
 
 
 def alone(w: PendulumArrays) -> PendulumArrays:
-    """The arrays of one run as `kernels.march` takes those of several."""
+    """Arrays of one run, in the form that `kernels.march` takes for several runs."""
     return w._replace(**{name: getattr(w, name)[None] for name in ("geometry", "lines", "profile", "anchors")})
 
 
 def one_of(w: PendulumArrays, i: int) -> PendulumArrays:
-    """The arrays of the i-th of several runs."""
+    """Arrays of the i-th of several runs."""
     own = {name: getattr(w, name)[i] for name in ("geometry", "lines", "profile", "anchors")}
     return w._replace(pendulum=w.pendulum[i : i + 1], medium=w.medium[i : i + 1], **own)
 
 
 def joined(several: Sequence[PendulumArrays]) -> PendulumArrays:
-    """Arrays of single runs, each with a first axis, as that of several; what all share is that of the first."""
-    made = {name: np.concatenate([getattr(one, name) for one in several]) for name in _ITS_OWN}
+    """Arrays of several runs, from arrays of single runs with a first axis; the first run gives shared arrays."""
+    made = {name: np.concatenate([getattr(arrays, name) for arrays in several]) for name in _OF_A_RUN}
     return several[0]._replace(**made)
 
 
 def _pendulum(reduced: Model) -> NDArray[np.void]:
-    """Inertia, static moments, stiffness and damping, and what counts as no speed."""
+    """Record (1,) of PENDULUM: mass properties of a model, and the speed that counts as none."""
     record = reduced.mechanics.copy()
     record["still"] = STILL * reduced.speed
     return record

@@ -1,7 +1,7 @@
-"""Key numbers of many runs that one compiled call marches, during which other threads of Python go on.
+"""Key numbers of many runs, marched by one compiled call, during which other threads of Python go on.
 
-Runs may differ in all their numbers. What they have in common is the size of their arrays: modes, strips, corners.
-What happens to each before and after the march happens to all at once, wherever it is more than a few numbers.
+Runs may differ in all numbers. They share the sizes of their arrays: modes, strips, corners. Work before and after the
+march is done for all runs at once, wherever it is more than a few numbers.
 """
 
 from __future__ import annotations
@@ -28,17 +28,17 @@ from granular_contact.results.stopping import touched
 from granular_contact.results.summary import least_energy, summarise
 from granular_contact.scene.types import Vector
 
-MOST = 64  # runs in a call
-MOST_ROWS = 4096  # of a run, to begin with
-MOST_IN_ALL = MOST * MOST_ROWS  # of all runs of a call at their ends: some 30 MB with a mode
+MOST = 64  # greatest number of runs in a call
+MOST_ROWS = 4096  # greatest number of rows of a run at its start
+MOST_IN_ALL = MOST * MOST_ROWS  # rows of all runs of a call at their ends: some 30 MB with one mode
 
 
 class Marched(NamedTuple):
     """Runs at their ends.
 
-    codes, seconds (runs,): why each ended, and its share of the time (s); state, arrays: of all; first (runs + 1,): the
-    first row of each in table (rows, as `State.rows`, without forces), which ends with the instant that the run came
-    to.
+    codes, seconds (runs,): reason of the end, and share of the wall time (s), of each run; state, arrays: of all runs;
+    first (runs + 1,): first row of each run in table (rows, columns of `State.rows` without forces). The last row of a
+    run is at the time that it reached.
     """
 
     codes: NDArray[np.int64]
@@ -50,17 +50,17 @@ class Marched(NamedTuple):
 
 
 def summaries(models: Sequence[Model]) -> list[dict[str, Any]]:
-    """The summary of each model's run, as it would be alone."""
-    found: dict[int, dict[str, Any]] = {}
-    for places in _alike(models):
-        group = [models[i] for i in places]
+    """Summary of the run of each model, as if it were run alone."""
+    summary: dict[int, dict[str, Any]] = {}
+    for indices in _alike(models):
+        group = [models[i] for i in indices]
         numbers = [key_numbers(observe(group[0], solve(group[0])))[0]] if len(group) == 1 else _summaries(group)
-        found.update(zip(places, numbers, strict=True))
-    return [found[i] for i in range(len(models))]
+        summary.update(zip(indices, numbers, strict=True))
+    return [summary[i] for i in range(len(models))]
 
 
 def _alike(models: Sequence[Model]) -> Iterator[list[int]]:
-    """Places of models whose arrays have the same sizes, at most so many; alone those that are looked at on the way."""
+    """Indices of models in groups of equal array sizes, of limited length; with a limit of wall time a run is alone."""
     groups: dict[object, list[int]] = {}
     for i, model in enumerate(models):
         watched = model.scene.solver.max_wall_s is not None
@@ -86,20 +86,20 @@ def _sizes(model: Model) -> object:
 
 
 def _summaries(group: Sequence[Model]) -> list[dict[str, Any]]:
-    """Of models that are alike, several."""
+    """Summaries of a group of several models with equal array sizes."""
     runs, m = march(group), group[0].size
-    looked = known(group, runs.first, runs.table)
+    extremes = known(group, runs.first, runs.table)
     mass = energies.mass(runs.arrays.pendulum, m - 1, np.diff(runs.first))
     stored = energies.stored(runs.table[:, 1 : 1 + m], runs.table[:, 1 + m : 1 + 2 * m], mass)
     least = np.array([least_energy(model.scene) for model in group])
     numbers = energies.key_numbers(runs.first, stored, runs.table[:, 1 + 2 * m : 3 + 2 * m], least)
-    return [_summary(runs, i, *of_run) for i, of_run in enumerate(zip(group, looked, numbers, strict=True))]
+    return [_summary(runs, i, *of_run) for i, of_run in enumerate(zip(group, extremes, numbers, strict=True))]
 
 
 def march(group: Sequence[Model]) -> Marched:
-    """Bring the runs of models that are alike to their ends; each as `Solve.advance` does it, number by number."""
+    """March the runs of models with equal array sizes to their ends, each with the numbers of `Solve.advance`."""
     begun, w = time.perf_counter(), stacked(group)
-    limits, may = control(group, w, forces=False), allowed(group)
+    limits, errors = control(group, w, forces=False), allowed(group)
     needed = ahead(limits)
     rows = int(np.max(np.minimum(MOST_ROWS, limits["end"] / limits["interval"] + 2.0) + needed))
     state = started(np.array([model.start for model in group]), rows)
@@ -108,7 +108,7 @@ def march(group: Sequence[Model]) -> Marched:
         begin(state, w, i)
     codes, work = np.zeros(len(group), dtype=np.int64), room(group[0].method)
     while np.any(codes == kernels.PAUSE):
-        kernels.march(SHARE, codes, state, w, limits, may, work)
+        kernels.march(SHARE, codes, state, w, limits, errors, work)
         if np.any(state.counts["rows"] + needed > state.rows.shape[1]):
             state = _with_rows(state, 2 * state.rows.shape[1])
     used = [_ended(state, i) for i in range(len(group))]
@@ -119,7 +119,7 @@ def march(group: Sequence[Model]) -> Marched:
 
 
 def _with_rows(state: kernels.State, capacity: int) -> kernels.State:
-    """The same with longer tables."""
+    """The same state, with tables of `capacity` rows."""
     table = np.zeros((len(state.rows), capacity, state.rows.shape[2]))
     used = min(capacity, state.rows.shape[1], int(state.counts["rows"].max()))
     table[:, :used] = state.rows[:, :used]
@@ -127,7 +127,7 @@ def _with_rows(state: kernels.State, capacity: int) -> kernels.State:
 
 
 def _ended(state: kernels.State, i: int) -> int:
-    """Write a row for the instant that a run came to, for which there is room, if it is not the last one; how many."""
+    """Write a row for the time that a run reached, unless it is the last row; return the number of its rows."""
     count, now = int(state.counts["rows"][i]), float(state.clock["now"][i])
     if count and state.rows[i, count - 1, 0] >= now:
         return count
@@ -135,16 +135,16 @@ def _ended(state: kernels.State, i: int) -> int:
     return count + 1
 
 
-def _summary(runs: Marched, i: int, model: Model, looked: Known, energy: dict[str, float]) -> dict[str, Any]:
-    """Of one of the runs; energy: its key numbers."""
-    state, own = runs.state, runs.table[runs.first[i] : runs.first[i + 1], 0]
+def _summary(runs: Marched, i: int, model: Model, extremes: Known, energy: dict[str, float]) -> dict[str, Any]:
+    """Summary of the i-th run; energy: its key numbers."""
+    state, times = runs.state, runs.table[runs.first[i] : runs.first[i + 1], 0]
     counts, watch = state.counts[i], state.watch[i]
     cost = Cost(float(runs.seconds[i]), int(counts["steps"]), 0, 0, int(counts["rates"]))
     true_sign = bool(runs.arrays.pendulum["true_sign"][i])
     ended = status(model, int(runs.codes[i]), float(state.clock["now"][i]), state.y[i], true_sign)
-    touch = None if looked.touch is None else touched(own, looked.touch)
+    touch = None if extremes.touch is None else touched(times, extremes.touch)
     stopped = None if touch is None else stop(model, first_stop(watch))
-    summary = summarise(model.scene, ended, cost, energy, touch, stopped, looked.greatest)
+    summary = summarise(model.scene, ended, cost, energy, touch, stopped, extremes.greatest)
     summary["static_turns"] = int(counts["turns"])
-    start = None if looked.depth is None else float(looked.depth[0])
-    return warned(summary, model.scene, looked.greatest, looked.reach, start)
+    start = None if extremes.depth is None else float(extremes.depth[0])
+    return warned(summary, model.scene, extremes.greatest, extremes.reach, start)

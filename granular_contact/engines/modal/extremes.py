@@ -1,4 +1,4 @@
-"""Rows of runs -> what is greatest in their motion, and when they touch the medium: of one run, or of many at once."""
+"""Rows of one or many runs -> extremes of their motion, and the times when they touch the medium."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from granular_contact.scene.types import Vector
 
 
 def known(models: Sequence[Model], first: NDArray[np.int64], table: Vector) -> list[Known]:
-    """What is known of the runs of models that are alike, from their rows in a table; first (runs + 1,) of each.
+    """Extremes of the runs of models with equal array sizes, from their rows.
 
-    table (rows, from 1 + 2 m): time, coordinates and rates.
+    first (runs + 1,): first row of each run; table (rows, from 1 + 2 m): time, coordinates and rates.
     """
     lines = _lines(models)
     count, most = len(lines.every), int(np.max(np.diff(lines.starts), initial=1))
@@ -33,15 +33,16 @@ def known(models: Sequence[Model], first: NDArray[np.int64], table: Vector) -> l
 
 
 def _lines(models: Sequence[Model]) -> kernels.Lines:
-    """Bars, and other shapes in the sand, of runs whose lines have the same sizes."""
+    """Bars, and other shapes in the sand, of runs whose lines have equal sizes."""
     like, count = models[0].lines, len(models)
     surface = np.array([np.nan if model.scene.surface is None else model.scene.surface for model in models])
     if all(model.lines is like for model in models):
-        geometry, beside, drop = (np.repeat(one[None], count, axis=0) for one in (like.points, like.beside, like.drop))
+        shared = like.points, like.beside, like.drop
+        geometry, beside, drop = (np.repeat(array[None], count, axis=0) for array in shared)
     else:
         several = [model.lines for model in models]
-        geometry = np.array([one.points for one in several])
-        beside, drop = np.array([one.beside for one in several]), np.array([one.drop for one in several])
+        geometry = np.array([lines.points for lines in several])
+        beside, drop = np.array([lines.beside for lines in several]), np.array([lines.drop for lines in several])
     return kernels.Lines(geometry, like.starts, like.every, surface, beside, drop)
 
 
@@ -59,7 +60,7 @@ def _known(model: Model, depth: Vector, extremes: list[tuple[float, ...]], bends
 
 
 def _reach(model: Model, lines: list[LineExtremes]) -> Reach | None:
-    """Extremes of what was immersed; None where nothing could meet the medium."""
+    """Extremes of the immersed parts; None if no part can meet the medium."""
     if not model.scene.media or not lines:
         return None
     pairs = zip(model.bars, lines, strict=True)

@@ -1,4 +1,4 @@
-"""State of a solve of the modal pendulum under way, and the march by the Runge-Kutta pair of Tsitouras (2011)."""
+"""State of a solve of the modal pendulum, and its march by the Runge-Kutta pair of Tsitouras (2011)."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ from granular_contact.engines.modal.kernels.runge_kutta import STAGES, TSITOURAS
 from granular_contact.engines.modal.model import Model
 from granular_contact.scene.types import Reduced, Vector
 
-SHARE = 4096  # steps between two looks at the progress bar and at the clock
-# Longest step, of the scene's: a bristle yields at the end of a step, and the true sign has no such memory.
+SHARE = 4096  # steps between two updates of progress bar and wall time
+# Longest step, in steps of the scene: bristles yield only at the end of a step; the true sign has no such memory.
 LONGEST, LONGEST_OF_BRISTLES = 50.0, 5.0
-MOST_STILL = 1e-5  # of the speed of the scene
-SHORT = 0.1  # of the scene's step: the first one, and the time in which regimes crowd
+MOST_STILL = 1e-5  # upper bound of the speed that counts as none, as a share of the speed of the scene
+SHORT = 0.1  # of the scene's step: length of the first step, and the time in which regimes crowd
 
 
 def started(y: Vector, capacity: int) -> kernels.State:
-    """State of several runs at their starts y (runs, size), with room for so many rows each."""
+    """State of several runs at their starts y (runs, size), with room for `capacity` rows each."""
     count, size = y.shape
     parts = min(2, (size - 2) // 2)
     watch = np.zeros(count, WATCH)
@@ -43,55 +43,55 @@ def started(y: Vector, capacity: int) -> kernels.State:
 
 
 def room(method: Reduced) -> kernels.Room:
-    """To work in."""
+    """Work space of a march."""
     size = 2 * method.modes + 4
     return kernels.Room(TSITOURAS, np.zeros((STAGES, size)), np.zeros((5, size)), np.zeros(size))
 
 
 def control(several: Sequence[Model], w: PendulumArrays, *, forces: bool) -> NDArray[np.void]:
-    """Records (runs,) of the kernels' CONTROL; w: Arrays of the runs, which all have the true sign or bristles.
+    """Records (runs,) of the kernels' CONTROL; w: arrays of the runs, which all have either the true sign or bristles.
 
-    forces: whether rows hold those of the medium.
+    forces: whether rows have the forces of the medium.
     """
     made = np.zeros(len(several), kernels.CONTROL)
     solvers = [model.scene.solver for model in several]
-    made["end"], made["interval"] = [one.end_time_s for one in solvers], [one.step_s for one in solvers]
+    made["end"], made["interval"] = [solver.end_time_s for solver in solvers], [solver.step_s for solver in solvers]
     bristles = w.lines.shape[-1] > 0 and not w.pendulum["true_sign"][0]
     made["longest"] = made["interval"] * (LONGEST_OF_BRISTLES if bristles else LONGEST)
-    made["reach"], made["rest_speed"] = [m.reach for m in several], [one.rest_speed_m_s for one in solvers]
-    made["rest_time"] = [np.inf if one.rest_time_s is None else one.rest_time_s for one in solvers]
+    made["reach"], made["rest_speed"] = [m.reach for m in several], [solver.rest_speed_m_s for solver in solvers]
+    made["rest_time"] = [np.inf if solver.rest_time_s is None else solver.rest_time_s for solver in solvers]
     made["crowd"], made["blurred"] = SHORT * made["interval"], [MOST_STILL * model.speed for model in several]
     made["forces"] = forces
     return made
 
 
 def ahead(limits: NDArray[np.void]) -> NDArray[np.int64]:
-    """`kernels.ahead` of runs, from their records of CONTROL (runs,)."""
-    found: NDArray[np.int64] = (limits["longest"] / limits["interval"]).astype(np.int64) + 2
-    return found
+    """`kernels.rows_of_a_step` of several runs, from their records of CONTROL (runs,)."""
+    rows: NDArray[np.int64] = (limits["longest"] / limits["interval"]).astype(np.int64) + 2
+    return rows
 
 
 def allowed(several: Sequence[Model]) -> Vector:
-    """Error (runs, 2 n + 2) of a step that each coordinate and each rate may have."""
+    """Allowed error (runs, 2 n + 2) of each coordinate and rate in a step."""
     rtol, reach, speed = np.array([[m.method.rtol, m.reach, m.speed] for m in several]).T[:, :, None]
     lengths = np.repeat(reach, several[0].size, axis=1)
     lengths[:, 0] = 1.0
-    found: Vector = rtol * np.concatenate([lengths, lengths * speed / reach], axis=1)
-    return found
+    error: Vector = rtol * np.concatenate([lengths, lengths * speed / reach], axis=1)
+    return error
 
 
 def begin(state: kernels.State, w: PendulumArrays, i: int) -> None:
-    """Let the bristles of the i-th run rest where its stations are, or choose its regime of the true sign."""
-    y, own = state.y[i], one_of(w, i)
-    if own.pendulum["true_sign"][0]:
-        decide(y, state.regime[i], state.stopped[i], own)
+    """Put the anchors of the i-th run at its stations, or choose its first regime of the true sign."""
+    y, run = state.y[i], one_of(w, i)
+    if run.pendulum["true_sign"][0]:
+        decide(y, state.regime[i], state.stopped[i], run)
         return
     for first, end in zip(w.starts[:-1], w.starts[1:], strict=True):
-        rest(y[: own.pendulum["modes"][0] + 1], own.geometry[first:end], own.anchors[first:end])
+        rest(y[: run.pendulum["modes"][0] + 1], run.geometry[first:end], run.anchors[first:end])
 
 
 class March:
-    """State of a solve, as `kernels.march` keeps it up to date; the arrays are explained there."""
+    """State of a solve; `kernels.march` changes the arrays, and explains them."""
 
     def __init__(self, model: Model) -> None:
         self.model, self.arrays = model, arrays_of(model)
@@ -106,7 +106,7 @@ class March:
 
     def _take_places(self, state: kernels.State) -> None:
         self.state = state
-        self.y, self.regime, self.stopped, self.clock, self.counts, self.watch, *_ = (one[0] for one in state)
+        self.y, self.regime, self.stopped, self.clock, self.counts, self.watch, *_ = (array[0] for array in state)
 
     @property
     def rows(self) -> Vector:
@@ -120,7 +120,7 @@ class March:
         return float(self.clock["now"])
 
     def go_on(self) -> int:
-        """March until something ends it or its share is done, and make room for rows; one of the kernels' codes."""
+        """March for a share of steps, and enlarge the table if needed; return the code of the reason to return."""
         code = self._march()
         if self.full:
             self._more_rows(2 * len(self.rows))
@@ -128,7 +128,7 @@ class March:
 
     @property
     def full(self) -> bool:
-        """Whether the rows of a step might not fit into the table any more."""
+        """Whether the table may lack room for the rows of the next step."""
         return bool(self.counts["rows"] + ahead(self.control)[0] > len(self.rows))
 
     def _more_rows(self, capacity: int) -> None:
@@ -138,7 +138,7 @@ class March:
         self.state = self.state._replace(rows=table)
 
     def warm(self) -> None:
-        """Compile what the march needs, or load it, which is no part of a solve; nothing is changed."""
+        """Compile the kernels of the march, or load them, which is no part of a solve; changes nothing."""
         self._march(0)
         kernels.write_row(self.time, self.y, self.regime, self.arrays, np.zeros_like(self.rows[0]))
 
@@ -148,7 +148,7 @@ class March:
         return int(self.codes[0])
 
     def table(self) -> Vector:
-        """Rows so far, and one for the instant reached if it is not the last of them."""
+        """Rows so far, and a row for the time reached unless it is the last of them."""
         count = int(self.counts["rows"])
         rows = self.rows[:count]
         if count and rows[-1, 0] >= self.time:
@@ -156,18 +156,18 @@ class March:
         return np.vstack([rows, self.now()])
 
     def now(self) -> Vector:
-        """Row of the instant reached, which the table need not have room for."""
+        """Row for the time reached; the table need not have room for it."""
         row: Vector = np.zeros_like(self.rows[0])
         kernels.write_row(self.time, self.y, self.regime, self.arrays, row)
         return row
 
     def kept(self) -> dict[str, NDArray[Any]]:
-        """Copies of all that its future and its rows depend on."""
-        held = {name: array.copy() for name, array in self._changing().items()}
-        return held | {"rows": self.rows[: int(self.counts["rows"])].copy()}
+        """Copies of all arrays that determine the future of the march, and of its rows."""
+        arrays = {name: array.copy() for name, array in self._changing().items()}
+        return arrays | {"rows": self.rows[: int(self.counts["rows"])].copy()}
 
     def restore(self, kept: dict[str, NDArray[Any]]) -> None:
-        """Go back to what was kept."""
+        """Return to a state from `kept`."""
         for name, array in self._changing().items():
             array[...] = kept[name]
         used = len(kept["rows"])
@@ -176,5 +176,5 @@ class March:
         self.rows[:used] = kept["rows"]
 
     def _changing(self) -> dict[str, NDArray[Any]]:
-        own = {name: array[:1] for name, array in self.state._asdict().items() if name != "rows"}
-        return own | {"anchors": self.arrays.anchors, "still": self.arrays.pendulum["still"]}
+        arrays = {name: array[:1] for name, array in self.state._asdict().items() if name != "rows"}
+        return arrays | {"anchors": self.arrays.anchors, "still": self.arrays.pendulum["still"]}

@@ -1,4 +1,4 @@
-"""Scene -> Model: the pendulum in modal coordinates, or a refusal of what is no such pendulum."""
+"""Scene -> Model: the pendulum in modal coordinates; a scene that is no such pendulum is refused."""
 
 from __future__ import annotations
 
@@ -18,20 +18,20 @@ from granular_contact.scene.methods import check_reduced
 from granular_contact.scene.parts import FlexibleLink, RigidBody, Shape, rotation
 from granular_contact.scene.types import Reduced, Scene, Vector
 
-# Wavelengths need strips: so many for each mode, where the scene has fewer.
+# Least number of strips for each mode, as strips have to resolve its wavelength.
 STRIPS_PER_MODE = 4
-STRETCH = 1.02  # a bent link may reach a little farther than a straight one
+STRETCH = 1.02  # factor of the reach, as a bent link may reach a little farther than a straight one
 
 
 @dataclass(frozen=True)
 class View:
-    """The undeformed pendulum seen from its pivot (2,) m, along its axis (angle rad) and across it, clockwise."""
+    """Coordinates in the undeformed pendulum, from its pivot (2,) m: along its axis (angle rad) and across it."""
 
     angle: float
     pivot: Vector
 
     def of(self, body: RigidBody | FlexibleLink, point: Vector) -> Vector:
-        """Place (along, across) m of a point (2,) m of a body, or of several (n, 2)."""
+        """Coordinates (along, across) m of a point (2,) m of a body, or of several points (n, 2)."""
         arm = body.motion.position + point @ rotation(body.motion.angle).T - self.pivot
         seen: Vector = arm @ rotation(-self.angle).T * (1.0, -1.0)
         return seen
@@ -39,9 +39,9 @@ class View:
 
 @dataclass(frozen=True)
 class Bar:
-    """Straight part, seen from the pivot along and across the undeformed axis, (2,) m each; diameter m.
+    """Straight part of the pendulum; start and end (2,) m are (along, across), see View; diameter (m).
 
-    `bends` marks the flexible link; `free` a free face at the end; strips: how many the load divides it into.
+    bends: whether it is the flexible link; free: whether its end is a free face; strips: number of strips of the load.
     """
 
     part: str
@@ -66,9 +66,9 @@ def _shares(count: int) -> Vector:
 
 
 class Lines(NamedTuple):
-    """Bars, and after them the other shapes in the sand, as what looks at depths takes them.
+    """Bars, and then the other shapes in the sand, as the kernels of extremes take them.
 
-    points: records of `kernels.modal`; the rest as of one run in `kernels.modal_extremes.Lines`.
+    points: records of `kernels.modal`; other fields: those of one run in `kernels.modal_extremes.Lines`.
     """
 
     points: NDArray[np.void]
@@ -80,11 +80,11 @@ class Lines(NamedTuple):
 
 @dataclass(frozen=True)
 class Model:
-    """The pendulum: coordinates q_1 (rad) and q_{1+i} (m), n + 1 of them.
+    """The pendulum, with the n + 1 coordinates q_1 (rad) and q_{1+i} (m).
 
-    others: shapes that meet no sand, points as seen from the pivot; view: how it is seen from there; turn: angle of the
-    root's body less q_1, both below the horizontal (rad); reach: of the farthest point from the pivot (m); speed: scale
-    of speeds (m/s); start: state at the start, see `modal_motion`.
+    others: shapes without strips, with points as of View; view: coordinates of the undeformed pendulum; turn: angle of
+    the root's body less q_1, both below the horizontal (rad); reach: greatest distance of a point from the pivot (m);
+    speed: scale of speeds (m/s); start: initial state, see `modal_motion`.
     """
 
     scene: Scene
@@ -101,17 +101,17 @@ class Model:
 
     @property
     def bends(self) -> bool:
-        """Whether there is any mode."""
+        """Whether the model has modes."""
         return len(self.modes.beta) > 0
 
     @property
     def size(self) -> int:
-        """How many coordinates."""
+        """Number of coordinates."""
         return self.method.modes + 1
 
     @cached_property
     def mechanics(self) -> NDArray[np.void]:
-        """Record (1,) of `kernels.pendulum`: inertia, static moments, stiffness and damping, and nothing of a run."""
+        """Record (1,) of `kernels.pendulum`: inertia, static moments, stiffness and damping; fields of a run are 0."""
         record = np.zeros(1, PENDULUM)
         n, root, link = self.method.modes, self.scene.rigid[0], self.link
         center = self.view.of(root, np.zeros(2))
@@ -137,7 +137,7 @@ class Model:
 
     @cached_property
     def met(self) -> tuple[int, ...]:
-        """Places of the bars that can get below the surface, however the pendulum turns and its link bends."""
+        """Indices of the bars that can get below the surface, at any angle of the pendulum and bending of its link."""
         scene = self.scene
         if not scene.media or scene.surface is None:
             return ()
@@ -146,12 +146,12 @@ class Model:
 
     @cached_property
     def stations(self) -> tuple[NDArray[np.void], ...]:
-        """Ends of the strips of each bar, as the kernels take them."""
+        """Ends of the strips of each bar, as records for the kernels."""
         return tuple(self._stations(bar) for bar in self.bars)
 
     @cached_property
     def lines(self) -> Lines:
-        """All that can meet the medium; of a straight bar only the ends can be deepest."""
+        """All lines that can meet the medium; on a straight bar only the ends can be deepest."""
         others = [shape for shape in self.others if shape.in_sand]
         points = [*self.stations, *(self._points(shape.points) for shape in others)]
         every = [1 if bar.bends else bar.strips for bar in self.bars] + [1] * len(others)
@@ -208,13 +208,13 @@ def model(scene: Scene, method: Reduced) -> Model:
 
 
 class Models:
-    """Models of scenes, each derived from the model of the scene that its own is a variant of, see `scene.variants`."""
+    """Models of scenes; a scene made by `scene.again` shares the model of the scene that it is like."""
 
     def __init__(self) -> None:
         self._known: list[tuple[Scene, Model]] = []
 
     def __call__(self, scene: Scene) -> Model:
-        """The model; raises SceneError as `model`."""
+        """The model of a scene; raises SceneError as `model` does."""
         assert isinstance(scene.method, Reduced)
         if scene.variant_of is None:
             return model(scene, scene.method)
@@ -227,17 +227,19 @@ class Models:
 
 
 def struck(like: Model, scene: Scene) -> Model:
-    """The model of a scene that differs from another one in its medium and in its impact, see `scene.variants`."""
+    """Model of a scene that differs from the one of `like` in its medium and initial motion only, see `scene.again`."""
     root, link = scene.rigid[0], scene.links[0] if scene.links else None
     view = View((root if link is None else link).motion.angle, like.view.pivot)
     speed, start = _begun(scene, like.method, like.reach)
     made = replace(like, scene=scene, link=link, view=view, speed=speed, start=start)
-    vars(made).update(stations=like.stations, lines=like.lines, mechanics=like.mechanics)  # those of the same parts
+    vars(made).update(
+        stations=like.stations, lines=like.lines, mechanics=like.mechanics
+    )  # which depend on the parts only
     return made
 
 
 def _begun(scene: Scene, method: Reduced, reach: float) -> tuple[float, Vector]:
-    """Scale of speeds (m/s), and the state at the start."""
+    """Scale of speeds (m/s), and the initial state."""
     motion = scene.rigid[0].motion
     axis = (scene.links[0] if scene.links else scene.rigid[0]).motion.angle
     start = np.zeros(2 * (method.modes + 1) + 2)
@@ -246,7 +248,7 @@ def _begun(scene: Scene, method: Reduced, reach: float) -> tuple[float, Vector]:
 
 
 def _is_bar(shape: Shape) -> bool:
-    """Whether the reduced model lays strips along it: straight, round and in the sand."""
+    """Whether the reduced model divides a shape into strips: straight, round and in the sand."""
     return shape.in_sand and shape.kind == "round" and len(shape.points) == 2
 
 

@@ -34,7 +34,7 @@ def roots(count: int) -> Vector:
 
 @dataclass(frozen=True)
 class Modes:
-    """Modes of a beam: roots (n,) and length (m). All methods give one column, or entry, for each mode."""
+    """Modes of a beam: roots (n,) and length (m). All methods return one column, or entry, for each mode."""
 
     beta: Vector
     length: float
@@ -48,7 +48,7 @@ class Modes:
 
     @cached_property
     def _s(self) -> Vector:
-        """The ratio s: 1 less what the growing exponential needs."""
+        """The ratio s = 1 - 2 _decay exp(-beta)."""
         s: Vector = 1.0 - 2.0 * self._decay * np.exp(-self.beta)
         return s
 

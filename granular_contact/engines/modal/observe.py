@@ -1,4 +1,4 @@
-"""Trajectory -> what results hold of it, for the modal pendulum."""
+"""Trajectory of the modal pendulum -> the contents of results."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ from granular_contact.results.observed import Instant, Observations, Seen
 from granular_contact.results.stopping import Stop
 from granular_contact.scene.types import Vector
 
-POINTS = 17  # on a bent link in pictures
+POINTS = 17  # of a bent link in drawings
 ALL = slice(None)
 
 
 def observe(model: Model, trajectory: Trajectory) -> Observation:
-    """What results hold of a run."""
+    """Observation of a run."""
     seen, scene, pin = Motion(model, trajectory), model.scene, model.scene.pivot
     assert pin is not None  # or the scene was refused
-    found = seen.known()
+    extremes = seen.known()
     return Observation(
         scene=scene,
         status=trajectory.status,
@@ -42,17 +42,17 @@ def observe(model: Model, trajectory: Trajectory) -> Observation:
         moments_about=model.view.pivot,
         body_forces={"": trajectory.terms.sum(axis=1)},
         energies=seen.energies(),
-        reach=found.reach,
+        reach=extremes.reach,
         stop=lambda _: stop(model, trajectory.stop),
         outlines=seen.outlines,
         pictures=lambda at: pictures(lambda sampled: Motion(model, sampled).outlines, trajectory, at),
         more={"static_turns": trajectory.turns},
-        known=found,
+        known=extremes,
     )
 
 
 def now(model: Model, trajectory: Trajectory) -> Observations:
-    """What is seen of a trajectory of one row: the pivot, the body on it, the force of the medium on all of it."""
+    """Observations of a trajectory of one row: pivot, body on it, force of the medium on all parts."""
     seen, scene, pin = Motion(model, trajectory), model.scene, model.scene.pivot
     assert pin is not None  # or the scene was refused
     root = scene.rigid[0]
@@ -70,16 +70,16 @@ def now(model: Model, trajectory: Trajectory) -> Observations:
     return Observations(who, float(trajectory.time[0]), seen_now)
 
 
-def stop(model: Model, found: tuple[float, float, float]) -> Stop | None:
-    """When the mean rate first came to zero after the touch, with the pivot's angle; found: as of a trajectory."""
-    time, angle, hub_time = found
+def stop(model: Model, first: tuple[float, float, float]) -> Stop | None:
+    """Time and pivot angle of the first zero of the mean rate after the touch; first: `Trajectory.stop`."""
+    time, angle, hub_time = first
     if math.isnan(time):
         return None
     return Stop(time, angle + model.turn, None if math.isnan(hub_time) else hub_time)
 
 
 class Motion:
-    """Reads positions, rates and energies out of a trajectory; (n,) and (n, 2) arrays over its instants."""
+    """Positions, rates and energies of a trajectory; arrays (n,) and (n, 2) over its instants."""
 
     def __init__(self, model: Model, trajectory: Trajectory) -> None:
         self.model, self.scene, self.trajectory = model, model.scene, trajectory
@@ -117,7 +117,7 @@ class Motion:
         return Track(self.bends.sum(axis=1), self.bend_rates.sum(axis=1)) if self.model.bends else None
 
     def known(self) -> Known:
-        """What is greatest, between the rows too, and when the pendulum touches the medium."""
+        """Extremes of the motion, between rows, too, and the time when the pendulum touches the medium."""
         t = self.trajectory
         return known([self.model], np.array([0, len(t.time)]), np.column_stack([t.time, t.q, t.v]))[0]
 
@@ -134,7 +134,7 @@ class Motion:
     # ---- energies ----
 
     def energies(self) -> series.Series:
-        """Columns of what was stored, and of the work done so far."""
+        """Columns of the stored energies, and of the work so far."""
         t = self.trajectory
         kinetic, gravity, elastic = energies.stored(t.q, t.v, self.mass)
         return energy.columns(kinetic, gravity - gravity[0], elastic, t.work, t.damping)
@@ -142,7 +142,7 @@ class Motion:
     # ---- pictures ----
 
     def outlines(self, instant: int) -> tuple[Outline, ...]:
-        """The mechanism as drawn at an instant (index)."""
+        """Outlines of the mechanism at an instant (index), for drawing."""
         now = slice(instant, instant + 1)
         outlines = [
             Outline(shape.part, self.positions(None, shape.points, now)[0], shape.thickness)

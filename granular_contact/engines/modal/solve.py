@@ -1,4 +1,4 @@
-"""Model -> Trajectory: integrate from regime to regime of the static law, to rest or to the end."""
+"""Model -> Trajectory: integrate from regime to regime of the static law, to rest or to the end time."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ OVERTIME = kernels.CHATTERING + 1
 
 @dataclass(frozen=True)
 class Trajectory:
-    """Rows of a solve at multiples of the scene's step, and the last instant.
+    """Rows of a solve, at multiples of the scene's step and at the last instant.
 
-    time (rows,) s; q, v (rows, n + 1); work, damping (rows,) J: of the medium and of the internal damping so far;
-    terms (rows, 3, 3): see `sand.history`; stop: time (s) and q_1 (rad) at the first zero of the mean rate, and
-    the time of the first zero of the hub's own, NaN for none; turns: how often a regime of the static law ended;
-    arrays: what the kernels worked on.
+    time (rows,) s; q, v (rows, n + 1); work, damping (rows,) J: work of the medium and of the internal damping so far;
+    terms (rows, 3, 3): see `sand.history`; stop: time (s) and q_1 (rad) of the first zero of the mean rate, and time
+    (s) of the first zero of the hub's rate, NaN for none; turns: number of ends of regimes of the static law; arrays:
+    arrays that the kernels worked on.
     """
 
     status: Status
@@ -48,7 +48,7 @@ class Trajectory:
 
 @dataclass(frozen=True)
 class SolveState:
-    """State of a solve: arrays of the march, and how it stands."""
+    """State of a solve: arrays of the march, and the status."""
 
     march: dict[str, NDArray[Any]]
     code: int
@@ -57,7 +57,7 @@ class SolveState:
 
 
 class Solve:
-    """A solve under way, in one go or from pause to pause; see `engines.exudyn.solve.Solve`."""
+    """A solve in progress, in one go or from pause to pause; see `engines.exudyn.solve.Solve`."""
 
     def __init__(self, model: Model, progress: Progress | None = None) -> None:
         self.model, self.progress = model, progress
@@ -76,7 +76,7 @@ class Solve:
 
     @property
     def over(self) -> bool:
-        """Whether there is nothing to come."""
+        """Whether the solve is finished."""
         stopped = self._code in (kernels.REST, kernels.FAILED, kernels.CHATTERING, OVERTIME)
         return self._interrupted or stopped or self._at_end
 
@@ -85,7 +85,7 @@ class Solve:
         return self.time >= self.model.scene.solver.end_time_s * (1.0 - 1e-14)
 
     def advance(self, until: float = math.inf) -> None:
-        """Go on to a time (s), the scene's end at the latest; does nothing when it is over."""
+        """March to a time (s), at most to the end time of the scene; does nothing when the solve is finished."""
         if self.over:
             return
         self.march.control["end"] = min(until, self.model.scene.solver.end_time_s)
@@ -97,7 +97,7 @@ class Solve:
         self.seconds += time.perf_counter() - began
 
     def _integrate(self, began: float) -> int:
-        """March on until something ends it; began: by the clock (s)."""
+        """March until a reason to return; return its code. began: clock at the start (s)."""
         solver, march = self.model.scene.solver, self.march
         deadline = math.inf if solver.max_wall_s is None else began + solver.max_wall_s - self.seconds
         while True:
@@ -106,19 +106,19 @@ class Solve:
                 return code
             if time.perf_counter() > deadline:
                 return OVERTIME
-            if code == kernels.END:  # of this part
+            if code == kernels.END:  # the time of a pause
                 return code
             if self.progress is not None:
                 self.progress(march.time, solver.end_time_s)
 
     def observe(self) -> Observations:
-        """What is seen of the present state."""
+        """Observations of the present state."""
         from granular_contact.engines.modal.observe import now
 
         return now(self.model, self._rows(self.march.now()[None, :]))
 
     def outlines(self) -> tuple[Outline, ...]:
-        """The mechanism as it is drawn, at the present state."""
+        """Outlines of the mechanism at the present state, for drawing."""
         from granular_contact.engines.modal.observe import Motion
 
         return Motion(self.model, self._rows(self.march.now()[None, :])).outlines(0)
@@ -128,12 +128,12 @@ class Solve:
         return SolveState(self.march.kept(), self._code, self.seconds, self._interrupted)
 
     def restore(self, kept: SolveState) -> None:
-        """Go back to a state of this solve or another one of the same scene."""
+        """Return to a state of this solve, or of another one of the same scene."""
         self.march.restore(kept.march)
         self._code, self.seconds, self._interrupted = kept.code, kept.seconds, kept.interrupted
 
     def close(self) -> None:
-        """Let go of what is held: nothing that Python would not let go of."""
+        """Release resources; the modal pendulum holds none."""
 
     def trajectory(self) -> Trajectory:
         """All rows so far."""
@@ -163,7 +163,7 @@ class Solve:
         )
 
     def status(self) -> Status:
-        """How it ended."""
+        """How the solve ended, or that it is paused."""
         if self._interrupted:
             return ended("interrupted", self.time, self.model.scene.solver)
         if self._code in (kernels.PAUSE, kernels.END) and not self._at_end:
@@ -178,14 +178,14 @@ def first_stop(watch: np.void) -> tuple[float, float, float]:
 
 
 def solve(model: Model, progress: Progress | None = None) -> Trajectory:
-    """Run a model to its end time, to rest, to a failure or to Ctrl-C; what was reached by then is kept."""
+    """Run a model to its end time, to rest, to a failure or to Ctrl-C; rows so far are kept."""
     under_way = Solve(model, progress)
     under_way.advance()
     return under_way.trajectory()
 
 
 def status(model: Model, code: int, time: float, y: Vector, true_sign: bool) -> Status:
-    """How a run ended; code: of the kernels, at a time (s) and a state, see `modal_motion`."""
+    """How a run ended; code: reason of the kernels; time (s) and y (see `modal_motion`): where it ended."""
     solver = model.scene.solver
     if code == kernels.CHATTERING:
         return Status(
@@ -213,6 +213,6 @@ def status(model: Model, code: int, time: float, y: Vector, true_sign: bool) -> 
 
 
 def _speed(model: Model, y: Vector) -> float:
-    """Greatest speed (m/s) in any one coordinate."""
+    """Greatest speed (m/s) of any one coordinate."""
     lever = np.array([model.reach] + [1.0] * (model.size - 1))
     return float(np.max(np.abs(lever * y[model.size : 2 * model.size])))

@@ -1,6 +1,6 @@
-"""What happens inside a step of the modal pendulum: a regime of the static law ends, the pendulum stops.
+"""Event location inside a step of the modal pendulum: ends of regimes of the static law, and zeros of the rate.
 
-A step is a polynomial C in theta = (t - t_0) / h, one row of coefficients for each power.
+A step is known as a polynomial C in theta = (t - t_0) / h, one row of coefficients for each power (dense output).
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ HALVINGS = 48
 
 @part
 def least_margin(C, theta, s, w, y, margin):
-    """Smallest margin at theta of a step; y and margin are filled."""
+    """Smallest margin of all components at theta of a step; fills y and margin."""
     inside(C, theta, y)
     margins(y, s, w, margin)
     least = np.inf
@@ -44,7 +44,9 @@ def mark(margin, stopped):
 def regime_end(C, s, w, stopped):
     """Theta of the first end of a regime in a step, 2 if there is none; marks the components that end it.
 
-    By the Illinois form of false position; both halves are looked at, as a component may turn and turn back.
+    Method: false position in its Illinois form, at most HALVINGS iterations, until the margin is beyond zero by less
+    than the speed that counts as none. Both halves of the step are searched, as a component may turn and turn back.
+    Limit: two turns within a half are not found.
     """
     y, margin = rows(room1(SIZE), 0, C.shape[1]), rows(room1(2), 0, s.shape[0])
     for c in range(stopped.shape[0]):
@@ -92,7 +94,7 @@ def turning(y, w, which):
 
 @part
 def look_for_stop(t, h, C, w, watch):
-    """Locate the first zeros of mean rate and hub rate after the touch."""
+    """Locate the first zeros of the mean rate and of the hub's rate after the touch, by bisection."""
     y, sign, time = rows(room1(SIZE), 0, C.shape[1]), watch.sign, watch.time
     for which in (MEAN, HUB):
         if not np.isnan(time[which]):
@@ -117,7 +119,7 @@ def look_for_stop(t, h, C, w, watch):
 
 @kernel
 def shorten(C, theta):
-    """Let the polynomial of a step end at theta of it."""
+    """Rescale the polynomial of a step so that the step ends at theta."""
     factor = 1.0
     for power in range(1, C.shape[0]):
         factor *= theta

@@ -1,7 +1,6 @@
-"""March of the modal pendulum through time: steps, rows on a regular grid, and what is looked for inside each step.
+"""Time integration of the modal pendulum: steps, rows on a regular grid, and events inside each step.
 
-A step is known as a polynomial C in theta = (t - t_0) / h (see `runge_kutta`), whoever made it; what happens inside
-it is found there, see `events`.
+A step is known as a polynomial C in theta = (t - t_0) / h (see `runge_kutta`); `events` locates events in it.
 """
 
 from __future__ import annotations
@@ -22,15 +21,16 @@ from granular_contact.jit.memory import clear, copy, piece, room1, room2
 from granular_contact.jit.memory import rows as rows_of
 from granular_contact.jit.records import fields, record_dtype
 
-# Why `march` came back: its share of steps is done, everything rests, the end, no step is small enough, the static
-# force turns round again and again.
+# Reasons for which `march` returns: its share of steps is done, the pendulum rests, the end time, no step is small
+# enough, the static force reverses again and again.
 PAUSE, REST, END, FAILED, CHATTERING = 0, 1, 2, 3, 4
 
-CROWD = 50  # ends of regimes within `crowd` that are taken for chattering
+CROWD = 50  # number of ends of regimes within `crowd` seconds that counts as chattering
 
-# Times and speeds in SI units; reach: greatest distance of a point from the pivot (m); rest_time infinite for never;
-# crowd: see CROWD (s); blurred: the most that may count as no speed (m/s); forces: whether rows get those of the
-# medium, which cost an evaluation each.
+# end (s): time to march to; longest, interval (s): longest step, and time between rows; reach (m): greatest distance
+# of a point from the pivot; rest_speed (m/s), rest_time (s): see `rests`, infinite for never; crowd (s): see CROWD;
+# blurred (m/s): upper bound of the speed that counts as none; forces: whether rows get the forces of the medium, which
+# cost an evaluation each.
 CONTROL = record_dtype(
     [
         *fields("f8", "end", "longest", "interval", "reach"),
@@ -48,12 +48,13 @@ COUNTS = record_dtype(fields("i8", "steps", "rejected", "rates", "rows", "turns"
 
 
 class State(NamedTuple):
-    """All that changes while a pendulum is solved, of several one after another.
+    """State of the solve of several pendulums, which are marched one after another.
 
-    y (runs, size) as of `modal_motion`; regime, stopped (runs, components): of the static law, and which components
-    ended the last one; clock, counts, watch (runs,): records of CLOCK, COUNTS and `events.WATCH`; turns (runs, CROWD):
-    latest ends of regimes (s), the k-th at k modulo CROWD; rows (runs, capacity, 1 + size + 9): tables to be filled.
-    Kernels of one run take its own, without the first axis, but of records.
+    y (runs, size): see `modal_motion`; regime, stopped (runs, components): regime of the static law, and components
+    that ended the last one; clock, counts, watch (runs,): records of CLOCK, COUNTS and `events.WATCH`; turns (runs,
+    CROWD): times (s) of the latest ends of regimes, the k-th at k modulo CROWD; rows (runs, capacity, 1 + size + 9):
+    tables of results. Kernels of a single run take its arrays without the first axis, but records with it, as arrays
+    (1,).
     """
 
     y: Any
@@ -67,7 +68,7 @@ class State(NamedTuple):
 
 
 class Room(NamedTuple):
-    """To work in: slopes (STAGES, size), a step as a polynomial (5, size), the state at its end (size,).
+    """Work space: slopes (STAGES, size), a step as a polynomial (5, size), the state at its end (size,).
 
     pair: `runge_kutta.TSITOURAS`.
     """
@@ -86,7 +87,7 @@ def write_row(t, y, s, w, row):
 
 @part
 def fill_row(t, y, s, w, forces, row):
-    """`write_row`; forces: whether they are asked for, else the row has none but those that it had."""
+    """`write_row`; forces: whether to compute the forces of the medium, else their columns are left as they are."""
     m = w.pendulum[0].modes + 1
     row[0] = t
     size = y.shape[0]
@@ -103,14 +104,14 @@ def fill_row(t, y, s, w, forces, row):
 
 
 @part
-def ahead(control):
-    """Rows that a step may fill, and one more: a table without room for them is full."""
+def rows_of_a_step(control):
+    """Upper bound of the rows that a step writes, and one more: a table with less room is full."""
     return int(control.longest / control.interval) + 2
 
 
 @part
 def finish(run, h, C, w, control):
-    """Take a step as accepted: rows, stop, anchors."""
+    """Accept a step: write its rows, look for the stop, move the anchors."""
     t, rows, counts, watch = run.clock[0].now, run.rows, run.counts[0], run.watch[0]
     m = w.pendulum[0].modes + 1
     y = rows_of(room1(SIZE), 0, C.shape[1])
@@ -133,10 +134,10 @@ def finish(run, h, C, w, control):
 
 @part
 def rests(run, w, control):
-    """Whether all that the medium can hold has been slow for long enough.
+    """Whether all motion that the medium can stop has been slow for the time of rest.
 
-    A bristle damps the whole link. The true sign holds the middle of the immersed segment and nothing else: the link
-    may vibrate about it for ever.
+    Bristles damp the whole link. The true sign holds only the middle of the immersed segment, about which the link may
+    vibrate for ever; then only that point has to be slow.
     """
     m, y, clock = w.pendulum[0].modes + 1, run.y, run.clock[0]
     speed = abs(y[m]) * control.reach
@@ -153,9 +154,10 @@ def rests(run, w, control):
 
 @part
 def turn(run, w, control):
-    """Go on from the end of a regime: choose the next; False where regimes end again and again.
+    """Choose the next regime at the end of one; return False if regimes end again and again (chattering).
 
-    Before that ten times the speed counts as none, to get out of it, unless that would be too much.
+    Each time that more than CROWD regimes end within `crowd`, the speed that counts as none is raised tenfold. The
+    pendulum chatters once that speed exceeds `blurred`.
     """
     clock, counts, turns = run.clock[0], run.counts[0], run.turns
     turns[counts.crowded % CROWD] = clock.now
@@ -172,11 +174,12 @@ def turn(run, w, control):
 
 @part
 def next_step(h, ratio, smooth, clock):
-    """Length (s) of the step after one of h (s) with the error `ratio` over what is allowed, which are remembered.
+    """Length (s) of the step after a step h (s), by the filter H211b of Soderlind (2003).
 
-    The error of a link that vibrates rises and falls four times a period: steps that follow each of its falls are too
-    long for the next rise, and every fifth was rejected. The filter H211b of Soderlind (2003) follows them less.
-    smooth: of a rigid one under the true sign, whose few steps grow by much; it is followed at once.
+    ratio: error of the step over the error allowed; the clock remembers h and ratio. The error of a vibrating link
+    rises and falls four times a period. Steps that follow each fall are too long for the next rise: by the elementary
+    controller every fifth step was rejected; the filter follows less. smooth: whether the elementary controller is
+    used, for a rigid pendulum under the true sign, whose few steps grow by much.
     """
     if not smooth and clock.latest > 0.0:
         change = (ratio * clock.ratio) ** (-0.2 / FILTER) * (h / clock.latest) ** (-1.0 / FILTER)
@@ -188,7 +191,7 @@ def next_step(h, ratio, smooth, clock):
 
 @part
 def attempt(run, w, control, allowed, room, sums):
-    """Step from y, with slopes[0] = y' there, as far as the error allows; its length (s), 0 if none is small enough."""
+    """Step from y, with slopes[0] = y' there, as far as the error allows; return the length (s), 0 for no step."""
     clock, counts = run.clock[0], run.counts[0]
     h = min(clock.step, control.longest, control.end - clock.now)
     smooth = w.pendulum[0].true_sign and w.pendulum[0].modes == 0
@@ -206,7 +209,7 @@ def attempt(run, w, control, allowed, room, sums):
 
 @part
 def make_step(run, h, w, room, sums):
-    """Step from y over h (s): slopes, and the state at the end; sums: signs and forces to work in."""
+    """Step from y over h (s): fill the slopes and the state at the end; sums: work space for signs and forces."""
     sigma, totals = sums
     step(room.pair, run.y, h, run.regime, w, room.slopes, sigma, totals, room.end)
     run.counts[0].rates += STAGES - 1
@@ -214,10 +217,11 @@ def make_step(run, h, w, room, sums):
 
 @part
 def end_with_regime(run, h, w, room, sums):
-    """Let a step from y over h (s) end where its regime does, if it does; its length, and theta of `regime_end`.
+    """End a step from y over h (s) where the regime ends, if it does; return its length, and theta of `regime_end`.
 
-    The interpolant is less exact than the step: step there, and look once more. If the end lies just behind, the next
-    step finds it near its start, where its interpolant is exact.
+    The interpolant is less accurate than the step. So a new step to the end of the regime is made, and the end is
+    located once more in it. If the end then lies just behind the step, the next step finds it near its own start, where
+    its interpolant is exact.
     """
     if not w.pendulum[0].true_sign:
         return h, 2.0
@@ -238,16 +242,16 @@ def end_with_regime(run, h, w, room, sums):
 
 @part
 def march_one(share, run, w, control, allowed, room):
-    """Step on from y until one of the reasons above; at most `share` steps. Everything passed in is kept up to date.
+    """March one run, for at most `share` steps; return the code of the reason to return.
 
-    run: of State, one run's; control: record of CONTROL; allowed: error of a step that each coordinate and rate may
-    have.
+    run: State of the one run; control: record of CONTROL; allowed: allowed error of each coordinate and rate in a step.
+    All arguments are updated.
     """
     sigma, totals = rows_of(room1(2), 0, run.regime.shape[0]), room2(3, 3)
     sums, first = (sigma, totals), piece(room.slopes, 0, room.slopes.shape[1])
-    known = False  # whether the first of the slopes is y' at y
+    known = False  # whether slopes[0] is y' at y
     for _ in range(share):
-        if run.counts[0].rows + ahead(control) > run.rows.shape[0]:
+        if run.counts[0].rows + rows_of_a_step(control) > run.rows.shape[0]:
             return PAUSE
         if w.pendulum[0].true_sign and follow(run.y, run.regime, w):
             known = False
@@ -268,7 +272,7 @@ def march_one(share, run, w, control, allowed, room):
             if not turn(run, w, control):
                 return CHATTERING
             continue
-        # The last slope is that of the end, where bristles that were dragged along pull as they did.
+        # The last slope is y' at the end of the step: moving the anchors does not change the forces of bristles.
         copy(first, piece(room.slopes, STAGES - 1, room.slopes.shape[1]))
         if rests(run, w, control):
             return REST
@@ -279,12 +283,11 @@ def march_one(share, run, w, control, allowed, room):
 
 @kernel(nogil=True)
 def march(share, codes, state, stacked, control, allowed, room):
-    """March on all runs whose code is PAUSE, each by at most `share` steps; codes (runs,) get why it came back.
+    """March all runs whose code is PAUSE, each by at most `share` steps; set codes (runs,) to their reasons to return.
 
-    Other threads of Python go on meanwhile.
-
-    state: of State; stacked: `modal_load.PendulumArrays` with a first axis more in all but `starts` and what is to
-    work in; control (runs,), allowed (runs, coordinates and rates); room: of Room.
+    Other threads of Python go on meanwhile. state: State of the runs; stacked: `modal_load.PendulumArrays` with a
+    leading axis of runs in all arrays but `starts` and `room`; control (runs,), allowed (runs, coordinates and rates);
+    room: Room.
     """
     for i in range(codes.shape[0]):
         if codes[i] != PAUSE:
@@ -295,7 +298,7 @@ def march(share, codes, state, stacked, control, allowed, room):
 
 @part
 def state_of_run(state, i):
-    """What changes of one run."""
+    """State of the i-th run."""
     parts = state.regime.shape[1]
     return State(
         piece(state.y, i, state.y.shape[1]), piece(state.regime, i, parts), piece(state.stopped, i, parts),
@@ -306,7 +309,7 @@ def state_of_run(state, i):
 
 @part
 def arrays_of_run(w, i):
-    """Arrays of one run."""
+    """PendulumArrays of the i-th run."""
     stations = w.geometry.shape[1]
     return PendulumArrays(
         rows_of(w.pendulum, i, 1), piece(w.geometry, i, stations), w.starts,

@@ -1,8 +1,8 @@
-"""Pendulum that bends in modes: its stations, and forces at them.
+"""Kinematics of a pendulum that bends in modes: positions and velocities of stations, and generalised forces.
 
-Coordinates (q_1, q_2, ..., q_{n+1}): q_1 angle of the undeformed axis below the horizontal (rad), q_{1+i} deflection of
-the tip in mode i (m). With e = (cos q_1, -sin q_1) along the axis and n = de/dq_1 across it, a station that lies at
-(along, across) in the undeformed pendulum is at
+The coordinates are the angle q_1 of the undeformed axis below the horizontal (rad), and the deflections q_{1+i} of the
+tip in mode i (m). With e = (cos q_1, -sin q_1) along the axis and n = de/dq_1 across it, a station at (along, across)
+in the undeformed pendulum has
 
     r = pivot + along e + x n,         x = across + sum_i Phi_i q_{1+i},
     v = (along q_1' + x') n - x q_1' e.
@@ -19,8 +19,8 @@ from granular_contact.jit.records import record_dtype
 
 MOST_MODES = 20
 MOST = MOST_MODES + 1  # coordinates
-SIZE = 2 * MOST + 2  # numbers of a state, see `modal_motion`
-ROUND_OFF = 1e-6  # of a place along stations
+SIZE = 2 * MOST + 2  # length of a state, see `modal_motion`
+ROUND_OFF = 1e-6  # of an index along stations
 
 # along, across: place in the undeformed pendulum, seen from the pivot (m); phi: mode shapes there; pivot: (x, y), m.
 MODAL_STATION = record_dtype([("along", "f8"), ("across", "f8"), ("pivot", "f8", (2,)), ("phi", "f8", (MOST_MODES,))])
@@ -28,13 +28,13 @@ MODAL_STATION = record_dtype([("along", "f8"), ("across", "f8"), ("pivot", "f8",
 
 @part
 def modal_stations(q, v, geometry, P, V):
-    """Fill P (n, 2) m and V (n, 2) m/s from the coordinates q and rates v; geometry (n,) records."""
+    """Fill P (n, 2) m and V (n, 2) m/s from the coordinates q and rates v; geometry: (n,) records of MODAL_STATION."""
     place_stations(math.cos(q[0]), math.sin(q[0]), q, v, geometry, P, V)
 
 
 @part(inline=True)
 def place_stations(c, s, q, v, geometry, P, V):
-    """`modal_stations` with the cosine and the sine of q_1."""
+    """`modal_stations`, given the cosine and the sine of q_1."""
     for i in range(geometry.shape[0]):
         along = geometry[i].along
         x, x_t = geometry[i].across, 0.0
@@ -50,7 +50,7 @@ def place_stations(c, s, q, v, geometry, P, V):
 
 @part(inline=True)
 def modal_scatter(c, s, q, geometry, P, F, out):
-    """Add the generalised forces J^T F of station forces F (n, 2) N to out (n + 1,); c, s: cosine and sine of q_1."""
+    """Add the generalised forces J^T F of station forces F (n, 2) N to out (n + 1,); c, s: cosine, sine of q_1."""
     for i in range(P.shape[0]):
         if F[i, 0] == 0.0 and F[i, 1] == 0.0:
             continue
@@ -63,10 +63,10 @@ def modal_scatter(c, s, q, geometry, P, F, out):
 
 @part(inline=True)
 def within_reach(c, s, q, geometry, surface):
-    """First station of a line that may be at the end of an immersed strip, and how many may from there on.
+    """First station of a line that can be at an end of an immersed strip, and the number of such stations.
 
-    Stations lie on a straight line at equal distances, but for the deflection, at most that of the tip in each mode;
-    surface: its height (m), level.
+    The stations lie at equal distances on a straight line, deflected by at most the sum of the tip's deflections in all
+    modes. surface: its height (m); the surface is level.
     """
     last, bend = geometry.shape[0] - 1, 0.0
     for k in range(1, q.shape[0]):

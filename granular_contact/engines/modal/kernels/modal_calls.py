@@ -1,7 +1,7 @@
-"""Parts of the march of the modal pendulum that are called by their addresses in its record, as laws are in `law`.
+"""Functions of the modal pendulum that are called by their addresses in its record, as laws are called in `law`.
 
-Numba optimises a function together with all that it calls, again for each caller. These are called from many places,
-and a scene without the true sign needs two of the three not at all.
+Reason: Numba optimises a function together with all that it calls, again for each caller. These functions have many
+callers, and a scene without the true sign never needs two of the three.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ _rates, _margins, _hold = (caller(name, _ARGUMENTS[name], types.none, PENDULUM) 
 
 
 def provide(pendulum: np.ndarray, functions: dict[str, Any]) -> None:
-    """Put the addresses of compiled functions, by their names here, into a record (1,) of PENDULUM."""
+    """Write the addresses of functions, by their names in this module, into a record (1,) of PENDULUM; compile them."""
     for name, function in functions.items():
         pendulum[name] = _address(function, name)
 
@@ -48,17 +48,17 @@ def _address(function: Any, name: str) -> int:
 
 @part
 def rates(y, s, w, sigma, totals, dy):
-    """`modal_motion.rates`."""
+    """Call `modal_motion.rates`."""
     _rates(w.pendulum[0], (y, s, w, sigma, totals, dy))
 
 
 @part
 def margins(y, s, w, margin):
-    """`modal_motion.margins`."""
+    """Call `modal_motion.margins`."""
     _margins(w.pendulum[0], (y, s, w, margin))
 
 
 @part
 def hold(q, v, h, s, w, sigma):
-    """`slip.hold`."""
+    """Call `slip.hold` or `slip.hold_rigid`."""
     _hold(w.pendulum[0], (q, v, h, s, w, sigma))

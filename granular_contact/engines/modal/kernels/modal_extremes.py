@@ -1,7 +1,7 @@
-"""What is greatest in the motion of modal pendulums, and when they touch the medium, from the rows of their runs.
+"""Extremes of the motion of modal pendulums, and their touch of the medium, from the rows of their runs.
 
-Between two rows a quantity is the cubic through both values and rates; `results.interpolation` has the same for any
-method of solution, with its error.
+Between two rows a quantity is interpolated by the cubic Hermite polynomial of both values and rates.
+`results.interpolation` does the same for any method of solution, and estimates the error.
 """
 
 from __future__ import annotations
@@ -38,16 +38,16 @@ class LineExtremes(NamedTuple):
 
 EXTREMES = record_dtype(fields("f8", *LineExtremes._fields))
 NOT_IN_STEP = 2.0
-SHARE = 4.0 / 27.0  # of a step's length times a rate at its end: by how much that rate may add to a value inside
+SHARE = 4.0 / 27.0  # greatest value of the cubic that is 0 at both ends, with rate 1 at one of them and 0 at the other
 ROUND_OFF = 1e-12
 
 
 class Lines(NamedTuple):
-    """Lines of stations of several runs, one after another.
+    """Lines of stations of several runs, one line after another.
 
-    geometry (runs, stations): records of `modal`; starts (lines + 1,): first station of each; every (lines,): which
-    stations are ends that count; surface (runs,), beside, drop (runs, lines): height of the surface, half the width and
-    how far below its stations a line reaches (m).
+    geometry (runs, stations): records of `modal`; starts (lines + 1,): first station of each line; every (lines,): step
+    between stations that count as ends, 1 if all do; surface (runs,): height of the surface (m); beside, drop (runs,
+    lines): half the width of a line, and how far it extends below its stations (m).
     """
 
     geometry: Any
@@ -60,14 +60,14 @@ class Lines(NamedTuple):
 
 @part
 def powers(a, b, a_rate, b_rate):
-    """Coefficients of x, x^2 and x^3 of a step's cubic, x from 0 to 1; rates times the length of the step."""
+    """Coefficients of x, x^2 and x^3 of the cubic of a step, x in [0, 1]; rates are multiplied by its length."""
     rise = b - a
     return a_rate, 3.0 * rise - 2.0 * a_rate - b_rate, a_rate + b_rate - 2.0 * rise
 
 
 @part
 def turns(c1, c2, c3):
-    """Places at which a cubic turns round, the lesser first; NaN for none. Each in the form that does not cancel."""
+    """Stationary points of a cubic, the lesser first, NaN if there are none; each in the form without cancellation."""
     q = -(c2 + math.copysign(math.sqrt(max(c2 * c2 - 3.0 * c1 * c3, 0.0)), c2))
     if c2 * c2 - 3.0 * c1 * c3 < 0.0:
         return np.nan, np.nan
@@ -77,14 +77,14 @@ def turns(c1, c2, c3):
 
 @part(inline=True)
 def bound(a, b, a_rate, b_rate):
-    """What a step's cubic does not pass."""
+    """Upper bound of the cubic of a step."""
     more = max(a_rate, 0.0) + max(-b_rate, 0.0)
     return max(a, b) + SHARE * more + ROUND_OFF * (abs(a) + abs(b))
 
 
 @part(inline=True)
 def greatest(a, b, a_rate, b_rate, best):
-    """The greatest value inside a step that is above `best`, and its place; `best` and `NOT_IN_STEP` for none."""
+    """Greatest value above `best` of the cubic inside a step, and its place; if there is none, `best`, NOT_IN_STEP."""
     where = NOT_IN_STEP
     if bound(a, b, a_rate, b_rate) > best:
         c1, c2, c3 = powers(a, b, a_rate, b_rate)
@@ -97,7 +97,7 @@ def greatest(a, b, a_rate, b_rate, best):
 
 @part
 def crossing(a, b, a_rate, b_rate):
-    """Where in a step, which begins at or below zero, its cubic first gets above it; `NOT_IN_STEP` if it does not."""
+    """Place in a step, which begins at or below zero, where its cubic first rises above zero, else NOT_IN_STEP."""
     if not bound(a, b, a_rate, b_rate) > 0.0:
         return NOT_IN_STEP
     c1, c2, c3 = powers(a, b, a_rate, b_rate)
@@ -120,13 +120,13 @@ def crossing(a, b, a_rate, b_rate):
 
 @part(inline=True)
 def note(P, V, i, z, beside, extremes):
-    """Take on the extremes of a station at depth z (m); roots are taken where they may be needed."""
+    """Update the extremes by a station at depth z (m); roots are computed only where they may matter."""
     extremes.deepest, extremes.lowest = max(extremes.deepest, z), min(extremes.lowest, P[i, 1])
     if not z > 0.0 or P.shape[0] < 2:
         return
-    square = V[i, 0] * V[i, 0] + V[i, 1] * V[i, 1]
-    if square > extremes.speed * extremes.speed:
-        extremes.speed = math.sqrt(square)
+    speed_squared = V[i, 0] * V[i, 0] + V[i, 1] * V[i, 1]
+    if speed_squared > extremes.speed * extremes.speed:
+        extremes.speed = math.sqrt(speed_squared)
     if P[i, 0] - beside < extremes.left or P[i, 0] + beside > extremes.right:
         k = min(i, P.shape[0] - 2)
         x, y = P[k + 1, 0] - P[k, 0], P[k + 1, 1] - P[k, 1]
@@ -136,25 +136,26 @@ def note(P, V, i, z, beside, extremes):
 
 
 @part
-def place_some(row, m, geometry, every, surface, P, V):
-    """Place the stations of a line that may count, and give those between its ends: the first, and the one behind.
+def place_extreme_stations(row, m, geometry, every, surface, P, V):
+    """Place the stations of a line that may be extreme.
 
-    Of a straight line these are what may be immersed: ends of it, or of what is immersed, have all that is greatest.
+    Return the first of these between the ends of the line, and the index behind the last. On a straight line all
+    extremes are at its ends, or at the ends of its immersed part.
     """
     n, q, v = geometry.shape[0], rows(row, 1, m), rows(row, 1 + m, m)
     if every == 1:
         modal_stations(q, v, geometry, P, V)
         return 0, n
     c, s = math.cos(q[0]), math.sin(q[0])
-    first, some = within_reach(c, s, q, geometry, surface)
-    for k, count in ((0, 1), (first, some), (n - 1, 1)):
+    first, immersed = within_reach(c, s, q, geometry, surface)
+    for k, count in ((0, 1), (first, immersed), (n - 1, 1)):
         place_stations(c, s, q, v, rows(geometry, k, count), rows(P, k, count), rows(V, k, count))
-    return first, first + some
+    return first, first + immersed
 
 
 @part(inline=True)
-def next_place(i, first, behind, n):
-    """The station of a line to be looked at after the i-th, see `place_some`; n behind its last."""
+def next_station(i, first, behind, n):
+    """Index of the station of a line to look at after the i-th, see `place_extreme_stations`; n after the last one."""
     i += 1
     if i < first:
         i = first
@@ -162,33 +163,36 @@ def next_place(i, first, behind, n):
 
 
 @part
-def look_at_line(table, m, geometry, every, sizes, room, depths, extremes):
-    """One line over the rows of a run.
+def extremes_of_line(table, m, geometry, every, sizes, room, depths, extremes):
+    """Update the extremes by one line, over the rows of a run.
 
-    sizes: height of the surface, half the width, how far below (m), see Lines; room: three times (stations, 2).
+    sizes: height of the surface, half the width, extent below the stations (m), see Lines; room: three times (stations,
+    2).
     """
     n, (surface, beside, drop), (P, V, before) = geometry.shape[0], sizes, room
     for t in range(table.shape[0]):
         now, h = table[t, 0], 0.0 if t == 0 else table[t, 0] - table[t - 1, 0]
         touched = NOT_IN_STEP
-        first, behind = place_some(piece(table, t, table.shape[1]), m, geometry, every, surface + drop, P, V)
+        first, behind = place_extreme_stations(
+            piece(table, t, table.shape[1]), m, geometry, every, surface + drop, P, V
+        )
         i = 0
         while i < n:
             z, rate = surface - P[i, 1] + drop, -V[i, 1]
             note(P, V, i, z, beside, extremes)
             if every == 1 or i == 0 or i == n - 1:
-                touched = min(touched, look_at_end(now, h, z, rate, piece(before, i, 2), extremes))
+                touched = min(touched, extremes_of_end(now, h, z, rate, piece(before, i, 2), extremes))
                 depths[t] = max(depths[t], z)
-            i = next_place(i, first, behind, n)
+            i = next_station(i, first, behind, n)
         if touched < NOT_IN_STEP:
             extremes.touch = now - h + h * touched
 
 
 @part(inline=True)
-def look_at_end(now, h, z, rate, before, extremes):
-    """Take on the depth of an end and its rate at a row, h (s) after the one before; where in between it touches.
+def extremes_of_end(now, h, z, rate, before, extremes):
+    """Update the extremes by the depth z and its rate of an end at a row; return where in the step before it touches.
 
-    before (2,): both at that row; h is 0 at the first row.
+    h (s): time since the row before, 0 at the first row; before (2,): depth and rate at that row.
     """
     touched = NOT_IN_STEP
     if z > extremes.greatest:
@@ -207,8 +211,8 @@ def look_at_end(now, h, z, rate, before, extremes):
 
 
 @part
-def look_at_bend(table, m, side, bend):
-    """Fill bend (2,) with the greatest deflection (m) to a side, 1 or -1, and when (s)."""
+def greatest_deflection(table, m, side, bend):
+    """Fill bend (2,) with the greatest deflection (m) to a side, 1 or -1, and its time (s)."""
     a, a_rate = 0.0, 0.0
     bend[0], bend[1] = -np.inf, table[0, 0]
     for t in range(table.shape[0]):
@@ -228,21 +232,21 @@ def look_at_bend(table, m, side, bend):
 
 @kernel(nogil=True)
 def find_extremes(first, table, m, w, room, depths, extremes, bends):
-    """Fill depths (rows,) m with those of the deepest ends, extremes, and bends (runs, 2, 2) as of `look_at_bend`.
+    """Fill depths (rows,) m of the deepest ends, extremes of lines, and bends (runs, 2, 2), see `greatest_deflection`.
 
     first (runs + 1,): first row of each run in table (rows, from 1 + 2 m), which has time, m coordinates and m rates;
-    w: Lines; room (3, stations, 2) to work in; extremes (runs, lines): records of EXTREMES, which come with the numbers
-    of `LineExtremes()`, as depths come with -inf.
+    w: Lines; room (3, stations, 2): work space; extremes (runs, lines): records of EXTREMES. At the call depths are
+    -inf, and extremes have the numbers of `LineExtremes()`.
     """
     for run in range(first.shape[0] - 1):
-        own = rows(table, first[run], first[run + 1] - first[run])
-        geometry, deep = piece(w.geometry, run, w.geometry.shape[1]), rows(depths, first[run], own.shape[0])
+        table_of_run = rows(table, first[run], first[run + 1] - first[run])
+        geometry, deep = piece(w.geometry, run, w.geometry.shape[1]), rows(depths, first[run], table_of_run.shape[0])
         of_lines, bend = piece(extremes, run, extremes.shape[1]), piece(bends, run, 2)
         for r in range(w.every.shape[0]):
             n = w.starts[r + 1] - w.starts[r]
             sizes, line = (w.surface[run], w.beside[run, r], w.drop[run, r]), rows(geometry, w.starts[r], n)
             to_work_in = piece(room, 0, n), piece(room, 1, n), piece(room, 2, n)
-            look_at_line(own, m, line, w.every[r], sizes, to_work_in, deep, of_lines[r])
+            extremes_of_line(table_of_run, m, line, w.every[r], sizes, to_work_in, deep, of_lines[r])
         if m > 1:
-            look_at_bend(own, m, 1.0, piece(bend, 0, 2))
-            look_at_bend(own, m, -1.0, piece(bend, 1, 2))
+            greatest_deflection(table_of_run, m, 1.0, piece(bend, 0, 2))
+            greatest_deflection(table_of_run, m, -1.0, piece(bend, 1, 2))

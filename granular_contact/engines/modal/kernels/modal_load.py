@@ -1,7 +1,8 @@
-"""Granular force on the modal pendulum: all its contact lines, as generalised forces.
+"""Forces of the medium on the modal pendulum, of all its contact lines, as generalised forces.
 
-The laws of `kernels` are used as they are. Under the true sign they too see a bristle: one of yield displacement 1 and
-no damping, whose anchor is put where its stretch is the direction wanted (`aim`).
+The laws are those of `sand.kernels`. Under the true sign they get the deflection of a bristle, too: `aim` puts the
+anchor of a bristle with yield displacement 1 and no damping where its deflection is the wanted direction of the static
+force.
 """
 
 from __future__ import annotations
@@ -19,11 +20,12 @@ from granular_contact.sand.kernels.lines import drag_anchors
 
 
 class PendulumArrays(NamedTuple):
-    """What the kernels of the modal pendulum read.
+    """Arrays that the kernels of the modal pendulum read.
 
-    pendulum: (1,) record of `pendulum`; geometry: stations of all lines, one after another; starts: (lines + 1,) first
-    station of each line; lines: (lines,) records of `sand.kernels.law`; profile: (k, 2) of `sand.kernels.surface`;
-    medium: (1,) record of the law; anchors: (stations, 2) m; room: to work in, (6, stations of the longest line, 2).
+    pendulum: (1,) record of `pendulum`; geometry: stations of all lines, one line after another; starts: (lines + 1,)
+    first station of each line; lines: (lines,) records of `sand.kernels.law`; profile: (k, 2) of
+    `sand.kernels.surface`; medium: (1,) record of the law; anchors: (stations, 2) m; room: (6, stations of the longest
+    line, 2), work space.
     """
 
     pendulum: Any
@@ -38,16 +40,16 @@ class PendulumArrays(NamedTuple):
 
 @part(inline=True)
 def stations_of(w, r):
-    """The first station of a line among those of all, and how many it has."""
+    """First station of line r among all stations, and the number of its stations."""
     return w.starts[r], w.starts[r + 1] - w.starts[r]
 
 
 @part
 def aim(P, pivot, modes, sigma, anchors):
-    """Put the anchors where the stretch of every bristle is its direction, (2,) in [-1, 1].
+    """Put the anchors where the deflection of each bristle is the wanted direction of the static force, in [-1, 1].
 
-    With modes sigma (2,) holds the directions of v_x and v_y. Without them sigma (1,) holds that of q_1', and each
-    station moves along with it, across its own arm.
+    With modes sigma (2,) has the directions of v_x and v_y. Without modes sigma (1,) has the direction of q_1': each
+    station moves with it, perpendicular to its arm.
     """
     for i in range(P.shape[0]):
         x, y = P[i, 0], P[i, 1]
@@ -61,13 +63,13 @@ def aim(P, pivot, modes, sigma, anchors):
 
 @part(inline=True)
 def load(q, v, sigma, w, totals, Q):
-    """Fill Q (n + 1,) with the generalised forces of the medium and totals (3, 3) as in `law`; sigma as in `aim`."""
+    """Fill Q (n + 1,) with generalised forces of the medium, and totals (3, 3) as in `law`; sigma: see `aim`."""
     load_at(math.cos(q[0]), math.sin(q[0]), q, v, sigma, w, totals, Q)
 
 
 @part(inline=True)
 def load_at(c, s, q, v, sigma, w, totals, Q):
-    """`load` with the cosine and the sine of q_1."""
+    """`load`, given the cosine and the sine of q_1."""
     pendulum = w.pendulum[0]
     for i in range(Q.shape[0]):
         Q[i] = 0.0
@@ -88,7 +90,7 @@ def load_at(c, s, q, v, sigma, w, totals, Q):
 
 @part
 def drag(q, v, w):
-    """Let the anchors follow after an accepted step."""
+    """Move the anchors after an accepted step (return mapping)."""
     for r in range(w.lines.shape[0]):
         first, n = stations_of(w, r)
         P, V = piece(w.room, 0, n), piece(w.room, 1, n)
@@ -98,5 +100,5 @@ def drag(q, v, w):
 
 @kernel(allocates=True)
 def rest(q, geometry, anchors):
-    """Put the anchors (n, 2) m of a line where its stations are: no bristle is stretched."""
+    """Put the anchors (n, 2) m of a line at its stations, so that no bristle is deflected."""
     modal_stations(q, np.zeros_like(q), geometry, anchors, np.empty_like(anchors))

@@ -1,7 +1,7 @@
-"""Right-hand side of the modal pendulum, and the regime of its static law: what slips which way, and what sticks.
+"""Right-hand side of the modal pendulum, and the regime of its static law: components that slip, and that stick.
 
-State y: q (n + 1,), q' (n + 1,), work of the medium so far (J), work of the internal damping so far (J).
-Regime s: direction -1 or 1 of each component that slips, 0 of one that sticks; see `slip`.
+State y: q (n + 1,), q' (n + 1,), work of the medium so far (J), work of the internal damping so far (J). Regime s:
+direction -1 or 1 of each component that slips, 0 of each that sticks; see `slip`.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from granular_contact.engines.modal.kernels.slip import along, slip_bias, slip_r
 from granular_contact.jit.compiled import kernel, part
 from granular_contact.jit.memory import clear, copy, piece, room1, room2, rows
 
-BOUND_SLACK = 1e-6  # by which a multiplier may pass its bound before the component slips
+BOUND_SLACK = 1e-6  # a multiplier may exceed its bound by this before the component slips
 
 
 @kernel
@@ -50,7 +50,7 @@ def rates(y, s, w, sigma, totals, dy):
 
 @part
 def margins(y, s, w, margin):
-    """Fill margin with how far each component is from the end of its regime: negative beyond it."""
+    """Fill margin with the distance of each component from the end of its regime; negative beyond the end."""
     m = w.pendulum[0].modes + 1
     q, v = rows(y, 0, m), rows(y, m, m)
     g, sigma = rows(room1(2), 0, s.shape[0]), rows(room1(2), 0, s.shape[0])
@@ -72,7 +72,7 @@ def margins(y, s, w, margin):
 
 @kernel
 def follow(y, s, w):
-    """Above the surface the regime is the direction of motion; whether it changed."""
+    """Above the surface, set the regime to the direction of motion; return whether it changed."""
     m, changed = w.pendulum[0].modes + 1, False
     g = rows(room1(2), 0, s.shape[0])
     if slip_velocity(rows(y, 0, m), rows(y, m, m), w, g):
@@ -86,9 +86,10 @@ def follow(y, s, w):
 
 @part
 def violation(y, s, open_, w):
-    """How badly a regime contradicts itself, 0 if it does not; open_ (components,): 1 of those that may change, else 0.
+    """Contradiction of a regime with the motion that it causes, 0 for none.
 
-    A component that sticks must be held within the bound; one that slips from rest must gather speed its way.
+    A component that sticks must be held within the bound. One that slips from rest must accelerate in its direction.
+    open_ (components,): 1 for components that may change, else 0.
     """
     m = w.pendulum[0].modes + 1
     q, v, count = rows(y, 0, m), rows(y, m, m), s.shape[0]
@@ -110,10 +111,11 @@ def violation(y, s, open_, w):
 
 @kernel
 def decide(y, s, stopped, w):
-    """Choose the regime to go on with, in s, where some components stopped or sticking ones passed their bound.
+    """Choose the next regime s, after components stopped, or sticking components passed their bound.
 
-    stopped (components,): which ones are known to stand still. Of the regimes that are free of contradiction the one
-    that sticks most is taken; the velocity of what sticks is set to zero exactly.
+    stopped (components,): components that are known to stand still. Among the regimes without contradiction the one
+    with most sticking components is chosen, else the regime with the least contradiction. The velocity of sticking
+    components is set to zero exactly.
     """
     m, count = w.pendulum[0].modes + 1, s.shape[0]
     g, open_ = rows(room1(2), 0, count), rows(room1(2), 0, count)
@@ -123,26 +125,26 @@ def decide(y, s, stopped, w):
         open_[c] = s[c] == 0.0 or stopped[c] or abs(g[c]) <= 2.0 * w.pendulum[0].still
         best[c] = s[c]
     for code in range(3**count):
-        rest, allowed = code, True
+        digits, allowed = code, True
         for c in range(count):
-            option = float(rest % 3)
+            option = float(digits % 3)
             option = option if option < 2.0 else -1.0
-            rest //= 3
+            digits //= 3
             allowed = allowed and (open_[c] != 0.0 or option == 1.0)
             trial[c] = option if open_[c] != 0.0 else np.sign(g[c])
         if not allowed:
             continue
-        found = violation(y, trial, open_, w)
-        if found < least:
+        contradiction = violation(y, trial, open_, w)
+        if contradiction < least:
             copy(best, trial)
-            least = found
+            least = contradiction
     copy(s, best)
     halt(y, s, w)
 
 
 @part
 def halt(y, s, w):
-    """Take the last round-off of speed from the components that stick: q' less M^-1 J^T (J M^-1 J^T)^-1 g."""
+    """Remove round-off speeds of sticking components, one by one: q' less M^-1 J^T (J M^-1 J^T)^-1 g."""
     m = w.pendulum[0].modes + 1
     q, v = rows(y, 0, m), rows(y, m, m)
     if m == 1:

@@ -1,9 +1,8 @@
-"""One step of an explicit Runge-Kutta pair of order 5(4) for the modal pendulum, with its interpolant of order 4.
+"""Embedded Runge-Kutta pair of order 5(4) for the modal pendulum, with an interpolant of order 4.
 
-Tsitouras (2011), with his interpolant: a link in sand takes a tenth fewer evaluations than by the pair of Dormand and
-Prince (1980), and its motion has half the error.
-
-It has seven stages, of which the last is the first of the next step.
+The pair and its interpolant are those of Tsitouras (2011). For a link in sand it takes a tenth fewer evaluations than
+the pair of Dormand and Prince (1980), with half the error of the motion. It has seven stages; the last is the first
+stage of the next step.
 """
 
 from __future__ import annotations
@@ -63,7 +62,7 @@ TSITOURAS = Pair(_A, _ERROR, _DENSE)
 
 @part
 def step(pair, y, h, s, w, k, sigma, totals, end):
-    """From y, with k[0] = y' there, fill the slopes k (7, size) and the state `end` after h (s)."""
+    """From y, with k[0] = y' there, fill the slopes k (STAGES, size) and the state `end` after a step h (s)."""
     for stage in range(1, STAGES):
         for i in range(y.shape[0]):
             slope = 0.0
@@ -75,21 +74,21 @@ def step(pair, y, h, s, w, k, sigma, totals, end):
 
 @part
 def error(pair, h, k, allowed):
-    """Largest estimated error of a step over what is `allowed` (coordinates and rates,) for it."""
+    """Largest ratio of the estimated error of a step to the error allowed; allowed: (coordinates and rates,)."""
     worst = 0.0
     for i in range(allowed.shape[0]):
         estimate = 0.0
         for stage in range(STAGES):
             estimate += pair.error[stage] * k[stage, i]
         ratio = abs(h * estimate) / allowed[i]
-        if not ratio <= worst:  # a NaN gets through, too
+        if not ratio <= worst:  # true for NaN, too
             worst = ratio
     return worst
 
 
 @part
 def interpolant(pair, y, h, k, C):
-    """Fill C (5, size) with the coefficients of the step as a polynomial in theta = (t - t_0) / h."""
+    """Fill C (5, size) with the coefficients of a step as a polynomial in theta = (t - t_0) / h."""
     for i in range(y.shape[0]):
         C[0, i] = y[i]
         for power in range(4):
@@ -101,7 +100,7 @@ def interpolant(pair, y, h, k, C):
 
 @part
 def inside(C, theta, y):
-    """Fill y with the state at theta in [0, 1] of a step; C (any number, size)."""
+    """Fill y with the state at theta in [0, 1] of a step; C (powers, size)."""
     for i in range(y.shape[0]):
         y[i] = 0.0
         for power in range(C.shape[0] - 1, -1, -1):

@@ -1,14 +1,15 @@
-"""The true sign of the static resistance: which way the pendulum slips, and the force that holds what has stopped.
+"""Coulomb-like static resistance with its true sign: directions of slip, and multipliers of components that stick.
 
-The medium looks at one point, the middle of the immersed segment (where the source paper lets its force act), and at
-each velocity component there for itself. With g_c = J_c(q) q' that component (c = x, y; without modes there is only
-q_1' itself, as all points turn round together) and Q_c the generalised force of the whole static term at its bound:
+The static law considers one point, the middle of the immersed segment, at which the source paper applies its force; and
+the two velocity components of that point, each by itself. Without modes the only component is q_1', as all points
+rotate together. With the component g_c = J_c(q) q' (c = x, y) and the generalised force Q_c of the whole static term at
+its bound:
 
     slip     Q = sigma_c Q_c,  sigma_c = sgn(g_c)
     stick    g_c' = J_c M^-1 (h + Q) + J_c' q' = 0 gives sigma_c, and it holds while |sigma_c| <= 1
 
-so sigma_c is the Lagrange multiplier of g_c = 0, in units of the bound. Bounds differ between plunging and withdrawing,
-so the multiplier is sought on either side of zero.
+For sticking, sigma_c is thus the Lagrange multiplier of g_c = 0, in units of the bound. Bounds differ between plunging
+and withdrawing, so the multiplier is sought on both sides of zero.
 """
 
 from __future__ import annotations
@@ -25,14 +26,14 @@ from granular_contact.jit.memory import clear, copy, piece, room1, room2, rows
 from granular_contact.sand.kernels.strips import at, halfway, immersed_segment
 from granular_contact.sand.kernels.surface import depth
 
-NONE_HOLDS = 1e30  # multiplier where no static force can hold a component
+NONE_HOLDS = 1e30  # multiplier if no static force can hold a component
 
 
 @part
 def middle(q, w):
-    """Run and place along its stations of the middle of the immersed segment, and whether there is any.
+    """Middle of the immersed segment: its line, its place along the stations, and whether any line is immersed.
 
-    Of several immersed lines the last counts, the flexible link; if none is, the deepest station.
+    If several lines are immersed, the last one is taken, the flexible link; if none is, the deepest station.
     """
     line, place, deepest = 0, 0.0, -np.inf
     for r in range(w.lines.shape[0] - 1, -1, -1):
@@ -51,7 +52,7 @@ def middle(q, w):
 
 @part
 def slip_velocity(q, v, w, g):
-    """Fill g with the velocity components that the static law looks at; whether anything is immersed."""
+    """Fill g with the velocity components of the static law; return whether any line is immersed."""
     r, place, immersed = middle(q, w)
     if q.shape[0] == 1:
         g[0] = v[0]
@@ -65,7 +66,7 @@ def slip_velocity(q, v, w, g):
 
 @part
 def slip_rows(q, w, J):
-    """Fill J (components, n + 1 or more), so that g = J q'."""
+    """Fill J (components, at least n + 1), so that g = J q'."""
     if q.shape[0] == 1:
         J[0, 0] = 1.0
         return
@@ -85,7 +86,7 @@ def slip_rows(q, w, J):
 
 @part
 def along(J, c, v):
-    """J_c v of row c of J and v (n + 1,)."""
+    """Product J_c v of row c of J and v (n + 1,)."""
     total = 0.0
     for k in range(v.shape[0]):
         total += J[c, k] * v[k]
@@ -94,24 +95,24 @@ def along(J, c, v):
 
 @part
 def slip_bias(q, v, w, bias):
-    """Fill bias with J' q', by central differences along the motion; the middle itself moves along the link."""
+    """Fill bias with J' q', by central differences along the motion, in which the middle moves along the link, too."""
     clear(bias)
     if q.shape[0] == 1:
         return
-    there, moved, time = room1(2), rows(room1(MOST), 0, q.shape[0]), 1e-6 / max(1.0, abs(v[0]))
+    velocity, moved, time = room1(2), rows(room1(MOST), 0, q.shape[0]), 1e-6 / max(1.0, abs(v[0]))
     for side in (1.0, -1.0):
         for k in range(q.shape[0]):
             moved[k] = q[k] + side * time * v[k]
-        slip_velocity(moved, v, w, there)
+        slip_velocity(moved, v, w, velocity)
         for c in range(2):
-            bias[c] += side * there[c]
+            bias[c] += side * velocity[c]
     for c in range(2):
         bias[c] /= 2.0 * time
 
 
 @part
 def solve_small(A, b, count):
-    """Solution of the leading count x count part of A x = b; beyond all bounds where friction can't act."""
+    """Solution of the leading count x count part of A x = b; NONE_HOLDS where friction cannot act."""
     if count == 1:
         return b[0] / A[0, 0] if A[0, 0] < 0.0 else -np.copysign(NONE_HOLDS, b[0]), 0.0
     det = A[0, 0] * A[1, 1] - A[0, 1] * A[1, 0]
@@ -122,7 +123,7 @@ def solve_small(A, b, count):
 
 @part
 def hold_rigid(q, v, h, s, w, sigma):
-    """`hold` without modes, where one component sticks: the bound pulls against what is to be held."""
+    """`hold` without modes, for the one component: the static force at its bound opposes the force to be held."""
     copy(sigma, s)
     if s[0] != 0.0:
         return
@@ -138,9 +139,9 @@ def hold_rigid(q, v, h, s, w, sigma):
 
 @part
 def hold(q, v, h, s, w, sigma):
-    """Fill sigma from the directions s, where 0 stands for a component that sticks: its multiplier is found.
+    """Fill sigma with the directions s, and with the multiplier of each component that sticks (s = 0).
 
-    h: generalised forces other than those of the medium. With modes; without them `hold_rigid` does the same.
+    h: generalised forces other than those of the medium. For a pendulum with modes; else see `hold_rigid`.
     """
     copy(sigma, s)
     if s[0] == 0.0 or s[1] == 0.0:
@@ -149,7 +150,7 @@ def hold(q, v, h, s, w, sigma):
 
 @part
 def multipliers(q, v, h, s, w, first, count, sigma):
-    """Those of `count` components, from the `first` on, that stick."""
+    """Fill sigma with the multipliers of `count` sticking components, from component `first` on."""
     m = q.shape[0]
     J, bias, totals, A, b = room2(2, MOST), room1(2), room2(3, 3), room2(2, 2), room1(2)
     Q, free, pull, probe = rows(room1(MOST), 0, m), rows(room1(MOST), 0, m), rows(room1(MOST), 0, m), room1(2)
