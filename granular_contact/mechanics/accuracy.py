@@ -28,7 +28,7 @@ from granular_contact.scene.stiff import LEAST_BOW
 from granular_contact.scene.types import Vector
 
 STEP_ERROR = 5e-3  # of the path length
-CREEP = 5e-3  # of the path length: what is still to come when a run ends at rest
+CREEP = 5e-3  # of the path length: motion that is left when a run ends at rest
 UNKNOWN = 0.1  # of the energy: with a larger uncertainty of the work the computed motion is another one
 FEWEST_STEPS = 8  # steps from the touch to the deepest point
 ROUGH_BEAM = 0.05  # of the path length: jumps of curvature times an element's length squared; the error is smaller

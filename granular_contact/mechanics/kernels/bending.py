@@ -1,4 +1,4 @@
-"""Elastic and damping moment between two rigid elements of a link that bends, by their relative rotation.
+"""Elastic and damping moment between two rigid elements of a flexible link, by their relative rotation.
 
 With the rotation vector t from the reference configuration, the angle s = |t| and the relative angular velocity w, all
 in the frame of the joint,

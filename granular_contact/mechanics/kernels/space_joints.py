@@ -13,8 +13,8 @@ at s = 0 and jumps at s = pi, where the shortest way back changes. The damper of
 its part normal to a adds -c (w_C - w_P - a ds/dt). `joint_laws` gives forces along s. Arguments as in `joint_loads`,
 with records of JOINT. Two more kinds connect the rigid elements of a flexible link:
 
-    elastic      link that bends: the moment of `bending` for the rotation vector s a
-    stretching   link that stretches too: also the force -(k s + d s') with s along the parent's x
+    elastic      flexible link: the moment of `bending` for the rotation vector s a
+    stretching   flexible link that stretches: also the force -(k s + d s') with s along the parent's x
 """
 
 from __future__ import annotations

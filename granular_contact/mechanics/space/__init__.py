@@ -1,6 +1,5 @@
-"""Mechanisms in space in the engine: rigid bodies with Euler parameters and joints between them.
+"""Mechanisms in space: rigid bodies with Euler parameters, joints between them, flexible links of such bodies.
 
-build         Scene -> System: bodies, joints, what acts in them, the granular load
 system        the System in space, with the handles of its bodies
 coordinates   coordinates of hinges, sliders and ball joints, along which springs, stops, friction and drives act
 kinematics    positions, orientations, rates of bodies and joints along a trajectory
