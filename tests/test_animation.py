@@ -387,5 +387,5 @@ def test_mp4_without_ffmpeg_is_refused_before_the_run(
     assert cli.main(["run", config, "--animate-mp4", "--out", str(tmp_path / "r")]) == 2
     assert capsys.readouterr().err.count("\n") == 1
     assert not (tmp_path / "r").exists()
-    with pytest.raises(OSError, match="no ffmpeg"):
+    with pytest.raises(OSError, match="needs ffmpeg, which is not on the path"):
         film.write(filmed(), tmp_path / "a.mp4")

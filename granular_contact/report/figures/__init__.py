@@ -1,16 +1,16 @@
-"""Results -> figures at the size journals print them: time series one column wide, the mechanism two columns wide.
+"""Figures of results at the size of print: time series one column wide, the mechanism two columns wide.
 
-style    style                      sizes, colours, matplotlib's settings; the units of axes are those of `report.units`
-series   panels                     panels over time, and what is marked in them
-         over_time                  their figures, of a run, of several runs, of columns by name
+style    style                      sizes, colours and settings of matplotlib; units of axes are in `report.units`
+series   panels                     panels over time, with marks of touch and stop
+         over_time                  figures of such panels: of a run, of several runs, of columns by name
          contacts, space_views      contacts and footprints; views in space
-         depth_buffer               bodies as they are seen from one side
-picture  outlines                   edges and depths, and what the hinges are called
-         mechanism                  windows on the plane, and their figure
-film     stage, animation           a view to scale, pictures on it
-         rendering, film            pictures in space, shaded; GIF and MP4
-studies  laws                       a law
-         studies, fits              sweeps, wheels, Sobol indices, seeds, searches; fits
+         depth_buffer               hidden surfaces in views of bodies
+picture  outlines                   edges, fixed points and depths of outlines; hinges
+         mechanism                  figure of the mechanism in the plane
+film     stage, animation           view to scale of a film in the plane; its pictures
+         rendering, film            shaded pictures in space; GIF and MP4
+studies  laws                       forces of a law
+         studies, fits              sweeps, wheels, Sobol indices, ensembles, searches; fits
 """
 
 from __future__ import annotations
@@ -33,13 +33,14 @@ from granular_contact.results import Results
 __all__ = ["draw", "figures", "style"]
 
 
-# Of each format what would change from run to run, left out.
+# Metadata of each format that would change from run to run; None leaves them out.
 _UNDATED: dict[str, dict[str, None]] = {"png": {"Software": None}, "pdf": {"CreationDate": None}, "svg": {"Date": None}}
 
 
 def draw(results: Results, directory: Path, formats: Sequence[str] = ("png",)) -> None:
-    """Write every figure that `results` has the columns for to `directory` as NAME.png, and in the other formats asked
-    for, of `report.FORMATS`; one that fails is a `FigureWarning`.
+    """Write every figure that `results` has the columns for to `directory`, as NAME.png and in the given formats.
+
+    formats: of `report.FORMATS`. A figure that fails is a `FigureWarning`.
     """
     with style():
         for name, make in makers(results).items():
@@ -51,7 +52,7 @@ def draw(results: Results, directory: Path, formats: Sequence[str] = ("png",)) -
 
 
 def _laid_out(figure: Figure) -> Figure:
-    """The figure with its layout made, once, and not again for each file."""
+    """Lay out a figure once, so that the layout is not repeated for each file."""
     layout = figure.get_layout_engine()
     if layout is not None:
         layout.execute(figure)
@@ -60,12 +61,12 @@ def _laid_out(figure: Figure) -> Figure:
 
 
 def figures(results: Results) -> dict[str, Figure]:
-    """The figures of `results` by name; to be made and drawn within `style()`."""
+    """Make the figures of `results` by name; to be called and drawn within `style()`."""
     return {name: make() for name, make in makers(results).items()}
 
 
 def makers(results: Results) -> dict[str, Callable[[], Figure]]:
-    """What makes each figure of `results`, by name, on Agg canvases; to be called and drawn within `style()`."""
+    """Functions that make the figures of `results`, by name, on Agg canvases; to be called within `style()`."""
     found = groups_of(results.names, results.terms, results.__getitem__) if len(results.table) > 1 else []
     made = of_groups(results, found)
     against = [panel for group in found for panel in group.panels if panel.along]

@@ -1,6 +1,6 @@
-"""Frames -> pictures: the mechanism moving in the sand, with the forces on it, its tip's trace, time and scale.
+"""Pictures of a film in the plane: the mechanism in the sand, with forces, the trace of its tip, time and scale.
 
-All that stands still is drawn once; each picture starts from a copy of it.
+The background is drawn once; each picture starts from a copy of it.
 """
 
 from __future__ import annotations
@@ -40,19 +40,19 @@ Picture = NDArray[np.uint8]
 
 DPI = 100
 STEEL, STEEL_EDGE, TRACE = ("#8FB3CD", "#6C98B8"), "#1F4058", "#00486F"
-HEAD, SHAFT, LEAST_ARROW = 12.0, 4.0, 2.0  # px
-LONGEST_TRACE = 1.0  # of the width
+HEAD, SHAFT, LEAST_ARROW = 12.0, 4.0, 2.0  # length of the head, width of the shaft, least length of an arrow (px)
+LONGEST_TRACE = 1.0  # greatest length of the trace, relative to the width
 _PIN: dict[str, Any] = {**PIN, "markersize": 5.5, "markeredgecolor": STEEL_EDGE, "markeredgewidth": 1.2}
 FONT: dict[str, Any] = {"family": "DejaVu Sans", "color": INK, "fontsize": 8.5}
 
 
 def pictures(results: Results) -> Iterator[Picture]:
-    """A picture (height, width, 3) of each frame."""
+    """Yield a picture (height, width, 3) of each frame."""
     return Film(results, stage_of(results)).pictures(results.frames)
 
 
 def still(results: Results, wide: float, width: int = WIDTH) -> Picture:
-    """A picture of the only frame, so wide (m) and so many px, around the middle of the mechanism."""
+    """Picture of the first frame, centred at the mechanism; wide: width in m; width: in px."""
     low, high = bounds(results.frames)
     height = round(FLATTEST * width) // 2 * 2
     scale = width / wide
@@ -62,10 +62,10 @@ def still(results: Results, wide: float, width: int = WIDTH) -> Picture:
 
 
 class Film:
-    """A figure whose moving artists are drawn over a copy of the ones that stand still."""
+    """Figure whose moving artists are drawn over a copy of the background."""
 
     def __init__(self, results: Results, stage: Stage, *, words: bool = True) -> None:
-        """words: whether name, pace and scale of the arrows are in the picture, too."""
+        """words: whether to write name, pace and scale of the arrows into the pictures."""
         self.results, self.stage = results, stage
         self.largest = strongest(results.frames)
         figure = Figure(figsize=(self.stage.width / DPI, self.stage.height / DPI), dpi=DPI)
@@ -87,7 +87,7 @@ class Film:
         self.background = self.canvas.copy_from_bbox(figure.bbox)
 
     def pictures(self, frames: Sequence[Snapshot]) -> Iterator[Picture]:
-        """Pictures of some of the frames."""
+        """Yield pictures of the given frames."""
         for frame in frames:
             self.canvas.restore_region(self.background)
             self._show(frame)
@@ -96,7 +96,7 @@ class Film:
             yield np.asarray(self.canvas.buffer_rgba())[..., :3].copy()
 
     def _words(self) -> list[Artist]:
-        """Name, pace and scale of forces; drawn in each picture, or the sand in front of bodies would cover them."""
+        """Texts of name, pace and scale of forces; drawn in each picture, because the front sand would cover them."""
         stage, axes = self.stage, self.axes
         name = self.results.name.replace("_", " ")
         words = [
@@ -113,7 +113,7 @@ class Film:
         return [*words, *(self._force_key() if self.largest > 0.0 else ())]
 
     def _force_key(self) -> list[Artist]:
-        """An arrow of a round force, with its number."""
+        """Arrow of a round force, with its number."""
         newton = round_below(self.largest * 0.5)
         tail = _at(self.stage, SIDE, 0.45 * FOOTER)
         vector = arrow_vector(np.array([newton, 0.0]), self.largest, self.stage)
@@ -136,7 +136,7 @@ class Film:
         self.pins = Line2D(*fixed_points(self.results).T, **_PIN)
         moving: list[Artist] = [self.bodies, self.line, self.pins, self.forces, self.clock, self.elapsed]
         if self.results.surface is not None:
-            # The sand in front of what is immersed.
+            # Transparent sand in front of immersed bodies.
             x = np.linspace(stage.left, stage.right, stage.width)
             line = np.column_stack([x, surface_height(self.results.surface, x)])
             corners = np.vstack([[stage.left, stage.bottom], line, [stage.right, stage.bottom]])
@@ -154,7 +154,7 @@ class Film:
         return self.results["time_s"], np.column_stack([self.results["tip_x_m"], self.results[up]])
 
     def _tail(self, until: int) -> int:
-        """Start of the trace that ends at a row: the last part of the path, as long as the picture is wide."""
+        """First row of the trace that ends at a row: the last part of the path, as long as the picture is wide."""
         if until == 0:
             return 0
         begin = self.path[until - 1] - LONGEST_TRACE * (self.stage.right - self.stage.left)
@@ -172,7 +172,7 @@ class Film:
         self.elapsed.set_width(share * (self.stage.right - self.stage.left))
 
     def _arrow(self, force: Force) -> Array | None:
-        """Arrow from the point of application, as long as the force is large; None for one too small to be seen."""
+        """Arrow at the point of application, with a length proportional to the force; None if it is too short."""
         vector = arrow_vector(force.force, self.largest, self.stage)
         if float(np.linalg.norm(vector)) * self.stage.scale < LEAST_ARROW:
             return None
@@ -180,12 +180,12 @@ class Film:
 
 
 def _canvas(figure: Figure) -> Any:
-    """An Agg canvas, whose methods have no types."""
+    """Return an Agg canvas, untyped because its methods have no type annotations."""
     return FigureCanvasAgg(figure)
 
 
 def arrow(tail: Array, tip: Array, stage: Stage) -> Array:
-    """Corners (7, 2) m of an arrow; a short one is all head, and a smaller one."""
+    """Corners (7, 2) m of an arrow; the head of a short arrow is smaller."""
     vector = tip - tail
     length = float(np.linalg.norm(vector)) * stage.scale
     along = vector / max(float(np.linalg.norm(vector)), 1e-300)
@@ -202,7 +202,7 @@ def _arrows(corners: list[Array]) -> PolyCollection:
 
 
 def _at(stage: Stage, x: float, y: float) -> Array:
-    """Point (2,) m at px from the lower left corner."""
+    """Point (2,) m at a distance in px from the lower left corner."""
     return np.array([stage.left + x / stage.scale, stage.bottom + y / stage.scale])
 
 
@@ -221,7 +221,7 @@ def _scale_bar(axes: Axes, stage: Stage) -> list[Artist]:
 
 
 def time_words(seconds: float, end: float) -> str:
-    """An instant of a film that ends at `end` (s); all of them are equally wide."""
+    """Format an instant of a film that ends at `end` (s), with the same width for all instants."""
     unit = unit_for(end, "s")
     digits = 2 if end * unit.factor < 10 else 1 if end * unit.factor < 100 else 0
     number = f"{seconds * unit.factor:.{digits}f}"
@@ -230,7 +230,7 @@ def time_words(seconds: float, end: float) -> str:
 
 
 def pace_words(time: Sequence[float] | Array) -> str:
-    """How fast a film of pictures at these times (s) runs, played at its rate."""
+    """Text on the speed of playback of a film with pictures at these times (s)."""
     factor = pace(time)
     if factor == 1.0:
         return "real time"

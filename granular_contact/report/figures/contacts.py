@@ -12,17 +12,17 @@ from granular_contact.report.histories import Panel
 from granular_contact.report.units import time_unit, unit_for
 from granular_contact.results import Results
 
-MOST_ROWS = 16  # bodies whose contacts are drawn
+MOST_ROWS = 16  # greatest number of bodies whose contacts are drawn
 
 
 def in_contact(results: Results) -> dict[str, list[tuple[float, float]]]:
-    """When (s) each body that met the medium was in it."""
+    """Intervals of contact (s) of each body that touched the medium."""
     labelled = results.summary.get("contacts") or {}
     return {body: [(on, off) for on, off in spans] for body, spans in labelled.items() if spans}
 
 
 def contacts(results: Results, against: list[Panel]) -> Figure:
-    """When bodies are in the medium, where along the surface they are then, and their force against depth."""
+    """Figure of the intervals of contact of bodies, of their footprints along x, and of their force against depth."""
     spans = dict(list(in_contact(results).items())[:MOST_ROWS])
     figure = blank(DOUBLE, max(52.0, 20.0 + 5.0 * len(spans)), layout="constrained")
     panels = figure.subplots(1, 3 if against else 2, squeeze=False)[0]
@@ -49,7 +49,7 @@ def against_depth(results: Results, against: list[Panel]) -> Figure:
 
 
 def _places(results: Results, body: str, spans: list[tuple[float, float]]) -> list[tuple[float, float]]:
-    """Where (m) the centre of a body was at both ends of each contact."""
+    """Position x (m) of the centre of a body at the begin and the end of each contact."""
     if f"{body}_x_m" not in results.names:
         return []
     time, x = results["time_s"], results[f"{body}_x_m"]
@@ -57,7 +57,7 @@ def _places(results: Results, body: str, spans: list[tuple[float, float]]) -> li
 
 
 def _bars(axes: Axes, spans: dict[str, list[tuple[float, float]]], factor: float) -> None:
-    """A row of bars for each body, the first on top."""
+    """Draw a row of bars for each body, the first on top."""
     for i, ones in enumerate(spans.values()):
         bars = [(min(a, b) * factor, max(abs(b - a) * factor, 1e-12)) for a, b in ones]
         axes.broken_barh(bars, (-i - 0.36, 0.72), color=PALETTE[i % len(PALETTE)], alpha=0.75, linewidth=0)
@@ -67,7 +67,7 @@ def _bars(axes: Axes, spans: dict[str, list[tuple[float, float]]], factor: float
 
 
 def _against_depth(axes: Axes, results: Results, panels: list[Panel]) -> None:
-    """Vertical force of the medium against depth, of bodies or of all together."""
+    """Draw the vertical force of the medium against depth, for each body or for the whole mechanism."""
     forces = [panel.curves[0].values(results.__getitem__) for panel in panels]
     depths = [results[panel.along] for panel in panels]
     newton, length = unit_for(np.concatenate(forces), "N"), unit_for(np.maximum(np.concatenate(depths), 0.0), "m")

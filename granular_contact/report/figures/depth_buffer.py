@@ -1,7 +1,7 @@
-"""Bodies as they are seen from one side, what is nearer in front of what is farther, in NumPy alone.
+"""Orthographic picture of bodies with hidden surfaces removed, in NumPy alone.
 
-A depth buffer (Catmull 1974): each pixel keeps the triangle that is nearest to the eye. Flat shading; edges are drawn
-where parts meet and where a surface bends sharply; what is far is paler.
+A depth buffer (Catmull 1974): each pixel keeps the triangle that is nearest to the eye. Shading is flat. Edges are
+drawn between parts and at sharp bends of a surface. Far surfaces are paler.
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ EDGE = 0.35  # share of the colour on edges
 
 
 def seen(triangles: Array, parts: NDArray[np.int64], colour: Array, low: Array, high: Array, pixels: int) -> Array:
-    """Picture (rows, columns, 4) of triangles, the upper row first; what is empty is transparent.
+    """Picture (rows, columns, 4) of triangles, upper row first; empty pixels are transparent.
 
-    triangles: (n, 3, 3) corners across, up and towards the eye (m); parts: (n,) to which part each belongs. colour:
-    red, green, blue. low, high: (2,) corners of the picture (m), which is so many pixels wide.
+    triangles: (n, 3, 3) corners across, up and towards the eye (m); parts: (n,) part of each triangle. colour: red,
+    green, blue. low, high: (2,) corners of the picture (m); pixels: its width.
     """
     scale = pixels / float(high[0] - low[0])
     flat, depth = (triangles[:, :, :2] - low) * scale, triangles[:, :, 2]
@@ -40,7 +40,7 @@ def seen(triangles: Array, parts: NDArray[np.int64], colour: Array, low: Array, 
 
 
 def _nearest(flat: Array, depth: Array, shape: tuple[int, int]) -> tuple[Array, NDArray[np.int64]]:
-    """Of each pixel how near what is seen there is, and which triangle (n, 3, 2) of pixels it is; -1 for none."""
+    """Depth of the nearest triangle at each pixel, and its index, -1 for none; flat: triangles (n, 3, 2) in pixels."""
     near, owner = np.full(shape, -np.inf), np.full(shape, -1)
     first = np.clip(np.floor(flat.min(axis=1)), 0, None).astype(int)
     last = np.minimum(np.ceil(flat.max(axis=1)).astype(int) + 1, (shape[1], shape[0]))
@@ -60,7 +60,7 @@ def _nearest(flat: Array, depth: Array, shape: tuple[int, int]) -> tuple[Array, 
 
 
 def _edges(owner: NDArray[np.int64], parts: NDArray[np.int64], normals: Array) -> NDArray[np.bool_]:
-    """Pixels whose neighbour to the right or above shows another part, nothing, or a facet at a sharp angle."""
+    """Mask of pixels at the border of a part, or between facets at a sharp angle."""
     part = np.where(owner >= 0, parts[owner], -1)
     found = np.zeros(owner.shape, bool)
     for one, other in ((np.s_[:, :-1], np.s_[:, 1:]), (np.s_[:-1], np.s_[1:])):

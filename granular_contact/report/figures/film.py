@@ -1,4 +1,4 @@
-"""Pictures -> a film: GIF by Pillow, MP4 by an ffmpeg on the path."""
+"""Write pictures as a film: GIF by Pillow, MP4 by the program ffmpeg."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ from granular_contact.report.figures.style import INK, VERMILION
 from granular_contact.results import Results
 from granular_contact.results.frames import RATE
 
-COLOURS = 96  # of a GIF, beside those that must not be lost however few pixels have them
+COLOURS = 96  # colours of a GIF, in addition to OURS, which are kept even if few pixels have them
 OURS = (VERMILION, INK, *STEEL, STEEL_EDGE, TRACE, "#FFFFFF")
-LAST = 1600  # ms that the last picture of a GIF stays before it starts again
+LAST = 1600  # ms: time of the last picture of a GIF before it repeats
 
 
 def write(results: Results, file: Path) -> None:
-    """Write the frames of `results` as a film, of the kind that the name of the file says, .gif or .mp4.
+    """Write the frames of `results` as a film; the ending of the file is .gif or .mp4.
 
     Raises
     ------
     OSError
-        The disk refuses, or ffmpeg is missing or fails.
+        The file cannot be written, or ffmpeg is missing or fails.
     """
     make = rendering.pictures if _in_space(results) and rendering.works() else animation.pictures
     _WRITERS[file.suffix](make(results), file)
@@ -39,7 +39,7 @@ _SIDE_VIEW = "the film shows the side view, each part by its convex outline (a C
 
 
 def why_flat(results: Results) -> str:
-    """Why the film of a run in space is no shaded one, in a sentence; empty where it is, and of a run in the plane."""
+    """Reason why the film of a run in space is not shaded; empty if it is shaded, and for a run in the plane."""
     if not _in_space(results) or rendering.works():
         return ""
     if find_spec("pyvista") is None:
@@ -52,7 +52,7 @@ def _in_space(results: Results) -> bool:
 
 
 def _gif(film: Iterator[Picture], file: Path) -> None:
-    """All pictures with one palette, so that each needs to contain only changes."""
+    """Write a GIF with one palette for all pictures, so that each stores only changes."""
     kept = list(film)
     colours = palette(kept)
     frames = (Image.fromarray(one).quantize(palette=colours, dither=Image.Dither.NONE) for one in kept)
@@ -61,7 +61,7 @@ def _gif(film: Iterator[Picture], file: Path) -> None:
 
 
 def palette(kept: list[Picture]) -> Image.Image:
-    """The colours of the style, and those chosen from pictures of the whole film."""
+    """Palette of the colours of the style and colours chosen from pictures of the whole film."""
     some = [kept[i] for i in np.unique(np.linspace(0, len(kept) - 1, 6).astype(int))]
     found = Image.fromarray(np.concatenate(some)).quantize(COLOURS, dither=Image.Dither.NONE)
     ours = [int(colour[i : i + 2], 16) for colour in OURS for i in (1, 3, 5)]
@@ -72,15 +72,15 @@ def palette(kept: list[Picture]) -> Image.Image:
 
 
 def ffmpeg() -> str | None:
-    """The ffmpeg of this machine, None without one."""
+    """Path of the program ffmpeg; None if it is not installed."""
     return shutil.which("ffmpeg")
 
 
 def _mp4(film: Iterator[Picture], file: Path) -> None:
-    """H.264 in the colours that every player takes."""
+    """Write an MP4 (H.264), in a pixel format that every player supports."""
     program = ffmpeg()
     if program is None:
-        raise OSError("there is no ffmpeg on the path, which an MP4 needs; a GIF does not")
+        raise OSError("an MP4 needs ffmpeg, which is not on the path; a GIF does not need it")
     first = next(film)
     height, width, _ = first.shape
     raw = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}", "-r", str(RATE), "-i", "-"]

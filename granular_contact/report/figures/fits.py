@@ -1,4 +1,4 @@
-"""A fit: data with the model and its bands, residuals below; correlations of parameters."""
+"""Figures of a fit: data and model with its bands, residuals, and correlations of parameters."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ from granular_contact.report.figures.style import BLUE, DOUBLE, FAINT, INK, SING
 from granular_contact.report.units import Array, Unit, unit_for
 
 Estimate = tuple[str, float, float]  # of a shared parameter: label, value and standard error
-MOST_RUNS = 24  # that are drawn one by one
+MOST_RUNS = 24  # greatest number of runs with their own figure
 
 
 @dataclass(frozen=True)
 class RunPicture:
     """One run with its measured columns, each in its own unit.
 
-    noise: (columns,), of which `quantile` times contains 95 % of the rows. data, residuals: (n, columns); model,
-    half_width of its 95 % band: (m, columns). time, fine: of the data (n,) and of the curves (m,), s; or what else is
-    on the axis, with label and unit.
+    noise: (columns,); `quantile` times the noise contains 95 % of the rows. data, residuals: (n, columns); model,
+    half_width of its 95 % band: (m, columns). time, fine: abscissa of the data (n,) and of the curves (m,), time (s) or
+    another quantity, with label and unit.
     """
 
     name: str
@@ -49,7 +49,7 @@ class RunPicture:
 
     @property
     def pieces(self) -> list[slice]:
-        """The curve where it runs in one direction: a force test may begin again in the middle of its table."""
+        """Pieces of the curve with increasing abscissa: a table of a force test may contain several trials."""
         back = np.flatnonzero(np.diff(self.fine) < 0.0) + 1
         edges = [0, *back.tolist(), len(self.fine)]
         return [slice(a, b) for a, b in pairwise(edges) if b - a > 1]
@@ -151,9 +151,9 @@ MOST_BINS = 60
 
 
 def _histogram(values: Array) -> tuple[float, Array]:
-    """Half the length of the axis of residuals, and edges of bins, by quantiles: single ones far off change neither.
+    """Half the length of the axis of residuals, and edges of bins, by quantiles, which single outliers do not change.
 
-    Bins are as wide as Freedman and Diaconis (1981) have them, 2 IQR / n^(1/3).
+    The width of bins is that of Freedman and Diaconis (1981), 2 IQR / n^(1/3).
     """
     quarter, three, far = np.quantile(np.append(values, -values), [0.25, 0.75, 0.99])
     most = max(LEAST, TIMES * float(far))

@@ -1,4 +1,4 @@
-"""One law: its force against depth, speed and direction of motion."""
+"""Figure of a law: its force against depth, speed and direction of motion."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The mechanism at touch, at its deepest and at the end, to scale, in the sand, in views of the plane."""
+"""Figure of the mechanism in the plane at touch, at its deepest and at the end, to scale, in the sand."""
 
 from __future__ import annotations
 
@@ -45,9 +45,9 @@ _PIVOT: dict[str, Any] = {**PIN, "markersize": 4.5, "markeredgecolor": INK, "mar
 
 
 def mechanism(results: Results) -> Figure:
-    """The mechanism at touch, at its deepest and at the end, one over the other; beside it the immersed part enlarged.
+    """Figure of the mechanism at touch, at its deepest and at the end, with the immersed part enlarged beside it.
 
-    Overlaid and not side by side, as a link turns by a few degrees only: three pictures would look the same.
+    The three poses are overlaid, because a link turns by a few degrees only: three pictures would look the same.
     """
     whole = whole_view(results)
     tip = tip_view(results)
@@ -74,7 +74,7 @@ def mechanism(results: Results) -> Figure:
 
 
 def _scene(axes: Axes, results: Results, unit: Unit, view: View) -> None:
-    """Sand and all snapshots within `view`, to scale."""
+    """Draw sand and all snapshots within `view`, to scale."""
     axes.set(xlabel=f"x ({unit.name})", ylabel=f"y ({unit.name})")
     axes.grid(False)
     axes.locator_params(nbins=6)
@@ -90,7 +90,7 @@ def _scene(axes: Axes, results: Results, unit: Unit, view: View) -> None:
 
 
 def _sand(axes: Axes, results: Results, view: View, unit: Unit) -> None:
-    """The medium below its surface, with decorative grains; its layers, and the floor."""
+    """Draw the medium below its surface, with decorative grains, layers and floor."""
     surface = results.surface
     if surface is None:
         return
@@ -113,12 +113,12 @@ def _sand(axes: Axes, results: Results, view: View, unit: Unit) -> None:
 
 
 def _pose(shot: Snapshot) -> dict[str, Any]:
-    """The mechanism in this snapshot."""
+    """Patch style of the mechanism in a snapshot."""
     return _POSES.get(shot.label, _POSES["touch"])
 
 
 def _caption(results: Results, shot: Snapshot) -> str:
-    """Which snapshot, when, and the angle of the pivot then."""
+    """Name and time of a snapshot, and the angle of the pivot."""
     words = f"{shot.label}: {instant(results, shot.time)}"
     pivot = next((hinge for hinge in hinges_of(results) if hinge.on_ground), None)
     if pivot is None or not len(results.table):
@@ -129,13 +129,13 @@ def _caption(results: Results, shot: Snapshot) -> str:
 
 
 def _outline_view(axes: Axes, view: View, unit: Unit) -> None:
-    """A thin frame where the enlarged view lies."""
+    """Draw a thin frame around the enlarged view."""
     corner, size = view.low * unit.factor, view.size * unit.factor
     axes.add_patch(Rectangle(tuple(corner), *size, fill=False, edgecolor=INK, linewidth=0.5, zorder=7))
 
 
 def _dimension_depth(axes: Axes, results: Results, unit: Unit) -> None:
-    """The largest depth as a drawing dimensions it: extension line, double arrow and number beside the body."""
+    """Dimension the largest depth as in a drawing: extension line, double arrow and number beside the body."""
     deepest = deepest_point(results)
     if deepest is None:
         return
@@ -153,7 +153,7 @@ def _dimension_depth(axes: Axes, results: Results, unit: Unit) -> None:
 
 @dataclass(frozen=True)
 class View:
-    """A window on the plane: its lower left and upper right corner (2,) m, world frame."""
+    """A rectangular window on the plane: lower left and upper right corner (2,) m, world frame."""
 
     title: str
     low: Array
@@ -165,7 +165,7 @@ class View:
         return self.high - self.low
 
     def grown(self, share: float) -> View:
-        """The view with a margin, a fraction of its larger side."""
+        """The view with a margin; share: of its larger side."""
         margin = share * self.size.max()
         return View(self.title, self.low - margin, self.high + margin)
 
@@ -183,7 +183,7 @@ class Panel:
     view: View
 
     def showing(self, other: View) -> Panel:
-        """The same axes with a view that takes in the other view too."""
+        """The same axes with a view that contains the other view as well."""
         view = self.view
         both = View(view.title, np.minimum(view.low, other.low), np.maximum(view.high, other.high))
         if np.array_equal(both.size, view.size):
@@ -192,7 +192,7 @@ class Panel:
 
 
 def whole_view(results: Results) -> View:
-    """Everything drawn, and a strip of sand under it."""
+    """View of the whole mechanism in all snapshots, with a strip of sand."""
     points = np.concatenate([edge(outline) for shot in results.snapshots for outline in shot.outlines])
     low, high = points.min(axis=0), points.max(axis=0)
     take_in(results.surface, low, high, 0.05)
@@ -200,7 +200,7 @@ def whole_view(results: Results) -> View:
 
 
 def tip_view(results: Results) -> View | None:
-    """What is under the surface in any snapshot, with room for the dimension; None if nothing is."""
+    """View of the immersed part in all snapshots, with space for the dimension; None if nothing is immersed."""
     deepest = deepest_point(results)
     if results.surface is None or deepest is None:
         return None
@@ -219,7 +219,7 @@ def tip_view(results: Results) -> View | None:
 
 
 def side_by_side(views: list[View], legend_rows: int) -> tuple[Figure, list[Panel]]:
-    """A figure with one panel a view, side by side, to the same height and as wide as the page; views fill panels."""
+    """Figure with one panel per view, side by side with equal height, as wide as the page; views fill their panels."""
     left, right, top, below, gap = 12.5, 2.5, 6.0, 12.0 + LEGEND_ROW * legend_rows, 15.0  # mm
     page = DOUBLE if len(views) > 1 else SINGLE
     aspects = np.array([np.clip(view.size[0] / view.size[1], 0.75, 2.2) for view in views])

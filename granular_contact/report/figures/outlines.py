@@ -1,4 +1,4 @@
-"""Outlines of the mechanism: edges, points that stay fixed, what is below the surface and how deep; names of hinges."""
+"""Geometry of outlines of the mechanism: edges, fixed points, immersed points, the deepest point; hinges of a run."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from granular_contact.report.units import Array
 from granular_contact.results import Outline, Results, Snapshot
 from granular_contact.results.frames import surface_height
 
-NEAR = 4.0  # depths
-SHARPEST = 3.0  # a corner sticks out by at most so many half diameters
+NEAR = 4.0  # distance from the deepest point, in depths, up to which points are shown in the enlarged view
+SHARPEST = 3.0  # greatest length of a mitre at a corner, in half diameters
 
 
 def edge(outline: Outline) -> Array:
-    """Closed edge (m, 2) m of an outline; a bar's is its line moved to either side by half the diameter."""
+    """Closed edge (m, 2) m of an outline; the edge of a bar is its axis offset to both sides by half the diameter."""
     points, radius = outline.points, outline.diameter / 2
     if len(points) == 1:
         turn = np.linspace(0, 2 * np.pi, 65)[:-1]
@@ -31,7 +31,7 @@ def edge(outline: Outline) -> Array:
 
 
 def is_closed(outline: Outline) -> bool:
-    """Whether an outline is that of an area."""
+    """Return whether an outline bounds an area."""
     return len(outline.points) > 3 and bool(np.array_equal(outline.points[0], outline.points[-1]))
 
 
@@ -52,7 +52,7 @@ def draw_bed(
 
 
 def _normals(points: Array) -> Array:
-    """Left normals (n, 2) of a line, longer at its corners so that the bar keeps its width on both sides of them."""
+    """Left normals (n, 2) of a line, with mitres: longer at corners, so that the width of the bar stays constant."""
     along = np.diff(points, axis=0)
     along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-300)
     left = np.column_stack([-along[:, 1], along[:, 0]])
@@ -62,27 +62,27 @@ def _normals(points: Array) -> Array:
 
 
 def _dense(ring: Array) -> Array:
-    """Points along a closed edge, fifty to a side."""
+    """Points along a closed edge, fifty per side."""
     share = np.linspace(0, 1, 50)[None, :, None]
     return np.asarray((ring[:, None] * (1 - share) + np.roll(ring, -1, axis=0)[:, None] * share).reshape(-1, 2))
 
 
 def submerged(shot: Snapshot, surface: ArrayLike) -> Array:
-    """Points (k, 2) m of the edges that lie below the surface."""
+    """Points (k, 2) m on edges below the surface."""
     points = np.concatenate([_dense(edge(outline)) for outline in shot.outlines])
     return np.asarray(points[points[:, 1] < surface_height(surface, points[:, 0])])
 
 
 def around(points: Array, x: float, depth: float) -> Array:
-    """Points (k, 2) near x (m), where their distances are large against the depth (m), as of a walker's feet."""
+    """Restrict points (k, 2) to those near x (m), if they spread widely compared with the depth (m), as feet do."""
     if not len(points) or np.ptp(points[:, 0]) <= 2 * NEAR * depth:
         return points
     return np.asarray(points[np.abs(points[:, 0] - x) <= NEAR * depth])
 
 
 def fixed_points(results: Results) -> Array:
-    """Points (k, 2) m that nothing moves: ground hinges; where nothing moved, the first point of a hinged model."""
-    # In space the outlines of a film have other points than those of snapshots.
+    """Points (k, 2) m that stay fixed, as hinges on the ground; if nothing moves, the first point of a hinged model."""
+    # In space the outlines of frames have other points than those of snapshots.
     pictures = [*results.frames] or [*results.snapshots]
     if not pictures:
         return np.zeros((0, 2))
@@ -102,8 +102,9 @@ def fixed_points(results: Results) -> Array:
 
 @dataclass(frozen=True)
 class Deepest:
-    """The deepest point: x (m), height of the surface there (m), depth (m), the side (+1 or -1 along x) with room, and
-    where the body ends there (m).
+    """The deepest point: x (m), height of the surface there (m) and depth (m).
+
+    side: +1 or -1, direction along x with free space for a dimension; clear: x of the end of the body on this side (m).
     """
 
     x: float
@@ -114,7 +115,7 @@ class Deepest:
 
 
 def deepest_point(results: Results) -> Deepest | None:
-    """Of all snapshots, the point at the largest depth on record (on a bar's centre line or a disc's rim)."""
+    """Find the point of the largest depth in all snapshots (on the axis of a bar, or the rim of a disc)."""
     depth, surface = results.summary.get("max_depth_m"), results.surface
     if surface is None or depth is None or not depth > 0 or not results.snapshots:
         return None
@@ -141,7 +142,7 @@ class Hinge:
 
 
 def hinges_of(results: Results) -> list[Hinge]:
-    """The hinges, in the order of the columns."""
+    """Hinges of a run, in the order of the columns."""
     names = {column.name for column in results.columns}
     rates = ((column, column.name.replace("_angle_deg", "_rate_rad_s")) for column in results.columns)
     return [

@@ -1,4 +1,4 @@
-"""Figures over time: panels of `report.histories`, as the page shows them, of one run or of several on one clock."""
+"""Figures over time: panels of `report.histories`, of one run or of several on a common time axis."""
 
 from __future__ import annotations
 
@@ -21,19 +21,19 @@ from granular_contact.report.units import label, split
 from granular_contact.results import Results
 
 PANEL = 31.0  # mm
-WIDEST = 20  # letters of a line beside a panel
-MOST_NAMED = 6  # curves of a panel with a name and a colour of their own
-BENT = ("deflection", "twist", "greatest strain")  # how panels of links that bend begin
-NOT_DRAWN = ("speed of sliders",)  # of many panels of joints
+WIDEST = 20  # greatest number of letters in a line beside a panel
+MOST_NAMED = 6  # greatest number of curves in a panel that all have a label
+BENT = ("deflection", "twist", "greatest strain")  # beginning of the titles of panels of flexible links
+NOT_DRAWN = ("speed of sliders",)  # panels of the page that the figures leave out
 
 
 def of_groups(results: Results, groups: Sequence[Group]) -> dict[str, Callable[[], Figure]]:
-    """What makes each figure over time of a run, by name: one for each group of panels, one of links that bend."""
+    """Functions that make the figures over time of a run, by name: one for each group, and one of flexible links."""
     return {name: partial(stack, shown, results.__getitem__, results) for name, shown in _figures(groups)}
 
 
 def _figures(groups: Sequence[Group]) -> Iterator[tuple[str, list[Panel]]]:
-    """Names of figures and their panels, of all groups but the depth."""
+    """Names of figures and their panels, for all groups but the depth."""
     for group in groups:
         bent = [one for one in group.panels if one.title.startswith(BENT)]
         others = [one for one in group.panels if one not in bent and one.title not in NOT_DRAWN]
@@ -44,9 +44,9 @@ def _figures(groups: Sequence[Group]) -> Iterator[tuple[str, list[Panel]]]:
 
 
 def draw_runs(runs: Sequence[tuple[str, Results]], folder: Path, reference: str = "") -> None:
-    """Draw runs (name and results) into PNG files of a folder, as those of one run with a curve for each.
+    """Draw several runs (name and results) into PNG files in a folder, with a curve for each run.
 
-    reference: the run from which the others are distinguished.
+    reference: name of the reference run, for differences.
     """
     columns = table([history(*run) for run in runs])
     found = panels([name for name, _ in runs], columns, reference)
@@ -57,14 +57,14 @@ def draw_runs(runs: Sequence[tuple[str, Results]], folder: Path, reference: str 
 
 
 def chosen(results: Results, names: Sequence[str]) -> Figure:
-    """A figure of columns over time, chosen by name: those of one unit in one panel.
+    """Figure of the named columns over time, with one panel for each unit.
 
     Raises
     ------
     ValueError
         No column is named.
     KeyError
-        There is no such column.
+        A column does not exist.
     """
     if not names:
         raise ValueError(f"plot() needs the name of a column; there are: {', '.join(results.names)}")
@@ -79,7 +79,7 @@ def chosen(results: Results, names: Sequence[str]) -> Figure:
 
 
 def stack(panels: Sequence[Panel], column: Values, of_run: Results | None = None) -> Figure:
-    """One or more panels under each other; curves of one name look alike. Touch and stop of a run are marked."""
+    """Figure of panels below each other; curves of one label have one style. Touch and stop of `of_run` are marked."""
     figure, axes, time = stacked(column("time_s"), 9.0 + PANEL * len(panels), len(panels))
     looks = _looks(panels)
     named: set[str] = set()
@@ -103,7 +103,7 @@ def stack(panels: Sequence[Panel], column: Values, of_run: Results | None = None
 
 
 def _looks(panels: Sequence[Panel]) -> dict[str, tuple[str, str]]:
-    """Colour and kind of line of each name: distinct ones of a few, from blue to vermilion along a chain."""
+    """Colour and line style of each label: distinct for few labels, a scale from blue to vermilion for many."""
     several = [one.label for panel in panels if len(panel.curves) > 1 for one in panel.curves]
     first = {words: words.split(", ")[0] for words in several}  # of curves that are drawn as one
     names = list(dict.fromkeys(first.values()))
@@ -117,7 +117,7 @@ def _looks(panels: Sequence[Panel]) -> dict[str, tuple[str, str]]:
 
 
 def _crosses_zero(axes: Axes) -> bool:
-    """Whether zero is near the curves."""
+    """Return whether zero is within or near the range of the curves."""
     values = np.concatenate([np.asarray(line.get_ydata(), float) for line in axes.lines])
     low, high = float(np.nanmin(values)), float(np.nanmax(values))
     return low - 0.1 * (high - low) <= 0.0 <= high + 0.1 * (high - low)

@@ -1,7 +1,7 @@
-"""Panels over time: stacked on one time axis, with curves thinned to their visible points, and legends that hide no
-data; touch, stop and how a run without a stop ended are marked in them.
+"""Panels stacked on one time axis, with curves thinned to visible points, and legends that hide no data.
 
-Drawn on an Agg canvas directly, without the cost of importing pyplot.
+Touch and stop, or the end of a run without a stop, are marked. Figures use an Agg canvas directly, without the slow
+import of pyplot.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from granular_contact.report.figures.style import DPI, FAINT, LEGEND_ROW, SINGLE
 from granular_contact.report.units import Array, instant, minus, time_unit, unit_for
 from granular_contact.results import REST_MEASURE, Results
 
-_PANEL, _HANDLE, _LETTER = 72.0, 7.7, 1.1  # widths, mm: of a panel, of what stands by a label in a legend, of a letter
+_PANEL, _HANDLE, _LETTER = 72.0, 7.7, 1.1  # widths (mm) of a panel, of a handle in a legend, of a letter
 
 
 class _Shown(Figure):
@@ -44,7 +44,7 @@ def blank(width: float, height: float, **options: Any) -> Figure:
 
 @contextmanager
 def saved_figure(file: Path, height: float, width: float = SINGLE) -> Iterator[Figure]:
-    """An empty figure (mm) to be drawn, in the style of all, and saved as a PNG in the end; fails as of `drawn`."""
+    """Provide an empty figure (mm) in the common style, which is saved as a PNG when the block ends; see `drawn`."""
     with style(), drawn(file) as making:
         figure = blank(width, height, layout="constrained")
         yield figure
@@ -52,19 +52,19 @@ def saved_figure(file: Path, height: float, width: float = SINGLE) -> Iterator[F
 
 
 def save(figure: Figure, file: Path) -> None:
-    """Write a PNG, without what would change with the version of matplotlib."""
+    """Write a PNG, without the version of matplotlib in its metadata."""
     figure.savefig(file, dpi=DPI, metadata={"Software": None})
 
 
 def column_of(figure: Figure, count: int, **options: Any) -> list[Axes]:
-    """Panels under each other that share their horizontal axis."""
+    """Panels below each other that share their horizontal axis."""
     panels: list[Axes] = list(figure.subplots(count, sharex=True, squeeze=False, **options)[:, 0])
     figure.align_ylabels(panels)
     return panels
 
 
 def stacked(seconds: Array, height: float, count: int) -> tuple[Figure, list[Axes], Array]:
-    """A column of panels that share the time axis, and the times (rows,) in its unit."""
+    """Figure with a column of panels that share the time axis, and the times (rows,) in the unit of the axis."""
     figure = blank(SINGLE, height, layout="constrained")
     panels = column_of(figure, count)
     unit = unit_for(seconds, "s")
@@ -75,14 +75,14 @@ def stacked(seconds: Array, height: float, count: int) -> tuple[Figure, list[Axe
 
 
 def curve(axes: Axes, time: Array, values: Array, colour: str, label: str = "", **line: Any) -> None:
-    """One curve; so few rows that there is no line to see are drawn as dots."""
+    """Draw one curve; fewer than five rows are drawn as dots."""
     rows = thin(time, values)
     marker = "o" if len(rows) < 5 else ""
     axes.plot(time[rows], values[rows], color=colour, label=label, marker=marker, clip_on=not marker, **line)
 
 
 def thin(time: Array, values: Array, bins: int = 700) -> NDArray[np.intp]:
-    """Rows that draw the same curve: first, last, least and greatest of each of `bins` equal spans of `time` (n,)."""
+    """Rows that draw the same curve: first, last, least and greatest in each of `bins` equal spans of `time` (n,)."""
     if len(time) <= 4 * bins:
         return np.arange(len(time))
     starts = np.unique(np.searchsorted(time, np.linspace(time[0], time[-1], bins + 1)[:-1]))
@@ -96,7 +96,7 @@ def thin(time: Array, values: Array, bins: int = 700) -> NDArray[np.intp]:
 
 
 def finish(axes: Axes, words: str, columns: int = 0) -> None:
-    """Label the panel, fit its scale to the curves and, if `columns`, set a legend in room made above them."""
+    """Label the panel, fit its scale to the curves and, unless `columns` is 0, add a legend in space above them."""
     axes.set_ylabel(words)
     values = np.concatenate([np.asarray(line.get_ydata(), dtype=float) for line in axes.lines])
     values = values[np.isfinite(values)]
@@ -114,7 +114,7 @@ def finish(axes: Axes, words: str, columns: int = 0) -> None:
 
 
 def fitting_columns(labels: list[str], most: int) -> int:
-    """As many columns, up to `most`, as a legend of these labels can have within a panel."""
+    """Greatest number of columns, up to `most`, of a legend with these labels within the width of a panel."""
     lengths = [len(label) for label in labels]
     for columns in range(min(most, len(labels)), 1, -1):
         longest = [max(column) for column in np.array_split(lengths, columns)]  # as matplotlib deals them out
@@ -124,7 +124,7 @@ def fitting_columns(labels: list[str], most: int) -> int:
 
 
 def mark_events(results: Results, panels: list[Axes]) -> None:
-    """A thin line at touch, unless the run starts with it, and at the stop, whose time and angle stand above it."""
+    """Mark touch (unless the run starts with it) and stop by thin lines, with time and angle of the stop above."""
     first, last = results["time_s"][[0, -1]]
     factor, stopping = time_unit(results).factor, results.summary.get("stopping_time_s")
     touch = float(first) if results.summary.get("touch_time_s") is None else results.summary["touch_time_s"]
@@ -151,14 +151,14 @@ def _vertical(panels: list[Axes], time: float, kind: Any) -> None:
 
 
 def _above(axes: Axes, share: float, words: str) -> None:
-    """Words above the panel at this share of its width, leaning inwards near its ends."""
+    """Write text above the panel at this share of its width, aligned inwards near the ends."""
     side = "left" if share < 0.3 else "right" if share > 0.7 else "center"
     look: Any = {"xycoords": "axes fraction", "textcoords": "offset points", "ha": side, "fontsize": 7.5}
     axes.annotate(words, (min(share, 1.0), 1.0), (0, 2.5), **look)
 
 
 def _ending(results: Results) -> str:
-    """How a run without a stop ended, in two words."""
+    """Short text on the end of a run without a stop."""
     words = {"failed": "run failed", "interrupted": "interrupted", "time_limit": "out of time"}
     if results.status.code in words:
         return f"{words[results.status.code]} at {instant(results, results['time_s'][-1])}"

@@ -1,6 +1,6 @@
 """Pictures of a motion in space by VTK (pyvista), off-screen: shaded bodies with edges and shadows, on the sand.
 
-The extra `render`. Where it is missing, or no context of OpenGL can be made, `animation` draws the side view.
+They need the extra `render`. Without it, or without OpenGL, `animation` draws the side view instead.
 """
 
 from __future__ import annotations
@@ -46,9 +46,9 @@ _TRIAL = "import pyvista as p; q = p.Plotter(off_screen=True); q.add_mesh(p.Cube
 
 @lru_cache(maxsize=1)
 def works() -> bool:
-    """Whether pyvista is installed and draws off-screen on this machine.
+    """Return whether pyvista is installed and can draw off-screen on this machine.
 
-    It is tried in a process of its own: without a driver VTK may end the process that it is in.
+    It is tried in a separate process, because without a driver VTK may end the process.
     """
     if find_spec("pyvista") is None:
         return False
@@ -56,7 +56,7 @@ def works() -> bool:
 
 
 def pictures(results: Results, width: int = WIDTH, height: int = HEIGHT) -> Iterator[Picture]:
-    """A picture (height, width, 3) of each instant of a run in space, with its name, its pace and the largest force."""
+    """Yield a picture (height, width, 3) of each instant of a run in space, with name, pace and the largest force."""
     motion = results.motion
     assert motion is not None
     stage = Stage(motion, width, height)
@@ -69,7 +69,7 @@ def pictures(results: Results, width: int = WIDTH, height: int = HEIGHT) -> Iter
 
 
 class Stage:
-    """A motion in space in front of a camera, put to one instant after another."""
+    """Scene of a motion in space with camera and lights, which is set to one instant after another."""
 
     def __init__(self, motion: Motion, width: int, height: int) -> None:
         import pyvista
@@ -90,16 +90,16 @@ class Stage:
 
     @property
     def legend(self) -> list[str]:
-        """What the picture is to scale by."""
+        """Texts on the scale of arrows and of the grid."""
         arrows = [f"longest arrow {sized(self._largest, 'N', '.2g')}"] if self._largest > 0.0 else []
         return arrows + ([] if self._height is None else [f"grid {sized(self._step, 'm', 'g')}"])
 
     def close(self) -> None:
-        """Give back the window, which nobody sees."""
+        """Release the off-screen window."""
         self._plotter.close()
 
     def picture(self, k: int) -> Picture:
-        """The picture (height, width, 3) of an instant, by its place in the motion."""
+        """Picture (height, width, 3) of the instant with index k."""
         poses = self._motion.poses[k]
         for i, (mesh, actors) in enumerate(self._bodies):
             if i in self._motion.bent:
@@ -115,7 +115,7 @@ class Stage:
         return np.asarray(self._plotter.screenshot(return_img=True))[..., :3].copy()
 
     def _body(self, i: int) -> tuple[Any, list[Any]]:
-        """Mesh of a part, and what draws its faces and edges."""
+        """Mesh of a part, and the actors of its faces and edges."""
         part = self._motion.parts[i]
         names = list(dict.fromkeys(one.name for one in self._motion.parts))
         k = names.index(part.name)
@@ -130,7 +130,7 @@ class Stage:
         return mesh, actors
 
     def _ground(self) -> None:
-        """The surface of the sand, with lines of a grid; light changes it where it is not level alone."""
+        """Add the surface of the sand, with the lines of a grid; it is shaded only if it is not level."""
         if self._motion.ground is None:
             return
         x, y, z = self._motion.ground
@@ -165,7 +165,7 @@ class Stage:
         self._plotter.enable_anti_aliasing("ssaa")
 
     def _shadows(self, k: int) -> None:
-        """Bodies above the surface, projected on it along the first light."""
+        """Draw shadows: bodies projected onto the surface along the direction of the first light."""
         if self._height is None:
             return
         light, made = np.array(LIGHTS[0][0]), self._pv.MultiBlock()
@@ -191,7 +191,7 @@ class Stage:
         self._renew("forces", made, color=VERMILION, ambient=0.2)
 
     def _renew(self, name: str, made: Any, **look: Any) -> None:
-        """Put meshes in the place of those of this name."""
+        """Replace the meshes of this name."""
         if len(made):
             self._plotter.add_mesh(made.combine(), name=name, reset_camera=False, render=False, **look)
         else:
@@ -199,13 +199,13 @@ class Stage:
 
 
 class _Words:
-    """What is written on all pictures: name, pace and scale; and the time."""
+    """Texts on all pictures: name, pace and scale; and the time."""
 
     def __init__(self, name: str, pace: str, legend: list[str]) -> None:
         self.name, self.pace, self.legend = name, pace, "    ".join(legend)
 
     def on(self, picture: Picture, clock: str) -> Picture:
-        """The picture with the words."""
+        """Write the texts on a picture."""
         height, width, _ = picture.shape
         image = Image.fromarray(picture)
         draw = ImageDraw.Draw(image)
@@ -220,14 +220,14 @@ class _Words:
 
 @lru_cache(maxsize=4)
 def _font(style: str, size: int) -> Any:
-    """A font that matplotlib brings."""
+    """Font that is part of matplotlib."""
     return ImageFont.truetype(Path(matplotlib.get_data_path()) / f"fonts/ttf/DejaVuSans{style}.ttf", size)
 
 
 def opening(place: Array, middle: Array, low: Array, high: Array, ratio: float) -> float:
-    """Angle of view (deg, upright) from a place (3,) m to the middle of a box, in which its corners fill a picture.
+    """Vertical angle of view (deg) of a camera at `place` (3,) m towards `middle`, for which a box fills the picture.
 
-    ratio: of the width of the picture to its height.
+    low, high: corners of the box (3,) m; ratio: width to height of the picture.
     """
     ahead = (middle - place) / np.linalg.norm(middle - place)
     right = np.cross(ahead, (0.0, 0.0, 1.0))
@@ -238,6 +238,6 @@ def opening(place: Array, middle: Array, low: Array, high: Array, ratio: float) 
 
 
 def _bounds(motion: Motion) -> tuple[Array, Array]:
-    """Corners (3,) m of the box that holds all bodies at all instants."""
+    """Corners (3,) m of the box around all bodies at all instants."""
     points = np.concatenate([motion.points(i).reshape(-1, 3) for i in range(len(motion.parts))])
     return points.min(axis=0), points.max(axis=0)

@@ -1,4 +1,4 @@
-"""Views of the mechanism in space, from the side, the front and above, with the footprints of bodies."""
+"""Figure of the mechanism in space from the side, the front and above, with the footprints of bodies."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ PIXELS = 5.0  # of a picture, for each mm of its panel's width
 
 
 def views(results: Results, motion: Motion) -> Figure:
-    """Three views of the mechanism, to scale; in the one from above where bodies are in the medium."""
+    """Figure of three views of the mechanism, to scale; the view from above has the footprints of bodies."""
     each = _most_of_each([0 if part.faces is None else len(part.faces) for part in motion.parts])
     parts = [coarser(part, each) for part in motion.parts]
     named = [(name, colour, alpha, _when(results, motion, name)) for name, colour, alpha in POSES]
@@ -75,7 +75,7 @@ def views(results: Results, motion: Motion) -> Figure:
 
 
 def _most_of_each(numbers: list[int]) -> int:
-    """How many triangles each part may have, so that all with these numbers have MOST at most, but 60 each."""
+    """Greatest number of triangles of a part (at least 60), so that parts with these numbers have MOST in total."""
     left, last = MOST, len(numbers)
     for k, number in enumerate(sorted(numbers)):
         if number * (last - k) > left:
@@ -85,14 +85,14 @@ def _most_of_each(numbers: list[int]) -> int:
 
 
 def _hidden(drawn: list[Array]) -> bool:
-    """Whether the pose in the middle is too near to the first or the last to be seen beside it."""
+    """Return whether the middle pose is too near to the first or the last one to be distinguished."""
     centres = [one.mean(axis=(0, 1)) for one in drawn]
     size = APART * float(np.max(np.ptp(drawn[0], axis=(0, 1))))
     return bool(min(np.linalg.norm(centres[1] - centres[i]) for i in (0, 2)) < size)
 
 
 def _when(results: Results, motion: Motion, name: str) -> int | None:
-    """The picture of an instant by its name; None where it is that of another one or there is none."""
+    """Index of the picture of a named instant; None if it coincides with another one or does not exist."""
     if name == "start":
         return 0
     last = len(motion.time) - 1
@@ -105,7 +105,7 @@ def _when(results: Results, motion: Motion, name: str) -> int | None:
 
 
 def _triangles(motion: Motion, parts: list[Part], k: int) -> Array:
-    """Corners (n, 3, 3) m of all triangles in a picture."""
+    """Corners (n, 3, 3) m of all triangles at the instant with index k."""
     found = []
     for i, part in enumerate(parts):
         if part.faces is not None and len(part.faces):
@@ -115,7 +115,7 @@ def _triangles(motion: Motion, parts: list[Part], k: int) -> Array:
 
 
 def _panels(size: Array) -> tuple[Figure, list[Axes], Axes]:
-    """Side and front view beside each other, the one from above below the first, and room for words beside that."""
+    """Figure with panels: side and front view, the view from above below the first, and axes for the legend."""
     tall = [max(size[2], 0.15 * size[0]), max(size[1], 0.15 * size[0])]
     wide = [size[0], max(size[1], 0.25 * size[0])]
     height = float(np.clip((DOUBLE - 40.0) * sum(tall) / sum(wide) + 34.0, 70.0, 190.0))
@@ -126,7 +126,7 @@ def _panels(size: Array) -> tuple[Figure, list[Axes], Axes]:
 
 
 def _ground(axes: Axes, motion: Motion, across: int, low: Array, high: Array, unit: Unit) -> None:
-    """The section through the surface in the middle of a view, with layers, floor and the walls that stand across."""
+    """Draw the section of the surface in the middle of a view, with layers, floor and the walls normal to it."""
     if motion.ground is None:
         return
     x, y, z = motion.ground
@@ -139,7 +139,7 @@ def _ground(axes: Axes, motion: Motion, across: int, low: Array, high: Array, un
 
 
 def _footprints(axes: Axes, results: Results, unit: Unit) -> list[Any]:
-    """Where the centre of each body was, from above, while it was in the medium; lines for a legend."""
+    """Draw the path of the centre of each body during its contacts, from above; return lines for a legend."""
     time, handles = results["time_s"], []
     spans_of = in_contact(results)
     for i, (body, spans) in enumerate(spans_of.items()):

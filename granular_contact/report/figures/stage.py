@@ -1,4 +1,4 @@
-"""The stage of an animation: a view to scale that fills a picture, with sand under its surface, in pixels."""
+"""Stage of a film in the plane: a view to scale that fills a picture, and the background of sky and sand."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from granular_contact.results import Results, Snapshot
 from granular_contact.results.frames import surface_height, take_in
 
 WIDTH, FLATTEST, TALLEST = 640, 0.53, 1.0  # px; height to width
-HEADER, FOOTER, SIDE = 48, 42, 26  # px kept free of the mechanism
+HEADER, FOOTER, SIDE = 48, 42, 26  # margins without the mechanism (px)
 LONGEST_ARROW = 0.25  # of the height
 SKY, DEEP, LAYER = "#F6F8FA", "#D8C091", 0.9
 SPECKS = (("#CDB27B", 0.03), ("#FBF3E0", 0.02), ("#B4975B", 0.012))  # colours of single grains, and their share
@@ -23,7 +23,7 @@ SPECKS = (("#CDB27B", 0.03), ("#FBF3E0", 0.02), ("#B4975B", 0.012))  # colours o
 
 @dataclass(frozen=True)
 class Stage:
-    """What a picture of `width` x `height` px shows: from left and bottom (m) on, at so many px per m."""
+    """View of a picture of `width` x `height` px: left and lower edge (m), and scale (px per m)."""
 
     left: float
     bottom: float
@@ -43,9 +43,9 @@ class Stage:
 
 
 def stage_of(results: Results, width: int = WIDTH, flattest: float = FLATTEST) -> Stage:
-    """The stage that holds the mechanism and the arrows in all frames, the surface and some sand.
+    """Stage that shows the mechanism and force arrows of all frames, the surface and some sand.
 
-    width in px; its height is at least `flattest` times that.
+    width: px; flattest: least ratio of height to width.
     """
     low, high = bounds(results.frames)
     take_in(results.surface, low, high, 0.1)
@@ -58,7 +58,7 @@ def stage_of(results: Results, width: int = WIDTH, flattest: float = FLATTEST) -
 
 
 def bounds(frames: Sequence[Snapshot]) -> tuple[Array, Array]:
-    """Lower left and upper right corner (2,) m of all that is drawn in any frame."""
+    """Lower left and upper right corner (2,) m of the outlines in all frames."""
     rings = [edge(outline) for frame in frames for outline in frame.outlines]
     low = np.min([ring.min(axis=0) for ring in rings], axis=0)
     high = np.max([ring.max(axis=0) for ring in rings], axis=0)
@@ -83,14 +83,14 @@ def strongest(frames: Sequence[Snapshot]) -> float:
 
 
 def arrow_vector(force: Array, largest: float, stage: Stage) -> Array:
-    """From tail to tip (2,) m of the arrow of a force (2,) N, given the largest of all (N)."""
+    """Vector (2,) m of the arrow of a force (2,) N; largest: force (N) of the longest arrow."""
     return np.asarray(force * (LONGEST_ARROW * stage.height / stage.scale / largest))
 
 
 def backdrop(stage: Stage, results: Results) -> Array:
-    """Sky, and under the surface sand that darkens downwards and with every layer, and the floor.
+    """Background (height, width, 3) from 0 to 1, upper row first: sky, sand and floor.
 
-    (height, width, 3) from 0 to 1, the upper row first.
+    The sand darkens downwards and with every layer.
     """
     picture = np.full((stage.height, stage.width, 3), to_rgb(SKY))
     if results.surface is None:
@@ -111,7 +111,7 @@ def backdrop(stage: Stage, results: Results) -> Array:
 
 
 def _sand(depth: Array, height: int) -> Array:
-    """Colour of the sand at depths (rows, columns) px, with grains strewn in it."""
+    """Colour of the sand at depths (rows, columns) px, with randomly coloured grains."""
     share = np.clip(depth / (0.6 * height), 0.0, 1.0)[:, :, None]
     share = np.round(share * 10) / 10  # few colours, so that a GIF stays small
     picture = np.array(to_rgb(SAND)) * (1 - share) + np.array(to_rgb(DEEP)) * share

@@ -1,4 +1,4 @@
-"""Figures of many runs: searches, ensembles, Sobol indices, numbers of a sweep, and wheels against their slip."""
+"""Figures of many runs: searches, ensembles, Sobol indices, key numbers of a sweep, and wheels against their slip."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ MOST_WORDS = 44  # letters beside an axis
 def draw_history(runs: Sequence[tuple[int, Number]], words: str, greatest: bool, file: Path) -> None:
     """Draw the objective over the runs into a PNG: each run, the best so far, and the spread of each generation.
 
-    runs: generation and value of each run, None of one that failed or broke a constraint; greatest: whether greater
-    is better.
+    runs: generation and value of each run, None for a run that failed or violates a constraint; greatest: whether the
+    objective is maximised.
     """
     with saved_figure(file, 66.0) as figure:
         axes = figure.subplots()
@@ -42,7 +42,7 @@ def draw_history(runs: Sequence[tuple[int, Number]], words: str, greatest: bool,
 
 
 def _spread(axes: Axes, generations: Array, values: Array) -> None:
-    """The band between the quartiles of each generation."""
+    """Draw the band between the quartiles of each generation."""
     for i, generation in enumerate(np.unique(generations)):
         there = np.flatnonzero(generations == generation)
         known = values[there][np.isfinite(values[there])]
@@ -59,9 +59,9 @@ def draw_parameters(
     best: int | None,
     file: Path,
 ) -> None:
-    """Draw the numbers that each run tried into a PNG, a panel for each parameter, with the best run marked.
+    """Draw the parameters of each run into a PNG, a panel for each parameter, with the best run marked.
 
-    ranges: ends and scale of each; allowed: whether a run came to an end within all constraints.
+    ranges: bounds and scale of each parameter; allowed: whether each run ended and satisfies all constraints.
     """
     with saved_figure(file, 14.0 + PANEL * len(tried)) as figure:
         panels = column_of(figure, len(tried))
@@ -103,7 +103,7 @@ def draw_bands(time: Array, bands: Mapping[str, Array], file: Path) -> None:
 
 
 def draw_settling(means: Mapping[str, tuple[Array, Array, Array]], file: Path) -> None:
-    """Draw means with half the widths of their 95 % intervals over the number of runs, by key, into a PNG."""
+    """Draw means with the half widths of their 95 % intervals over the number of runs, by key, into a PNG."""
     with saved_figure(file, 8.0 + ROW * len(means)) as figure:
         panels = column_of(figure, len(means))
         for axes, (key, (runs, mean, half)) in zip(panels, means.items(), strict=True):
@@ -111,7 +111,7 @@ def draw_settling(means: Mapping[str, tuple[Array, Array, Array]], file: Path) -
             axes.fill_between(runs, low, high, color=BLUE, alpha=0.25, linewidth=0, label="95 % interval")
             axes.plot(runs, middle, color=BLUE, label="mean")
             axes.set_ylabel(words)
-            # Of few runs the first ones may agree by chance.
+            # The scale ignores the first quarter, because few runs may agree by chance.
             width = float(np.max((high - low)[[len(high) // 4, -1]], initial=1e-300))
             axes.set_ylim(middle[-1] - 1.5 * width, middle[-1] + 1.5 * width)
         panels[-1].set_xlabel("runs")
@@ -127,7 +127,7 @@ Bars = tuple[Array, Array]  # indices (inputs,), and the ends of their intervals
 
 
 def draw_sensitivity(output: str, inputs: Sequence[str], first: Bars, total: Bars, file: Path) -> None:
-    """Draw indices of first order and total ones into a PNG, the inputs in the order of their total."""
+    """Draw first-order and total indices into a PNG, the inputs in the order of their total index."""
     order = np.argsort(total[0])  # the greatest on top
     with saved_figure(file, 24.0 + ROW * len(inputs)) as figure:
         axes = figure.subplots()
@@ -148,9 +148,9 @@ MOST = 3  # panels, and figures of a sweep
 
 
 def draw(varied: Mapping[str, Array], found: tuple[str, Array], file: Path, *, joined: bool = False) -> None:
-    """Draw what was found, a key and its values (n,), over each of the varied quantities (n,), into a PNG.
+    """Draw a key number (key and values (n,)) over each of the varied quantities (n,) into a PNG.
 
-    joined: whether points are, in the order of what was varied.
+    joined: whether points are joined by a line in the order of the varied quantity.
     """
     words, values = scaled(*found)
     shown = [scaled(*one) for one in list(varied.items())[:MOST]]
@@ -168,9 +168,9 @@ def draw(varied: Mapping[str, Array], found: tuple[str, Array], file: Path, *, j
 
 
 def draw_slip(curves: Mapping[str, Array], file: Path) -> None:
-    """Draw curves by their labels (one label may be empty) into a PNG.
+    """Draw curves of wheels, by label (a single one may be empty), into a PNG.
 
-    Each (4, n) is of one wheel: slip in rising order, pull (N), torque (N m) and sinkage (m).
+    Each curve (4, n) has slip in rising order, drawbar pull (N), torque (N m) and sinkage (m).
     """
     unit = unit_for(np.concatenate([sinkage for *_, sinkage in curves.values()]), "m")
     with saved_figure(file, 62.0, DOUBLE) as figure:

@@ -1,6 +1,6 @@
-"""How figures look: the size journals print them, colours, and settings of matplotlib (print.mplstyle).
+"""Style of figures: size of print in journals, colours, and settings of matplotlib (print.mplstyle).
 
-Colours are those of Okabe and Ito, which colour-blind readers can distinguish; line styles differ, too, for print in
+Colours are those of Okabe and Ito, which colour-blind readers can distinguish. Line styles differ as well, for print in
 grey.
 """
 
@@ -26,6 +26,6 @@ _SETTINGS = matplotlib.rc_params_from_file(Path(__file__).with_name("print.mplst
 
 @contextmanager
 def style() -> Iterator[None]:
-    """Matplotlib with the settings of print.mplstyle; the caller's are back afterwards."""
+    """Use the settings of print.mplstyle within the block; the settings of the caller are restored afterwards."""
     with matplotlib.rc_context(_SETTINGS):
         yield
