@@ -1,12 +1,12 @@
-"""All studies in one list, what each takes, and how `granular-contact validate` runs them.
+"""List of all studies with their arguments, and the runner behind `granular-contact validate`.
 
     granular-contact validate [--quick] [--only NAME ...] [--record]
     granular-contact validate --list
 
-A claim that held in the record (validation/claims.json) and does not any more makes the exit code 1, and so does a
-study that ends in an error. A claim of the source paper that we do not find is one that never held: it is shown as such
-and stays in. --record makes what was found the new record and writes it into the study's page in docs/studies and
-into the index, README.md.
+The exit code is 1 if a claim that held in the record (validation/claims.json) does not hold in this run, or if a study
+ends in an error. Claims of the source paper that we can't confirm never held in the record: they are kept and shown as
+not held, and do not change the exit code. With --record the results of this run replace the record, and they are
+written into the study's page in docs/studies and into the index, README.md.
 """
 
 from __future__ import annotations
@@ -32,10 +32,11 @@ from validation.tables import machine
 
 @dataclass(frozen=True)
 class Entry:
-    """A study of the list.
+    """A study in the list.
 
-    forms: arguments of a script by form (full or quick): it prints its tables, and its exit code says whether it kept
-    its bounds; None: the study is a function `study(quick)`; by_hand: why `validate` can't run it.
+    forms: command-line arguments of the study's script by form ("full", "quick"). The script prints its tables and
+    exits with 0 if its bounds are kept. None: the study's module has a function `study(quick)` instead.
+    by_hand: reason why `validate` can't run the study; empty if it can.
     """
 
     name: str
@@ -43,16 +44,16 @@ class Entry:
     by_hand: str = ""
 
     def has(self, form: str) -> bool:
-        """Whether it has this form."""
+        """Whether the study has this form."""
         return self.forms is None or form in self.forms
 
     def run(self, form: str) -> tuple[Outcome, str]:
-        """What it gives, and on which machine with which versions."""
+        """Run the study; return its outcome and one line on the machine and the versions of packages."""
         if self.forms is None:
             outcome: Outcome = importlib.import_module(f"validation.{self.name}").study(form == "quick")
             return outcome, machine("exudyn", "numba")
-        line = [sys.executable, str(HERE / f"{self.name}.py"), *self.forms[form]]
-        done = subprocess.run(line, stdout=subprocess.PIPE, text=True, check=False)
+        command = [sys.executable, str(HERE / f"{self.name}.py"), *self.forms[form]]
+        done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=False)
         first, _, text = done.stdout.partition("\n\n")
         if not text:
             raise RuntimeError(f"{self.name}.py printed no tables; its exit code is {done.returncode}")
@@ -131,70 +132,70 @@ STUDIES = (
 )
 
 
-def lost(found: Sequence[Claim], before: Sequence[Claim]) -> list[str]:
-    """Names of claims that held before and do not, or were not made, now."""
-    held = {claim.name for claim in found if claim.held}
+def lost(current: Sequence[Claim], before: Sequence[Claim]) -> list[str]:
+    """Names of the claims that held before and that now do not hold or were not made."""
+    held = {claim.name for claim in current if claim.held}
     return [claim.name for claim in before if claim.held and claim.name not in held]
 
 
 def table() -> str:
-    """One line for each study: seconds of both forms, claims, and how old its record is."""
-    kept, lines = record.read(), []
+    """Overview of all studies: run time of both forms, age of the record, and the claims that do not hold."""
+    results, lines = record.read(), []
     for entry in STUDIES:
-        forms = kept.get(entry.name, {})
-        took = [f"{form} {_seconds(forms.get(form))}" for form in ("quick", "full") if entry.has(form)]
-        lines.append(f"{entry.name}: {', '.join(took)}{'; by hand: ' if entry.by_hand else ''}{entry.by_hand}")
-        if (made := forms.get("full")) is not None:
-            lines.append(f"    {made.when()}, {record.commits_since(made)} commits of the package ago")
-            lines.append(f"    did not hold: {_not_held(made)}")
+        forms = results.get(entry.name, {})
+        durations = [f"{form} {_seconds(forms.get(form))}" for form in ("quick", "full") if entry.has(form)]
+        lines.append(f"{entry.name}: {', '.join(durations)}{'; by hand: ' if entry.by_hand else ''}{entry.by_hand}")
+        if (latest := forms.get("full")) is not None:
+            lines.append(f"    {latest.when()}, {record.commits_since(latest)} commits of the package ago")
+            lines.append(f"    did not hold: {_not_held(latest)}")
     return "\n".join(lines)
 
 
-def _not_held(made: record.Made) -> str:
-    lost = [claim.name.partition(".")[2] for claim in made.claims if not claim.held]
-    if not made.claims:
+def _not_held(result: record.Made) -> str:
+    failed = [claim.name.partition(".")[2] for claim in result.claims if not claim.held]
+    if not result.claims:
         return "no claims recorded"
-    return f"{len(lost)} of {len(made.claims)}: {'; '.join(lost)}" if lost else f"none of {len(made.claims)}"
+    return f"{len(failed)} of {len(result.claims)}: {'; '.join(failed)}" if failed else f"none of {len(result.claims)}"
 
 
-def _seconds(made: record.Made | None) -> str:
-    return "not measured" if made is None or made.seconds is None else f"{made.seconds:.0f} s"
+def _seconds(result: record.Made | None) -> str:
+    return "not measured" if result is None or result.seconds is None else f"{result.seconds:.0f} s"
 
 
 def run(entry: Entry, form: str, write: bool) -> tuple[record.Made, list[str]]:
-    """Run a study, print its claims, put it on record if asked; what it gave and names of claims that were lost."""
+    """Run a study and print its claims; with `write`, record them. Return the result and the names of lost claims."""
     began = time.perf_counter()
     outcome, where = entry.run(form)
     seconds = round(time.perf_counter() - began, 1)
-    where += f"; load average {os.getloadavg()[0]:.0f}"  # of a busy machine times are long
+    where += f"; load average {os.getloadavg()[0]:.0f}"  # run times are longer on a busy machine
     day = f"{datetime.now(timezone.utc):%Y-%m-%d}"
-    made = record.Made(record.commit_here(), day, where, seconds, outcome.claims)
-    print(f"{entry.name} ({seconds:.0f} s)\n  " + "\n  ".join(map(str, made.claims)), flush=True)
-    kept = record.read()
-    before = kept.setdefault(entry.name, {}).get(form)
+    result = record.Made(record.commit_here(), day, where, seconds, outcome.claims)
+    print(f"{entry.name} ({seconds:.0f} s)\n  " + "\n  ".join(map(str, result.claims)), flush=True)
+    results = record.read()
+    before = results.setdefault(entry.name, {}).get(form)
     if write:
-        kept[entry.name][form] = made
-        record.save(kept)
+        results[entry.name][form] = result
+        record.save(results)
         if form == "full":
-            _write_pages(entry.name, made, outcome.text)
-    return made, lost(made.claims, before.claims if before is not None else ())
+            _write_pages(entry.name, result, outcome.text)
+    return result, lost(result.claims, before.claims if before is not None else ())
 
 
 def pages() -> dict[str, str]:
-    """Pages of all studies of the list, in its order."""
+    """Text of the page of each study, by name, in the order of the list."""
     return {entry.name: record.page_of(entry.name).read_text(encoding="utf-8") for entry in STUDIES}
 
 
-def _write_pages(name: str, made: record.Made, text: str) -> None:
-    """Write what a study gave into its page, and the index."""
+def _write_pages(name: str, result: record.Made, text: str) -> None:
+    """Write the results of a study into its page, and write the index anew."""
     path = record.page_of(name)
-    path.write_text(record.on_page(path.read_text(encoding="utf-8"), made, text), encoding="utf-8")
+    path.write_text(record.on_page(path.read_text(encoding="utf-8"), result, text), encoding="utf-8")
     written = record.between_marks(record.INDEX.read_text(encoding="utf-8"), record.index(pages(), record.read()))
     record.INDEX.write_text(written, encoding="utf-8")
 
 
 def main(quick: bool = False, write: bool = False, only: Sequence[str] = ()) -> int:
-    """Run studies, all or those named; 0 when no claim was lost and none ended in an error, else 1."""
+    """Run all studies or those in `only`; return 0 if no claim was lost and no study ended in an error, else 1."""
     form = "quick" if quick else "full"
     claims: list[Claim] = []
     gone: list[str] = []
@@ -206,12 +207,12 @@ def main(quick: bool = False, write: bool = False, only: Sequence[str] = ()) -> 
             print(f"{entry.name}: not run: {entry.by_hand or 'it has no quick form'}", flush=True)
             continue
         try:
-            made, missing = run(entry, form, write)
-        except Exception:  # whatever ends one study, the others are run
+            result, missing = run(entry, form, write)
+        except Exception:  # an error of one study must not stop the others
             traceback.print_exc()
             failed.append(entry.name)
             continue
-        claims += made.claims
+        claims += result.claims
         gone += missing
     for name in gone:
         print(f"LOST      {name}")

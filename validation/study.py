@@ -1,4 +1,4 @@
-"""What every study gives: tables, figures and claims; and how it is run as a script."""
+"""Result types of a study (its text and claims), and the function that runs a study as a script."""
 
 from __future__ import annotations
 
@@ -12,9 +12,10 @@ from validation.tables import machine
 
 @dataclass(frozen=True)
 class Claim:
-    """A statement that a study marks as held or not, with the number it rests on.
+    """A statement that a study has tested, with the number that decides whether it holds.
 
-    name: stable, `study.statement` in a few words; detail: the number, and what was asked of it.
+    name: `study.statement`, the statement in a few words; it stays the same over the revisions, since records are
+    compared by it. detail: the number found and the bound it must keep.
     """
 
     name: str
@@ -22,13 +23,13 @@ class Claim:
     detail: str
 
     def __str__(self) -> str:
-        """One line for people."""
+        """Claim as one line of text."""
         return f"{'held    ' if self.held else 'NOT HELD'}  {self.name}: {self.detail}"
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """Tables in Markdown (each with its caption before it), notes and claims of a study."""
+    """Results of a study: its claims, and its text in Markdown (notes, figures, tables with captions above them)."""
 
     text: str
     claims: tuple[Claim, ...] = field(default=())
@@ -38,7 +39,7 @@ Study = Callable[[bool], Outcome]
 
 
 def script(study: Study, arguments: Sequence[str] | None = None) -> int:
-    """Run a study as a script (`--quick` for the quick form) and print it; 0 when every claim held, else 1."""
+    """Run a study as a script (`--quick` for the quick form), print its outcome; return 0 if all claims hold."""
     parser = argparse.ArgumentParser()
     parser.add_argument("--quick", action="store_true", help="fewer cases, same claims")
     quick = parser.parse_args(arguments).quick

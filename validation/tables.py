@@ -1,4 +1,4 @@
-"""What the studies share: tables in Markdown, the machine they were measured on."""
+"""Helpers of all studies: a table in Markdown, and one line on the machine and the versions of packages."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from typing import Any
 
 
 def markdown(head: Sequence[str], rows: Sequence[Sequence[Any]]) -> str:
-    """Table with one line per row; every cell as its `str`."""
+    """Table in Markdown, one line per row; cells are written by `str`."""
     lines = [head, ["---"] * len(head), *rows]
     return "\n".join("| " + " | ".join(str(cell) for cell in line) + " |" for line in lines)
 
 
 def machine(*packages: str) -> str:
-    """One line on the machine and on the versions of packages."""
+    """One line on the machine, Python and the versions of the named packages."""
     versions = ", ".join(f"{name} {metadata.version(name)}" for name in packages)
     system = f"{os.cpu_count()} cores, {platform.machine()} {platform.system()}"
     return f"{system}, Python {platform.python_version()}, {versions}"
