@@ -33,36 +33,33 @@ if TYPE_CHECKING:
 class GranularBed(Attached):
     """Granular bed that acts on bodies of an Exudyn system, in the plane or in space.
 
-    The media are those of `medium`; the bodies are those given to the methods `add_...`. `attach` puts the load into
-    the system, before `mbs.Assemble()`.
+    The methods `add_...` name the bodies; then `attach` puts the load into the system, before `mbs.Assemble()`.
 
     Parameters
     ----------
     mbs : exudyn.MainSystem
         The system. Without `up` its bodies move in the x-y plane of the world, and y points up.
     medium : Law, Layer, or sequence of these
-        For example `preset("play_sand")`. A `Layer` is a medium between two depths. The forces of several media at the
-        same place add.
+        For example `preset("play_sand")`. A `Layer` is a medium between two depths. The forces of several media add.
     surface : float or (k, 2) array
         In the plane: height y (m) of a level surface, or corners x, y (m) of a surface of straight pieces, which is
         level beyond its first and last corner. In space: height (m) along `up`, measured at the world origin.
     slope : float or, in space, (3,) array
-        Rise per length of a surface that is given by its height. In the plane `surface` is then the height at x = 0. In
-        space: the rise along each axis of the world. The surface has no ends.
+        Rise per length of an endless sloped surface; `surface` is then its height at x = 0. In space: the rise along
+        each axis of the world.
     up : (3,) array, optional
-        Makes the bed spatial, for rigid bodies that move freely in space (`add_body`). Direction, in the world frame,
-        opposite to gravity on the medium; depth is measured along its negative.
+        Makes the bed spatial, for rigid bodies that move freely (`add_body`). Direction, in the world frame, opposite
+        to gravity on the medium; depth is measured along its negative.
     gravity : float
         Magnitude of gravity (m/s2) in the static resistance of the medium.
     static : Elastoplastic or Smooth
         Regularisation of the sign function of the static resistance.
     form : {"distributed", "resultant"}
-        Law integrated along the immersed part, or the single force of the source paper at the middle of that part.
+        Law integrated along the immersed part, or the source paper's single force at the middle of that part.
     end_cap : bool
         Whether free end faces add to the drag.
     floor : Floor, optional
-        Contact with a level floor. Its work is counted apart from the work of the media. In space its stiffness is per
-        area.
+        Contact with a level floor, whose work is counted apart from that of the media. In space stiffness is per area.
 
     Raises
     ------
@@ -260,10 +257,8 @@ class GranularBed(Attached):
             along the y and z axes of its nodes.
         strips_per_element : int
             Number of strips along an element, on which depth, velocity and friction state are resolved.
-        free_end : bool
-            Whether the face at the last node is free (for end caps).
-        name : str, optional
-            Name of the beam in `bodies` and in the history; the name of its first element unless given.
+        free_end, name
+            As in `add_rigid`, for the face at the last node, and for the beam (the name of its first element).
 
         Raises
         ------
@@ -287,8 +282,7 @@ class GranularBed(Attached):
     ) -> None:
         """Let the medium act on a shape fixed to a rigid body in space; for a bed with `up`.
 
-        A law for balls takes a Sphere as a whole, and a law for bars takes a Bar. All other laws act on the surface of
-        any shape but a Bar.
+        Laws for balls take a Sphere, and laws for bars a Bar. Other laws act on the surface of any shape but a Bar.
 
         Parameters
         ----------
@@ -302,8 +296,8 @@ class GranularBed(Attached):
             Axes of the frame of the shape as columns, in the frame of the body.
         facet_size : float, optional
             Longest allowed edge of a facet (m); unless given, one for an error of about 0.3 % of the path.
-        name : str, optional
-            Name of the body in `bodies` and in the history; the name of the Exudyn object unless given.
+        name
+            As in `add_rigid`.
 
         Raises
         ------
@@ -321,8 +315,7 @@ class GranularBed(Attached):
         Parameters
         ----------
         constant : mapping of int to array, optional
-            Constant generalised forces by node number, such as weights: N, and N m for angles, in the order of the
-            coordinates of the node.
+            Constant generalised forces (N, N m for angles) by node number, such as weights.
 
         Raises
         ------
@@ -336,10 +329,7 @@ class GranularBed(Attached):
 
     @contextmanager
     def _adding(self, method: str, *, in_space: bool = False) -> Iterator[None]:
-        """Context of a method that adds a body: it checks the bed, and names the method in errors.
-
-        in_space: whether the method is for a bed in space.
-        """
+        """Context of a method that adds a body to a bed in the plane or in space: it names the method in errors."""
         try:
             self.load.check_open()
             if in_space != self.in_space:

@@ -46,13 +46,12 @@ class MujocoBed:
         Height (m) of a level surface along `up`, above the world origin. With `plane` also corners (m) of a surface of
         straight pieces: distance along `plane`, and height.
     up : (3,) array, optional
-        Direction, in the world frame, opposite to gravity on the medium; depth is measured along its negative. The
-        opposite of the model's gravity unless given.
+        Direction (world frame) against which depth is measured; the opposite of the model's gravity unless given.
     gravity : float, optional
         Magnitude of gravity (m/s2) in the static resistance of the medium; that of the model unless given.
     plane : (3,) array, optional
-        Makes the bed planar: a horizontal direction, in the world frame, that spans with `up` the plane in which all
-        bodies move. Laws for strips then act on sections of the bodies.
+        Makes the bed planar, for laws of strips on sections of the bodies: a horizontal direction, in the world frame,
+        that spans with `up` the plane in which all bodies move.
     record : bool
         Whether `BedData.history` keeps a row of each step.
     lenient : bool
@@ -151,8 +150,7 @@ class MujocoBed:
         Raises
         ------
         SceneError
-            No geom fits; a geom has no volume, has an open mesh or is fixed to the world; no medium of the bed has a
-            law for its shape.
+            No geom fits; one has no volume, an open mesh or is fixed to the world; no medium has a law for its shape.
         """
         self._check_open()
         chosen = geoms.chosen(self.model, pattern, self._geom_numbers)
@@ -197,10 +195,10 @@ class MujocoBed:
             raise scene_error("bed", "it is in use already; name every geom before the first call with data")
 
     def of(self, data: Any) -> BedData:
-        """Forces, work and friction state of the bed with an MjData.
+        """Forces, work and friction state of the bed with an MjData, made at the first call with these data.
 
-        They are made at the first call with these data. The first call of all compiles kernels and warns of parts of
-        the model that disagree with sand. A copy of an MjData starts with unstretched bristles; `copy` copies them.
+        The first call of all compiles kernels and warns of parts of the model that disagree with sand. A copy of an
+        MjData starts with unstretched bristles; `copy` copies them.
 
         Parameters
         ----------
@@ -245,16 +243,14 @@ class MujocoBed:
             sand = PlanarSand(self.load, self._static, facings)
         else:
             sand = SpatialSand(self.load, self._static)
-        load_with = partial(self._bed.with_facets, bodies=len(numbers))
-        compared_loads = None if self.planar else ComparedLoads(load_with)
-        return Shared(self.model, numbers, sand, self.turn, compared_loads=compared_loads, **self._options)
+        compared = None if self.planar else ComparedLoads(partial(self._bed.with_facets, bodies=len(numbers)))
+        return Shared(self.model, numbers, sand, self.turn, compared_loads=compared, **self._options)
 
     def apply(self, data: Any) -> BedData:
         """Compute the forces of the next step and write them to `data.xfrc_applied`; call it before each `mj_step`.
 
-        Call it once a step, after the controls are set. If `data.time` has advanced since the last call, friction state
-        and work advance; if it has gone back, as after a reset, a new motion starts. Other forces in `xfrc_applied`
-        stay: set them, do not add to the numbers that are there.
+        Call it once a step, after the controls are set. Friction state and work advance if `data.time` has advanced; if
+        it has gone back, a new motion starts. Other forces in `xfrc_applied` stay: set them, do not add to the numbers.
 
         Parameters
         ----------
@@ -307,8 +303,7 @@ class MujocoBed:
     def install(self, *datas: Any) -> MujocoBed:
         """Set MuJoCo's passive callback to this bed, for these data or, if none are given, for all data of the model.
 
-        MuJoCo has one such callback for the whole process; a callback that was set before is called, too. The bed is
-        also a context, which resets the callback at its end:
+        A process has one such callback; one that was set before is called, too. The bed is also a context:
 
             with bed.install():
                 mujoco.mj_step(model, data, nstep=1000)
