@@ -43,6 +43,11 @@ class File:
     many_arguments: tuple[tuple[str, int], ...]
 
     @property
+    def lines(self) -> int:
+        """Number of all lines."""
+        return len(self.path.read_text(encoding="utf-8").splitlines())
+
+    @property
     def room(self) -> str:
         """Its folder, two levels below the package at the most."""
         return "/".join(self.path.relative_to(PACKAGE).parts[:-1][:2]) or "."
@@ -156,9 +161,10 @@ def main() -> None:
     chosen = parser.parse_args()
     house = files()
     print(rooms(house))
-    lengths = sorted(((len(f.path.read_text("utf-8").splitlines()), f) for f in house), key=lambda p: -p[0])
-    print(f"\n{sum(n > LONGEST for n, _ in lengths)} files above {LONGEST} lines; the longest:\n")
-    print(markdown(("file", "lines"), [(f.path.relative_to(PACKAGE), n) for n, f in lengths[: chosen.files]]))
+    longest = sorted(house, key=lambda file: -len(file.code))
+    print(f"\n{sum(len(file.code) > LONGEST for file in house)} files above {LONGEST} lines of code; the longest:\n")
+    rows = [(f.path.relative_to(PACKAGE), len(f.code), f.lines) for f in longest[: chosen.files]]
+    print(markdown(("file", "lines of code", "all lines"), rows))
     many = [(f.path.relative_to(PACKAGE), name, n) for f in house for name, n in f.many_arguments]
     print(f"\n{len(many)} functions of more than {MOST_ARGUMENTS} arguments.")
     small = small_with_one_reader(house)

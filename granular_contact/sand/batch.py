@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.laws.kinds import Kind
+from granular_contact.laws.layer import Layer
 from granular_contact.sand.contact_lines import ContactLine
 from granular_contact.sand.kernels import batches as kernels
 from granular_contact.sand.kernels.forces import medium_record
@@ -152,3 +153,30 @@ class Batch:
     def depths(self) -> Vector:
         """Depth (lines,) m of the deepest station of each line at the last accepted step."""
         return self.proximity[:, DEEPEST]
+
+
+def record_in_layer(layer: Layer | None, line: ContactLine, gravity: float) -> NDArray[np.void]:
+    """Record of a line for a medium in a layer.
+
+    Parameters
+    ----------
+    layer : Layer or None
+        The layer; None for the contact of the floor.
+    line : ContactLine
+        The line.
+    gravity : float
+        Gravity (m/s2).
+
+    Returns
+    -------
+    (1,) array
+        `kernels.law.LINE`.
+    """
+    record = line.record.copy()
+    if layer is not None:
+        medium = layer.medium
+        medium.fill_scatter(record)
+        if gravity > 0.0 and record["radius"] > 0.0:
+            record["behind"] = getattr(medium, "wheel_drop", 0.0) / gravity
+        record["layered"], record["top"], record["bottom"] = not layer.whole, layer.top, layer.bottom
+    return record

@@ -20,7 +20,7 @@ from granular_contact.laws.kinds import SHAPE_NAMES
 from granular_contact.laws.law import Law, accepted_shapes, term_names
 from granular_contact.laws.layer import Layer
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
-from granular_contact.sand.batch import Batch
+from granular_contact.sand.batch import Batch, record_in_layer
 from granular_contact.sand.bed_arguments import (
     carrying_floor,
     check_floor,
@@ -184,7 +184,7 @@ class GranularLoad:
             acting = [line for line in self.lines if line.kind in kinds]
             if acting:
                 columns = [self.table.columns(index, line.body.name) for line in acting]
-                records = [_record_in_layer(layer, line, self.gravity) for line in acting]
+                records = [record_in_layer(layer, line, self.gravity) for line in acting]
                 paths = layer is not None and layer.medium.needs_path_length
                 self.batches.append(Batch(acting, records, profile, medium, columns, paths))
                 self.batch_media.append(None if layer is None else layer.medium)
@@ -395,15 +395,3 @@ class GranularLoad:
     def soonest(self) -> float:
         """Time (s) after the last accepted step until a body above the surface can touch it; infinite if none can."""
         return math.inf if self._compiled is None else float(self._compiled.soonest(self._sand))
-
-
-def _record_in_layer(layer: Layer | None, line: ContactLine, gravity: float) -> NDArray[np.void]:
-    """Record (1,) of a line for a medium in a layer; gravity (m/s2)."""
-    record = line.record.copy()
-    if layer is not None:
-        medium = layer.medium
-        medium.fill_scatter(record)
-        if gravity > 0.0 and record["radius"] > 0.0:
-            record["behind"] = getattr(medium, "wheel_drop", 0.0) / gravity
-        record["layered"], record["top"], record["bottom"] = not layer.whole, layer.top, layer.bottom
-    return record
