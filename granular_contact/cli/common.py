@@ -129,12 +129,12 @@ def add_comparison(parser: argparse.ArgumentParser, default: str, example: str =
 @contextmanager
 def running(chosen: argparse.Namespace) -> Iterator[dict[str, Any]]:
     """Keyword arguments for a comparison: overrides, and callables that report its progress and what it compiles."""
-    with telling(sys.stderr.isatty() and not chosen.quiet) as progress:
+    with status_line(sys.stderr.isatty() and not chosen.quiet) as progress:
         yield {"overrides": chosen.set, "progress": progress, "compiling": None if chosen.quiet else complain}
 
 
 @contextmanager
-def telling(shown: bool, text: str = "running {}") -> Iterator[Callable[..., None] | None]:
+def status_line(shown: bool, text: str = "running {}") -> Iterator[Callable[..., None] | None]:
     """Give a callable that shows a status on stderr: `text` with its arguments in place of {}; None if not `shown`."""
     if not shown:
         yield None

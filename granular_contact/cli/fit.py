@@ -19,7 +19,7 @@ from granular_contact.cli.common import (
     print_table,
     reason,
     say,
-    telling,
+    status_line,
     worker_count,
 )
 
@@ -69,7 +69,7 @@ def execute(chosen: argparse.Namespace) -> int:
     from granular_contact.studies.processes import cores
 
     problem = prepare(request)
-    with telling(sys.stderr.isatty() and not chosen.quiet, "{} of {} starting points done") as progress:
+    with status_line(sys.stderr.isatty() and not chosen.quiet, "{} of {} starting points done") as progress:
         result = fit(problem, chosen.workers or cores(), progress)
     try:
         write(result, folder, figures=not chosen.no_plots)

@@ -61,7 +61,7 @@ def has_fallen(observations: Observations) -> bool:
 def hexapod_env(*, end_time_s: float = 2.0, **options: Any) -> GranularEnv:
     """Create the environment `granular_contact/Hexapod-v0`; the sum of its rewards is the distance in metres.
 
-    options: as of `GranularEnv`, for example `vary={"initial.joints.trunk.z_m": (0.06, 0.07)}`.
+    options: of `GranularEnv`, for example `vary={"initial.joints.trunk.z_m": (0.06, 0.07)}`.
     """
     defaults: dict[str, Any] = {"observation": observation, "reward": "trunk_x_m", "terminated": has_fallen}
     return GranularEnv(scenario(end_time_s), **(defaults | options))

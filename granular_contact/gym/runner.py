@@ -60,7 +60,7 @@ def has_fallen(observations: Observations) -> bool:
 def runner_env(*, end_time_s: float = 2.0, **options: Any) -> GranularEnv:
     """Create the environment `granular_contact/Runner-v0`; the sum of its rewards is the distance in metres.
 
-    options: as of `GranularEnv`, for example `vary={"medium.zeta": (0.4, 0.6)}`.
+    options: of `GranularEnv`, for example `vary={"medium.zeta": (0.4, 0.6)}`.
     """
     defaults: dict[str, Any] = {"observation": observation, "reward": "trunk_x_m", "terminated": has_fallen}
     return GranularEnv(scenario(end_time_s), **(defaults | options))

@@ -74,9 +74,9 @@ def find_stop(
 
 
 def find_rest(time: Vector, speeds: Vector, touch: int, rest_speed: float, rest_time: float | None) -> float | None:
-    """Time (s) after the touch (index) from which the speed (n,) m/s of the fastest point stays below the rest speed.
+    """Time (s) from which on the speed (n,) m/s of the fastest point stays below the rest speed; touch: index.
 
-    None if the speed did not stay below it for the rest time (s).
+    None if this is before the touch, or if the speed did not stay below it for the rest time (s).
     """
     moving = np.flatnonzero(speeds > rest_speed)
     last = int(moving[-1]) if len(moving) else -1

@@ -15,7 +15,7 @@ from granular_contact.robot.types import Pose, Vector
 
 @dataclass(frozen=True)
 class PartialInertial:
-    """Mass properties of a link as far as they are known, in its frame: as of `types.Inertial`, None if unknown."""
+    """Known mass properties of a link, in its frame, as in `types.Inertial`; None for each unknown one."""
 
     mass: float | None
     center: Vector | None

@@ -35,7 +35,7 @@ class AtLine:
 
 @dataclass(frozen=True)
 class MechanismOptions:
-    """MechanismOptions of a mechanism that a robot file does not have.
+    """Options of the mechanism that its robot file does not contain.
 
     which: kind of the shapes, "collision" or "visual". sand: links on whose shapes the medium acts, by their names in
     the file, None: all links. facet_size: m. base_fixed: whether the root is held. mimic_free: whether joints that

@@ -153,7 +153,7 @@ def _tolerated(log: list[Any]) -> Iterator[Notice]:
     DamagedXML
         At the first entry that makes the meaning uncertain.
     """
-    told = set[str]()
+    reported = set[str]()
     for entry in log:
         if entry.type_name == "NS_ERR_UNDEFINED_NAMESPACE":
             match = _PREFIX.search(entry.message)
@@ -165,8 +165,8 @@ def _tolerated(log: list[Any]) -> Iterator[Notice]:
             words = "an XML declaration does not stand at the start of the file; it is ignored"
         else:
             raise DamagedXML(entry.message, entry.line or None)
-        if words not in told:
-            told.add(words)
+        if words not in reported:
+            reported.add(words)
             yield Notice(entry.line or None, words)
 
 

@@ -20,7 +20,7 @@ from granular_contact.scene.signal_tables import shortest_period
 from granular_contact.scene.steps import Steps
 from granular_contact.scene.types import Drive, Scene
 
-FEWEST_STEPS = 50  # least number of steps over which a rate may change between two values: energies are right to 1e-3
+FEWEST_STEPS = 50  # least number of steps for a change of a rate: energies are then right to 1e-3
 
 # Steps per shortest period of a signal: up to UNDERSAMPLED a signal is refused, below WELL_SAMPLED a run warns.
 UNDERSAMPLED, WELL_SAMPLED = 2, 16
@@ -78,9 +78,8 @@ def _undersampled(signal: signals.Signal, solver: Steps, key: str) -> list[Fault
     shortest = shortest_period(signal, solver.end_time_s)
     if solver.accuracy is not None or shortest > UNDERSAMPLED * solver.step_s * (1.0 + 1e-9):
         return []
-    words = (
-        f"goes to and fro within {shortest:.3g} s ({1.0 / shortest:.4g} Hz), which steps of {solver.step_s:g} s do not"
-    )
+    words = f"goes to and fro within {shortest:.3g} s ({1.0 / shortest:.4g} Hz), which steps of {solver.step_s:g} s "
+    words += "do not resolve"
     allowed = f"solver.accuracy, which chooses shorter steps, or solver.step_s: {shortest / WELL_SAMPLED:.2g}"
     return [scene_fault(key, f"{words}; allowed are {allowed}")]
 

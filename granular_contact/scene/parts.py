@@ -137,7 +137,7 @@ class RigidBody:
 class FlexibleLink:
     """Straight beam along the x axis of its frame, from the origin. Units: m, kg/m, N m2, N, N m2 s, N s.
 
-    kind, width, thickness, free: as of a `Shape`. modulus (Pa): bending stiffness over second moment of area.
+    kind, width, thickness, free: as in `Shape`. modulus (Pa): bending stiffness over second moment of area.
     yield_stress (Pa): None if stresses are not compared with it.
     """
 

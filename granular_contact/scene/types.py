@@ -230,7 +230,7 @@ class Scene:
 
     @cached_property
     def force_scale(self) -> float:
-        """Scale of the forces (N): the weight, with at least 9.81 m/s2, plus the force that stops the impact.
+        """Scale of the forces (N): the weight, by at least 9.81 m/s2, plus the force that stops the impact.
 
         To stop a mechanism of mass m and tip speed v over a depth equal to its length L takes m v^2 / L.
         """

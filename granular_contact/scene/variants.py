@@ -59,7 +59,7 @@ class Builder:
 
 
 def _scene_or_none(scenario: schema.Scenario) -> Scene | None:
-    """Scene of a base scenario; None if it has faults, which need not be told, as all scenarios that run differ."""
+    """Scene of a base scenario; None if it has faults; these are not reported, as only other scenarios are run."""
     try:
         return build_checked(scenario)
     except SceneError:

@@ -94,8 +94,8 @@ class Output(Strict):
     figures: bool = True
     """true: draw and save the figures of the run."""
     bodies: Literal["auto", "all", "none"] = "auto"
-    """Columns of the motion of every body. auto: only if the mechanism is no pendulum (one moving joint, a hinge) and
-    has at most 32 bodies."""
+    """Columns of the motion of every body. auto: only if the mechanism has at most 32 bodies, and in the plane only if
+    it is no pendulum (one moving joint, a hinge)."""
     travel: Annotated[Travel, Discriminator(form)] = "x"
     """Direction along which distance, forward speed and cost of transport are measured, at the common centre of mass:
     an axis of the world (x or y), a direction [x, y] on the ground, or path (the length of the path seen from above).

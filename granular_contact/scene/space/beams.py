@@ -40,7 +40,7 @@ class ElasticJoint:
 
     @property
     def type(self) -> Literal["elastic", "stretching"]:
-        """Kind of the joint, as of `SpatialJoint`."""
+        """Kind of the joint, as in `SpatialJoint`."""
         return "elastic" if self.elastic.axial is None else "stretching"
 
     @property

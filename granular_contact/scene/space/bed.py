@@ -112,7 +112,7 @@ class SpatialBed:
 
     @property
     def walls(self) -> list[tuple[str, int, float, float]]:
-        """Walls of the container, as of `scene.bed.Bed`."""
+        """Walls of the container, as in `scene.bed.Bed`."""
         names = ("rear", "front"), ("right", "left")
         pairs = zip(names, (0, 1), self.container, strict=True)
         return [wall for both, axis, at in pairs if at is not None for wall in walls_of(both, axis, at)]

@@ -40,7 +40,7 @@ def bodies_of(
 ) -> dict[str, SingleBody] | None:
     """All bodies of a model by name; None if one has faults. Faults, and notes on uncertain forces, are appended.
 
-    media: as of `shapes.part_of`; load: of the config, with the numbers of strips of bars.
+    media: see `shapes.part_of`; load: of the config, with the numbers of strips of bars.
     """
     bodies, before = {}, len(faults)
     for name, body in model.all_bodies.items():

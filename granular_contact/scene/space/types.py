@@ -30,7 +30,7 @@ Meets = Literal["surface", "bar", "ball"]
 class SpatialWheel:
     """Wheel of a shape in the body's frame: a point (3,) m of its axle, radius (m) for slip, radius of the rim (m).
 
-    axis: direction (3,) of the axle, to the left of the rolling direction for a positive rate. pitch: as of `Wheel`.
+    axis: direction (3,) of the axle, to the left of the rolling direction for a positive rate. pitch: as in `Wheel`.
     """
 
     axle: Vector
@@ -246,7 +246,7 @@ class SpatialJoint:
 
 @dataclass(frozen=True, repr=False)
 class SpatialScene(Scene):
-    """Scene in space; fields as of `Scene`.
+    """Scene in space; fields as in `Scene`.
 
     tip: body and point (3,) m, the lowest one or the farthest from the joint on the ground. beams: the links that bend;
     their elements are among the rigid bodies. facet_shares: factor on the facet size of all parts of a body, by name; 1

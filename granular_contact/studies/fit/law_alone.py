@@ -154,7 +154,7 @@ class LawAlone(Simulator):
             zeros.get(FORCE_OFFSET, fixed_zero(self.test.force_offset_N)),
         )
 
-    def seen(self, values: tuple[float, ...]) -> tuple[list[float], list[float], list[float]]:
+    def ranges(self, values: tuple[float, ...]) -> tuple[list[float], list[float], list[float]]:
         """Speeds (m/s), depths (m) and sizes (m) of the test, for the range of the fitted medium."""
         response = self.response(values)
         depths = self.motion.depth - response.depth_offset

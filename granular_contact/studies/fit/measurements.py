@@ -89,7 +89,7 @@ def observables(columns: Iterable[str]) -> list[str]:
 
 
 def forces(columns: Iterable[str]) -> list[str]:
-    """Columns of a run that are forces or moments, as of drives and of the medium on bodies."""
+    """Columns of a run that are forces or moments: of drives, and of the medium on bodies."""
     return [name for name in columns if name.rpartition("_")[2] in BY_NAME]
 
 

@@ -84,7 +84,7 @@ _MISSING = object()
 
 
 def _null_above(plain: dict[str, Any], key: Sequence[str]) -> str | None:
-    """The first of the keys above this one whose value is null, as of a medium; None if there is none."""
+    """The first of the keys above this one whose value is null, for example `medium`; None if there is none."""
     above = (key[:count] for count in range(1, len(key)))
     return next((".".join(parent) for parent in above if value_at(plain, parent, _MISSING) is None), None)
 

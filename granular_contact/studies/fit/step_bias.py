@@ -7,7 +7,7 @@ parameters would move with finer steps, in scaled parameters,
 
 with the Jacobian J at the solution and the weights W = 1 / sigma^2 of the residuals. The finer runs have a tenth of
 `solver.accuracy`, for which strips and facets are chosen as well, or of a fixed step. Cost: one finer run for
-each measured run. Limits: curves that are wrong for another reason than their steps are not seen; reduced models, whose
+each measured run. Limits: errors of the curves from other causes than the steps are not detected; reduced models, whose
 own tolerance is far below any noise, and force tests by the law alone count as exact.
 """
 
@@ -25,8 +25,8 @@ from granular_contact.studies.fit.solve import Solution
 from granular_contact.studies.fit.uncertainty import LEAST_SINGULAR_VALUE, Estimate
 from granular_contact.values.arrays import Vector
 
-FINER = 0.1  # step or accuracy of the finer runs, of that of the fit
-LEAST_BIAS = 1e-3  # of a parameter: less is never worth a warning
+FINER = 0.1  # step or accuracy of the finer runs, relative to that of the fit
+LEAST_BIAS = 1e-3  # relative to the parameter: a smaller bias gives no warning
 
 
 def step_bias(problem: Problem, solution: Solution) -> Vector:
@@ -69,7 +69,7 @@ def _departure(run: MeasuredRun, parameters: Vector, time: Vector) -> Vector:
 
 
 def finer_steps(scenario: Scenario) -> dict[Key, float]:
-    """Settings of a scenario with finer steps; none of a reduced model."""
+    """Settings of a scenario with finer steps; empty for a reduced model."""
     if scenario.is_modal:
         return {}
     solver = steps(scenario)

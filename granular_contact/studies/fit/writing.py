@@ -268,7 +268,7 @@ def measured_range(fit: Fit, runs: list[MeasuredRun]) -> dict[str, list[float]]:
     for run in runs:
         model, values = run.simulator, _values(fit, run)
         if isinstance(model, LawAlone):
-            run_speeds, run_depths, run_sizes = model.seen(values)
+            run_speeds, run_depths, run_sizes = model.ranges(values)
         else:
             run_speeds, run_depths, run_sizes = _range_of_run(run, model.results(values))
         speeds += run_speeds

@@ -28,7 +28,7 @@ Work = Future[tuple[list[bytes], float]]
 
 
 def faults(sweep: Sweep, cases: Sequence[Case], probe: Probe | None, pool: WorkerPool) -> list[Fault]:
-    """Faults of cases, as of `case_faults`; the workers check them if there are many cases."""
+    """Faults of cases, as `case_faults` gives them; the workers check them if there are many cases."""
     if len(cases) <= MOST_CHECKED_HERE:
         return case_faults(sweep, cases, probe)
     job, size = Job(sweep, simulate).packed(), max(64, len(cases) // (8 * pool.count))
@@ -95,7 +95,7 @@ class CaseRunner:
         cases_folder: Path | None = None,
         function: Simulate = simulate,
     ) -> None:
-        """Arguments as of `run`; the cases of `sweep` itself are not used."""
+        """Arguments: see `run`; the cases of `sweep` itself are not used."""
         self._sweep, self._pool, self._journal = sweep, pool, journal
         self._workers_write = journal is not None and pool.local
         self._writer = None if journal is None else journal.writer()
@@ -104,7 +104,7 @@ class CaseRunner:
         self._job, self._marches = job.packed(), job.marches and pool.local and _is_short(sweep)
 
     def rows(self, tasks: Iterator[Task], count: int) -> Iterator[Row]:
-        """Yield the rows of `count` tasks in the order in which they finish; errors as of `run`."""
+        """Yield the rows of `count` tasks in the order in which they finish; raises the errors of `run`."""
         if self._marches and count <= MOST_IN_THREADS:
             with WorkerPool(self._pool.count, _Threads) as threads:
                 yield from self._rows(tasks, count, threads)
