@@ -1,6 +1,6 @@
-"""Pages of the reference, written from the schema of files and from the command line as they are.
+"""Pages of the reference, generated from the schema of files and from the parser of the command line.
 
-A class of the schema is a section; which page it stands on follows from its module, so that a new one has a place.
+Each class of the schema has a section. Its page follows from its module, so that a new class has a page as well.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ ABOUT_MEDIA = (  # the same for every law
     *("name", "source", "standing", "provenance", "range"),
     *("measured_gravity_m_s2", "angle_of_repose_deg"),
 )
-# Page of the classes of a module, the first that fits; what fits none stands with the run.
+# Beginning of the name of a module -> page of its classes. The first entry that matches counts; the last matches all.
 PAGES = (
     ("laws", "reference/media"),
     ("schema.space.shapes", "reference/shapes_in_space"),
@@ -52,57 +52,52 @@ PAGES = (
 TITLES = {
     "reference/run": (
         "Run",
-        "A config is one run: what moves, in what, from which start, and how it is computed and saved. Every key has a "
-        "default but `model`. `granular-contact check FILE` reports every fault with its line; "
+        "A config describes one run: mechanism, medium, initial state, drives, solver and output. Every key except "
+        "`model` has a default. `granular-contact check FILE` reports every fault with its line; "
         "`granular-contact schema --of run` prints this page for editors.",
     ),
     "reference/bodies": (
         "Bodies and chains",
-        "The mechanism, under `model` in a config, or in a file of its own in `models/`. Lengths in the "
-        "frame of a body, "
-        "whose x axis points along a link.",
+        "The mechanism, under `model` in a config, or in a file of its own in `models/`. Positions are in the frame of "
+        "a body; the x axis of a link's frame points along the link.",
     ),
     "reference/shapes": (
         "Shapes",
-        "What a rigid body is made of: its mass, its outline, and what the medium meets. x ahead, y up; "
-        "angles clockwise.",
+        "Shapes of a rigid body give its mass, its outline, and the surfaces on which the medium acts. x points ahead, "
+        "y up; angles are clockwise.",
     ),
     "reference/joints": (
         "Joints",
-        "A tree of joints with the ground as its root; `closures` close loops. "
-        "Angles, rates and torques are positive clockwise, on the ground below the horizontal.",
+        "The joints form a tree with the ground as its root; `closures` close loops. Angles, rates and torques are "
+        "positive clockwise; the angle of a hinge on the ground is measured from the horizontal.",
     ),
     "reference/drives": (
         "Drives and signals",
-        "`drives` act at joints, by the name of the joint. What they do over time is a signal: a number, "
-        "the name of one "
-        "of the run's `signals`, or a mapping with a `type`.",
+        "`drives` act at joints, by the name of the joint. A signal gives the value of a drive over time: a number, "
+        "the name of one of the run's `signals`, or a mapping with a `type`.",
     ),
     "reference/media": (
         "Media and laws",
-        "`medium` is the name of a preset, a path to a YAML file, or a mapping with the tag `law`; in a "
-        "list the forces of "
-        "several add. `granular-contact media` lists the presets, `granular-contact media NAME` draws "
+        "`medium` is the name of a preset, a path to a YAML file, or a mapping with the tag `law`; the forces of "
+        "several media in a list add. `granular-contact media` lists the presets, `granular-contact media NAME` draws "
         "the forces of one.",
     ),
     "reference/space": (
         "Mechanisms in space",
-        "A model with `in_space: true` has bodies, joints, start and bed of three dimensions. World: x "
-        "ahead, y left, z "
-        "up. Angles, rates and torques are right-handed about their axes, as in URDF. All else of a "
-        "config is as in the "
-        "plane.",
+        "A model with `in_space: true` has bodies, joints, initial state and bed in three dimensions. World: x ahead, "
+        "y left, z up. Angles, rates and torques are right-handed about their axes, as in URDF. All other keys of a "
+        "config are those of the plane.",
     ),
     "reference/shapes_in_space": (
         "Shapes in space",
-        "What a rigid body in space is made of. A shape is cut into facets, for an error of about 0.3 % of the path.",
+        "Shapes of a rigid body in space. Each is divided into facets, for an error of about 0.3 % of the path.",
     ),
     "reference/many_runs": (
         "Sweeps, searches, fits",
         "Files of many runs: `granular-contact sweep`, `optimise` and `fit` read them.",
     ),
 }
-# Last words of a key, and the unit that they say; the longest that fits counts.
+# Last words of a key -> unit. The longest match counts.
 UNITS = {
     "m": "m", "mm": "mm", "um": "µm", "s": "s", "ms": "ms", "deg": "deg", "rad": "rad", "kg": "kg", "N": "N",
     "Nm": "N m", "J": "J", "W": "W", "Pa": "Pa", "GPa": "GPa", "Hz": "Hz", "m_s": "m/s", "m_s2": "m/s²",
@@ -120,14 +115,14 @@ UNITS = {
 
 @cache
 def classes() -> dict[str, type[BaseModel]]:
-    """All classes that a file may hold, by name, in the order in which one meets them."""
+    """All classes that a file may contain, by name, in the order in which the schemas refer to them."""
     found: dict[str, type[BaseModel]] = {}
     known: dict[str, type[BaseModel]] = {}
-    more: list[type[BaseModel]] = [Strict]
-    while more:
-        more += (one := more.pop()).__subclasses__()
-        known[one.__name__] = one
-    queue = [one.__name__ for one in FILES]
+    waiting: list[type[BaseModel]] = [Strict]
+    while waiting:
+        waiting += (cls := waiting.pop()).__subclasses__()
+        known[cls.__name__] = cls
+    queue = [cls.__name__ for cls in FILES]
     while queue:
         name = queue.pop(0)
         if name not in found:
@@ -137,13 +132,13 @@ def classes() -> dict[str, type[BaseModel]]:
 
 
 def _named(node: Any) -> list[str]:
-    """Names of the classes that a piece of a schema refers to."""
+    """Names of the classes to which a part of a schema refers."""
     if isinstance(node, list):
         return [name for item in node for name in _named(item)]
     if not isinstance(node, dict):
         return []
-    own = [node["$ref"].rsplit("/", 1)[1]] if isinstance(node.get("$ref"), str) else []
-    return own + [name for key, item in node.items() if key != "discriminator" for name in _named(item)]
+    direct = [node["$ref"].rsplit("/", 1)[1]] if isinstance(node.get("$ref"), str) else []
+    return direct + [name for key, item in node.items() if key != "discriminator" for name in _named(item)]
 
 
 def schema(name: str) -> dict[str, Any]:
@@ -152,13 +147,13 @@ def schema(name: str) -> dict[str, Any]:
 
 
 def page_of(name: str) -> str:
-    """Page that a class stands on, without its suffix."""
+    """Page of a class, without suffix."""
     module = classes()[name].__module__.removeprefix("granular_contact.").removeprefix("config.")
     return next(page for start, page in PAGES if module.startswith(start))
 
 
 def tag(cls: type[BaseModel]) -> str | None:
-    """The word that names a class in YAML; None where a key alone does."""
+    """Value of `type` or `law` that names a class in YAML; None for a class without such a key."""
     for key in ("type", "law"):
         if key in cls.model_fields and get_origin(cls.model_fields[key].annotation) is Literal:
             return str(get_args(cls.model_fields[key].annotation)[0])
@@ -167,8 +162,8 @@ def tag(cls: type[BaseModel]) -> str | None:
 
 @cache
 def places() -> dict[str, str]:
-    """Where in a file each class stands, as a dotted key; of several the first."""
-    found = {one.__name__: "" for one in FILES}
+    """Dotted key at which a file contains each class; the first of several keys."""
+    found = {cls.__name__: "" for cls in FILES}
     queue = list(found)
     while queue:
         name = queue.pop(0)
@@ -191,7 +186,7 @@ def heading(name: str) -> str:
         return f"`{places()[name].removesuffix('.NAME').split('.')[-1]}`"
     closure = " as a closure" if "Closure" in name else ""
     joint = page_of(name).endswith("joints")
-    others = [f"`{other}`" for other, one in SYNONYMS.items() if one == word and joint]
+    others = [f"`{synonym}`" for synonym, kind in SYNONYMS.items() if kind == word and joint]
     return f"`{word}`{closure}" + (f" ({', '.join(others)})" if others and not closure else "")
 
 
@@ -225,7 +220,7 @@ def section(name: str, page: str) -> Iterator[str]:
         yield f"Takes {', '.join(words for kind, words in SHAPE_NAMES.items() if kind in cls.takes)}."
         yield ""
     if cls.__doc__ and "!!! abstract" not in cls.__doc__:
-        yield prose(cls.__doc__.partition("Parameters\n")[0])  # what its parameters mean is in the table
+        yield prose(cls.__doc__.partition("Parameters\n")[0])  # the table describes the parameters
         yield ""
     if (picture := pictures.of(name)) is not None:
         yield f'<figure class="shape">{picture}</figure>'
@@ -234,7 +229,7 @@ def section(name: str, page: str) -> Iterator[str]:
     if issubclass(cls, Law):
         yield "With gravity g:"
         yield ""
-        yield from (f"- `{key_of(cls, one)}` {scaling}" for one, scaling in scalings(cls).items())
+        yield from (f"- `{key_of(cls, field)}` {scaling}" for field, scaling in scalings(cls).items())
         yield ""
 
 
@@ -244,25 +239,26 @@ def prose(text: str) -> str:
 
 
 def texts(cls: type[BaseModel]) -> dict[str, str]:
-    """What is said of the fields of a class, by their keys."""
-    found: dict[str, str] = {}
+    """Descriptions of the fields of a class, by key."""
+    descriptions: dict[str, str] = {}
     for owner in reversed(cls.__mro__):
         if issubclass(owner, Strict):
             for name, text in _texts(owner):
                 if name in cls.model_fields:
-                    found[cls.model_fields[name].alias or name] = text
-    return found
+                    descriptions[cls.model_fields[name].alias or name] = text
+    return descriptions
 
 
 def table(name: str, page: str) -> Iterator[str]:
-    """The keys of a class: what is allowed, the default, and what each means."""
-    said, found = texts(classes()[name]), schema(name)
+    """Lines of the table of a class: for each key the allowed values, the default and the meaning."""
+    descriptions, class_schema = texts(classes()[name]), schema(name)
     hidden = ABOUT_MEDIA if issubclass(classes()[name], Law) else ()
-    rows = [(key, field) for key, field in found.get("properties", {}).items() if key not in (*hidden, "type", "law")]
-    fields, brought = classes()[name].model_fields.items(), _annotated(classes()[name])
-    own = {field.alias or key for key, field in fields if key in brought}
-    needed = found.get("required", ())
-    rows.sort(key=lambda row: (row[0] not in needed, row[0] not in own))  # before what it shares with its kind
+    properties = class_schema.get("properties", {})
+    rows = [(key, field) for key, field in properties.items() if key not in (*hidden, "type", "law")]
+    fields, annotated = classes()[name].model_fields.items(), _annotated(classes()[name])
+    own = {field.alias or key for key, field in fields if key in annotated}
+    needed = class_schema.get("required", ())
+    rows.sort(key=lambda row: (row[0] not in needed, row[0] not in own))  # inherited keys last
     if not rows:
         yield "It has no keys of its own."
         yield ""
@@ -271,17 +267,17 @@ def table(name: str, page: str) -> Iterator[str]:
     yield "| --- | --- | --- | --- |"
     for key, field in rows:
         default = "needed" if key in needed else _default(field.get("default", []))
-        yield f"| `{key}` | {value(key, field, page)} | {default} | {prose(said.get(key, ''))} |"
+        yield f"| `{key}` | {value(key, field, page)} | {default} | {prose(descriptions.get(key, ''))} |"
     yield ""
 
 
 def _annotated(cls: type[BaseModel]) -> set[str]:
-    """Names of the fields that a class brings itself."""
+    """Names of the fields that a class declares itself, without inherited ones."""
     return set(vars(cls).get("__annotations__", {}))
 
 
 def value(key: str, field: dict[str, Any], page: str) -> str:
-    """What is allowed at a key, with its unit, and links to the classes that may stand there."""
+    """Allowed values at a key, with its unit, or links to the allowed classes."""
     names = list(dict.fromkeys(_named(field)))
     if names:
         many = " of any names" if "additionalProperties" in field else ""
@@ -289,8 +285,8 @@ def value(key: str, field: dict[str, Any], page: str) -> str:
         null = ", or null" if "'null'" in str(field) else ""
         if key in ("model", "medium"):
             many = " (or a name, a path, or a mapping with `from`)"
-            names = [one for one in names if key == "medium" or one.endswith("Model")]
-        listed = ", ".join(link(one, page) for one in names)
+            names = [name for name in names if key == "medium" or name.endswith("Model")]
+        listed = ", ".join(link(name, page) for name in names)
         return f"{listed}{many}{several}{null}"
     words = allowed.describe(allowed._resolved(field)).replace("|", "\\|")
     unit = unit_of(key)
@@ -298,7 +294,7 @@ def value(key: str, field: dict[str, Any], page: str) -> str:
 
 
 def unit_of(key: str) -> str:
-    """Unit that a key names with its last words; nothing for one without."""
+    """Unit in the last words of a key; empty for a key without unit."""
     parts = key.split("_")
     for first in range(len(parts)):
         if unit := UNITS.get("_".join(parts[first:])):
@@ -306,27 +302,27 @@ def unit_of(key: str) -> str:
     return ""
 
 
-def _default(held: Any) -> str:
-    if held is None:
+def _default(default: Any) -> str:
+    """Default of a key as text."""
+    if default is None:
         return "null"
-    if isinstance(held, dict):
-        return f"`{held['type']}`" if "type" in held else "see there"
-    if isinstance(held, bool):
-        return str(held).lower()
-    if isinstance(held, list) and held:
-        return f"`[{', '.join(_default(one) for one in held)}]`"
-    return f"{held:g}" if isinstance(held, int | float) else "none" if held in ([], ()) else f"{held}"
+    if isinstance(default, dict):
+        return f"`{default['type']}`" if "type" in default else "see there"
+    if isinstance(default, bool):
+        return str(default).lower()
+    if isinstance(default, list) and default:
+        return f"`[{', '.join(map(_default, default))}]`"
+    return f"{default:g}" if isinstance(default, int | float) else "none" if default in ([], ()) else f"{default}"
 
 
 def page(name: str) -> str:
     """A page of the reference as Markdown."""
-    title, words = TITLES[name]
-    lines = [f"# {title}", "", words, ""]
-    here = [one for one in classes() if page_of(one) == name]
+    title, introduction = TITLES[name]
+    lines = [f"# {title}", "", introduction, ""]
     if name.endswith("media"):
         lines += [*presets(), *_about_media()]
-    for one in here:
-        lines += section(one, name)
+    for cls in (cls for cls in classes() if page_of(cls) == name):
+        lines += section(cls, name)
     return "\n".join(lines)
 
 
@@ -334,7 +330,7 @@ def page(name: str) -> str:
 
 
 def presets() -> Iterator[str]:
-    """The shipped media."""
+    """Lines of the table of presets."""
     yield "## Presets"
     yield ""
     yield "| name | law | rests on | source of the numbers |"
@@ -347,12 +343,13 @@ def presets() -> Iterator[str]:
 
 
 def _about_media() -> Iterator[str]:
-    said = texts(Law)
-    said |= {"name": "For messages and columns.", "range": "Speeds, depths and sizes measured."}
-    yield "Every medium may also say, beside the numbers of its law:"
+    """Lines on the keys that all media have."""
+    descriptions = texts(Law)
+    descriptions |= {"name": "For messages and columns.", "range": "Speeds, depths and sizes measured."}
+    yield "Every medium may also have these keys, beside the numbers of its law:"
     yield ""
     for key in ABOUT_MEDIA:
-        yield f"- `{key}`: {prose(said.get(key, 'published, fitted or own.'))}"
+        yield f"- `{key}`: {prose(descriptions.get(key, 'published, fitted or own.'))}"
     yield ""
 
 
@@ -364,28 +361,30 @@ def commands() -> str:
     from granular_contact.cli.main import _parser
 
     parser = _parser()
-    (action,) = (one for one in parser._actions if isinstance(one, argparse._SubParsersAction))
-    summaries = {one.dest: one.help or "" for one in action._choices_actions}
+    (action,) = (action for action in parser._actions if isinstance(action, argparse._SubParsersAction))
+    summaries = {choice.dest: choice.help or "" for choice in action._choices_actions}
     lines = ["# Commands", ""]
     lines += [
         "Exit codes: 0 fine, 2 faulty input, 3 a solve failed, 4 time limit reached, 5 the result is not usable, "
-        "130 interrupted ([more](../howto/accuracy.md)). From 3 on, what was reached is saved. A figure or an "
-        "animation that can't be drawn gives a warning on stderr, after all data is saved.",
+        "130 interrupted ([more](../howto/accuracy.md)). With codes from 3 on, the results up to the end of "
+        "the run are saved. A figure or an animation that can't be drawn gives a warning on stderr, after all data are "
+        "saved.",
         "",
     ]
     for name, command in action.choices.items():
         lines += [f"## {name}", "", f"{summaries[name][:1].upper()}{summaries[name][1:]}.", ""]
         usage = command.format_usage().removeprefix("usage: ").strip()
         lines += ["```text", " ".join(usage.split()), "```", ""]
-        rows = [one for one in command._actions if one.help != argparse.SUPPRESS and one.dest != "help"]
+        rows = [option for option in command._actions if option.help != argparse.SUPPRESS and option.dest != "help"]
         if rows:
             lines += ["| argument | meaning |", "| --- | --- |"]
-        for one in rows:
-            names = ", ".join(f"`{option}`" for option in one.option_strings) or f"`{one.metavar or one.dest}`"
-            takes = f" `{one.metavar or one.dest.upper()}`" if one.option_strings and one.nargs != 0 else ""
-            chosen = f"; one of {', '.join(map(str, one.choices))}" if one.choices else ""
-            words = (one.help or "").replace("|", "\\|").replace("%%", "%")
-            lines.append(f"| {names}{takes} | {words}{chosen} |")
+        for option in rows:
+            names = ", ".join(f"`{name}`" for name in option.option_strings) or f"`{option.metavar or option.dest}`"
+            has_argument = option.option_strings and option.nargs != 0
+            argument = f" `{option.metavar or option.dest.upper()}`" if has_argument else ""
+            choices = f"; one of {', '.join(map(str, option.choices))}" if option.choices else ""
+            words = (option.help or "").replace("|", "\\|").replace("%%", "%")
+            lines.append(f"| {names}{argument} | {words}{choices} |")
         lines.append("")
     return "\n".join(lines)
 
