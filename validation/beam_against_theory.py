@@ -1,10 +1,10 @@
-"""The flexible link against closed forms: statics, frequencies, the elastica, and the period of the pendulum.
+"""The flexible link against theory: static deflection, frequencies, the elastica, and the period of the pendulum.
 
     python validation/beam_against_theory.py
 
-The finite elements and the modes are those of production: a scene is made of the default config, its link is clamped to
-the ground or left on its pivot, and loaded. The theory is worked out here, from the dimensions in the source paper.
-Orders are slopes of least squares in the logarithms; points at round-off are left out.
+The finite elements and the modes are those of the package: a scene is built from the default config, and its link is
+clamped to the ground or stays on its pivot, and is loaded. This module computes the theory from the dimensions in the
+source paper. Orders of convergence are least-squares slopes in the logarithms, without points at round-off.
 """
 
 from __future__ import annotations
@@ -48,60 +48,65 @@ FIGURES = HERE / "figures"
 Vector = NDArray[np.float64]
 ZERO = np.zeros(2)
 
-# The source paper's link and root, SI.
+# Dimensions of the source paper's link and root, SI units.
 RHO, G = 7700.0, 9.81
 D1, L1, D2, L2, D, L, EI = 0.01905, 0.019812, 0.01524, 0.01524, 0.00635, 0.23876, 15.1642
-OFFSET = D1 / 2 + L2  # of the clamp from the pivot
+OFFSET = D1 / 2 + L2  # distance of the clamp from the pivot
 MU = RHO * math.pi * D**2 / 4  # kg/m
-EA = EI / (D / 4) ** 2  # of a solid round section
+EA = EI / (D / 4) ** 2  # for a solid round section
 M1, M2, M3 = RHO * math.pi * D1**2 / 4 * L1, RHO * math.pi * D2**2 / 4 * L2, MU * L
 ROOT_INERTIA = M1 * D1**2 / 8 + M2 * (L2**2 / 12 + D2**2 / 16 + (D1 / 2 + L2 / 2) ** 2)
-BEAM_INERTIA = M3 * (L**2 / 12 + (OFFSET + L / 2) ** 2)  # of a line: the beams have no rotary inertia of the section
+BEAM_INERTIA = M3 * (
+    L**2 / 12 + (OFFSET + L / 2) ** 2
+)  # of a line of mass, as the beam elements have no rotary inertia of their section
 MOMENT = M2 * (D1 / 2 + L2 / 2) + M3 * (OFFSET + L / 2)
 
 ELEMENTS, QUICK_ELEMENTS = (1, 2, 4, 8, 16, 32), (2, 4, 8, 16)
 MODES = (1, 2, 3, 5, 8, 12, 20)
-LOAD = 5.0  # F L^2 / EI of the tip force
+LOAD = 5.0  # tip force as F L^2 / EI
 AMPLITUDES = (5.0, 90.0, 170.0)  # deg
 STEPS = (8e-3, 4e-3, 2e-3, 1e-3)  # s
 COLOURS, MARKS = (BLUE, VERMILION, GREEN, PURPLE, ORANGE), "osD^v"
 
 
 def order(values: Sequence[float], errors: Sequence[float], floor: float = 0.0, first: int = 0) -> float:
-    """Fitted power with which errors fall, from the point `first` on and above the floor."""
+    """Fitted order of convergence, from the point `first` on and with errors above the floor only."""
     pairs = [(v, abs(e)) for v, e in list(zip(values, errors, strict=True))[first:] if abs(e) > floor]
     return float(-np.polyfit(*np.log(np.array(pairs)).T, 1)[0]) if len(pairs) > 1 else math.nan
 
 
 def claim(statement: str, held: Any, detail: str) -> Claim:
-    """A claim of this study."""
+    """Make a claim of this study."""
     return Claim(f"beam_against_theory.{statement}", bool(held), detail)
 
 
 def words(numbers: Sequence[float], form: str = ".2f") -> str:
-    """Numbers in a row."""
+    """Format numbers as a list separated by commas."""
     return ", ".join(format(x, form) for x in numbers)
 
 
-# ---- what is computed: finite elements and modes as the project has them ----
+# ---- computed values: finite elements and modes of the package ----
 
 
 def pendulum(elements: int = 4, gravity: float = 0.0) -> Scene:
-    """The pendulum at rest on the horizontal, in vacuum."""
+    """Build the pendulum at rest in the horizontal position, in vacuum."""
     overrides = ["medium=null", f"gravity_m_s2={gravity}", f"model.bodies.link.flexible.elements={elements}"]
     overrides += ["initial.impact_angle_deg=0", "initial.impact_speed_rad_s=0"]
     return build(load_scenario(CONFIGS / "pendulum.yaml", overrides))
 
 
 def cantilever(elements: int, gravity: float = 0.0) -> Scene:
-    """The link alone, clamped to the ground."""
+    """Build the link alone, clamped to the ground."""
     scene = pendulum(elements, gravity)
     link = replace(scene.links[0], motion=InitialMotion(ZERO, 0.0, ZERO, 0.0))
     return replace(scene, rigid=(), links=(link,), joints=(Joint("clamp", "weld", None, ZERO, link.name, ZERO),))
 
 
 def statics(elements: int, *, force: float = 0.0, moment: float = 0.0, gravity: float = 0.0, steps: int = 1) -> Vector:
-    """Nodes (elements + 1, 2) m of the clamped link: dead force (N) downward and moment (N m) clockwise at the tip."""
+    """Positions (elements + 1, 2) m of the nodes of the clamped link in static equilibrium.
+
+    force: dead force at the tip, downward, N; moment: at the tip, clockwise, N m; steps: load steps.
+    """
     system = assemble(cantilever(elements, gravity))
     mbs, handle = system.mbs, system.links["link"]
     tip = {"bodyNumber": handle.elements[-1], "localPosition": [L / elements, 0.0, 0.0]}
@@ -124,7 +129,7 @@ def statics(elements: int, *, force: float = 0.0, moment: float = 0.0, gravity: 
 
 
 def fe_frequencies(scene: Scene) -> Vector:
-    """Frequencies (Hz) of bending of the engine's linearised system with its constraints; that of turning left out."""
+    """Bending frequencies (Hz) of the engine's linearised constrained system, without the rigid-body rotation."""
     system = assemble(scene)
     values, vectors = ComputeODE2Eigenvalues(system.mbs, exu.SimulationSettings())[:2]
     data = system.mbs.systemData
@@ -136,7 +141,7 @@ def fe_frequencies(scene: Scene) -> Vector:
 
 
 def reduced_record(modes: int) -> np.void:
-    """Inertia, couplings c, static moments p and stiffness k of the modal pendulum."""
+    """Record of the modal pendulum: inertia, couplings c, static moments p and stiffness k."""
     return arrays_of(model(pendulum(), Reduced(modes=modes, static="true_sign", rtol=1e-10))).pendulum[0]
 
 
@@ -163,10 +168,11 @@ def clamped_free(count: int) -> Vector:
 
 
 def hinged(count: int) -> Vector:
-    """Frequencies (count,) Hz of the beam on its rigid root, which turns about the pivot, without gravity.
+    """Frequencies (count,) Hz of the beam on its rigid root, which rotates about the pivot, without gravity.
 
-    y = A cos + B sin + C exp(-b z/L) + E exp(-b (1 - z/L)), free at z = L; at z = 0, with a the offset and J the
-    inertia of the root, y = a y' and EI y'' - a EI y''' + w^2 J y' = 0. Zeros of the determinant.
+    y = A cos(b z/L) + B sin(b z/L) + C exp(-b z/L) + E exp(-b (1 - z/L)), free at z = L. At z = 0, with the offset a
+    and the inertia J of the root, y = a y' and EI y'' - a EI y''' + w^2 J y' = 0. The frequencies are the zeros of the
+    determinant of these four conditions.
     """
     a, j = OFFSET / L, ROOT_INERTIA / (MU * L**3)
 
@@ -184,10 +190,10 @@ def hinged(count: int) -> Vector:
 
 
 def elastica(force: float = 0.0, weight: float = 0.0, axial: float = EA) -> Vector:
-    """Tip (2,) m of a clamped elastica with a downward dead force (N) at its tip and a weight (N/m), by shooting.
+    """Tip position (2,) m of a clamped elastica under a downward dead force (N) at its tip and its weight (N/m).
 
-    theta below the horizontal, S material: EI theta'' = -(1 + e) P cos(theta), with stretch e = P sin(theta) / EA
-    and P = force + weight (L - S).
+    Shooting method for EI theta'' = -(1 + e) P cos(theta), with the angle theta below the horizontal as a function of
+    the material coordinate S, the axial strain e = P sin(theta) / EA, and P = force + weight (L - S).
     """
 
     def slope(s: float, state: Vector) -> list[float]:
@@ -205,7 +211,10 @@ def elastica(force: float = 0.0, weight: float = 0.0, axial: float = EA) -> Vect
 
 
 def elliptic_elastica(load: float) -> Vector:
-    """Tip (2,) m of an inextensible elastica under a dead tip force F = load EI / L^2: Bisshopp and Drucker, 1945."""
+    """Tip position (2,) m of an inextensible elastica under a dead tip force F = load EI / L^2.
+
+    Bisshopp and Drucker, 1945.
+    """
 
     def modulus(angle: float) -> tuple[float, float]:
         k2 = (1 + math.sin(angle)) / 2
@@ -222,7 +231,7 @@ def elliptic_elastica(load: float) -> Vector:
 
 
 def quarter_period(amplitude: float, inertia: float) -> float:
-    """Time (s) from rest at an amplitude (deg) from the lowest position to it."""
+    """Time (s) of a pendulum from rest at an amplitude (deg) to the lowest position."""
     return math.sqrt(inertia / (G * MOMENT)) * float(ellipk(math.sin(math.radians(amplitude) / 2) ** 2))
 
 
@@ -232,7 +241,7 @@ Part = tuple[str, list[Claim], dict[str, Any]]
 
 
 def static_part(elements: Sequence[int]) -> Part:
-    """Tip deflection under the link's own weight, and under as much at its tip."""
+    """Compare tip deflections under the link's own weight, and under the same weight at its tip."""
     weight = M3 * G
     linear = {"own weight": weight * L**3 / (8 * EI), "tip weight": weight * L**3 / (3 * EI)}
     bent = {"own weight": -elastica(weight=weight / L)[1], "tip weight": -elastica(force=weight)[1]}
@@ -274,7 +283,7 @@ def static_part(elements: Sequence[int]) -> Part:
 
 
 def frequency_part(elements: Sequence[int], count: int = 5) -> Part:
-    """The first five frequencies, clamped to the ground and on the pivot."""
+    """Compare the first `count` frequencies of the link, clamped to the ground and on the pivot."""
     theory = {"clamped": clamped_free(count), "hinged": hinged(count)}
     scenes: dict[str, Callable[[int], Scene]] = {"clamped": cantilever, "hinged": pendulum}
     elements = [n for n in elements if n > 2]
@@ -289,7 +298,7 @@ def frequency_part(elements: Sequence[int], count: int = 5) -> Part:
         modal = np.array([reduced_frequencies(n)[:count] for n in modes]) / theory[name] - 1
         modal = modal if name == "hinged" else np.array([exact / theory[name] - 1])
         data[name] = {"elements": elements, "fe": fe, "modes": modes, "modal": modal}
-        # The higher modes need more than 4 elements to be in their range of convergence.
+        # The higher modes need more than 4 elements to reach the asymptotic range of convergence.
         fe_orders[name] = [order(elements, fe[:, i], 1e-9, first=int(i > 0)) for i in range(count)]
         for i in range(count):
             finer = ["exact", ""]
@@ -331,7 +340,7 @@ def frequency_part(elements: Sequence[int], count: int = 5) -> Part:
 
 
 def elastica_part(elements: Sequence[int]) -> Part:
-    """Large deflections under a tip force, and under the moment that rolls the link up to a half circle."""
+    """Compare large deflections under a tip force, and under the moment that bends the link to a half circle."""
     force = LOAD * EI / L**2
     exact = {"tip force": elastica(force=force), "tip moment": np.array([0.0, -2 * L / math.pi])}
     shapes = {
@@ -373,7 +382,7 @@ def elastica_part(elements: Sequence[int]) -> Part:
 
 
 def swing(config: str, amplitude: float, step: float, *overrides: str) -> float:
-    """Time (s) from rest at an amplitude (deg) to the lowest position: of a cubic through the step around it."""
+    """Time (s) from rest at an amplitude (deg) to the lowest position, by a cubic through the step around it."""
     scenario = load_scenario(
         CONFIGS / config,
         [
@@ -401,7 +410,7 @@ def swing(config: str, amplitude: float, step: float, *overrides: str) -> float:
 
 
 def period_part() -> Part:
-    """Small and large swings in vacuum against the complete elliptic integral."""
+    """Compare periods of small and large swings in vacuum with the complete elliptic integral."""
     line = ROOT_INERTIA + BEAM_INERTIA
     solid = line + M3 * D**2 / 16  # a rigid bar has the rotary inertia of its section
     models = {
@@ -446,7 +455,7 @@ def period_part() -> Part:
 
 
 def draw(static: Any, frequency: Any, bent: Any, period: Any) -> str:
-    """Draw the figure and give its link, in Markdown."""
+    """Draw the figure; return its link in Markdown."""
     with style():
         figure = blank(DOUBLE, 112.0, layout="constrained")
         figure.get_layout_engine().set(wspace=0.05, hspace=0.06)
@@ -468,7 +477,7 @@ def draw(static: Any, frequency: Any, bent: Any, period: Any) -> str:
 
 
 def label(axes: Axes, title: str, across: str, up: str = "relative error") -> None:
-    """Title and labels; few counts as plain numbers."""
+    """Set title and labels of axes; ticks at counts are plain numbers."""
     axes.set_title(title, loc="left")
     axes.set_xlabel(across)
     axes.set_ylabel(up)
@@ -479,20 +488,20 @@ def label(axes: Axes, title: str, across: str, up: str = "relative error") -> No
 
 
 def guide(axes: Axes, places: Sequence[float] | Vector, at: float, power: float, where: int) -> None:
-    """Faint line of slope `power` through (places[where], at), with its slope."""
+    """Draw a faint line of slope `power` through the point (places[where], at), labelled with its slope."""
     x = np.array(places, float)
     y = at * (x / x[where]) ** power
     axes.loglog(x, y, ":", color=FAINT, linewidth=0.9)
     low, side = int(np.argmin(y)), math.copysign(3.0, power)
-    words = f"slope {power:g}".replace("-", "\u2212")
+    text = f"slope {power:g}".replace("-", "\u2212")
     look = {"ha": "right" if side < 0 else "left", "va": "center", "color": FAINT, "fontsize": 7}
-    axes.annotate(words, (x[low], y[low]), xytext=(4 * side, 0), textcoords="offset points", **look)
+    axes.annotate(text, (x[low], y[low]), xytext=(4 * side, 0), textcoords="offset points", **look)
 
 
 def draw_static(axes: Axes, data: Any) -> None:
-    """Error of the modal series in the static tip deflection."""
-    for (name, one), colour, mark in zip(data.items(), COLOURS, MARKS, strict=False):
-        axes.loglog(MODES, np.abs(one["modal"]), f"{mark}-", color=colour, label=name)
+    """Draw the error of the modal series in the static tip deflection."""
+    for (name, errors), colour, mark in zip(data.items(), COLOURS, MARKS, strict=False):
+        axes.loglog(MODES, np.abs(errors["modal"]), f"{mark}-", color=colour, label=name)
     guide(axes, (3, 20), 0.3 * abs(data["own weight"]["modal"][-1]), -5, -1)
     guide(axes, (5, 20), 0.5 * abs(data["tip weight"]["modal"][-1]), -3, -1)
     axes.legend(loc="upper right")
@@ -500,7 +509,7 @@ def draw_static(axes: Axes, data: Any) -> None:
 
 
 def draw_frequencies(axes: Axes, data: Any, title: str, modal: bool) -> None:
-    """Errors of five frequencies by elements and, if `modal`, by modes."""
+    """Draw the errors of five frequencies over the number of elements and, if `modal`, of modes."""
     for i, (colour, mark) in enumerate(zip(COLOURS, MARKS, strict=True)):
         axes.loglog(data["elements"], np.abs(data["fe"][:, i]), f"{mark}-", color=colour, label=f"{i + 1}")
         if modal:
@@ -519,7 +528,7 @@ def draw_frequencies(axes: Axes, data: Any, title: str, modal: bool) -> None:
 
 
 def draw_shapes(axes: Axes, data: Any) -> None:
-    """Bent shapes by finite elements, with the exact places of the tip."""
+    """Draw bent shapes by finite elements, with the exact positions of the tip."""
     names = {"tip force": f"force {LOAD:g} EI/L²", "tip moment": "moment π EI/L"}
     for (name, nodes), colour in zip(data["shapes"].items(), COLOURS, strict=False):
         axes.plot(*nodes.T / L, "-", color=colour, label=f"FE, {names[name]}")
@@ -533,7 +542,7 @@ def draw_shapes(axes: Axes, data: Any) -> None:
 
 
 def draw_elastica(axes: Axes, data: Any) -> None:
-    """Error of the tip by elements."""
+    """Draw the error of the tip position over the number of elements."""
     for (name, errors), colour, mark in zip(data["errors"].items(), COLOURS, MARKS, strict=False):
         axes.loglog(data["elements"], errors, f"{mark}-", color=colour, label=name)
     guide(axes, data["elements"], 0.3 * min(e[-1] for e in data["errors"].values()), -4, -1)
@@ -545,13 +554,13 @@ def draw_elastica(axes: Axes, data: Any) -> None:
 
 
 def study(quick: bool) -> Outcome:
-    """Tables and claims; the figure too, unless quick."""
+    """Run all parts; draw the figure unless quick."""
     elements = QUICK_ELEMENTS if quick else ELEMENTS
     parts = [static_part(elements), frequency_part(elements), elastica_part(elements), period_part()]
     texts = [text for text, _, _ in parts]
     if not quick:
         texts.append(draw(*(data for _, _, data in parts)))
-    return Outcome("\n\n".join(texts), tuple(one for _, claims, _ in parts for one in claims))
+    return Outcome("\n\n".join(texts), tuple(claim for _, claims, _ in parts for claim in claims))
 
 
 if __name__ == "__main__":

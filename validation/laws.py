@@ -1,8 +1,8 @@
-"""Law by law: published values, closed forms, signs and symmetries; sphere drops; plates by three theories.
+"""Tests of each law: published values, closed forms, signs and symmetries; sphere drops; plates by three theories.
 
     python validation/laws.py [--quick]
 
-Coefficients are those of the presets. Where a number is not published it is named as ours.
+Coefficients are those of the presets. Numbers that are not published are marked as ours.
 """
 
 from __future__ import annotations
@@ -44,15 +44,15 @@ NAME = "laws"
 G = 9.81
 DIAMETER = 0.0254
 MASS = STEEL * math.pi / 6 * DIAMETER**3
-STIFFNESS = 80.0  # N/m, of the ball in glass beads: ours, the source's is not known to us
+STIFFNESS = 80.0  # N/m, for the ball in glass beads: ours, as we do not know the value of the source
 LAMBDA = 1.1  # inertial factor of drft, published for plates
 DRAGGING = 3.0  # m/s
 DYNAMIC = f"drft, {DRAGGING:g} m/s"
-EXACT = 1e-9  # closed forms in double precision, with room for a thousand operations
+EXACT = 1e-9  # relative error allowed for closed forms: round-off of about a thousand operations in double precision
 
 
 def every_medium() -> list[Law]:
-    """One medium of each law but lee_marghitu; coefficients of scalar laws are ours, for the sizes of forces here."""
+    """One medium of each law but lee_marghitu; coefficients of scalar laws are ours, of the size this study needs."""
     loose = preset("poppy_seeds_loose")
     assert isinstance(loose, Rft)
     return [
@@ -82,18 +82,18 @@ def claim(name: str, held: bool, detail: str) -> Claim:
 
 
 def printed_values() -> tuple[str, list[Claim]]:
-    """What the sources print against what the laws give."""
+    """Compare values printed in the sources with those of the laws."""
     rows, worst = [], 0.0
-    for name, want in (("rft_generic", 1.000), ("poppy_seeds_loose", 0.254), ("poppy_seeds_close", 0.464)):
-        got = force(preset(name), plate(1.0, 0.0, 1.0), np.array([0.0, -1.0])).sum(axis=0)[1] / 1e6
-        rows.append([name, "alpha_z(0, 90 deg)", f"{want:.3f}", f"{got:.6f}"])
-        worst = max(worst, abs(got - want))
+    for name, published in (("rft_generic", 1.000), ("poppy_seeds_loose", 0.254), ("poppy_seeds_close", 0.464)):
+        computed = force(preset(name), plate(1.0, 0.0, 1.0), np.array([0.0, -1.0])).sum(axis=0)[1] / 1e6
+        rows.append([name, "alpha_z(0, 90 deg)", f"{published:.3f}", f"{computed:.6f}"])
+        worst = max(worst, abs(computed - published))
     for beta, gamma, r, z in ((0, 45, -0.199, 0.761), (45, 45, -0.342, 0.583), (90, 0, -0.192, 0.075)):
         b, g = np.radians([beta, gamma])
-        got = _generic(b, np.array([math.cos(g), -math.sin(g)]))
-        for part, printed, mine in (("r", r, got[0]), ("z", z, got[1])):
-            rows.append(["rft3d", f"alpha_{part}({beta}, {gamma} deg)", f"{printed:.3f}", f"{mine:.6f}"])
-            worst = max(worst, abs(mine - printed))
+        computed = _generic(b, np.array([math.cos(g), -math.sin(g)]))
+        for part, printed, value in (("r", r, computed[0]), ("z", z, computed[1])):
+            rows.append(["rft3d", f"alpha_{part}({beta}, {gamma} deg)", f"{printed:.3f}", f"{value:.6f}"])
+            worst = max(worst, abs(value - printed))
     table = markdown(["set", "value", "published", "here"], rows)
     held = claim(
         "published values", worst < 5e-4, f"largest difference {worst:.1e}, half a unit of the last digit 5e-4"
@@ -105,7 +105,7 @@ def printed_values() -> tuple[str, list[Claim]]:
 
 
 def resultants(states: int) -> tuple[str, list[Claim]]:
-    """Integrated along a straight bar that pierces the surface, against the published resultants."""
+    """Compare force densities integrated along a straight bar that pierces the surface with published resultants."""
     rng = np.random.default_rng(1)
     sand = load_medium("play_sand")
     rows, claims = [], []
@@ -123,17 +123,17 @@ def resultants(states: int) -> tuple[str, list[Claim]]:
             probe = Probe(np.array([-0.5 * immersed * along, immersed * along]), d)
             v = rng.uniform(0.1, 2.0, 2) * rng.choice([-1.0, 1.0], 2)
             volume = math.pi * d**2 / 4 * immersed
-            want = np.zeros(2)
+            published = np.zeros(2)
             if name == "lee_marghitu":
                 lateral = abs(along[0] * v[1] - along[1] * v[0])
-                want -= sand.eta_d * 2500.0 * d * immersed * lateral * v
+                published -= sand.eta_d * 2500.0 * d * immersed * lateral * v
             if name != "hill":
-                want[0] -= np.sign(v[0]) * 8.0 * G * 2500.0 * tip**2 * d
+                published[0] -= np.sign(v[0]) * 8.0 * G * 2500.0 * tip**2 * d
             if name != "albert":
                 eta, lam = (22.0, 1.1) if name == "lee_marghitu" else ((10.0, 1.4) if v[1] < 0 else (0.5, 1.7))
-                want[1] -= np.sign(v[1]) * eta * (tip / d) ** lam * G * 2500.0 * volume
-            got = force(medium, probe, v).sum(axis=0)
-            worst = max(worst, float(np.abs(got - want).max() / np.abs(want).max()))
+                published[1] -= np.sign(v[1]) * eta * (tip / d) ** lam * G * 2500.0 * volume
+            integrated = force(medium, probe, v).sum(axis=0)
+            worst = max(worst, float(np.abs(integrated - published).max() / np.abs(published).max()))
         rows.append([name, states, f"{worst:.1e}"])
         claims.append(
             claim(f"{name} integrates to its resultant", worst < EXACT, f"to {worst:.1e} of it in {states} states")
@@ -149,7 +149,7 @@ def resultants(states: int) -> tuple[str, list[Claim]]:
 
 
 def elements(step: float) -> Iterator[tuple[float, Vector]]:
-    """Angles beta (deg) and directions of motion, both ways round."""
+    """Grid of angles beta (deg) from -90 to 90 and of directions of motion (2,) over the whole circle."""
     for beta in np.arange(-90.0, 90.0 + step / 2, step):
         for gamma in np.arange(-180.0, 180.0, step):
             g = math.radians(gamma)
@@ -157,7 +157,7 @@ def elements(step: float) -> Iterator[tuple[float, Vector]]:
 
 
 def signs(step: float) -> tuple[str, list[Claim]]:
-    """Power, mirror images and the two vertical directions, on a grid of states with a leading edge."""
+    """Test the sign of the power, mirror symmetry, and plunging against withdrawing, on a grid of plates."""
     rows, claims = [], []
     for medium in (*every_medium()[2:5], preset("poppy_seeds_close"), preset("rft_generic")):
         driving, skew, count, scale = 0, 0.0, 0, 0.0
@@ -200,7 +200,7 @@ def _raw_power(beta: float, u: Vector) -> float:
 
 
 def _generic(beta: float, u: Vector) -> Vector:
-    """Response (2,) of the published polynomials in the plane, at an angle (rad) of the element."""
+    """Response (2,) of the published polynomials of rft3d in the plane, for an element at an angle beta (rad)."""
     ax, _, az = rft3d_law.alpha((math.sin(beta), 0.0, -math.cos(beta)), (u[0], 0.0, u[1]))
     return np.array([ax, az])
 
@@ -210,7 +210,7 @@ def _generic(beta: float, u: Vector) -> Vector:
 
 @dataclass(frozen=True)
 class Drop:
-    """Motion of a ball after the touch: time (s), depth of its lowest point (m), speed (m/s)."""
+    """Motion of a ball after touch: time (s), depth of its lowest point (m), speed (m/s), each (n,)."""
 
     time: Vector
     depth: Vector
@@ -218,14 +218,17 @@ class Drop:
 
     @property
     def stop(self) -> tuple[float, float]:
-        """Time (s) and depth (m) at the first stop: the greatest depth, by the parabola through the deepest three."""
+        """Time (s) and depth (m) at the stop: vertex of the parabola through the three deepest points."""
         i = min(max(int(np.argmax(self.depth)), 1), len(self.depth) - 2)
         a, b, c = np.polyfit(self.time[i - 1 : i + 2] - self.time[i], self.depth[i - 1 : i + 2], 2)
         return float(self.time[i] - b / (2 * a)), float(c - b * b / (4 * a))
 
 
 def drop(medium: Law, speed: float, step: float, end: float, mass: float = MASS) -> Drop:
-    """Let a ball of 25.4 mm, of steel unless given, strike the surface at a speed (m/s), in the engine."""
+    """Simulate the impact of a ball of 25.4 mm with Exudyn.
+
+    speed: at touch, m/s; step, end: time step and end time, s; mass: kg, that of a steel ball by default.
+    """
     import exudyn as exu
     from exudyn import itemInterface as items
 
@@ -239,7 +242,7 @@ def drop(medium: Law, speed: float, step: float, end: float, mass: float = MASS)
     body = mbs.AddObject(items.ObjectRigidBody2D(mass=mass, inertia=inertia, nodeNumber=node))
     marker = mbs.AddMarker(items.MarkerBodyMass(bodyNumber=body))
     mbs.AddLoad(items.LoadMassProportional(markerNumber=marker, loadVector=[0, -G, 0]))
-    # A bristle so short that the static force is there at once.
+    # The yield displacement is so short that the static force reaches its full value at once.
     bed = GranularBed(mbs, medium, 0.0, static=Elastoplastic(1e-7, 1e-6))
     bed.add_ball(body, [0, 0], DIAMETER)
     bed.attach()
@@ -251,17 +254,17 @@ def drop(medium: Law, speed: float, step: float, end: float, mass: float = MASS)
     settings.timeIntegration.numberOfSteps = round(end / step)
     settings.timeIntegration.newton.absoluteTolerance = 1e-7
     settings.timeIntegration.newton.relativeTolerance = 1e-7
-    shown, exu.config.printToConsole = exu.config.printToConsole, False
+    previous, exu.config.printToConsole = exu.config.printToConsole, False
     try:
         mbs.SolveDynamic(settings)
     finally:
-        exu.config.printToConsole = shown
+        exu.config.printToConsole = previous
     history = bed.history
     return Drop(history.time, history.depth, history.speed)
 
 
 def clark_behringer(z: Vector, speed: float, k: float, h: float) -> Vector:
-    """Speed squared at depth z of a body with m v v' = m g - k z - h v^2, linear in v^2."""
+    """Speed squared at depth z, from m v v' = m g - k z - h v^2, which is linear in v^2; MASS as m, speed at z = 0."""
     a = 2 * h / MASS
     slope = -2 * k / MASS / a
     level = (2 * G - slope) / a
@@ -269,7 +272,7 @@ def clark_behringer(z: Vector, speed: float, k: float, h: float) -> Vector:
 
 
 def closed_forms(quick: bool) -> tuple[str, list[Claim]]:
-    """Engine against v^2(z) of linear static force and quadratic drag, and against Poncelet's depth."""
+    """Compare the engine with v^2(z) under linear static force and quadratic drag, and with Poncelet's depth."""
     rows, claims = [], []
     step = 1e-5 if quick else 1e-6
     h = MASS / (3.4 * DIAMETER)
@@ -278,35 +281,43 @@ def closed_forms(quick: bool) -> tuple[str, list[Claim]]:
         run = drop(beads(), speed, step, 0.05)
         deepest = int(np.argmax(run.depth))
         z, v2 = run.depth[1:deepest], run.speed[1:deepest] ** 2
-        off = float(np.abs(v2 - clark_behringer(z, speed, STIFFNESS, h)).max() / speed**2)
-        worst = max(worst, off)
+        error = float(np.abs(v2 - clark_behringer(z, speed, STIFFNESS, h)).max() / speed**2)
+        worst = max(worst, error)
         rows.append(
-            ["v^2(z), Clark and Behringer", f"{speed:g}", f"{1e3 * run.stop[1]:.3f} mm", "-", f"{off:.1e} of v_0^2"]
+            ["v^2(z), Clark and Behringer", f"{speed:g}", f"{1e3 * run.stop[1]:.3f} mm", "-", f"{error:.1e} of v_0^2"]
         )
-    # The drag sets in over a thousandth of a diameter: 12.7 um of 0.086 m of drag length, 1.5e-4 at the touch.
+    # The drag rises to its full value over a thousandth of the diameter. That leaves out the drag of half that way,
+    # 12.7 um, which is 1.5e-4 of the drag length of 0.086 m.
     claims.append(claim("v^2(z) of Clark and Behringer", worst < 1e-3, f"to {worst:.1e} of v_0^2, allowed 1e-3"))
     constant, c = 5 * MASS * G, 0.7
     worst = 0.0
     d1, a0 = MASS / c, constant / MASS - G
     for speed in (1.0, 3.0):
-        got = drop(Poncelet(constant, c), speed, step, 0.06).stop[1]
-        want = 0.5 * d1 * math.log1p(speed**2 / (a0 * d1))
-        worst = max(worst, abs(got - want))
+        engine = drop(Poncelet(constant, c), speed, step, 0.06).stop[1]
+        exact = 0.5 * d1 * math.log1p(speed**2 / (a0 * d1))
+        worst = max(worst, abs(engine - exact))
         rows.append(
-            ["depth, Poncelet", f"{speed:g}", f"{1e3 * got:.3f} mm", f"{1e3 * want:.3f} mm", f"{got / want - 1:+.1e}"]
+            [
+                "depth, Poncelet",
+                f"{speed:g}",
+                f"{1e3 * engine:.3f} mm",
+                f"{1e3 * exact:.3f} mm",
+                f"{engine / exact - 1:+.1e}",
+            ]
         )
-    # The force sets in over a thousandth of a diameter: half of that is passed for nothing, more where weight pulls.
+    # The force rises to its full value over a thousandth of the diameter, so that the ball passes half of that way
+    # without force; weight increases the difference by the factor in `allowed`.
     allowed = 1.2 * 0.5e-3 * DIAMETER * constant / (constant - MASS * G)
-    words = (
+    detail = (
         f"to {1e6 * worst:.1f} um; the force sets in over 25 um of depth, so that {1e6 * allowed:.0f} um are allowed"
     )
-    claims.append(claim("depth of Poncelet", worst < allowed, words))
+    claims.append(claim("depth of Poncelet", worst < allowed, detail))
     table = markdown(["closed form", "speed m/s", "depth, engine", "depth, closed form", "difference"], rows)
     return f"A steel ball of 25.4 mm in the engine, step {step:g} s.\n\n{table}", claims
 
 
 def sphere_drops(quick: bool) -> tuple[str, list[Claim]]:
-    """Penetration and stopping time of katsuragi_durian against drop height."""
+    """Penetration and stopping time of a ball by katsuragi_durian over drop height."""
     heights = np.array([0.0, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0])
     step = 1e-4 if quick else 1e-5
     drops = [drop(beads(), math.sqrt(2 * G * height), step, 0.15).stop for height in heights]
@@ -348,18 +359,18 @@ def sphere_drops(quick: bool) -> tuple[str, list[Claim]]:
     ]
     if not quick:
         _draw_drops(heights, depths, times)
-    words = (
+    caption = (
         f"katsuragi_durian, steel ball of 25.4 mm, d1 = 3.4 D as published, k = {STIFFNESS:g} N/m [ours], dropped on "
         "glass beads."
     )
-    return f"{words}\n\n{markdown(head, rows)}\n\n![Sphere drops](figures/laws_sphere_drops.png)", claims
+    return f"{caption}\n\n{markdown(head, rows)}\n\n![Sphere drops](figures/laws_sphere_drops.png)", claims
 
 
 # ---- plates by three theories ----
 
 
 def plates(quick: bool) -> tuple[str, list[Claim]]:
-    """A level plate pushed down and an upright one dragged, by rft, drft and rft3d, in one sand."""
+    """Forces on a level plate pushed down and on an upright plate dragged, by rft, drft and rft3d in the same sand."""
     sand = preset("rft3d_sand")
     generic = load_medium("rft_generic")
     level, down = plate(1.0, 0.0, 1.0), np.array([0.0, -1.0])
@@ -395,40 +406,40 @@ def plates(quick: bool) -> tuple[str, list[Claim]]:
             "ratios dragged / pushed " + ", ".join(f"{n} {dragged[n][-1] / pushed[n][-1]:.2f}" for n in media),
         ),
     ]
-    words = (
+    caption = (
         f"Square plates of 30 mm in the sand of rft3d_sand; rft and drft with the generic set and the zeta "
         f"({zeta:.2f}) that gives a level plate the same stress [ours], drft with lambda {LAMBDA:g} and the same "
         "density. At 0.1 m:"
     )
-    return f"{words}\n\n{markdown(head, rows)}\n\n![Plates by three theories](figures/laws_plates.png)", claims
+    return f"{caption}\n\n{markdown(head, rows)}\n\n![Plates by three theories](figures/laws_plates.png)", claims
 
 
-# ---- what the regularisation costs ----
+# ---- energy error of the regularisation ----
 
 
 def closed_paths() -> tuple[str, list[Claim]]:
-    """Energy that a closed path inside the yield surface of a plate's bristle may return."""
+    """Energy that a closed path of a plate inside the yield surface of its bristle can return."""
     tau = Elastoplastic().damping_time
     theta = np.linspace(0.0, 2 * math.pi, 721)[:-1]
     circle = np.column_stack([np.cos(theta), np.sin(theta)])
     along = np.column_stack([-np.sin(theta), np.cos(theta)])
     rows, worst = [], 0.0
     for name in ("poppy_seeds_loose", "rft_generic", "rft3d_sand"):
-        medium, most, lag = preset(name), 0.0, 0.0
+        medium, most_work, lag = preset(name), 0.0, 0.0
         for beta in (0.0, 30.0, 60.0, 90.0):
             f = np.array([force(medium, plate(1.0, beta, 1.0), u).sum(axis=0) for u in circle])
             for sense in (1, -1):
-                # The bristle's damping turns the direction ahead of the stretch by the angle atan(tau omega).
+                # With the bristle's damping the direction of the force leads the stretch by the angle atan(tau omega).
                 works = [
                     sense * float((np.roll(f, -sense * k, axis=0) * along).sum()) * (theta[1] - theta[0])
                     for k in range(len(theta) // 4)
                 ]
-                most = max(most, works[0] / float(np.abs(f).max()))
+                most_work = max(most_work, works[0] / float(np.abs(f).max()))
                 lag = max(lag, next(theta[k] for k, work in enumerate(works) if work <= 0.0))
-        worst = max(worst, most)
-        rows.append([name, f"{most:.2f}", f"{math.tan(lag) / (2 * math.pi * tau):.0f}"])
+        worst = max(worst, most_work)
+        rows.append([name, f"{most_work:.2f}", f"{math.tan(lag) / (2 * math.pi * tau):.0f}"])
     head = ["medium", "work of one turn over (greatest force x yield displacement)", "harmless above, turns a second"]
-    words = (
+    caption = (
         "A stress that is not along the motion has no potential: turned round a circle of the size of the yield "
         "displacement (10 um by default), the bristle of a plate gives work in one sense and takes it in the other. "
         "Its damping takes more than that once the turns are quicker than the last column says. Sliding always takes "
@@ -439,7 +450,7 @@ def closed_paths() -> tuple[str, list[Claim]]:
         worst < 1e-6,
         f"up to {worst:.2f} of force x yield displacement a turn, for laws of surface elements",
     )
-    return f"{words}\n\n{markdown(head, rows)}", [held]
+    return f"{caption}\n\n{markdown(head, rows)}", [held]
 
 
 # ---- figures ----
@@ -499,7 +510,7 @@ def _draw_plates(depths: Vector, pushed: dict[str, Vector], dragged: dict[str, V
 
 
 def study(quick: bool) -> Outcome:
-    """All parts."""
+    """Run all parts."""
     parts = [
         printed_values,
         partial(resultants, 50 if quick else 1000),
@@ -509,8 +520,8 @@ def study(quick: bool) -> Outcome:
         partial(plates, quick),
         closed_paths,
     ]
-    done = [part() for part in parts]
-    return Outcome("\n\n".join(text for text, _ in done), tuple(one for _, claims in done for one in claims))
+    sections = [part() for part in parts]
+    return Outcome("\n\n".join(text for text, _ in sections), tuple(one for _, claims in sections for one in claims))
 
 
 if __name__ == "__main__":

@@ -1,10 +1,10 @@
-"""Models against measured sand: what each law gets right of plates, a wheel, a dropped ball and a dragged plate.
+"""Laws against measurements in sand: pressed plates, a wheel, a dropped ball and a dragged plate.
 
     python validation/measured.py [--quick]
 
-Nothing is tuned on what it is compared with: coefficients come from density and friction, from the plate of 60 mm, or
-from the least depth, and everything else is predicted. Limits of the claims are the scatter of the measurements, or a
-third.
+No law is fitted to the data it is compared with. Coefficients come from density and friction, from the plate of 60 mm,
+or from the least depth; all other values are predictions. A claim allows the scatter of the measurements, or an error
+of a third.
 """
 
 from __future__ import annotations
@@ -26,18 +26,18 @@ from validation.tables import markdown
 
 Vector = NDArray[np.float64]
 
-THIRD = 1.0 / 3.0  # of a force or a sinkage: what a first design can live with [ours]
-PRESSED_RANGE = 0.10  # of three trials of the wheel that was pressed in
-SHALLOW = 0.01  # m: below, zeros that were set by hand to some 0.1 mm count
+THIRD = 1.0 / 3.0  # relative error of a force or a sinkage that a first design can accept [ours]
+PRESSED_RANGE = 0.10  # relative range of the three trials with the wheel pressed in
+SHALLOW = 0.01  # m; at smaller depths the error of the zero counts, which was set by hand to some 0.1 mm
 
 
 def claim(statement: str, held: bool, detail: str) -> Claim:
-    """A claim of this study."""
+    """Make a claim of this study."""
     return Claim(f"measured.{statement}", bool(held), detail)
 
 
 def percent(errors: Vector) -> str:
-    """The span of relative errors, and their root mean square."""
+    """Range of relative errors and their root mean square, as text."""
     rms = 100 * float(np.sqrt(np.mean(errors**2)))
     return f"{100 * errors.min():+.0f} to {100 * errors.max():+.0f} % (rms {rms:.0f} %)"
 
@@ -46,51 +46,53 @@ def percent(errors: Vector) -> str:
 
 
 def plates() -> tuple[str, list[Claim]]:
-    """Both plates by each model, and what the law lacks."""
+    """Compare the pressure under both plates with each model; return the table and the claims."""
     table = cmu.table("plates_large_box")
     depth, data, sd = 1e-3 * table["depth_mm"], 1e3 * table["pressure_kPa"], 1e3 * table["sd_kPa"]
     rows, claims = [], []
     for name, medium in cmu.models().items():
         cells = []
         for size in (60, 80):
-            own = table["diameter_mm"] == size
-            model = cmu.plate_pressure(medium, depth[own], size)
-            errors, away = cmu.relative(model, data[own]), np.abs(model - data[own]) / sd[own]
-            cells += [percent(errors), f"{away.max():.0f}"]
-            seen = f"{percent(errors)}, up to {away.max():.1f} standard deviations of the trials"
+            same_size = table["diameter_mm"] == size
+            model = cmu.plate_pressure(medium, depth[same_size], size)
+            errors, deviations = cmu.relative(model, data[same_size]), np.abs(model - data[same_size]) / sd[same_size]
+            cells += [percent(errors), f"{deviations.max():.0f}"]
+            detail = f"{percent(errors)}, up to {deviations.max():.1f} standard deviations of the trials"
             if size == 80 or "nothing" in name:
                 held = bool(np.abs(errors).max() < THIRD)
-                claims.append(claim(f"{name}: plate of {size} mm within a third", held, seen))
+                claims.append(claim(f"{name}: plate of {size} mm within a third", held, detail))
             else:
-                claims.append(claim(f"{name}: its own plate within two standard deviations", away.max() < 2.0, seen))
+                claims.append(
+                    claim(f"{name}: its own plate within two standard deviations", deviations.max() < 2.0, detail)
+                )
         rows.append([name, *cells])
     claims.append(_of_size(depth, data, table["diameter_mm"]))
     head = ["model", "60 mm: error", "worst, sd", "80 mm: error", "worst, sd"]
     (k, k_error), (n, n_error) = (cmu.fitted()[f"medium.{key}"] for key in ("k_phi_Pa", "exponent"))
     zeta, zeta_error = cmu.fitted("[medium.zeta]", "rft_generic")["medium.zeta"]
-    found = f"Fitted to the 60 mm plate: zeta {zeta:.2f} +- {zeta_error:.2f} (a misfit); k {1e-3 * k:.1f} +- "
-    found += f"{1e-3 * k_error:.1f} kPa at 20 mm and n {n:.2f} +- {n_error:.2f}."
-    return f"Level plates, pressure. {found}\n\n{markdown(head, rows)}", claims
+    fitted = f"Fitted to the 60 mm plate: zeta {zeta:.2f} +- {zeta_error:.2f} (a misfit); k {1e-3 * k:.1f} +- "
+    fitted += f"{1e-3 * k_error:.1f} kPa at 20 mm and n {n:.2f} +- {n_error:.2f}."
+    return f"Level plates, pressure. {fitted}\n\n{markdown(head, rows)}", claims
 
 
 def _of_size(depth: Vector, data: Vector, size: Vector) -> Claim:
-    """Whether any model has the measured effect of the size."""
+    """Claim that a model shows the measured effect of the plate's size."""
     shared = depth[size == 80]
     ratio = data[size == 80] / data[size == 60][: len(shared)]
-    found = [
+    ratios = [
         cmu.plate_pressure(medium, shared, 80) / cmu.plate_pressure(medium, shared, 60)
         for medium in cmu.models().values()
     ]
-    words = f"measured {ratio.min():.2f} to {ratio.max():.2f} times the pressure under 80 mm, by the models "
-    words += f"{np.min(found):.2f} to {np.max(found):.2f}; Bekker's k_c and Reece's b^(1-n) go the other way"
-    return claim("a larger plate presses harder", any(np.all(one > 1.1) for one in found), words)
+    detail = f"measured {ratio.min():.2f} to {ratio.max():.2f} times the pressure under 80 mm, by the models "
+    detail += f"{np.min(ratios):.2f} to {np.max(ratios):.2f}; Bekker's k_c and Reece's b^(1-n) go the other way"
+    return claim("a larger plate presses harder", any(np.all(values > 1.1) for values in ratios), detail)
 
 
 # ---- the wheel ----
 
 
 def pressed() -> tuple[str, list[Claim]]:
-    """The wheel pressed in, by what was fitted to a plate or to nothing, for both of its stated sizes."""
+    """Compare the force on the pressed wheel with each model, for both stated sizes."""
     table = cmu.table("wheel_smooth_pressed_in")
     depth, data = 1e-3 * table["depth_mm"], table["force_N"]
     rows, claims = [], []
@@ -100,64 +102,71 @@ def pressed() -> tuple[str, list[Claim]]:
         low, high = errors.min(axis=0), errors.max(axis=0)
         inside = (low <= PRESSED_RANGE) & (high >= -PRESSED_RANGE)
         deep = depth >= SHALLOW
-        seen = "; ".join(f"{bound}: {percent(one[deep])}" for bound, one in zip(cmu.BOUNDS, errors, strict=True))
-        at = f"at 5 mm {100 * errors[0, 0]:+.0f} and {100 * errors[1, 0]:+.0f} %"
+        spans = "; ".join(f"{bound}: {percent(values[deep])}" for bound, values in zip(cmu.BOUNDS, errors, strict=True))
+        at_5_mm = f"at 5 mm {100 * errors[0, 0]:+.0f} and {100 * errors[1, 0]:+.0f} %"
         claims.append(
             claim(
                 f"{name}: pressed wheel between its two stated sizes, from 10 mm on",
                 bool(inside[deep].all()),
-                f"{seen}; {at}",
+                f"{spans}; {at_5_mm}",
             )
         )
         worst = np.abs(errors[:, deep]).max()
-        words = f"worst {100 * worst:.0f} % from 10 mm on, {100 * np.abs(errors).max():.0f} % in all; {seen}"
-        claims.append(claim(f"{name}: pressed wheel within a third, from 10 mm on", worst < THIRD, words))
+        detail = f"worst {100 * worst:.0f} % from 10 mm on, {100 * np.abs(errors).max():.0f} % in all; {spans}"
+        claims.append(claim(f"{name}: pressed wheel within a third, from 10 mm on", worst < THIRD, detail))
     head = ["model", *(f"{1e3 * z:.0f} mm" for z in depth)]
     caption = f"The wheel pressed in: error of the force (%) with {' and '.join(cmu.BOUNDS)}; trials range over +-10 %."
     return f"{caption}\n\n{markdown(head, rows)}", claims
 
 
 def rolling_media(quick: bool) -> dict[str, Law]:
-    """Media of the rolling wheel; the last, whose shear builds up, takes seconds."""
-    found = dict(list(cmu.models().items())[:2])
+    """Media of the rolling wheel; unless quick also one whose shear builds up with travel, which takes seconds."""
+    media = dict(list(cmu.models().items())[:2])
     if not quick:
         sinkage = cmu.models()["k z^n of the 60 mm plate"]
-        found["k z^n, shear over 21 mm"] = sinkage.model_copy(update={"shear_deformation_modulus": cmu.SHEAR_MODULUS})
-    return found
+        media["k z^n, shear over 21 mm"] = sinkage.model_copy(update={"shear_deformation_modulus": cmu.SHEAR_MODULUS})
+    return media
 
 
 def wheel(quick: bool) -> tuple[str, list[Claim]]:
-    """The rolling wheel over slip: force and sinkage where it bears the measured load."""
+    """Compare force and sinkage of the rolling wheel over slip, at the sinkage where it bears the measured load."""
     data = cmu.rolling()
     rows: list[list[str]] = []
     claims: list[Claim] = []
     head = ["slip", "Fx measured N", "sinkage measured mm"]
     columns = [[f"{x.slip:+.2f}", f"{x.force:.1f} +- {x.force_sd:.1f}", f"{1e3 * x.sinkage:.1f}"] for x in data]
     for name, medium in rolling_media(quick).items():
-        found = np.array([cmu.rolled(medium, bound) for bound in cmu.BOUNDS])  # (bounds, slips, 2)
+        computed = np.array([cmu.rolled(medium, bound) for bound in cmu.BOUNDS])  # (bounds, slips, 2)
         head += [f"Fx, {name}", "sinkage"]
-        for cells, one in zip(columns, np.moveaxis(found, 1, 0), strict=True):
-            cells += [f"{one[0, 1]:.1f}, {one[1, 1]:.1f}", f"{1e3 * one[0, 0]:.1f}, {1e3 * one[1, 0]:.1f}"]
-        claims += _wheel_claims(name, found)
+        for cells, pair in zip(columns, np.moveaxis(computed, 1, 0), strict=True):
+            cells += [f"{pair[0, 1]:.1f}, {pair[1, 1]:.1f}", f"{1e3 * pair[0, 0]:.1f}, {1e3 * pair[1, 0]:.1f}"]
+        claims += _wheel_claims(name, computed)
     rows = columns
     caption = f"The wheel rolling at 10 mm/s under its load of 20 to 26 N; models with {' and '.join(cmu.BOUNDS)}."
     return f"{caption}\n\n{markdown(head, rows)}", claims
 
 
-def _wheel_claims(name: str, found: Vector) -> list[Claim]:
-    """Sign, trend, sinkage and the locked wheel, of sinkages (m) and forces (N), (bounds, slips, 2)."""
+def _wheel_claims(name: str, computed: Vector) -> list[Claim]:
+    """Claims on a model's wheel: sign and trend of Fx, sinkage, locked wheel.
+
+    computed (bounds, slips, 2): sinkage (m) and force Fx (N) for both stated sizes.
+    """
     data = cmu.rolling()
     force, sinkage = np.array([x.force for x in data]), np.array([x.sinkage for x in data])
-    right = [int(np.sum(np.sign(one[:, 1]) == np.sign(force))) for one in found]
-    ranks = [float(spearmanr(one[:, 1], force).statistic) for one in found]
+    right_signs = [int(np.sum(np.sign(size[:, 1]) == np.sign(force))) for size in computed]
+    ranks = [float(spearmanr(size[:, 1], force).statistic) for size in computed]
     turning = np.array([x.slip > -0.99 for x in data])
-    errors = cmu.relative(found[:, turning, 0], sinkage[turning])
-    away = [1e3 * float(np.sqrt(np.mean((one[turning, 0] - sinkage[turning]) ** 2))) for one in found]
-    locked, sunk = found[:, 0, 1], 1e3 * found[:, 0, 0]
+    errors = cmu.relative(computed[:, turning, 0], sinkage[turning])
+    rms = [1e3 * float(np.sqrt(np.mean((size[turning, 0] - sinkage[turning]) ** 2))) for size in computed]
+    locked, sunk = computed[:, 0, 1], 1e3 * computed[:, 0, 0]
     count = len(data)
     reason = "sand heaps up before a wheel that is dragged along, and no law of the place alone has that"
     return [
-        claim(f"{name}: sign of Fx at every slip", min(right) == count, f"{right[0]} and {right[1]} of {count} slips"),
+        claim(
+            f"{name}: sign of Fx at every slip",
+            min(right_signs) == count,
+            f"{right_signs[0]} and {right_signs[1]} of {count} slips",
+        ),
         claim(
             f"{name}: Fx rises with slip as measured",
             min(ranks) > 0.8,
@@ -166,7 +175,7 @@ def _wheel_claims(name: str, found: Vector) -> list[Claim]:
         claim(
             f"{name}: sinkage of the turning wheel within a third",
             bool(np.abs(errors).max() < THIRD),
-            f"{percent(errors[0])} and {percent(errors[1])}; rms {away[0]:.1f} and {away[1]:.1f} mm",
+            f"{percent(errors[0])} and {percent(errors[1])}; rms {rms[0]:.1f} and {rms[1]:.1f} mm",
         ),
         claim(
             f"{name}: the locked wheel",
@@ -181,14 +190,14 @@ def _wheel_claims(name: str, found: Vector) -> list[Claim]:
 
 
 def ball(quick: bool) -> tuple[str, list[Claim]]:
-    """Depth and stopping time of the dropped ball, with the band of the constants' stated errors."""
-    found = others.balls(4e-5 if quick else 1e-5)
-    total = others.HEIGHTS + found.depth
-    exponent = float(np.polyfit(np.log(total), np.log(found.depth), 1)[0])
-    ratio = found.time * np.sqrt(2 * others.G * others.HEIGHTS) / found.depth
-    bands = ((found.depth, found.depth_band), (found.time, found.time_band))
-    # The engine's force sets in over 25 um of depth, see laws.py.
-    within = all(np.all((one > 0.998 * band[0]) & (one < 1.002 * band[1])) for one, band in bands)
+    """Depth and stopping time of the dropped ball, with the range that follows from the stated errors of constants."""
+    drops = others.balls(4e-5 if quick else 1e-5)
+    total = others.HEIGHTS + drops.depth
+    exponent = float(np.polyfit(np.log(total), np.log(drops.depth), 1)[0])
+    ratio = drops.time * np.sqrt(2 * others.G * others.HEIGHTS) / drops.depth
+    bands = ((drops.depth, drops.depth_band), (drops.time, drops.time_band))
+    # The engine's force rises to its full value over 25 um of depth, see laws.py.
+    within = all(np.all((values > 0.998 * band[0]) & (values < 1.002 * band[1])) for values, band in bands)
     rows = [
         [
             f"{h:g}",
@@ -198,7 +207,7 @@ def ball(quick: bool) -> tuple[str, list[Claim]]:
             f"{1e3 * c:.1f} to {1e3 * d:.1f}",
         ]
         for h, z, a, b, t, c, d in zip(
-            others.HEIGHTS, found.depth, *found.depth_band, found.time, *found.time_band, strict=True
+            others.HEIGHTS, drops.depth, *drops.depth_band, drops.time, *drops.time_band, strict=True
         )
     ]
     head = ["drop m", "depth mm", "by k/m +- 10 1/s2, d1 +- 7 mm", "stopping time ms", "likewise"]
@@ -220,9 +229,9 @@ def ball(quick: bool) -> tuple[str, list[Claim]]:
 
 
 def drag() -> tuple[str, list[Claim]]:
-    """The dragged plate: coefficients of the least depth, and what they say of the others."""
-    known = others.plate_coefficients()
-    (zeta, _), (lam, _) = (known[f"medium.{key}"] for key in ("zeta", "lambda"))
+    """Drag of the plate: coefficients are fitted at the least depth, the drag at the other depths is predicted."""
+    coefficients = others.plate_coefficients()
+    (zeta, _), (lam, _) = (coefficients[f"medium.{key}"] for key in ("zeta", "lambda"))
     medium = preset("agarwal_plate").model_copy(update={"zeta": zeta, "lam": lam})
     rows, worst = [], 0.0
     for depth in others.DEPTHS:
@@ -234,23 +243,23 @@ def drag() -> tuple[str, list[Claim]]:
         f"A plate dragged: drag (N) by the source's F = K z + lambda rho A v^2, and by drft with zeta {zeta:.4f} and "
         f"lambda {lam:.3f} of the least depth. The points that the formula was drawn through did not reach us."
     )
-    words = f"within {100 * worst:.2g} % at 30 and 40 mm; no more than that the law has the formula of its source"
+    detail = f"within {100 * worst:.2g} % at 30 and 40 mm; no more than that the law has the formula of its source"
     return f"{caption}\n\n{markdown(head, rows)}", [
-        claim("drag: drft is the formula of its source", worst < 1e-3, words)
+        claim("drag: drft is the formula of its source", worst < 1e-3, detail)
     ]
 
 
 def study(quick: bool) -> Outcome:
-    """All parts; the figures too, unless quick."""
+    """Run all parts; draw the figures unless quick."""
     parts = [plates(), pressed(), wheel(quick), ball(quick), drag()]
-    text = [words for words, _ in parts]
+    text = [section for section, _ in parts]
     if not quick:
         figures.plates(cmu.models())
         figures.rolling(rolling_media(quick))
         figures.ball(others.balls(1e-5))
         figures.drag(preset("agarwal_plate"))
-        text += [f"![{words}](figures/measured_{name}.png)" for name, words in figures.CAPTIONS.items()]
-    return Outcome("\n\n".join(text), tuple(one for _, claims in parts for one in claims))
+        text += [f"![{caption}](figures/measured_{name}.png)" for name, caption in figures.CAPTIONS.items()]
+    return Outcome("\n\n".join(text), tuple(claim for _, claims in parts for claim in claims))
 
 
 if __name__ == "__main__":

@@ -1,17 +1,17 @@
-"""How much of an oblique impact one bending mode a plane holds: the full motion in space, taken apart into modes.
+"""Share of an oblique impact that one bending mode a plane represents: modal decomposition of the full motion in space.
 
     python validation/oblique_modes.py [--quick]
 
-The source's link on its hub strikes play sand, on an axis that is inclined: at 0 deg it strikes as in the plane, at 60
-deg it comes more from the side than from above, and bends about both of its axes. Rotation vectors between the 32
-elements of the full model are curvatures kappa(s, t) about y and z and twist; they are put together from the curvatures
-W_n'' of the modes of a cantilever,
+The source's link on its hub strikes play sand while it rotates about an inclined axis. At 0 deg it strikes as in the
+plane; at 60 deg it comes more from the side than from above, and bends about both of its axes. The rotation vectors
+between the 32 elements of the full model give the curvatures kappa(s, t) about y and z, and the twist. The curvatures
+are expanded in the curvatures W_n'' of the modes of a cantilever,
 
-    kappa(s, t) = sum_n a_n(t) W_n''(s),    a_n = int kappa W_n'' ds / int W_n''^2 ds,
+    kappa(s, t) = sum_n a_n(t) W_n''(s),    a_n = int kappa W_n'' ds / int W_n''^2 ds.
 
-which are orthogonal, so that the energy of bending is the sum of those of the modes. What the first mode of each plane
-leaves is what no reduced model of one mode a plane can have: a bound. The models themselves, `method: {reduced:
-{modes: 1}}`, are run and compared with the full model.
+These are orthogonal, so that the bending energy is the sum of the energies of the modes. The part that the first mode
+of each plane leaves out is a lower bound of the error of every reduced model with one mode a plane. The reduced models,
+`method: {reduced: {modes: 1}}`, are also run and compared with the full model.
 """
 
 from __future__ import annotations
@@ -37,20 +37,20 @@ from validation.study import Claim, Outcome, script
 from validation.tables import markdown
 
 Vector = NDArray[np.float64]
-BENDING, ELEMENTS, DURATION = 15.1642, 32, 0.025  # N m2; s, as long as the source's link takes to stop
-MODES = 1, 2, 3  # of reduced models, a plane
-ROOTS = 1.87510407, 4.69409113, 7.85475744, 10.99554073  # of a cantilever's modes
+BENDING, ELEMENTS, DURATION = 15.1642, 32, 0.025  # N m2; number; s, time that the source's link takes to stop
+MODES = 1, 2, 3  # modes a plane of the reduced models
+ROOTS = 1.87510407, 4.69409113, 7.85475744, 10.99554073  # of the frequency equation of a cantilever
 INCLINATIONS, FACTORS = (0.0, 30.0, 60.0), (1.0, 0.1, 0.01, 0.001)
 
 
 def curvature(root: float, share: Vector) -> Vector:
-    """W'' of a cantilever's mode, but for its scale, at places from 0 at the root to 1 at the tip."""
+    """Curvature W'' of a cantilever's mode, up to a factor, at positions from 0 (root) to 1 (tip)."""
     s, ratio = root * share, (np.cosh(root) + np.cos(root)) / (np.sinh(root) + np.sin(root))
     return np.asarray(np.cosh(s) + np.cos(s) - ratio * (np.sinh(s) + np.sin(s)))
 
 
 def config(inclination: float, factor: float, elements: int) -> dict[str, Any]:
-    """The strike, on an axis inclined by so many deg, with the stiffness multiplied."""
+    """Config of the impact: inclination of the axis in deg, factor of the stiffness, number of elements."""
     given = into_space(pendulum(BENDING * factor, elements), 0.0)
     angle = np.radians(inclination)
     given["model"]["joints"]["pivot"]["axis"] = [0.0, float(np.cos(angle)), float(np.sin(angle))]
@@ -59,43 +59,48 @@ def config(inclination: float, factor: float, elements: int) -> dict[str, Any]:
 
 
 def struck(inclination: float, factor: float) -> tuple[Vector, Vector]:
-    """Rotation vectors (n, joints, 3) rad along the link, from the impact on; deflection (n, 2) m of the tip."""
-    kept: list[Any] = []
+    """Rotation vectors (n, joints, 3) rad between elements and deflections (n, 2) m of the tip, from the impact on."""
+    motion: list[Any] = []
 
     def inspect(system: Any, trajectory: Any) -> None:
         beam = SpatialKinematics(system, trajectory).beams["link"]
-        kept[:] = [beam.turned()[0], beam.deflection[0][:, 1:]]
+        motion[:] = [beam.turned()[0], beam.deflection[0][:, 1:]]
 
     scenario = load(config(inclination, factor, ELEMENTS)).scenario
     run(build(scenario), scenario, inspect=inspect)
-    return kept[0], kept[1]
+    return motion[0], motion[1]
 
 
 def left(theta: Vector, modes: int) -> tuple[float, float]:
-    """What so many modes of each plane leave: of the energy of bending over the run, of the tip's greatest deflection.
+    """Shares of the bending energy over the run and of the tip's greatest deflection that the first modes leave out.
 
-    theta (n, joints, 2): turns about y and z from each element to the next.
+    theta (n, joints, 2): rotations (rad) about y and z from each element to the next. modes: number in each plane.
     """
     place = (np.arange(theta.shape[1]) + 0.5) / theta.shape[1]
     shapes = np.array([curvature(root, place) for root in ROOTS[:modes]])
     rest = theta - np.einsum("njk,mj,mi->nik", theta, np.linalg.pinv(shapes).T, shapes)
-    whole, off = (np.linalg.norm(np.einsum("njk,j->nk", one, 1.0 - place), axis=1).max() for one in (theta, rest))
-    return float(np.sum(rest**2) / np.sum(theta**2)), float(off / whole)
+    whole, error = (
+        np.linalg.norm(np.einsum("njk,j->nk", angles, 1.0 - place), axis=1).max() for angles in (theta, rest)
+    )
+    return float(np.sum(rest**2) / np.sum(theta**2)), float(error / whole)
 
 
 def modelled(inclination: float, factor: float, modes: Sequence[int]) -> list[tuple[float, float]]:
-    """Of models of so many modes a plane: error of the deflection, of the greatest one, and the error that is told."""
+    """Errors of reduced models with these numbers of modes a plane: true and estimated in the run's warning.
+
+    Both are errors of the tip's deflection relative to the greatest deflection; the estimate is 0 without a warning.
+    """
     given = config(inclination, factor, ELEMENTS)
-    full, found = simulate(load(given)), []
+    full, errors = simulate(load(given)), []
     times = np.linspace(0.0, min(DURATION, full["time_s"][-1]), 400)
     whole = _deflection(full, times)
     most = float(np.linalg.norm(whole, axis=0).max())
     for count in modes:
-        one = simulate(load(given | {"method": {"reduced": {"modes": count}}}))
-        told = [words.split("be ")[1].split(" m")[0] for words in one.warnings if "too few modes" in words]
-        error = float(np.linalg.norm(_deflection(one, times) - whole, axis=0).max()) / most
-        found.append((error, float(told[0]) / most if told else 0.0))
-    return found
+        reduced = simulate(load(given | {"method": {"reduced": {"modes": count}}}))
+        estimates = [text.split("be ")[1].split(" m")[0] for text in reduced.warnings if "too few modes" in text]
+        error = float(np.linalg.norm(_deflection(reduced, times) - whole, axis=0).max()) / most
+        errors.append((error, float(estimates[0]) / most if estimates else 0.0))
+    return errors
 
 
 def _deflection(run: Results, times: Vector) -> Vector:
@@ -103,53 +108,61 @@ def _deflection(run: Results, times: Vector) -> Vector:
 
 
 def _models(quick: bool) -> tuple[str, list[Claim]]:
-    """Table and claims of the models."""
+    """Table and claims of the reduced models."""
     cases = [(30.0, 0.1)] if quick else [(x, y) for x in INCLINATIONS for y in FACTORS]
-    rows, all_of = [], []
+    rows, pairs = [], []
     for inclination, factor in cases:
-        all_of.append(found := modelled(inclination, factor, MODES))
-        row = [f"{100 * error:.1f}" + (f" ({100 * told:.1f})" if told else "") for error, told in found]
+        pairs.append(of_case := modelled(inclination, factor, MODES))
+        row = [
+            f"{100 * error:.1f}" + (f" ({100 * estimates:.1f})" if estimates else "") for error, estimates in of_case
+        ]
         rows.append([f"{inclination:g}", f"{factor:g}", *row])
-    errors, told = np.array(all_of).transpose(2, 1, 0)
+    errors, estimates = np.array(pairs).transpose(2, 1, 0)
     claims = []
-    for name, few, holds in zip(("one mode", "two modes", "three modes"), errors, (False, True, True), strict=True):
-        words = f"oblique_modes.a model of {name} a plane " + ("holds it" if holds else "is off in the deflection")
+    for name, of_count, holds in zip(
+        ("one mode", "two modes", "three modes"), errors, (False, True, True), strict=True
+    ):
+        statement = f"oblique_modes.a model of {name} a plane " + ("holds it" if holds else "is off in the deflection")
         asked = f"asked: {'below' if holds else 'above'} 5"
-        good = few.max() < 0.05 if holds else few.min() > 0.05
-        claims.append(Claim(words, bool(good), f"by {100 * few.min():.1f} to {100 * few.max():.1f} % ({asked})"))
-    silent, said = errors[told == 0.0].max(), (told / errors)[told > 0.0]
-    words = f"{100 * silent:.1f} % at most without a word; {said.min():.2f} to {said.max():.2f} of the error is told"
-    good = silent < 0.05 and said.min() > 1.0 / 3.0 and said.max() < 3.0
-    words += " (asked: 5 %, a third to three times)"
-    claims.append(Claim("oblique_modes.what modes leave out is told", bool(good), words))
+        good = of_count.max() < 0.05 if holds else of_count.min() > 0.05
+        claims.append(
+            Claim(statement, bool(good), f"by {100 * of_count.min():.1f} to {100 * of_count.max():.1f} % ({asked})")
+        )
+    silent, ratio = errors[estimates == 0.0].max(), (estimates / errors)[estimates > 0.0]
+    detail = f"{100 * silent:.1f} % at most without a word; {ratio.min():.2f} to {ratio.max():.2f} of the error is told"
+    good = silent < 0.05 and ratio.min() > 1.0 / 3.0 and ratio.max() < 3.0
+    detail += " (asked: 5 %, a third to three times)"
+    claims.append(Claim("oblique_modes.what modes leave out is told", bool(good), detail))
     header = ["inclined by, deg", "stiffness, times", *(f"modes a plane: {count}" for count in MODES)]
-    words = (
+    caption = (
         "Error of the deflection of reduced models, of the greatest one, in %; in brackets what the run tells of it."
     )
-    return f"{words}\n\n{markdown(header, rows)}", claims
+    return f"{caption}\n\n{markdown(header, rows)}", claims
 
 
 def study(quick: bool) -> Outcome:
-    """All inclinations and stiffnesses."""
-    rows, one, two, twist = [], [], [], []
+    """Run all inclinations and stiffnesses."""
+    rows, first, first_two, twist = [], [], [], []
     for inclination in INCLINATIONS[::2] if quick else INCLINATIONS:
         for factor in FACTORS[::2] if quick else FACTORS:
             theta, bent = struck(inclination, factor)
             energy, tip = left(theta[:, :, 1:], 1)
-            one.append(tip)
-            two.append(left(theta[:, :, 1:], 2)[1])
+            first.append(tip)
+            first_two.append(left(theta[:, :, 1:], 2)[1])
             twist.append(float(np.sum(theta[:, :, 0] ** 2) / np.sum(theta**2)))
             most = (f"{1e3 * np.abs(bent[:, k]).max():.2f}" for k in (0, 1))
-            parts = (f"{100 * part:.1f}" for part in (energy, tip, two[-1]))
+            parts = (f"{100 * part:.1f}" for part in (energy, tip, first_two[-1]))
             rows.append([f"{inclination:g}", f"{factor:g}", *most, *parts])
     header = ["inclined by, deg", "stiffness, times", "most along y, mm", "along z, mm"]
     header += ["one mode leaves of the energy, %", "of the deflection, %", "two modes, %"]
-    ranges = [f"{100 * min(some):.1f} to {100 * max(some):.1f} %" for some in (one, two)]
+    ranges = [f"{100 * min(shares):.1f} to {100 * max(shares):.1f} %" for shares in (first, first_two)]
     claims = (
         Claim(
-            "oblique_modes.one mode a plane misses the deflection", min(one) > 0.05, f"by {ranges[0]} (asked: above 5)"
+            "oblique_modes.one mode a plane misses the deflection",
+            min(first) > 0.05,
+            f"by {ranges[0]} (asked: above 5)",
         ),
-        Claim("oblique_modes.two modes a plane hold it", max(two) < 0.05, f"to {ranges[1]} (asked: below 5)"),
+        Claim("oblique_modes.two modes a plane hold it", max(first_two) < 0.05, f"to {ranges[1]} (asked: below 5)"),
         Claim(
             "oblique_modes.there is no torsion", max(twist) < 1e-3, f"{max(twist):.1e} of turns squared (asked: 1e-3)"
         ),

@@ -1,9 +1,9 @@
-"""The twelve impacts of the source paper by rigid link, one mode and finite elements, and what the paper says of them.
+"""The twelve impacts of the source paper with a rigid link, one mode and finite elements; claims of the paper.
 
     python validation/paper_cases.py
 
-Every claim of the paper's text is marked held or not. Its Table 1 and the curves of its figures did not survive, so no
-number here is compared with them; the figures are drawn in the manner of its Figs 2, 5-8 and 9.
+Every claim in the paper's text is marked as held or not held. The paper's Table 1 and the curves of its figures did not
+survive, so no number is compared with them. The figures have the form of the paper's Figs 2, 5-8 and 9.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from validation.tables import markdown
 
 CONFIG = HERE.parent / "configs" / "pendulum.yaml"
 FIGURES = HERE / "figures"
-# Impact angle (deg), three impact speeds (rad/s) each: the paper's.
+# Impact speeds (rad/s) of the paper by impact angle (deg).
 SPEEDS = {22.0: (1.75, 3.38, 4.66), 31.0: (3.31, 6.24, 8.41), 45.0: (2.66, 6.47, 9.06), 61.5: (2.70, 6.54, 9.17)}
 CASES = [(angle, speed) for angle, speeds in SPEEDS.items() for speed in speeds]
 RIGID, ONE, FE = "rigid", "one mode", "FE"
@@ -44,18 +44,21 @@ MODELS = {
     "rigid, elastoplastic": ("method={reduced: {modes: 0, static: elastoplastic}}",),
     "one mode, elastoplastic": ("method={reduced: {modes: 1, static: elastoplastic}}",),
 }
-# A rigid pendulum of our own, computed before this project was: stopping time (s) and angle at stop (deg) of the cases
-# in order, to 0.1 ms and 0.001 deg.
+# Stopping time (s) and angle at stop (deg) of the cases in order, rounded to 0.1 ms and 0.001 deg. They are from our
+# own computation of a rigid pendulum, which is older than this project.
 CHECK = (
     (0.0352, 24.668), (0.0275, 25.049), (0.0243, 25.301), (0.0325, 34.623), (0.0255, 35.235), (0.0228, 35.566),
     (0.0459, 49.479), (0.0327, 50.512), (0.0290, 50.989), (0.0703, 68.017), (0.0513, 69.492), (0.0459, 70.171),
 )  # fmt: skip
-COEFFICIENTS = {"density_kg_m3": 2500.0, "eta_d": 6.5, "eta_h": 8.0}  # the paper's; and for plunging:
+COEFFICIENTS = {"density_kg_m3": 2500.0, "eta_d": 6.5, "eta_h": 8.0}  # of the paper; PLUNGING, too
 PLUNGING = {"eta_v": 22.0, "lambda": 1.1}
-LENGTH = 0.23876  # of the link, m
+LENGTH = 0.23876  # length of the link, m
 EQUAL_SPEED = 6.5  # rad/s
-STEP, QUICK_STEP, SCAN_STEP = 5e-5, 2e-4, 1e-4  # s; that of quick runs is the default
-SCAN_SPEEDS, SCAN_ANGLES = np.linspace(1.0, 10.0, 28), np.linspace(12.0, 72.0, 19)  # rad/s, deg: of curves in figures
+STEP, QUICK_STEP, SCAN_STEP = 5e-5, 2e-4, 1e-4  # s; QUICK_STEP is the default step of configs
+SCAN_SPEEDS, SCAN_ANGLES = (
+    np.linspace(1.0, 10.0, 28),
+    np.linspace(12.0, 72.0, 19),
+)  # rad/s, deg; for the curves of the figures
 COLOURS, MARKS, LINES = (BLUE, VERMILION, GREEN, PURPLE), "osD^", ("-", "--", "-.")
 
 Vector = NDArray[np.float64]
@@ -63,7 +66,7 @@ Runs = dict[tuple[str, float, float], Results]
 
 
 def simulate(model: str, angle: float, speed: float, step: float) -> Results:
-    """Results of one impact: angle in deg, speed in rad/s, step in s."""
+    """Run one impact to rest: angle in deg, speed in rad/s, step in s."""
     start = (f"initial.impact_angle_deg={angle}", f"initial.impact_speed_rad_s={speed}", f"solver.step_s={step}")
     scenario = load_scenario(CONFIG, [*start, *MODELS[model]])
     results = run(build(scenario), scenario)
@@ -73,7 +76,7 @@ def simulate(model: str, angle: float, speed: float, step: float) -> Results:
 
 
 def numbers(runs: Runs, model: str, key: str) -> Vector:
-    """Key number of the twelve impacts (4 angles, 3 speeds)."""
+    """A number of the summaries of the twelve impacts, (4 angles, 3 speeds)."""
     return np.array([[runs[model, a, s].summary[key] for s in speeds] for a, speeds in SPEEDS.items()])
 
 
@@ -86,7 +89,7 @@ def reach(results: Results) -> float:
 
 
 def table(runs: Runs) -> str:
-    """The twelve impacts by three models."""
+    """Table of the twelve impacts with three models."""
     three = RIGID, ONE, FE
     time, angle, bend = ("stopping_time_s", "angle_at_stop_deg", "max_deflection_m")
     head = [
@@ -97,15 +100,17 @@ def table(runs: Runs) -> str:
     ]  # fmt: skip
     rows = []
     for a, s in CASES:
-        of = {model: runs[model, a, s].summary for model in three}
-        cells = [f"{1e3 * of[model][time]:.2f}" for model in three] + [f"{of[model][angle]:.3f}" for model in three]
-        cells += [f"{1e3 * of[model][bend]:.3f}" for model in three[1:]]
+        summaries = {model: runs[model, a, s].summary for model in three}
+        cells = [f"{1e3 * summaries[model][time]:.2f}" for model in three] + [
+            f"{summaries[model][angle]:.3f}" for model in three
+        ]
+        cells += [f"{1e3 * summaries[model][bend]:.3f}" for model in three[1:]]
         rows.append([f"{a:g}", f"{s:.2f}", f"{s * reach(runs[FE, a, s]):.2f}", *cells])
     return markdown(head, rows)
 
 
 def equal_speed_table(peaks: Vector) -> str:
-    """Peak deflections (4,) m of impacts at one speed."""
+    """Table of the peak deflections (4,) m of impacts at one speed."""
     head = [f"at {EQUAL_SPEED:g} rad/s", *(f"{angle:g} deg" for angle in SPEEDS)]
     growth = [f"{1 / math.tan(math.radians(angle)):.2f}" for angle in SPEEDS]
     rows = [
@@ -116,7 +121,7 @@ def equal_speed_table(peaks: Vector) -> str:
 
 
 def millimetres(lengths: Sequence[float] | Vector) -> list[str]:
-    """Lengths (m) in mm, two decimals."""
+    """Format lengths (m) in mm with two decimals."""
     return [f"{1e3 * length:.2f}" for length in lengths]
 
 
@@ -124,12 +129,12 @@ def millimetres(lengths: Sequence[float] | Vector) -> list[str]:
 
 
 def claim(statement: str, held: Any, detail: str) -> Claim:
-    """A claim of this study."""
+    """Make a claim of this study."""
     return Claim(f"paper_cases.{statement}", bool(held), detail)
 
 
 def motion_claims(runs: Runs) -> list[Claim]:
-    """What the paper says of stopping time and penetration, of all three models."""
+    """Claims of the paper on stopping time and penetration, for all three models."""
     speeds = np.array(list(SPEEDS.values()))
     times = np.array([numbers(runs, model, "stopping_time_s") for model in (RIGID, ONE, FE)])
     angles = np.array([numbers(runs, model, "angle_at_stop_deg") for model in (RIGID, ONE, FE)])
@@ -158,9 +163,9 @@ def motion_claims(runs: Runs) -> list[Claim]:
 
 
 def deflection_claims(runs: Runs, equal_speed: Vector) -> list[Claim]:
-    """What the paper says of the peak deflection, by its own single mode and by finite elements."""
-    one, fe = (numbers(runs, model, "max_deflection_m") for model in (ONE, FE))
-    both = np.array([one, fe])
+    """Claims of the paper on the peak deflection, for the paper's single mode and for finite elements."""
+    mode, fe = (numbers(runs, model, "max_deflection_m") for model in (ONE, FE))
+    both = np.array([mode, fe])
     growth = both[..., 1:] / both[..., :-1]
     return [
         claim(
@@ -177,24 +182,24 @@ def deflection_claims(runs: Runs, equal_speed: Vector) -> list[Claim]:
             "deflection grows with angle",
             np.all(np.diff(both, axis=1) > 0),
             f"at {', '.join(f'{a:g}' for a in SPEEDS)} deg and the highest speeds {', '.join(millimetres(fe[:, 2]))} "
-            f"mm by FE, {', '.join(millimetres(one[:, 2]))} mm by one mode; at one and the same speed, {EQUAL_SPEED:g} "
-            f"rad/s, {', '.join(millimetres(equal_speed))} mm by FE",
+            f"mm by FE, {', '.join(millimetres(mode[:, 2]))} mm by one mode; at one and the same speed, "
+            f"{EQUAL_SPEED:g} rad/s, {', '.join(millimetres(equal_speed))} mm by FE",
         ),
     ]
 
 
 def model_claims(runs: Runs) -> list[Claim]:
-    """That the link's flexibility hardly matters, and that one static law is as good as the other."""
+    """Claims that the link's flexibility hardly matters, and that both static laws agree."""
     impact = np.array(list(SPEEDS))[:, None]
     rigid, fe = ([numbers(runs, m, k) for k in ("stopping_time_s", "angle_at_stop_deg")] for m in (RIGID, FE))
     time = np.abs(rigid[0] / fe[0] - 1).max()
     travel = np.abs((rigid[1] - fe[1]) / (fe[1] - impact)).max()
     laws, turned = 0.0, 0.0
     for model in (RIGID, ONE):
-        mine, other = ([numbers(runs, m, k) for k in ("stopping_time_s", "angle_at_stop_deg")]
+        event_located, elastoplastic = ([numbers(runs, m, k) for k in ("stopping_time_s", "angle_at_stop_deg")]
                        for m in (model, f"{model}, elastoplastic"))  # fmt: skip
-        laws = max(laws, np.abs(mine[0] / other[0] - 1).max())
-        turned = max(turned, np.abs(mine[1] - other[1]).max())
+        laws = max(laws, np.abs(event_located[0] / elastoplastic[0] - 1).max())
+        turned = max(turned, np.abs(event_located[1] - elastoplastic[1]).max())
     return [
         claim(
             "rigid and flexible hardly differ",
@@ -212,10 +217,10 @@ def model_claims(runs: Runs) -> list[Claim]:
 
 
 def check_claims(runs: Runs) -> list[Claim]:
-    """The rigid runs against numbers known before, and the coefficients that all runs have."""
+    """Claims that rigid runs agree with the earlier computation, and that all runs have the same coefficients."""
     known = np.array(CHECK).reshape(4, 3, 2)
     times, angles = (numbers(runs, RIGID, key) for key in ("stopping_time_s", "angle_at_stop_deg"))
-    # What the known number may be short of by its rounding, half a unit of its last digit, is none of our error.
+    # The rounding of the known number, half a unit of its last digit, does not count as an error of the run.
     time = np.maximum(np.abs(times - known[..., 0]) - 0.5e-4, 0.0) / known[..., 0]
     angle = np.abs(angles - known[..., 1]).max()
     rounded = int(np.sum(np.abs(np.round(times, 4) - known[..., 0]) < 1e-9))
@@ -239,7 +244,7 @@ def check_claims(runs: Runs) -> list[Claim]:
 
 
 def draw(runs: Runs) -> str:
-    """Draw the figures and give their links, in Markdown."""
+    """Draw the figures; return their links in Markdown."""
     scan = {
         (model, angle): [simulate(model, angle, speed, SCAN_STEP).summary for speed in SCAN_SPEEDS]
         for model in (ONE, FE)
@@ -254,23 +259,25 @@ def draw(runs: Runs) -> str:
         "histories": "Angle and rate until the stop",
         "stopping": "Stopping time against impact speed",
     }
-    return "\n\n".join(f"![{words}](figures/paper_cases_{name}.png)" for name, words in links.items())
+    return "\n\n".join(f"![{caption}](figures/paper_cases_{name}.png)" for name, caption in links.items())
 
 
 def key(model: str, **look: Any) -> Line2D:
-    """Entry of a legend that tells models apart, whatever their colour."""
+    """Entry of a legend that shows the line style of a model, in a neutral colour."""
     return Line2D([], [], color=INK, label=model, **look)
 
 
 def draw_deflection(runs: Runs, scan: dict[tuple[str, float], list[dict[str, Any]]]) -> None:
-    """In the manner of the paper's Fig 2, and what the paper does not show: the same at equal speeds."""
+    """Draw peak deflections as in the paper's Fig 2, and beside them those at equal speeds, which the paper lacks."""
     figure = blank(DOUBLE, 72.0, layout="constrained")
     figure.get_layout_engine().set(wspace=0.06)
     left, right = figure.subplots(1, 2)
     bend = "max_deflection_m"
     for angle, colour, mark in zip(SPEEDS, COLOURS, MARKS, strict=True):
         for model, line, face in ((FE, "-", colour), (ONE, "--", "white")):
-            left.plot(SCAN_SPEEDS, [1e3 * one[bend] for one in scan[model, angle]], line, color=colour, linewidth=0.8)
+            left.plot(
+                SCAN_SPEEDS, [1e3 * summary[bend] for summary in scan[model, angle]], line, color=colour, linewidth=0.8
+            )
             points = [1e3 * runs[model, angle, speed].summary[bend] for speed in SPEEDS[angle]]
             left.plot(SPEEDS[angle], points, mark, color=colour, markerfacecolor=face, markersize=3.5)
     entries = [
@@ -291,18 +298,18 @@ def draw_deflection(runs: Runs, scan: dict[tuple[str, float], list[dict[str, Any
 
 
 def draw_histories(runs: Runs) -> None:
-    """In the manner of the paper's Figs 5-8: angle and rate until the stop, a column for each impact angle."""
+    """Draw angle and rate until the stop as in the paper's Figs 5-8, one column for each impact angle."""
     figure = blank(DOUBLE, 88.0, layout="constrained")
     grid = figure.subplots(2, 4, sharex="col", sharey="row")
     for column, (angle, speeds) in enumerate(SPEEDS.items()):
         top, bottom = grid[:, column]
         for speed, colour in zip(speeds, COLOURS, strict=False):
             for model, look in ((FE, {"linewidth": 1.1}), (RIGID, {"linewidth": 0.7, "linestyle": (0, (4, 2))})):
-                one = runs[model, angle, speed]
-                until = one["time_s"] <= one.summary["stopping_time_s"]
-                time, ink = 1e3 * one["time_s"][until], colour if model == FE else INK
-                top.plot(time, one["pivot_angle_deg"][until] - angle, color=ink, **look)
-                bottom.plot(time, one["pivot_rate_rad_s"][until], color=ink, **look)
+                results = runs[model, angle, speed]
+                until = results["time_s"] <= results.summary["stopping_time_s"]
+                time, ink = 1e3 * results["time_s"][until], colour if model == FE else INK
+                top.plot(time, results["pivot_angle_deg"][until] - angle, color=ink, **look)
+                bottom.plot(time, results["pivot_rate_rad_s"][until], color=ink, **look)
             end = runs[FE, angle, speed].summary
             stop = 1e3 * end["stopping_time_s"], end["angle_at_stop_deg"] - angle
             top.plot(*stop, "o", color=colour, markersize=2.5)
@@ -319,12 +326,12 @@ def draw_histories(runs: Runs) -> None:
 
 
 def draw_stopping(runs: Runs, scan: dict[tuple[str, float], list[dict[str, Any]]]) -> None:
-    """In the manner of the paper's Fig 9, at all four angles."""
+    """Draw stopping times as in the paper's Fig 9, for all four angles."""
     figure = blank(SINGLE, 70.0, layout="constrained")
     axes = figure.subplots()
     time = "stopping_time_s"
     for angle, colour, mark in zip(SPEEDS, COLOURS, MARKS, strict=True):
-        axes.plot(SCAN_SPEEDS, [1e3 * one[time] for one in scan[FE, angle]], color=colour, linewidth=0.8)
+        axes.plot(SCAN_SPEEDS, [1e3 * summary[time] for summary in scan[FE, angle]], color=colour, linewidth=0.8)
         for model, look in ((FE, {"markersize": 3.0}), (RIGID, {"markersize": 6.0, "markerfacecolor": "none"})):
             points = [1e3 * runs[model, angle, speed].summary[time] for speed in SPEEDS[angle]]
             axes.plot(SPEEDS[angle], points, mark, color=colour, markeredgewidth=0.6, **look)
@@ -340,7 +347,7 @@ def draw_stopping(runs: Runs, scan: dict[tuple[str, float], list[dict[str, Any]]
 
 
 def frame(axes: Axes, title: str, across: str, up: str) -> None:
-    """Title and labels; values start at zero."""
+    """Set title and labels of axes, and start the vertical axis at zero."""
     axes.set_title(title, loc="left")
     axes.set_xlabel(across)
     axes.set_ylabel(up)
@@ -351,22 +358,22 @@ def frame(axes: Axes, title: str, across: str, up: str) -> None:
 
 
 def impacts(step: float) -> Runs:
-    """The twelve impacts by all models."""
+    """Run the twelve impacts with all models."""
     return {(model, *case): simulate(model, *case, step) for model in MODELS for case in CASES}
 
 
 def study(quick: bool) -> Outcome:
-    """Tables and claims; figures too, unless quick."""
+    """Run the impacts; draw the figures unless quick."""
     step = QUICK_STEP if quick else STEP
     return outcome(impacts(step), step, figures=not quick)
 
 
 def outcome(runs: Runs, step: float, figures: bool) -> Outcome:
-    """Tables and claims of these impacts, computed with this step (s)."""
+    """Tables and claims of impacts that are computed with a step (s)."""
     peaks = np.array([simulate(FE, angle, EQUAL_SPEED, step).summary["max_deflection_m"] for angle in SPEEDS])
     claims = [*motion_claims(runs), *deflection_claims(runs, peaks), *model_claims(runs), *check_claims(runs)]
-    one, fe = (numbers(runs, model, "max_deflection_m") for model in (ONE, FE))
-    short = 100 * (1 - one / fe)
+    single, fe = (numbers(runs, model, "max_deflection_m") for model in (ONE, FE))
+    short = 100 * (1 - single / fe)
     text = [
         f"The twelve impacts; FE of 16 elements, step {step:g} s; rigid and one mode with the true sign.",
         table(runs),

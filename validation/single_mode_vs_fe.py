@@ -1,10 +1,10 @@
-"""Where is one clamped-free mode enough? Rigid, one, two and five modes against the converged finite-element link.
+"""Where one clamped-free mode is enough: rigid, one, two and five modes against the converged finite-element link.
 
     python validation/single_mode_vs_fe.py [--quick]
 
-The link of the paper with its modulus, the impact speed, density, length and impact angle varied; modulus means that
-axial and bending stiffness change together. All models have the elastoplastic law, the same step and the same strips. A
-case counts where two beams, of 16 and 32 elements and steps in the ratio of two, agree.
+The cases vary the modulus, density and length of the paper's link, the impact speed and the impact angle. The modulus
+scales axial and bending stiffness together. All models use the elastoplastic law, the same step and the same strips. A
+case counts if two beams agree that have 16 and 32 elements, and steps in the ratio of two.
 """
 
 from __future__ import annotations
@@ -35,26 +35,26 @@ FIGURES = HERE / "figures"
 
 
 def claims(points: Sequence[Point]) -> tuple[Claim, ...]:
-    """What the study marks as held or not."""
+    """Claims on the models with few modes, from the points of all cases."""
     every = [p for p in points if p.case.stiffness == p.case.density == p.case.length == 1.0]
     paper = [p for p in every if p.case.speed <= FASTEST]
-    found = []
+    made = []
     for model, name in (("one", "one mode"), ("rigid", "rigid")):
         worst = max(p.error(model, "travel") for p in every)
-        what = f"{name} within 1 % in travel for the paper's link"
-        found.append(_claim(what, worst <= 0.01, _at_most(worst, every)))
+        statement = f"{name} within 1 % in travel for the paper's link"
+        made.append(_claim(statement, worst <= 0.01, _at_most(worst, every)))
         worst = max(p.error(model, "stopping time") for p in paper)
-        what = f"{name} within 1 % in stopping time for the paper's link up to {FASTEST:g} rad/s"
-        found.append(_claim(what, worst <= 0.01, _at_most(worst, paper)))
+        statement = f"{name} within 1 % in stopping time for the paper's link up to {FASTEST:g} rad/s"
+        made.append(_claim(statement, worst <= 0.01, _at_most(worst, paper)))
     least = min(p.error("one", "deflection") for p in paper)
     detail = f"{100 * least:.1f} % or more off in {len(paper)} impacts"
-    found.append(
+    made.append(
         _claim(
             "one mode misses the peak deflection of the paper's link by over 5 % up to 11 rad/s", least > 0.05, detail
         )
     )
     worst = max(p.error("two", "deflection") for p in paper)
-    found.append(
+    made.append(
         _claim(
             "two modes within 5 % in peak deflection for the paper's link up to 11 rad/s",
             worst <= 0.05,
@@ -64,23 +64,23 @@ def claims(points: Sequence[Point]) -> tuple[Claim, ...]:
     exact = frequencies(Case("EI"), 20)[0]
     one, two = (frequencies(Case("EI"), n)[0] / exact - 1.0 for n in (1, 2))
     detail = f"{100 * one:+.1f} % with one mode, {100 * two:+.2f} % with two"
-    found.append(_claim("one clamped-free mode is over 10 % high in the hinged frequency, two are within 0.5 %",
+    made.append(_claim("one clamped-free mode is over 10 % high in the hinged frequency, two are within 0.5 %",
                         one > 0.1 and two < 0.005, detail))  # fmt: skip
     f = fit(points, CHOSEN, "one", "travel")
     out, within, known = misjudged(points, CHOSEN, "one", "travel", 0.01)
     detail = f"R2 {f.r2:.2f} over {f.count} cases, {out + within} of {known} misjudged at N = {f.threshold(0.01):.2g}"
-    found.append(_claim(f"{CHOSEN} tells where one mode is within 1 % in travel",
+    made.append(_claim(f"{CHOSEN} tells where one mode is within 1 % in travel",
                         f.r2 >= 0.8 and out + within <= 0.1 * known, detail))  # fmt: skip
     agree = sum(p.doubt("travel") <= 2e-3 for p in points)
     detail = f"in {agree} of {len(points)} cases"
-    found.append(
+    made.append(
         _claim("the two beams agree to 0.2 % in travel in four cases of five", agree >= 0.8 * len(points), detail)
     )
-    return tuple(found)
+    return tuple(made)
 
 
-def _claim(what: str, held: bool, detail: str) -> Claim:
-    return Claim(f"single_mode_vs_fe.{what}", bool(held), detail)
+def _claim(statement: str, held: bool, detail: str) -> Claim:
+    return Claim(f"single_mode_vs_fe.{statement}", bool(held), detail)
 
 
 def _at_most(worst: float, cases: Sequence[Point]) -> str:
@@ -88,30 +88,30 @@ def _at_most(worst: float, cases: Sequence[Point]) -> str:
 
 
 def study(quick: bool) -> Outcome:
-    """Tables and claims; the full form draws the figures too."""
-    found = points(design(quick), QUICK_BEAMS if quick else BEAMS)
+    """Run all cases; draw the figures unless quick."""
+    cases = points(design(quick), QUICK_BEAMS if quick else BEAMS)
     parts = [
         "Cases within a limit, of those that the beams leave in no doubt:",
-        count_table(found),
+        count_table(cases),
         "The paper's link by number of modes, in vacuum:",
         shape_table(),
         "What one mode lacks, by peak deflection of the beam over length (cases: travel / stopping time):",
-        cause_table(found),
-        worse(found),
+        cause_table(cases),
+        worse(cases),
         "R2 of log error against log N:",
-        collapse_table(found),
+        collapse_table(cases),
         f"error = c N^p with N = {CHOSEN}:",
-        limit_table(found),
+        limit_table(cases),
         "All cases, errors in per cent:",
-        case_table(found),
+        case_table(cases),
     ]
     if not quick:
         parts += ["What the paper's axial stiffness changes in the beam (6.24 rad/s, 31 degrees):", axial_table()]
         FIGURES.mkdir(exist_ok=True)
-        draw_map(found, FIGURES / "single_mode_map.png")
-        draw_examples(found, FIGURES / "single_mode_examples.png")
-        draw_collapse(found, CHOSEN, FIGURES / "single_mode_collapse.png")
-    return Outcome("\n\n".join(parts), claims(found))
+        draw_map(cases, FIGURES / "single_mode_map.png")
+        draw_examples(cases, FIGURES / "single_mode_examples.png")
+        draw_collapse(cases, CHOSEN, FIGURES / "single_mode_collapse.png")
+    return Outcome("\n\n".join(parts), claims(cases))
 
 
 if __name__ == "__main__":

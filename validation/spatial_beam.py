@@ -1,13 +1,13 @@
-"""Which beam serves links that bend in space: the engine's elements and rigid ones with springs, error against time.
+"""Beam models for links that bend in space: the engine's elements and rigid elements with springs, error and run time.
 
     python validation/spatial_beam.py [--quick]
 
-The strip of Dowell and Traybar's experiment in Princeton (1975) carries a weight at its end, its section turned about
-its axis by 0, 45 and 90 degrees; the reference is Kirchhoff's rod, solved as a boundary value problem. A rod that is
-clamped to a wall is let go and falls; the reference is 48 of the engine's cable elements in steps of a quarter of the
-length. The engine's elements are put together here, as its own examples do it; rigid elements are those of production.
-With these alone: Kane's spin-up (`spin_up`), links from soft to stiff in sand (`soft_and_stiff`), what curls
-(`curled`).
+Statics: the strip of Dowell and Traybar's experiment in Princeton (1975) carries a weight at its end, with its section
+turned about its axis by 0, 45 and 90 degrees. The reference is Kirchhoff's rod, solved as a boundary value problem.
+Dynamics: a rod clamped to a wall is released and falls. The reference is 48 of the engine's cable elements with a
+quarter of the step. This module assembles the engine's elements as the engine's own examples do; the rigid elements are
+those of the package. Three more cases use rigid elements only: Kane's spin-up (`spin_up`), links from soft to stiff in
+sand (`soft_and_stiff`), and links that curl (`curled`).
 """
 
 from __future__ import annotations
@@ -41,14 +41,14 @@ WEIGHT = 8.896  # N, the second load of the experiment
 STRIP = Section(None, WIDTH, THICKNESS)
 SHEAR = MODULUS / (2.0 * (1.0 + POISSON))
 STIFFNESS = np.array([SHEAR * STRIP.torsion_constant, *(MODULUS * STRIP.second_moments)])
-# The rod that falls: round, of soft plastic.
+# The falling rod: round, of soft plastic.
 FALLS, DIAMETER, YOUNG, DENSITY, DURATION = 0.4, 0.006, 2e9, 1200.0, 0.15
 ROD = Section(DIAMETER, DIAMETER, DIAMETER)
 CABLE, BEAM, EXACT, RIGID = "ObjectANCFCable", "ObjectANCFBeam", "ObjectBeamGeometricallyExact", "rigid elements"
 
 
 def claim(statement: str, held: Any, detail: str) -> Claim:
-    """A claim of this study."""
+    """Make a claim of this study."""
     return Claim(f"spatial_beam.{statement}", bool(held), detail)
 
 
@@ -56,7 +56,7 @@ def claim(statement: str, held: Any, detail: str) -> Claim:
 
 
 def hold(mbs: Any, node: Any, coordinates: Iterable[int]) -> None:
-    """Keep coordinates of a node at what they are."""
+    """Fix coordinates of a node at their initial values."""
     ground = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=mbs.AddNode(items.NodePointGround()), coordinate=0))
     for i in coordinates:
         marker = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=i))
@@ -64,7 +64,7 @@ def hold(mbs: Any, node: Any, coordinates: Iterable[int]) -> None:
 
 
 def heavy_cables(mbs: Any, nodes: list[Any], **options: Any) -> list[Any]:
-    """Cables with a weight from each node to the next; options: of each."""
+    """Add a cable element with weight between each pair of neighbouring nodes; options: of every element."""
     cables = [mbs.AddObject(items.ObjectANCFCable(nodeNumbers=list(pair), **options)) for pair in pairwise(nodes)]
     for cable in cables:
         marker = mbs.AddMarker(items.MarkerBodyMass(bodyNumber=cable))
@@ -83,15 +83,15 @@ def _material() -> Any:
 
 
 def _by_engine(kind: str, count: int, angle: float) -> Vector:
-    """Displacement (3,) m of the end of the strip by elements of the engine; axes of its section."""
+    """Displacement (3,) m of the end of the strip by elements of the engine, in the axes of its section."""
     mbs = exu.SystemContainer().AddSystem()
-    made: dict[str, tuple[list[float], Any]] = {
+    node_types: dict[str, tuple[list[float], Any]] = {
         CABLE: ([1.0, 0.0, 0.0], items.NodePointSlope1),
         BEAM: ([0.0, 1.0, 0.0, 0.0, 0.0, 1.0], items.NodePointSlope23),
         EXACT: ([1.0, 0.0, 0.0, 0.0], items.NodeRigidBodyEP),
     }
-    more, node = made[kind]
-    nodes = [mbs.AddNode(node(referenceCoordinates=[x, 0, 0, *more])) for x in np.linspace(0.0, LENGTH, count + 1)]
+    slopes, node = node_types[kind]
+    nodes = [mbs.AddNode(node(referenceCoordinates=[x, 0, 0, *slopes])) for x in np.linspace(0.0, LENGTH, count + 1)]
     for pair in pairwise(nodes):
         options: dict[str, Any] = {"nodeNumbers": list(pair), "length": LENGTH / count}
         if kind == CABLE:
@@ -103,8 +103,8 @@ def _by_engine(kind: str, count: int, angle: float) -> Vector:
         if kind == BEAM:
             options["crossSectionPenaltyFactor"] = [10.0] * 3  # as in the engine's own test of this strip
         mbs.AddObject(getattr(items, kind)(**options))
-    # The norm of the Euler parameters holds their first.
-    hold(mbs, nodes[0], range(len(more) + 3) if kind != EXACT else (0, 1, 2, 4, 5, 6))
+    # The first Euler parameter is left free: the norm condition of the Euler parameters determines it.
+    hold(mbs, nodes[0], range(len(slopes) + 3) if kind != EXACT else (0, 1, 2, 4, 5, 6))
     a = np.radians(angle)
     force = [0.0, -WEIGHT * np.sin(a), -WEIGHT * np.cos(a)]
     tip = mbs.AddMarker(items.MarkerNodePosition(nodeNumber=nodes[-1]))
@@ -123,24 +123,24 @@ def _by_engine(kind: str, count: int, angle: float) -> Vector:
 
 
 def _by_rigid_elements(count: int, angle: float) -> Vector:
-    found = simulate(load(princeton(WEIGHT, angle, count)))
-    return np.array([0.0, found["strip_deflection_y_m"][0], found["strip_deflection_z_m"][0]])
+    results = simulate(load(princeton(WEIGHT, angle, count)))
+    return np.array([0.0, results["strip_deflection_y_m"][0], results["strip_deflection_z_m"][0]])
 
 
 def strip_errors(kind: str, counts: list[int], angle: float) -> list[float]:
-    """Errors of the deflection, relative, by numbers of elements."""
+    """Relative errors of the deflection for each number of elements."""
     exact, errors = kirchhoff(WEIGHT, angle, STIFFNESS)[1:], []
     for count in counts:
-        found = _by_rigid_elements(count, angle) if kind == RIGID else _by_engine(kind, count, angle)
-        errors.append(float(np.linalg.norm(found[1:] - exact) / np.linalg.norm(exact)))
+        displacement = _by_rigid_elements(count, angle) if kind == RIGID else _by_engine(kind, count, angle)
+        errors.append(float(np.linalg.norm(displacement[1:] - exact) / np.linalg.norm(exact)))
     return errors
 
 
-# ---- the rod that falls ----
+# ---- the falling rod ----
 
 
 def implicit(end: float, step: float) -> Any:
-    """Settings of Exudyn for a falling beam, whose sensors keep each step (s)."""
+    """Settings of Exudyn for the falling beam; sensors store every step (s)."""
     settings = exu.SimulationSettings()
     t = settings.timeIntegration
     t.endTime, t.numberOfSteps, t.verboseMode = end, round(end / step), 0
@@ -152,7 +152,7 @@ def implicit(end: float, step: float) -> Any:
 
 
 def fallen_by_cables(count: int, step: float) -> tuple[Vector, Vector, float]:
-    """Times (n,) s, height of the end (n,) m, and seconds, by cable elements of the engine without torsion."""
+    """Times (n,) s, height of the end (n,) m and processor time (s), by the engine's cable elements without torsion."""
     mbs = exu.SystemContainer().AddSystem()
     line, bending = DENSITY * ROD.area, YOUNG * float(ROD.second_moments[0])
     nodes = [
@@ -171,41 +171,47 @@ def fallen_by_cables(count: int, step: float) -> tuple[Vector, Vector, float]:
     began = time.process_time()
     mbs.SolveDynamic(settings)
     seconds = time.process_time() - began
-    kept = mbs.GetSensorStoredData(sensor)
-    return kept[:, 0], kept[:, 3], seconds
+    sensor_data = mbs.GetSensorStoredData(sensor)
+    return sensor_data[:, 0], sensor_data[:, 3], seconds
 
 
 def fallen_by_rigid_elements(count: int, step: float, method: str = "minimal") -> tuple[Vector, Vector, float]:
-    """The same by rigid elements with springs, as in production, in minimal coordinates or by the engine."""
+    """Times (n,) s, height of the end (n,) m and solve time (s), by the package's rigid elements with springs.
+
+    method: minimal coordinates or the engine.
+    """
     flexible = {"youngs_modulus_Pa": YOUNG, "elements": count}
     rod = {"type": "link", "length_m": FALLS, "diameter_m": DIAMETER, "density_kg_m3": DENSITY, "flexible": flexible}
     wall = {"type": "weld", "parent": "ground", "child": "rod"}
     model = {"in_space": True, "name": "falls", "bodies": {"rod": rod}, "joints": {"wall": wall}}
     solver = {"end_time_s": DURATION, "step_s": step, "spectral_radius": 0.9, "rest_time_s": None}
-    found = simulate(load({"model": model, "solver": solver, "method": method}))
-    return found["time_s"], found["tip_z_m"], float(found.summary["cost"]["solve_s"])
+    results = simulate(load({"model": model, "solver": solver, "method": method}))
+    return results["time_s"], results["tip_z_m"], float(results.summary["cost"]["solve_s"])
 
 
 def fall_errors(
     fallen: Callable[[int, float], tuple[Vector, Vector, float]], counts: list[int], step: float, exact: Vector
 ) -> list[tuple[float, float]]:
-    """Error of the end (of its way) and seconds, by numbers of elements; exact: time and height (2, n)."""
+    """Error of the height of the end, relative to its path length, and run time (s) for each number of elements.
+
+    exact (2, n): times (s) and heights (m) of the reference.
+    """
     rows = []
     for count in counts:
         seconds = []
         for _ in range(2):
             t, z, took = fallen(count, step)
             seconds.append(took)
-        way = float(np.abs(np.diff(exact[1])).sum())
-        rows.append((float(np.abs(np.interp(exact[0], t, z) - exact[1]).max()) / way, min(seconds)))
+        path_length = float(np.abs(np.diff(exact[1])).sum())
+        rows.append((float(np.abs(np.interp(exact[0], t, z) - exact[1]).max()) / path_length, min(seconds)))
     return rows
 
 
-# ---- what is shown ----
+# ---- the study ----
 
 
 def study(quick: bool) -> Outcome:
-    """Both cases, with the choice that follows."""
+    """Run all cases."""
     counts = [4, 8, 16] if quick else [4, 8, 16, 32]
     rows, rigid = [], {}
     for kind in (CABLE, BEAM, EXACT, RIGID):
@@ -215,19 +221,19 @@ def study(quick: bool) -> Outcome:
                 continue
             errors = strip_errors(kind, counts, angle)
             power = order(counts, errors)
-            rows.append([kind, f"{angle:g}", *(f"{one:.1e}" for one in errors), f"{power:.2f}"])
+            rows.append([kind, f"{angle:g}", *(f"{error:.1e}" for error in errors), f"{power:.2f}"])
             if kind == RIGID:
                 rigid[angle] = errors, power
     strip = markdown(["beam", "section turned by, deg", *(f"{n} elements" for n in counts), "order"], rows)
     t, z, _ = fallen_by_cables(24 if quick else 48, 1.25e-4)
     exact, falls = np.array([t, z]), []
     by_engine = partial(fallen_by_rigid_elements, method="engine")
-    ways = (
+    models = (
         (CABLE, fallen_by_cables),
         (f"{RIGID}, minimal coordinates", fallen_by_rigid_elements),
         (f"{RIGID}, by the engine", by_engine),
     )
-    for kind, fallen in ways:
+    for kind, fallen in models:
         for count, (error, took) in zip(counts, fall_errors(fallen, counts, 5e-4, exact), strict=True):
             falls.append([kind, count, f"{error:.1e}", f"{took:.3f}"])
     fall = markdown(["beam", "elements", "error of the end, of its way", "s"], falls)
@@ -248,10 +254,10 @@ def study(quick: bool) -> Outcome:
     )
     text = f"Strip with a weight of {WEIGHT} N at its end: error of the deflection, relative.\n\n{strip}\n\n"
     text += f"Rod that falls for {DURATION} s, in steps of 0.5 ms.\n\n{fall}\n\n"
-    more = [_spin_up([4, 8, 16]), _soft_and_stiff(quick)]
+    parts = [_spin_up([4, 8, 16]), _soft_and_stiff(quick)]
     names = list(curled.CASES)
     curls, silent, (least, most) = curled.curled([4, 8] if quick else [4, 8, 16], names[:2] if quick else names)
-    told = (
+    curl_claims = (
         claim(
             "what curls is not wrong in silence",
             silent < 0.02,
@@ -263,12 +269,12 @@ def study(quick: bool) -> Outcome:
             f"estimates are {least:.2f} to {most:.1f} times the error (asked: 0.4 to 10)",
         ),
     )
-    tables = [*(table for table, _ in more), curls]
-    return Outcome(text + "\n\n".join(tables), (*claims, *(one for _, one in more), *told))
+    tables = [*(table for table, _ in parts), curls]
+    return Outcome(text + "\n\n".join(tables), (*claims, *(part for _, part in parts), *curl_claims))
 
 
 def _spin_up(counts: list[int]) -> tuple[str, Claim]:
-    """Table and claim of Kane's manoeuvre."""
+    """Table and claim of Kane's spin-up manoeuvre."""
     rows = spin_up.rows(counts)
     cells = [[n, f"{1e3 * most:.1f}", f"{off:.1e}", f"{took:.2f}"] for n, most, off, took in rows]
     table = markdown(["elements", "greatest deflection, mm", "farthest from the theory, of that", "s"], cells)
@@ -276,20 +282,22 @@ def _spin_up(counts: list[int]) -> tuple[str, Claim]:
     detail = (
         f"with {counts[-1]} elements {100 * off:.2f} % of the greatest deflection from the linear theory (asked: 1)"
     )
-    words = "Spin-up of Kane, Ryan and Banerjee, rigid elements in minimal coordinates."
-    return f"{words}\n\n{table}", claim("spin-up", off < 0.01, detail)
+    caption = "Spin-up of Kane, Ryan and Banerjee, rigid elements in minimal coordinates."
+    return f"{caption}\n\n{table}", claim("spin-up", off < 0.01, detail)
 
 
 def _soft_and_stiff(quick: bool) -> tuple[str, Claim]:
-    """Table and claim of links from a rope to a rod that hardly bends."""
+    """Table and claim of links with a stiffness from that of a rope to that of a rod that hardly bends."""
     cases = soft_and_stiff.cases((1e-4, 1.0, 1e6) if quick else soft_and_stiff.FACTORS, 64 if quick else 256)
     header = ["stiffness, times", "elements", "error of the tip, of its way", "told", "imbalance of energy", "s"]
     silent = max(case.error for case in cases if not case.told)
     worst = max(case.imbalance for case in cases)
     held = silent < 0.01 and worst < 1e-3
     detail = f"greatest error without a warning {100 * silent:.2f} % (asked: 1), imbalance {worst:.1e} (asked: 1e-3)"
-    words = "The source's link on a hub strikes play sand at 31 deg, its stiffness multiplied; `solver.accuracy: 1e-3`."
-    return f"{words}\n\n{markdown(header, [case.cells for case in cases])}", claim("soft and stiff", held, detail)
+    caption = (
+        "The source's link on a hub strikes play sand at 31 deg, its stiffness multiplied; `solver.accuracy: 1e-3`."
+    )
+    return f"{caption}\n\n{markdown(header, [case.cells for case in cases])}", claim("soft and stiff", held, detail)
 
 
 if __name__ == "__main__":
