@@ -44,7 +44,7 @@ def chosen_by(argument: str) -> Callable[[Any], Any]:
 def provide(stub: Any, dtype: np.dtype, function: Any, *, inline: bool = False) -> None:
     """Let a function, plain or compiled, stand for a stub where the choosing argument has this record type.
 
-    inline: always within its callers.
+    inline: always inlined into its callers.
 
     Raises
     ------

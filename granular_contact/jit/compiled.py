@@ -17,7 +17,7 @@ counts would make a run of a tree 8 to 12 % longer. So a function that makes arr
 no function returns an array.
 
 With NUMBA_DISABLE_JIT=1 in the environment both leave the function as it is, and Python runs all code: to follow a run
-in a debugger, a hundred times slower. Code that has to differ then is in this room alone, and asks COMPILES.
+in a debugger, a hundred times slower. Code that has to differ then is in this room alone, and tests COMPILES.
 """
 
 from __future__ import annotations
@@ -53,8 +53,8 @@ def part(
 ) -> Any:
     """Let kernels call a function, compiled for each combination of argument types; cache: keep the code on disk.
 
-    inline: always within its callers, so that loops over it can become vector instructions; allocates: the function
-    makes arrays, none of which it returns.
+    inline: always inlined into its callers, so that loops over it can become vector instructions; allocates: the
+    function makes arrays, none of which it returns.
     """
     if function is None:
         return lambda function: part(function, cache=cache, inline=inline, allocates=allocates)

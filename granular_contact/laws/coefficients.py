@@ -50,7 +50,7 @@ class Coefficients(_Strict):  # type: ignore[misc]
         except ValidationError as error:
             raise _refused(cls, error) from None
 
-    __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]  # what is read from YAML does not pass here
+    __init__.__pydantic_base_init__ = True  # type: ignore[attr-defined]  # values from YAML do not pass through it
 
     @classmethod
     def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:

@@ -1,4 +1,4 @@
-"""What a law of resistance is: one class in one file, and one line in `catalogue`.
+"""Base class of laws of resistance. A law is one class in one file, and one line in `catalogue`.
 
 The class of a law has
 
@@ -34,7 +34,8 @@ has one of `stress`, `traction` and `strip_force`; for balls it has `ball_force`
                            add the force (N) at the centre of a ball to f[term, xy]; z: depth of its lowest point;
                            e: stretch of its bristle (m)
     drag_anchor(p, anchor, m)
-                           optional: place (m) of an anchor after an accepted step that ends with its station at p (m)
+                           optional: position (m) of an anchor after an accepted step that ends with its station at p
+                           (m)
 
 In space a `stress` is enough for surfaces (`sand.kernels.slices`). Other functions there, with the unit normal n of an
 element, which points outward where side is 1 (side 0: thin plate):
@@ -44,7 +45,7 @@ element, which points outward where side is 1 (side 0: thin plate):
     facet_inertia(n, v, side, m)
                            traction (3,) Pa of a second term beside a stress, from the velocity v
     facet_force(z, n, v, e, spread, side, j, m)
-                           all tractions of a law that uses none of the others, see `sand.kernels.space_law`
+                           all tractions of a law that uses none of the others, see `sand.kernels.facet_blocks.force`
     bar_force(strip, cluster, m, f), bar_cap(c, v, cluster, m, f), space_ball_force(z, v, e, cluster, m, f)
                            as `strip_force`, `cap_force` and `ball_force`; cluster: record
                            `sand.kernels.space_law.CLUSTER`

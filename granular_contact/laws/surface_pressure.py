@@ -12,11 +12,11 @@ does. There j restarts at 0, as in Wong and Reece's towed wheel, and the shear o
 (`sand.kernels.path_length`). So no energy is given back. The pull goes from driving to braking without a jump, but
 steeply: with the root of the slip.
 
-The equations do not vanish where the motion comes to lie along a thin plate, or at right angles to a surface. Near
-these directions both stresses fade over the angle FADE [ours]. The laws describe surfaces that press down. On a leading
-surface whose normal looks up, the stresses fall in proportion to the sine of its elevation, down to 0 on a horizontal
-face that is lifted [ours]. The cohesion grows from 0 over the first SHALLOW b of depth, so that the force is continuous
-at the touch [ours].
+The equations do not vanish where the motion comes to lie along a thin plate, or at right angles to a surface. Over the
+angle FADE from these directions both stresses on the plate fade, and the shear on the surface [ours]. The laws describe
+surfaces that press down. On a leading surface whose normal looks up, the stresses fall linearly with the sine of its
+elevation, to 0 on a horizontal face that is lifted [ours]. The cohesion grows from 0 over the first SHALLOW b of depth,
+so that the force is continuous at the touch [ours].
 """
 
 from __future__ import annotations

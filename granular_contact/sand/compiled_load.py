@@ -26,7 +26,7 @@ class CompiledLoad(NamedTuple):
 
 @cache
 def compiled_load(kernels: Any) -> CompiledLoad:
-    """Compiled functions of a module of kernels, found once for all loads: finding them takes as long as some steps.
+    """Compiled functions of a module of kernels, looked up once for all loads, which takes as long as some steps.
 
     Parameters
     ----------

@@ -42,7 +42,7 @@ LASTING = (
     *("s", "rates", "s2", "lagged", "factors", "state", "clock", "counts", "newton", "home"),
     "inverse",
 )
-SLOW = 1e-3  # of the speed of rest: least speed that the tolerance of the iterations is relative to
+SLOW = 1e-3  # times the speed of rest: least speed for a tolerance that is relative to the greatest speed
 ANY = 1e-3  # accuracy that a record of CHOICE has where steps are fixed, which do not use it
 
 

@@ -7,7 +7,7 @@ batch, and arguments of the functions here:
                         memory
     reference           reference values of the system's coordinates
     active              (lines,) whether a line may touch the surface in this step; the others are skipped
-    ends                (lines + 1, 2) first station and first coordinate of each line; the last row: their numbers
+    ends                (lines + 1, 2) first station and first coordinate of each line; last row: numbers of all
     places              (coordinates, 2) index of each coordinate of a line in the system and in the bed
     geometry            stations of all lines, one after another
     lines               (lines,) records of `law`
@@ -34,7 +34,7 @@ from granular_contact.sand.kernels.proximity import APPROACH, DEEPEST, may_touch
 
 BLOCK = 6  # rows of `body` before a line's tangent
 # Rows at the end of `body` for each line: coordinates and rates of its last forces, their totals, the forces, and the
-# rates of the last forces with other rates; KEPT: their number.
+# rates of the iteration before: the last ones that were different. KEPT: number of these rows.
 COORDINATES, RATES, TOTALS, FORCES, BEFORE = 0, 1, 2, 3, 4
 KEPT = 5
 
@@ -50,7 +50,7 @@ def work(ends: Any, anchors: Any) -> tuple[Any, Any]:
 
 @part
 def gather(system_q, system_v, reference, places, q, v):
-    """Fill q and v with the coordinates and rates of a line; places: its rows of the array of this name."""
+    """Fill q and v with the coordinates and rates of a line; places (coordinates, 2): its rows of `places`."""
     for i in range(places.shape[0]):
         index = places[i, 0]
         q[i] = system_q[index] + reference[index]

@@ -46,19 +46,22 @@ def traction(z, n, u, side, j, m):
 
 @chosen_by("m")
 def inertia(n, v, side, m):
-    """Stress (3,) Pa by the velocity v (m/s): constant term of a law with a `stress`; side as of `traction`."""
+    """Stress (3,) Pa from the velocity v (m/s): constant term of a law with a `stress`; side as of `traction`."""
 
 
 @chosen_by("m")
 def force(z, n, v, e, spread, side, j, m):
-    """Tractions on one facet, growing and constant (3,), of a law that does all by itself; arguments: see BLOCK."""
+    """Tractions on one facet, growing and constant (3,), of a law that needs none of the functions above.
+
+    spread (m/s): the number s above for n . v; the other arguments are fields of BLOCK, z being `depth`.
+    """
 
 
 @part(inline=True)
 def spread(block, k, x, y, z, factor):
-    """By how much n . (x, y, z) grows from the centroid of facet k along its edges: s as above; of a velocity in m/s.
+    """By how much n . (x, y, z) grows from the centroid of facet k along its edges: the number s above.
 
-    factor: of the velocity in (x, y, z); 0 for a vector that does not change as the body turns.
+    factor: factor of the velocity in the vector (x, y, z); 0 for a vector that does not change as the body turns.
     """
     turn_a, turn_b = block.turn_a, block.turn_b
     a = factor * block.spread[0, k] + turn_a[0, k] * x + turn_a[1, k] * y + turn_a[2, k] * z

@@ -25,7 +25,7 @@ LEAST = 1e-13  # of a facet in a layer: smaller parts are round-off of the diffe
 
 @part
 def corner_part(zk, zi, zj, k, i, j):
-    """Moments s, m, o (3,), p (3,) of the part of a triangle that has only its corner k, on one side of the surface.
+    """Moments s, m, o (3,), p (3,) of the part of a triangle on that side of the surface on which only corner k lies.
 
     zk: its depth, of another sign than the depths zi and zj (m) of the other corners; corners (3,) m, o and p from any
     origin.

@@ -140,8 +140,8 @@ def note(block, n, elements, anchors, cluster):
 def scatter(block, n, elements, anchors, cluster):
     """Fill in the factors of the two static terms of the n facets of a block, from the work arrays that `note` filled.
 
-    path: path length up to the last step (m), then all of it in grains; ahead: square of the distance since then (m^2);
-    grain, grain_ends: number of the grain kept last, and s r at its ends.
+    path: path length up to the last step (m), on return the whole path in grains; ahead: square of the distance since
+    that step (m^2); grain, grain_ends: number of the grain kept last, and s r at its ends.
     """
     path, grain, ends = block.path, block.grain, block.grain_ends
     others, inverse = 0.0, 1.0 / cluster.grain

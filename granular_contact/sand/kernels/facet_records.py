@@ -8,9 +8,9 @@ A row of `elements` that is a facet has the fields of FACET:
     area        m^2
     a, b        (3,) m; corners of a triangle are a, b and -a - b from its centroid, those of a parallelogram a + b,
                 a - b, -a + b and -a - b, so that a and b are its half edges
-    side        1: only the face loads whose normal points ahead; 0: a thin plate, either face can lead
+    side        1: loaded only where the normal points ahead; 0: a thin plate, either face can lead
     form        TRIANGLE, PARALLELOGRAM, PATCH or RIM
-    curvatures  (2,) 1/m: by how much the normal turns along a and along b, over their lengths
+    curvatures  (2,) 1/m: change of the normal per length along a and along b
 
 A PATCH of a round surface is a parallelogram whose normal turns. A RIM has no area and takes no force: it consists of a
 circle around the normal with the radius a[0], and of spheres around all points of the circle with the radius a[1] (m).
@@ -28,14 +28,14 @@ treats several facets in one instruction. `facets.gather` fills the fields befor
     shear               j: shear displacement (m), see `path_length`
     area                of the immersed part (m^2)
     scatter             (2,) factors of the two terms of the law, see `facet_paths`
-    growing_arm         from the reference point of the body to where the growing term acts (m)
-    constant_arm        from there to where the constant term acts (m)
-    centroid_depth      m
-    turn_a, turn_b      change of the normal along a and along b
-    row                 of the facet among the elements of its cluster
+    growing_arm         from the reference point of the body to the point at which the growing term acts (m)
+    constant_arm        likewise, to the point at which the constant term acts (m)
+    centroid_depth      depth of the centroid (m)
+    turn_a, turn_b      change of the normal from the centroid along a and along b
+    row                 index of the facet among the elements of its cluster
     path, ahead, grain, grain_ends      work arrays of `facet_paths`, (1,), (1,), (1,), (2,)
-    growing, constant   tractions that the law fills in: stress per depth (N/m^3) of the term that grows with depth,
-                        stress (Pa) of the other
+    growing, constant   tractions that the law fills in: stress per depth (N/m^3) of the term that grows with depth, and
+                        stress (Pa) of the constant term
     direction, share    direction of motion u that the law takes, and share of its static force, see `facet_blocks.lead`
 """
 

@@ -8,7 +8,7 @@ K = fq dF/dp + fv dF/dp' of the force F on each facet, the tangent of the wrench
 K is by differences of the law alone, with bristle and velocity moved along each axis; its part by the depth is exact,
 as int z dA over the immersed part of a facet grows by A dz. It takes one pass over the facets and four calls of the
 law, where differences of the wrench would take one more of both than a body has coordinates. The turn of normals and of
-forces is left out: it changes forces by F t, beside F t r / u_y by a bristle that yields at u_y.
+forces is left out: it changes forces by F t, which is small beside F t r / u_y by a bristle that yields at u_y.
 """
 
 from __future__ import annotations

@@ -46,7 +46,7 @@ from granular_contact.sand.kernels.vectors import (
 def spread_along(facet, q):
     """By how much n . v grows along a and along b of a facet (m/s) whose body turns by q (3,) rad/s in its own frame.
 
-    Of a triangle along the half edges of a parallelogram with the same second moments.
+    For a triangle: along the half edges of a parallelogram with the same second moments.
     """
     turning = cross(xyz(facet.normal), q)
     za, zb = dot(turning, xyz(facet.a)), dot(turning, xyz(facet.b))

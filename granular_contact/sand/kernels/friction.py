@@ -12,8 +12,8 @@ come late. At rest the anchor does not move: no creep. Smooth: s = v / v_eps and
 load.
 
 Bristles stand at the stations of a line. Along the strip between two stations s varies linearly, as e and v do: so a
-strip that turns about a point within it resists on both sides of this point, and sigma is integrated exactly where its
-sign changes (`bar_statics`).
+strip that turns about a point within it resists on both sides of this point, and sigma is integrated exactly also where
+it changes (`bar_statics`).
 
 Error of the elastoplastic form: the stiffness B / u_y of a bristle depends on the depth z, as the bound B of its force
 does, so a closed loop below the yield may gain up to B' u_y^2 if tau = 0, with B' = dB/dz: 4e-9 J for the source's link

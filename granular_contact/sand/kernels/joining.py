@@ -69,7 +69,7 @@ def _content(owner: Any) -> str:
 
 
 def let_call_others(function: Callable[..., Any], inline: bool = False) -> None:
-    """Let kernels call the plain functions that a plain function calls; inline: always within it."""
+    """Let kernels call the plain functions that a plain function calls; inline: always inlined."""
     if not isinstance(function, FunctionType) or is_part(function):  # compiled already
         return
     callers = [function]

@@ -56,7 +56,7 @@ def curved_stations(
 
 
 def _along(points: NDArray[np.float64], turns: NDArray[np.float64], strips: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Ends (n + 1, 2) m of n strips, a number for each side, which is the chord of an arc that turns (rad)."""
+    """Ends (n + 1, 2) m of n strips along a polyline; strips, turns (rad): their number and the angle of each side."""
     side = np.repeat(np.arange(len(strips)), strips)
     share = (np.arange(len(side)) - (np.cumsum(strips) - strips)[side]) / strips[side]
     corners = points @ (1.0, 1.0j)
@@ -70,7 +70,7 @@ def _along(points: NDArray[np.float64], turns: NDArray[np.float64], strips: NDAr
 
 
 def _every_second(strips: int) -> NDArray[np.bool_]:
-    """Whether the first station of each strip of a piece stays when its strips are joined in pairs, (strips,)."""
+    """Whether the first station of each strip (strips,) of a piece stays when strips are joined in pairs."""
     kept: NDArray[np.bool_] = np.arange(strips) % 2 == 0
     return kept
 
@@ -138,7 +138,7 @@ def scatter(q, geometry, P, F, out):
 @part
 def spacing(geometry):
     """Distance of coordinates that have no generalised force in common; 0 if each coordinate changes all forces."""
-    return 12 if geometry[0].kind == CABLE else 0  # four of each node, whose forces follow it and both neighbours
+    return 12 if geometry[0].kind == CABLE else 0  # a node has 4, which change forces up to its neighbours
 
 
 @part

@@ -84,7 +84,7 @@ class Contact(NamedTuple):
     medium : (1,) array
         Record of LAW.
     anchors : (n, 2) array
-        Of the bristles at the stations (m), see `friction`; (n, 6) with the columns of `path_length`.
+        Anchors (m) of the bristles at the stations, see `friction`; (n, 6) with the columns of `path_length`.
     P, V, F : (n, 2) array
         Work arrays for positions, velocities and forces of the stations; further columns are not used.
     """

@@ -150,9 +150,10 @@ def accept(q, v, contact, totals, out, row, columns, begins, known):
 def difference(q, fq, fv):
     """Step d of a finite difference that moves a coordinate by d fq and its rate by d fv.
 
-    By at most 10 nm and 1 um/s, a small part of the yield displacement, yet far above the round-off of q. A rate counts
-    by its displacement over SWITCH: if d fq alone had to exceed round-off, then a kilometre from the origin short steps
-    would move rates by more than a face needs to begin to lead, and the Jacobian would mislead Newton's method.
+    Coordinates move by at most 10 nm, rates by 1 um/s, a small part of the yield displacement, yet far
+    above the round-off of q. A rate counts by its displacement over the time SWITCH: if d fq alone had to exceed
+    round-off, then a kilometre from the origin short steps would move rates by more than a face needs to begin to lead,
+    and the Jacobian would mislead Newton's method.
     """
     greatest = 1.0
     for j in range(q.shape[0]):
@@ -164,7 +165,7 @@ def difference(q, fq, fv):
 
 @part
 def chord(d, v, v_before, fv):
-    """Step of the difference of one coordinate: as far as its rate of the iteration before, at least d."""
+    """Step of the difference of one coordinate: to its rate of the iteration before, if that is farther than d."""
     far = (v_before - v) / fv if fv != 0.0 else 0.0
     return far if abs(far) > d else d
 
@@ -175,9 +176,9 @@ def differences(q, v, v_before, contact, room, at_state, fq, fv, out):
 
     at_state (m,): f at q and v; v_before (m,): rates of the iteration before; room (3, m): work array.
 
-    q and v are moved together, by d fq and d fv along each coordinate, see `difference`; as far as v_before, if that is
-    farther. The tangent of a bristle that yields is zero, below the yield it is steep: with these tangents Newton's
-    method may alternate between both branches, while the chord between them leads it to their intersection.
+    q and v are moved together, by d fq and d fv along each coordinate, see `difference`; to v_before if that is
+    farther, see `chord`. The tangent of a bristle that yields is zero, below the yield it is steep: with these tangents
+    Newton's method may alternate between both branches, while the chord between them leads it to their intersection.
     Coordinates with no generalised force in common are moved at the same time.
     """
     size, totals, moved = q.shape[0], room2(TERMS, 3), piece(room, 0, q.shape[0])

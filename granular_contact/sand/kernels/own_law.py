@@ -21,7 +21,7 @@ _LOCATION = re.compile(r'File "([^"]+)", line (\d+)')
 def why_not(owner: Any, dtype: np.dtype, error: Exception) -> str:
     """One sentence that says why a law can't be compiled; owner as of `joining.record_type`, dtype of its record.
 
-    error: raised by the compilation, named if each function compiles by itself.
+    error: exception of the compilation, which is quoted if each function compiles by itself.
     """
     reasons = "; ".join(_reasons(owner, from_dtype(dtype))) or _first_line(error)
     return f"the law {owner.__name__} can't be compiled: {reasons}"

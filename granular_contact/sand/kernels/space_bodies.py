@@ -151,7 +151,7 @@ def force(addresses, system_q, system_v, out):
 
 @part
 def spread(f, body, i):
-    """Generalised force on coordinate i of the system's for a body, from the forces f on its own coordinates."""
+    """Generalised force on coordinate i of the system's coordinates of a body; f: forces on the body's own ones."""
     if body.places == body.size:
         return f[i]
     return body.shape[i // 3] * f[i % 3] + body.shape[4 + i // 3] * f[3 + i % 3]
@@ -185,9 +185,9 @@ def tangent(addresses, system_q, system_v, fq, fv, triplets, count):
 
 @part
 def append(K, body, at, triplets, count):
-    """Append the tangent K of a body to the first `count` triplets, as of `tangent`.
+    """Append the tangent K of a body to the first `count` triplets, and return their new number.
 
-    K is by the body's own coordinates; of a piece of a cable S^T K S is appended.
+    K is by the body's own coordinates; for a piece of a cable S^T K S is appended.
     """
     whole = body.places == body.size
     for i in range(body.places):

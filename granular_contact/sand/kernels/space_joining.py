@@ -45,7 +45,7 @@ def kinds_of(law: type) -> set[str]:
 
 
 def owner_of(law: type) -> type:
-    """First class with functions or constants for kernels, see `joining.record_type`: of a law, or a base class."""
+    """First class, of a law and its base classes, that defines functions or constants for kernels (`PARTS`)."""
     return next(base for base in law.__mro__ if PARTS & vars(base).keys())
 
 

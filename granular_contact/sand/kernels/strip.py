@@ -21,7 +21,7 @@ class Strip(NamedTuple):
     z0, z1 : float
         Depths at the ends of the strip (m), positive below the surface.
     c : tuple of float
-        From end 0 to end 1 (m).
+        Vector from end 0 to end 1 (m).
     v0, v1 : tuple of float
         Velocities of the ends (m/s).
     e0, e1 : tuple of float

@@ -191,7 +191,7 @@ def _equal_parallelograms(place: Vector, normal: Vector, a: Vector, b: Vector) -
 
 
 def rim(z: float, *, circle: float = 0.0, ball: float = 0.0) -> Vector:
-    """Row that bounds the depth of a round body: no point is deeper than a circle around z, enlarged by a sphere.
+    """Rim of a round body: a circle around z, and spheres around its points. No point is deeper than the deepest rim.
 
     Parameters
     ----------

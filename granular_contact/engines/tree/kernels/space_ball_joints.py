@@ -1,8 +1,9 @@
 """Laws of ball joints of a tree: efforts tau along the three coordinates u of their charts (`space_tree`).
 
-D = exp(u) H C P^T is the rotation of the child from home, in the frame of the parent: by the angle s in [0, pi] about
-the axis a. J(u) u' = w is the angular velocity in that frame. The child gets a moment M, and tau = J^T M. Springs,
-dampers and stops have
+P and C are the rotation matrices of the joint's frame in the frames of the parent and of the child. At home the two
+coincide. D = exp(u) H C P^T is the rotation of the child from home, in the frame of the parent: by the angle s in
+[0, pi] about the axis a. J(u) u' = w is the angular velocity in that frame. The child gets a moment M, and
+tau = J^T M. Springs, dampers and stops have
 
     M = F(s, a . w) a - c (w - (a . w) a),
 

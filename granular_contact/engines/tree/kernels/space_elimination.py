@@ -187,7 +187,7 @@ def _inward_change(first, count, i, p, w):
 
 @part
 def _outward_change(first, count, i, A, w):
-    """Subtract 1 / D W . A from the changes of the coordinates of a joint; A: change of its body without them."""
+    """Subtract 1 / D W . A from the changes of the coordinates of a joint; A: change of its body's A without them."""
     factors, change = w.space_factors, w.change
     inverse = factors[first].inverse
     for k in range(count):

@@ -70,7 +70,7 @@ def tangent(fq, fv, w):
 
 @part
 def turn(i, blocks, pose, columns, body):
-    """Subtract the tangent (7, 7) of the forces on node i, seen by rotations, from its B; columns (7, 6): room."""
+    """Subtract the tangent (7, 7) of the forces on node i from its B, by rotations and moments; columns: work array."""
     for r in range(SIZE):
         for k in range(3):
             columns[r, k] = blocks[i, SIZE * r + k]
@@ -111,7 +111,7 @@ def prepare(of_q, of_v, w):
 
 @part
 def accept(w, history, begins):
-    """See `tree_load.accept`; ends the charts of ball joints at the new orientations, where new ones begin."""
+    """See `tree_load.accept`; also restart the charts of ball joints at their new orientations."""
     place(w)
     sand_accept(w, history, begins)
     move_anchors(w)

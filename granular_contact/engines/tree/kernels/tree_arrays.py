@@ -38,7 +38,7 @@ Computed from the state:
     along, bias     (n, 3) S and (n, 2) b
     force           (n, 3) forces f on the nodes, x, y (N), and moment about the centre of mass (N m)
     effort          (n,) tau (N m, N), without the effort of drives of prescribed motions
-    passed          (n, 3) P, or p
+    passed          (n, 3) P of the inverse dynamics, or p of the elimination
     residual        (n,) R
     change          (n,) change of s'' by an iteration
     node_change     (n, 3) change of A by an iteration
@@ -51,7 +51,7 @@ In space:
     pose            (n, 7) centre of mass (m) and Euler parameters; pose_rates (n, 7): their rates
     twist           (n, 6) velocity of the centre of mass (m/s) and angular velocity (rad/s), along the world's axes
     acceleration    (n, 6) rates of the twist
-    lever           (6 n,)
+    lever           (6 n,) as in the plane
     turned          (n, 9) rotation matrix of the node, row by row
     home            (n, 4) orientation H at which the chart of a ball joint begins
     arm             (n, 3) e + d of `space_tree`
@@ -130,7 +130,7 @@ CONTROL = record_dtype(
 CLOCK = record_dtype(fields("f8", "now", "step", "resting_since", "tried", "speed", "fastest", "origin", "whole"))
 # Numbers of steps that were accepted, refused for their error, and of fixed steps that had to be shortened.
 COUNTS = record_dtype(fields("i8", "steps", "refused", "shortened"))
-# matrix_of_v: the of_v (s, see `tree_newton`) that the matrix in use was made with, 0 where a new one is asked for;
+# matrix_of_v: the of_v (s, see `tree_newton`) that the matrix in use was made with, 0 where a new one is needed;
 # iterations, matrices: counts of both so far.
 NEWTON = record_dtype([*fields("f8", "matrix_of_v"), *fields("i8", "iterations", "matrices")])
 # Addresses of functions, see `tree_calls`.

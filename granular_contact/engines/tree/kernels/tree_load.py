@@ -53,7 +53,7 @@ def iteration(of_q, of_v, w):
 def accept(w, history, begins):
     """End a step: move the anchors of friction, and add forces and depth of the medium to a history row.
 
-    begins: whether a motion begins here instead, with no bristle deflected.
+    begins: whether a motion begins here instead, without any stretched bristle.
     """
     place(w)
     sand_accept(w, history, begins)

@@ -8,7 +8,7 @@ the coordinates:
     s_1 = s_0 + h s'_0 + h^2 ((1/2 - beta) l_0 + beta l_1),    s'_1 = s'_0 + h ((1 - gamma) l_0 + gamma l_1).
 
 a_1 is found such that all residuals R of `tree` vanish at the end of the step, with bristles and all other forces at
-s_1 and s'_1. A change of a_1 by 1 changes coordinates by of_q (s2) and rates by of_v (s). `anderson` starts and
+s_1 and s'_1. A change of a_1 by 1 changes coordinates by of_q (s^2) and rates by of_v (s). `anderson` starts and
 accelerates the iterations. The matrix, in the form of articulated-body inertias, is kept over several steps. It is
 renewed when an iteration contracts too little, or when the step changes by more than the factors SHORTER and LONGER.
 """
