@@ -272,7 +272,7 @@ def test_wall_time_ends_a_run_with_its_results(config: str, more: tuple[str, ...
         scenario = scenario_of(config, "medium=null", "solver.end_time_s=1e5", "solver.max_wall_s=0.05", *more)
     results = run(scene_from(scenario), scenario)
     assert results.status.code == "time_limit"
-    assert "solver.max_wall_s (0.05) is over" in results.status.message
+    assert "solver.max_wall_s (0.05), was reached" in results.status.message
     assert len(results.table) > 1
     assert np.isfinite(results.table).all()
 
