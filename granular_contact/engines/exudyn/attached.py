@@ -1,4 +1,4 @@
-"""What a granular load in an Exudyn system offers its user: accepted states, history, work and forces."""
+"""Results of a granular load in an Exudyn system: accepted states, history, work and forces."""
 
 from __future__ import annotations
 

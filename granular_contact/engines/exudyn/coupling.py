@@ -107,10 +107,10 @@ class Coupling:
     def attach(
         self, constant: Mapping[int, ArrayLike], joints: JointActions | None = None, *, warns: bool = False
     ) -> None:
-        """Put the load into the system, with constant generalised forces by node number and with what acts in joints.
+        """Put the load into the system, with constant generalised forces by node number and with the actions of joints.
 
         joints: on the overlay of this coupling. warns: whether to warn the user if this version of Exudyn makes the
-        load slower; a run tells the same in the notices of its results.
+        load slower; a run has the same warning in the notices of its results.
         """
         for notice in vector_notices(abilities(self.overlay.mbs)) if warns else ():
             warnings.warn(notice, stacklevel=3)

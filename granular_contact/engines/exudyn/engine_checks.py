@@ -199,9 +199,9 @@ class _Trial:
                 value = getattr(written, name)
                 mark = not value if isinstance(value, bool) else type(value)(MARK)
                 setattr(written, name, mark)
-                seen = getattr(read, name)
+                read_back = getattr(read, name)
                 setattr(written, name, value)
-                if seen != mark:
+                if read_back != mark:
                     return False
         return bool(self.handles[0].currentTime == self.solver.it.currentTime)
 
@@ -214,8 +214,8 @@ class _Trial:
                 view = get(*state, copy=False)
                 values = view.copy()
                 view[:] = MARK
-                seen = np.array(get(*state))
+                read_back = np.array(get(*state))
                 view[:] = values
-                if not np.array_equal(seen, np.full_like(values, MARK)):
+                if not np.array_equal(read_back, np.full_like(values, MARK)):
                     return False
         return True

@@ -184,7 +184,7 @@ def _solution(matrix: Vector, right_side: Vector) -> Vector | None:
 def settle(system: System, recorder: Recorder) -> None:
     """Find the static equilibrium of an assembled system, and make it the initial state at t = 0.
 
-    recorder: that of the run, whose `reason` tells of Ctrl-C.
+    recorder: of the run; its `reason` reports Ctrl-C.
 
     Raises
     ------

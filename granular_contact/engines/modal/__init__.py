@@ -1,6 +1,6 @@
 """The pendulum in a few coordinates: the angle of a rigid root, and modes of the one flexible link clamped to it.
 
-model     Scene -> Model: what can be reduced, parts in coordinates at the pivot
+model     Scene -> Model: whether a scene can be reduced, and its parts in coordinates at the pivot
 modes     clamped-free modes and their integrals
 arrays    Model -> records and stations for the kernels
 marching  state of a solve, marched by an embedded Runge-Kutta pair
@@ -10,5 +10,5 @@ extremes  rows of runs -> greatest depths and deflections, and touches
 energies  rows of runs -> energies
 observe   Trajectory -> the columns that runs of the engine have
 
-Equations: `kernels.pendulum`; the true sign and its regimes: `kernels.slip`; the medium is that of the engine.
+Equations: `kernels.pendulum`; the true sign and its regimes: `kernels.slip`; forces of the medium: package `sand`.
 """

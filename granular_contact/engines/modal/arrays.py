@@ -96,7 +96,7 @@ def joined(several: Sequence[PendulumArrays]) -> PendulumArrays:
 
 
 def _pendulum(reduced: Model) -> NDArray[np.void]:
-    """Record (1,) of PENDULUM: mass properties of a model, and the speed that counts as none."""
+    """Record (1,) of PENDULUM: mass, stiffness and damping of a model, and the speed that counts as none."""
     record = reduced.mechanics.copy()
     record["still"] = STILL * reduced.speed
     return record

@@ -29,7 +29,7 @@ from granular_contact.results.summary import least_energy, summarise
 from granular_contact.scene.types import Vector
 
 MOST = 64  # greatest number of runs in a call
-MOST_ROWS = 4096  # greatest number of rows of a run at its start
+MOST_ROWS = 4096  # greatest number of rows that a table has at first
 MOST_IN_ALL = MOST * MOST_ROWS  # rows of all runs of a call at their ends: some 30 MB with one mode
 
 
@@ -97,7 +97,7 @@ def _summaries(group: Sequence[Model]) -> list[dict[str, Any]]:
 
 
 def march(group: Sequence[Model]) -> Marched:
-    """March the runs of models with equal array sizes to their ends, each with the numbers of `Solve.advance`."""
+    """March the runs of models with equal array sizes to their ends; numbers are the same as by `Solve.advance`."""
     begun, w = time.perf_counter(), stacked(group)
     limits, errors = control(group, w, forces=False), allowed(group)
     needed = ahead(limits)

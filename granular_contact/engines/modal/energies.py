@@ -12,7 +12,7 @@ from granular_contact.scene.types import Vector
 
 
 class Mass(NamedTuple):
-    """Mass properties, with the symbols of `kernels.pendulum`.
+    """Mass properties, stiffness and gravity, with the symbols of `kernels.pendulum`.
 
     For one run numbers and arrays (1, modes), for several arrays (rows,) and (rows, modes).
     """

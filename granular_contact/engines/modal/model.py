@@ -25,7 +25,10 @@ STRETCH = 1.02  # factor of the reach, as a bent link may reach a little farther
 
 @dataclass(frozen=True)
 class View:
-    """Coordinates in the undeformed pendulum, from its pivot (2,) m: along its axis (angle rad) and across it."""
+    """Coordinates in the undeformed pendulum, from its pivot (2,) m: along its axis, and across it, clockwise.
+
+    angle (rad): of the axis, counter-clockwise from x of the world.
+    """
 
     angle: float
     pivot: Vector
@@ -33,8 +36,8 @@ class View:
     def of(self, body: RigidBody | FlexibleLink, point: Vector) -> Vector:
         """Coordinates (along, across) m of a point (2,) m of a body, or of several points (n, 2)."""
         arm = body.motion.position + point @ rotation(body.motion.angle).T - self.pivot
-        seen: Vector = arm @ rotation(-self.angle).T * (1.0, -1.0)
-        return seen
+        coordinates: Vector = arm @ rotation(-self.angle).T * (1.0, -1.0)
+        return coordinates
 
 
 @dataclass(frozen=True)
@@ -82,9 +85,9 @@ class Lines(NamedTuple):
 class Model:
     """The pendulum, with the n + 1 coordinates q_1 (rad) and q_{1+i} (m).
 
-    others: shapes without strips, with points as of View; view: coordinates of the undeformed pendulum; turn: angle of
-    the root's body less q_1, both below the horizontal (rad); reach: greatest distance of a point from the pivot (m);
-    speed: scale of speeds (m/s); start: initial state, see `modal_motion`.
+    others: shapes without strips, with points in the coordinates of `view`; view: coordinates of the
+    undeformed pendulum; turn: angle of the root's body less q_1, both below the horizontal (rad); reach: greatest
+    distance of a point from the pivot (m); speed: scale of speeds (m/s); start: initial state, see `modal_motion`.
     """
 
     scene: Scene
@@ -208,7 +211,7 @@ def model(scene: Scene, method: Reduced) -> Model:
 
 
 class Models:
-    """Models of scenes; a scene made by `scene.again` shares the model of the scene that it is like."""
+    """Models of scenes; the model of a variant (see `scene.variants`) shares parts with that of its base scene."""
 
     def __init__(self) -> None:
         self._known: list[tuple[Scene, Model]] = []
@@ -223,18 +226,17 @@ class Models:
             assert isinstance(scene.variant_of.method, Reduced)
             like = model(scene.variant_of, scene.variant_of.method)
             self._known.append((scene.variant_of, like))
-        return struck(like, scene)
+        return variant(like, scene)
 
 
-def struck(like: Model, scene: Scene) -> Model:
-    """Model of a scene that differs from the one of `like` in its medium and initial motion only, see `scene.again`."""
+def variant(like: Model, scene: Scene) -> Model:
+    """Model of a scene that differs from that of `like` only in its medium and initial motion, see `scene.variants`."""
     root, link = scene.rigid[0], scene.links[0] if scene.links else None
     view = View((root if link is None else link).motion.angle, like.view.pivot)
     speed, start = _begun(scene, like.method, like.reach)
     made = replace(like, scene=scene, link=link, view=view, speed=speed, start=start)
-    vars(made).update(
-        stations=like.stations, lines=like.lines, mechanics=like.mechanics
-    )  # which depend on the parts only
+    # These cached properties depend on the parts only.
+    vars(made).update(stations=like.stations, lines=like.lines, mechanics=like.mechanics)
     return made
 
 

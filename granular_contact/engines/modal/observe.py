@@ -24,27 +24,27 @@ ALL = slice(None)
 
 def observe(model: Model, trajectory: Trajectory) -> Observation:
     """Observation of a run."""
-    seen, scene, pin = Motion(model, trajectory), model.scene, model.scene.pivot
+    motion, scene, pin = Motion(model, trajectory), model.scene, model.scene.pivot
     assert pin is not None  # or the scene was refused
-    extremes = seen.known()
+    extremes = motion.known()
     return Observation(
         scene=scene,
         status=trajectory.status,
         cost=trajectory.cost,
         time=trajectory.time,
-        motion=series.joint(pin.name, pin.child, None, seen.angle + model.turn, seen.rate),
-        mean_rate=seen.mean_rate(),
-        tip=seen.tip(),
-        deflection=seen.deflection(),
+        motion=series.joint(pin.name, pin.child, None, motion.angle + model.turn, motion.rate),
+        mean_rate=motion.mean_rate(),
+        tip=motion.tip(),
+        deflection=motion.deflection(),
         depths=(),
         terms=term_names(scene.media),
         term_forces=trajectory.terms,
         moments_about=model.view.pivot,
         body_forces={"": trajectory.terms.sum(axis=1)},
-        energies=seen.energies(),
+        energies=motion.energies(),
         reach=extremes.reach,
         stop=lambda _: stop(model, trajectory.stop),
-        outlines=seen.outlines,
+        outlines=motion.outlines,
         pictures=lambda at: pictures(lambda sampled: Motion(model, sampled).outlines, trajectory, at),
         more={"static_turns": trajectory.turns},
         known=extremes,
@@ -53,21 +53,21 @@ def observe(model: Model, trajectory: Trajectory) -> Observation:
 
 def now(model: Model, trajectory: Trajectory) -> Observations:
     """Observations of a trajectory of one row: pivot, body on it, force of the medium on all parts."""
-    seen, scene, pin = Motion(model, trajectory), model.scene, model.scene.pivot
+    motion, scene, pin = Motion(model, trajectory), model.scene, model.scene.pivot
     assert pin is not None  # or the scene was refused
     root = scene.rigid[0]
     center = model.view.of(root, np.zeros(2))[None, :]
-    place, velocity = seen.positions(None, center)[0, 0], seen.velocities(None, center)[0, 0]
-    angle, rate = seen.angle + model.turn, seen.rate
-    depth = seen.known().depth
+    place, velocity = motion.positions(None, center)[0, 0], motion.velocities(None, center)[0, 0]
+    angle, rate = motion.angle + model.turn, motion.rate
+    depth = motion.known().depth
     wrench = trajectory.terms.sum(axis=1)
     forces = np.array([[*wrench[0, :2], series.clockwise_moment(wrench, place)[0]]])
     met = ("all",) if depth is not None and scene.media else ()
     who = Seen((pin.name,), (True,), (root.name.split("+")[0],), met)
     bodies = np.array([[*place, angle[0]]]), np.array([[*velocity, rate[0]]])
     depths = depth if depth is not None and met else np.zeros(0)
-    seen_now = Instant(lambda: (angle, rate), lambda: bodies, lambda _: forces[: len(met)], lambda: depths)
-    return Observations(who, float(trajectory.time[0]), seen_now)
+    instant = Instant(lambda: (angle, rate), lambda: bodies, lambda _: forces[: len(met)], lambda: depths)
+    return Observations(who, float(trajectory.time[0]), instant)
 
 
 def stop(model: Model, first: tuple[float, float, float]) -> Stop | None:

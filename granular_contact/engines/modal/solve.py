@@ -28,9 +28,9 @@ class Trajectory:
     """Rows of a solve, at multiples of the scene's step and at the last instant.
 
     time (rows,) s; q, v (rows, n + 1); work, damping (rows,) J: work of the medium and of the internal damping so far;
-    terms (rows, 3, 3): see `sand.history`; stop: time (s) and q_1 (rad) of the first zero of the mean rate, and time
-    (s) of the first zero of the hub's rate, NaN for none; turns: number of ends of regimes of the static law; arrays:
-    arrays that the kernels worked on.
+    terms (rows, 3, 3): see `sand.history`; stop: of the first zero after the touch, time (s) and q_1 (rad) for the
+    mean rate, and time (s) for the hub's rate, NaN for none; turns: number of ends of regimes of the static law;
+    arrays: arrays that the kernels worked on.
     """
 
     status: Status

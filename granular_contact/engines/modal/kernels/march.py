@@ -39,11 +39,11 @@ CONTROL = record_dtype(
     ]
 )
 # now: time reached (s); step: length (s) to try next; resting_since: time (s) since which everything rests; latest,
-# ratio: length (s) of the latest step that the error allowed, 0 for none, and its error over what is allowed.
+# ratio: length (s) of the latest step that the error allowed, 0 for none, and its error over the error allowed.
 CLOCK = record_dtype(fields("f8", "now", "step", "resting_since", "latest", "ratio"))
 SAFETY, FILTER, LEAST_RATIO, MOST_GROWTH = 0.93, 6.0, 1e-6, 5.0  # see `next_step`
-# Steps accepted and rejected; evaluations of the right-hand side; rows written; ends of regimes (turns), and those of
-# them since they were last found to crowd.
+# Numbers of steps accepted and rejected, of evaluations of the right-hand side, of rows written, of ends of regimes
+# (turns), and of those of them since they last crowded.
 COUNTS = record_dtype(fields("i8", "steps", "rejected", "rates", "rows", "turns", "crowded"))
 
 
@@ -156,7 +156,7 @@ def rests(run, w, control):
 def turn(run, w, control):
     """Choose the next regime at the end of one; return False if regimes end again and again (chattering).
 
-    Each time that more than CROWD regimes end within `crowd`, the speed that counts as none is raised tenfold. The
+    Each time that the latest CROWD ends lie within `crowd`, the speed that counts as none is raised tenfold. The
     pendulum chatters once that speed exceeds `blurred`.
     """
     clock, counts, turns = run.clock[0], run.counts[0], run.turns

@@ -113,9 +113,9 @@ def violation(y, s, open_, w):
 def decide(y, s, stopped, w):
     """Choose the next regime s, after components stopped, or sticking components passed their bound.
 
-    stopped (components,): components that are known to stand still. Among the regimes without contradiction the one
-    with most sticking components is chosen, else the regime with the least contradiction. The velocity of sticking
-    components is set to zero exactly.
+    stopped (components,): components that are known to stand still. The regimes are tried in turn, first the one in
+    which all components stick that may. The first regime without contradiction is chosen, else the one with the least
+    contradiction. The velocity of sticking components is set to zero exactly.
     """
     m, count = w.pendulum[0].modes + 1, s.shape[0]
     g, open_ = rows(room1(2), 0, count), rows(room1(2), 0, count)

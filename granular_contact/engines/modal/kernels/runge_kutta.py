@@ -1,4 +1,4 @@
-"""Embedded Runge-Kutta pair of order 5(4) for the modal pendulum, with an interpolant of order 4.
+"""Explicit embedded Runge-Kutta pair of order 5(4) for the modal pendulum, with an interpolant of order 4.
 
 The pair and its interpolant are those of Tsitouras (2011). For a link in sand it takes a tenth fewer evaluations than
 the pair of Dormand and Prince (1980), with half the error of the motion. It has seven stages; the last is the first
@@ -46,10 +46,11 @@ _DENSE = np.array(
 
 
 class Pair(NamedTuple):
-    """Coefficients of an embedded pair with its interpolant, of each of its STAGES stages.
+    """Coefficients of an embedded pair and of its interpolant.
 
-    slopes (STAGES, STAGES - 1): weights of the stages before, the last row of which is the step itself; error
-    (STAGES,): weights of the estimated error; dense (STAGES, 4): weights of the interpolant, by powers 1 to 4 of theta.
+    slopes (STAGES, STAGES - 1): of each stage its weights of the slopes before it; the last row is the step itself.
+    error (STAGES,): weights of the estimated error. dense (STAGES, 4): weights of the interpolant, for powers 1 to 4 of
+    theta.
     """
 
     slopes: Any
