@@ -126,20 +126,30 @@ def pictures(
     return lambda: [outlines_at(i) for i in range(len(at))]
 
 
-def key_numbers(seen: Observation) -> tuple[dict[str, Any], Touch | None]:
+def key_numbers(observation: Observation) -> tuple[dict[str, Any], Touch | None]:
     """Summary of a run, and its first touch of the medium."""
-    scene, time = seen.scene, seen.time
-    energies = energy.key_numbers({name: values for name, (_, values) in seen.energies.items()}, least_energy(scene))
-    if seen.known is None:
-        greatest = extremes(time, seen.depths, seen.deflection)
-        touch = find_touch(time, seen.depths) if scene.media else None
+    scene, time = observation.scene, observation.time
+    energies = energy.key_numbers(
+        {name: values for name, (_, values) in observation.energies.items()}, least_energy(scene)
+    )
+    if observation.known is None:
+        greatest = extremes(time, observation.depths, observation.deflection)
+        touch = find_touch(time, observation.depths) if scene.media else None
     else:
-        greatest = seen.known.greatest
-        touch = None if seen.known.touch is None else touched(time, seen.known.touch)
-    stop = None if touch is None else seen.stop(touch)
-    summary = summarise(scene, seen.status, seen.cost, energies, touch, stop, greatest) | seen.more
-    start = None if seen.depth is None else float(seen.depth[0])
-    return warned(summary, scene, greatest, seen.reach, start, seen.accuracy, [*seen.notices, *seen.steered]), touch
+        greatest = observation.known.greatest
+        touch = None if observation.known.touch is None else touched(time, observation.known.touch)
+    stop = None if touch is None else observation.stop(touch)
+    summary = summarise(scene, observation.status, observation.cost, energies, touch, stop, greatest) | observation.more
+    start = None if observation.depth is None else float(observation.depth[0])
+    return warned(
+        summary,
+        scene,
+        greatest,
+        observation.reach,
+        start,
+        observation.accuracy,
+        [*observation.notices, *observation.steered],
+    ), touch
 
 
 def warned(
@@ -168,36 +178,36 @@ def warned(
     return summary
 
 
-def results(seen: Observation, scenario: dict[str, Any], most_frames: int = 0) -> Results:
+def results(observation: Observation, scenario: dict[str, Any], most_frames: int = 0) -> Results:
     """Results of a run; scenario: as plain YAML types; most_frames: greatest number of pictures (at least 2), or 0."""
-    scene, time = seen.scene, seen.time
-    columns, table = seen.columns()
-    summary, touch = key_numbers(seen)
+    scene, time = observation.scene, observation.time
+    columns, table = observation.columns()
+    summary, touch = key_numbers(observation)
     moments = {
         "touch": 0 if touch is None else touch.index,
-        "deepest": len(time) - 1 if seen.depth is None else int(np.argmax(seen.depth)),
+        "deepest": len(time) - 1 if observation.depth is None else int(np.argmax(observation.depth)),
         "end": len(time) - 1,
     }
     return Results(
         name=scene.name,
-        status=seen.status,
+        status=observation.status,
         columns=columns,
         table=table[_rows(time, scene.output_interval)],
         summary=summary,
         scenario=scenario,
-        snapshots=tuple(Snapshot(label, float(time[i]), seen.outlines(i)) for label, i in moments.items()),
+        snapshots=tuple(Snapshot(label, float(time[i]), observation.outlines(i)) for label, i in moments.items()),
         **bed_of(scene),
         warnings=tuple(summary["warnings"]),
-        **(seen.film(most_frames) if most_frames else {}),
-        terms=seen.terms,
-        sizes=() if seen.reach is None else tuple(sorted({size for _, size in seen.reach.sizes})),
+        **(observation.film(most_frames) if most_frames else {}),
+        terms=observation.terms,
+        sizes=() if observation.reach is None else tuple(sorted({size for _, size in observation.reach.sizes})),
     )
 
 
-def _frames(seen: Observation, most: int) -> Later:
-    at = instants(float(seen.time[0]), float(seen.time[-1]), most)
-    loads = {part: resample(seen.time, wrench, at) for part, wrench in seen.body_forces.items()}
-    drawn, top = seen.pictures(at), surface(seen.scene)
+def _frames(observation: Observation, most: int) -> Later:
+    at = instants(float(observation.time[0]), float(observation.time[-1]), most)
+    loads = {part: resample(observation.time, wrench, at) for part, wrench in observation.body_forces.items()}
+    drawn, top = observation.pictures(at), surface(observation.scene)
     return Later(lambda: frames(at, drawn(), loads, top))
 
 

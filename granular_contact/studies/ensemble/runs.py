@@ -25,12 +25,12 @@ def observed(scenario: Scenario) -> dict[str, Any]:
     return summary_of(build_checked(scenario), _histories)
 
 
-def _histories(seen: Observation) -> dict[str, Any]:
-    at = np.linspace(seen.time[0], seen.time[-1], INSTANTS)
-    columns = {name: values for name, (_, values) in seen.motion.items()}
-    if seen.depth is not None:
-        columns["depth_m"] = seen.depth
-    histories = {name: np.interp(at, seen.time, columns[name]).tolist() for name in _columns(list(columns))}
+def _histories(observation: Observation) -> dict[str, Any]:
+    at = np.linspace(observation.time[0], observation.time[-1], INSTANTS)
+    columns = {name: values for name, (_, values) in observation.motion.items()}
+    if observation.depth is not None:
+        columns["depth_m"] = observation.depth
+    histories = {name: np.interp(at, observation.time, columns[name]).tolist() for name in _columns(list(columns))}
     return {SERIES: {"time_s": at.tolist(), **histories}}
 
 
