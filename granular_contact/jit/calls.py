@@ -40,7 +40,7 @@ def address_of(function: Any, kinds: tuple[Any, ...], result: Any, own: np.dtype
     Parameters
     ----------
     function
-        Plain or compiled.
+        The function, plain or compiled.
     kinds, result
         Numba's types of the arguments and of the result.
     own
@@ -71,7 +71,7 @@ def caller(name: str, kinds: tuple[Any, ...], result: Any, layout: np.dtype) -> 
     name
         Name of the field with the address.
     kinds, result
-        As of `address_of`. The caller does not pass the record among the arguments: it is put in where its type stands,
+        As in `address_of`. The caller does not pass the record among the arguments: it is put in where its type stands,
         and the law's own record, in its field `own`, where OWN stands.
     layout
         Type of the record.

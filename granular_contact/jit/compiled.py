@@ -63,12 +63,12 @@ def part(
 
 
 def from_outside(function: Callable[..., Any]) -> bool:
-    """Return whether a function is from outside the package, as of a user's law: it may make arrays."""
+    """Return whether a function is from outside the package, such as one of a user's law: it may make arrays."""
     return not str(function.__module__).startswith("granular_contact.")
 
 
 def options(allocates: bool = False) -> dict[str, Any]:
-    """Options of numba for a function; allocates: as of `kernel`."""
+    """Options of numba for a function; allocates: as in `kernel`."""
     return {**PLAIN, "_nrt": allocates}
 
 

@@ -118,7 +118,7 @@ def _array(context: Any, builder: Any, kind: Any, addresses: Any, name: str) -> 
 
 
 def _view(layout: Layout) -> Any:
-    """Function for kernels: addresses as of `Layout.addresses`, (PER_ARRAY * names,) -> view."""
+    """Function for kernels: addresses as in `Layout.addresses`, (PER_ARRAY * names,) -> view."""
     if not COMPILES:
         return lambda addresses: _Arrays(layout, addresses)
 

@@ -25,7 +25,7 @@ from granular_contact.jit.compiled import COMPILES
 
 NUMBERS = types.Array(types.float64, 1, "C")
 _BYTE = ir.IntType(8).as_pointer()
-_ALIGNED = 64  # bytes, as of a cache line: records with arrays that are loaded into vector registers
+_ALIGNED = 64  # bytes, the size of a cache line: records with arrays that are loaded into vector registers
 
 
 def array_at(address: int, shape: tuple[int, ...], dtype: np.dtype) -> NDArray[Any]:

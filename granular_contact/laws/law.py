@@ -4,7 +4,7 @@ The class of a law has
 
 - `law`, its tag in YAML, and its coefficients: fields with bounds. The Parameters of the docstring are their
   descriptions in editors. A coefficient has a name without unit in Python; its alias, the key in YAML, ends with the
-  unit. A coefficient that may be null and has no default is one that some sources do not state; a run needs it. Each
+  unit. A coefficient that may be null and has no default is not stated by some sources; a run needs it. Each
   annotation also says how the coefficient scales with gravity, see `laws.gravity`;
 - `equation`, `terms`, `takes`, `by_component` and `resultant`, see `Law`;
 - `constants`, the names of the numbers (all float) that its forces need, and `numbers`, which returns their values;

@@ -229,6 +229,6 @@ def _total_force(medium: Law, probe: Probe, speed: float, angle: float) -> Vecto
 
 
 def _resistance(medium: Law, probe: Probe, speed: float, angle: float) -> float:
-    """Component of the force (N) against the motion; arguments as of `_total_force`."""
+    """Component of the force (N) against the motion; arguments as in `_total_force`."""
     a = math.radians(angle)
     return float(-_total_force(medium, probe, max(speed, 1e-6), angle) @ np.array([math.cos(a), -math.sin(a)]))

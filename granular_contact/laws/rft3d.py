@@ -177,7 +177,7 @@ def cubic(x1, x2, x3, c):
 
 
 def alpha(n, u):
-    """Generic response by the published polynomials, without average near the vertical; arguments as of `response`."""
+    """Generic response by the published polynomials, without average near the vertical; n must not look up."""
     (nx, ny, nz), (ux, uy, uz) = n, u
     x1, x2, x3 = -uz, -nz, nx * ux + ny * uy + nz * uz
     f1, f2, f3 = (sum(cubic(x1, x2, x3, c)) for c in (F1, F2, F3))

@@ -83,7 +83,7 @@ class SurfacePressure(Law):
         Returns
         -------
         dict
-            Values of k_0, k_c, k_b, scale and n, where they are not 0; units as of `constants`.
+            Values of k_0, k_c, k_b, scale and n, where they are not 0; units as in `constants`.
         """
         raise NotImplementedError
 

@@ -124,7 +124,7 @@ def _steps(motion: Kinematics) -> Iterator[AccuracyWarning]:
 
 
 def _creep(motion: Kinematics) -> Iterator[AccuracyWarning]:
-    """Whether the run ended at rest while the mechanism still crept."""
+    """Yield a sentence if the run ended at rest while the mechanism still crept."""
     left = motion_left(motion)
     error = left / max(motion.path_length + left, motion.scene.least_path)
     if error > CREEP:

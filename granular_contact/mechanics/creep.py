@@ -43,5 +43,5 @@ def displacement_left(time: Vector, speeds: Vector, rest_time: float, rest_speed
         return 0.0
     now = np.abs(since[-1, creeps])
     before = np.maximum(now, np.abs(since[0, creeps]))
-    rate = np.maximum(np.log(before / now) / lasted, 1e-6 / remaining)  # 1/s; with the least one the speed is constant
+    rate = np.maximum(np.log(before / now) / lasted, 1e-6 / remaining)  # 1/s; with the least rate the speed is constant
     return float(np.max(now / rate * -np.expm1(-rate * remaining)))

@@ -6,8 +6,8 @@ by W x, with x in the degrees of freedom of the mechanism:
     M x'' = W^T [Q*(q + W x, v + W x') - Q(q, v)] - K x - D x'
 
 M: mass matrix in the degrees of freedom; K, D: tangent stiffness and damping of joints and flexible links. Each of the
-two loads has its own friction state: one follows the known motion, the other the departed one. Both motions are sampled
-at the same few instants, so the errors of that sampling cancel.
+two loads has its own friction state: one follows the known motion, the other the departed one. Both take the same few
+long steps, so what these steps miss of the motion cancels.
 
 Method: backward Euler in a few long steps, first order, with a damped Newton's method. Cost: some ten evaluations of
 the forces a step. Neglected: the change of W with x.
@@ -29,7 +29,7 @@ from granular_contact.sand.load import GranularLoad
 
 Vector = NDArray[np.float64]
 ITERATIONS = 10  # of Newton's method, at most
-SHORTENED, SHARE = 4, 0.4  # number of step lengths that are tried in an iteration, and ratio of one to the last
+SHORTENED, SHARE = 4, 0.4  # greatest number of step lengths tried in an iteration, and ratio of each to the last
 CLOSE = 1e-4  # tolerance over the mean speed of the fastest point
 RENEW = 0.3  # ratio of two residuals above which the Jacobian is renewed
 BLOCK = 2**29  # bytes
@@ -82,7 +82,7 @@ def instants(observer: Any, count: int) -> NDArray[np.int64]:
 
 
 def pieces(observer: Any, trajectory: Trajectory, count: int) -> Iterator[Trajectory]:
-    """Yield `count` instants of a trajectory in pieces so short that all W (m, d) of a piece take `BLOCK` bytes."""
+    """Yield `count` instants of a trajectory in pieces whose W (m, d) together take at most `BLOCK` bytes."""
     rows, t = instants(observer, count), trajectory
     for part in np.array_split(rows, min(len(rows), 1 + len(rows) * 8 * observer.trajectory.v.shape[1] ** 2 // BLOCK)):
         yield replace(t, time=t.time[part], q=t.q[part], v=t.v[part], load=None, a=None, multipliers={}, set_to={})

@@ -23,7 +23,7 @@ def drive_warnings(
     """Yield sentences on drives whose greatest force the steps do not resolve: shorter steps may give another one.
 
     The maximum of a smooth force is above that of the steps by at most an eighth of the allowed decrease. A force that
-    comes and goes faster is known less exactly, as of a controller faster than the steps, or where sand breaks away.
+    comes and goes faster is known less exactly, as with a controller faster than the steps, or where sand breaks away.
     Loads are checked as signals (see `accuracy`), and the greatest force of a controller at its limit is known.
 
     energy (J): greatest kinetic energy, or work on the medium; duration (s): of the run.

@@ -24,7 +24,7 @@ Driven = dict[str, Driving]  # by joint
 
 
 def label(body: str) -> str:
-    """Name of a body in columns: the name of its first part; "tip_body" for "tip", which columns of the tip have."""
+    """Name of a body in columns: the name of its first part; "tip_body" for "tip", as columns of the tip begin so."""
     first = body.split("+")[0]
     return f"{first}_body" if first == "tip" else first
 

@@ -50,7 +50,7 @@ MOST_CHOSEN = 200_000  # steps allowed beyond that, with step-size control
 LONGEST = 0.05  # step over the run, and over the period / 2 pi of a pendulum as long as the mechanism
 PERIOD_STEPS = 8  # at least, in the shortest period of a drive's signal; longer steps would miss it
 FINE, LONGER = 1e-2, 2.0  # accuracy up to which LONGEST holds, and factor of the longest step at coarser ones
-# The estimate holds for small steps. The true error is assumed to be 1 + COARSE accuracy times the estimate, with
+# The estimate holds for small steps. The true error is assumed to be (1 + COARSE accuracy) times the estimate, with
 # COARSE_TUMBLING for bodies without drives that fly free or are in space: they may tumble on after their impact.
 COARSE_TUMBLING, COARSE = 100.0, 5.0
 TOPPLING = 2.5  # divisor of the accuracy of free-flying trees in space without drives

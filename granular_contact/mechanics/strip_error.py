@@ -68,8 +68,8 @@ def errors(observer: Kinematics, allowed: float | None = None, coarser: Any = No
 def finer(observer: Kinematics, estimated: Errors, before: Errors | None = None, by_two: bool = False) -> Scene | None:
     """Scene with smaller strips or facets where their error exceeds the allowed one; None if it does not.
 
-    estimated: their `errors`; before: the errors with the former strips, by which errors that hardly decrease are left
-    alone, as strips are not their cause. by_two: whether the errors follow from two runs.
+    estimated: their `errors`; before: the errors with the former strips. Errors that have hardly decreased since are
+    left alone, as strips are not their cause. by_two: whether the errors follow from two runs.
     """
     scene = observer.scene
     accuracy, t = allowed_error(scene), observer.trajectory

@@ -104,7 +104,7 @@ class System:
 
     @property
     def held(self) -> list[Vector]:
-        """Arrays with the joint state outside the engine, each once; they stay in place after the first forces."""
+        """Arrays with the joint state outside the engine, each once; their addresses stay after the first forces."""
         return [*([] if self.joints is None else [self.joints.states]), *self.turns]
 
     @property

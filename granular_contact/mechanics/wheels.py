@@ -22,7 +22,7 @@ from granular_contact.results.energy import accumulate
 from granular_contact.scene.types import Scene, Vector
 
 STANDS = 1e-5  # m/s: slip is zero where rim and axle are both slower
-STEADY = 0.5  # last part of the path, over which means are taken
+STEADY = 0.5  # last share of the path, over which means are taken
 MEANS = ("slip", "sinkage_m", "drawbar_pull_N", "load_N", "torque_Nm", "side_force_N", "slip_angle_deg")
 # Slip angle (degrees) and slip beyond which measured wheels differ much from all laws: docs/howto/media.md.
 STEERED, BRAKED = 5.0, -0.6

@@ -99,7 +99,7 @@ class Batch:
         self.forget()
 
     def start(self, system_places: NDArray[np.int64] | None, reference: Vector) -> NDArray[np.int64]:
-        """Begin a new history; arguments as of `GranularLoad.start`.
+        """Begin a new history; arguments as in `GranularLoad.start`.
 
         Returns
         -------

@@ -137,7 +137,7 @@ class HistoryTable:
         size: int = 3,
         reached: Sequence[float] = (math.inf, -math.inf),
     ) -> None:
-        """Make an empty table; parameters as of the class."""
+        """Make an empty table; parameters as in the class."""
         self.media, self._size, self._terms, self._floor = len(terms), size, tuple(terms), floor
         self._names = tuple(term_names), tuple(bodies)
         first = np.concatenate([np.zeros(REACHED), reached])

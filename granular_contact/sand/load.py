@@ -55,7 +55,7 @@ class GranularLoad:
     Parameters
     ----------
     medium, surface, slope, gravity, static, form, end_cap, floor
-        As of `GranularBed`.
+        See `GranularBed`.
 
     Attributes
     ----------
@@ -73,7 +73,7 @@ class GranularLoad:
     Raises
     ------
     ValueError
-        An argument is not allowed; errors as of `GranularBed`.
+        An argument is not allowed; errors as in `GranularBed`.
     """
 
     building_s = 0.0  # wall time (s) in which its shapes were made
@@ -265,7 +265,7 @@ class GranularLoad:
             batch.proximity[:, GREATEST] = -np.inf
 
     def addresses(self, system_places: NDArray[np.int64] | None, reference: Vector) -> NDArray[np.int64]:
-        """Begin all batches, and return the addresses of their arrays; arguments as of `start`.
+        """Begin all batches, and return the addresses of their arrays; arguments as in `start`.
 
         Returns
         -------

@@ -48,7 +48,7 @@ class TreeSensors(SpatialSensors):
         return False
 
     def joints(self, q: Vector, v: Vector) -> tuple[Vector, Vector]:  # noqa: ARG002
-        """As of `SpatialSensors`, at the present state of the march."""
+        """Coordinates and rates of joints at the present state of the march, see `SpatialSensors.joints`."""
         arrays = self._march.arrays
         return arrays["s"][self._nodes], arrays["rates"][self._nodes]
 
@@ -62,7 +62,7 @@ class SpatialTree(Tree):
     kernels: ClassVar[Any] = space_load
 
     def accelerations(self, q: Vector, given: Vector) -> Vector:
-        """As of `Tree`: Euler parameters get G^T w' / 4, the part of their acceleration that turns the body."""
+        """See `Tree.accelerations`; Euler parameters get G^T w' / 4, the part that turns the body."""
         count = len(self.bodies)
         e, body = q.reshape(-1, count, POSE)[..., 3:], given.reshape(-1, count, 6)
         second = rotations.quaternion_rates(e, body[..., 3:])
@@ -70,7 +70,7 @@ class SpatialTree(Tree):
         return second_rates
 
     def sensors(self, march: Any) -> TreeSensors:
-        """As of `Tree`."""
+        """See `Tree.sensors`."""
         return TreeSensors(self, march)
 
 
@@ -81,7 +81,7 @@ class ReducedTree(SpatialTree):
     kernels: ClassVar[Any] = space_modes
 
     def mode_errors(self, residuals: Vector) -> dict[str, float]:
-        """As of `Tree`."""
+        """See `Tree.mode_errors`."""
         scene, errors = self.system.scene, {}
         for beam in scene.beams:
             joints = modes.outward(scene, beam)

@@ -92,7 +92,7 @@ class Tree:
         return given
 
     def mode_errors(self, residuals: Vector) -> dict[str, float]:  # noqa: ARG002
-        """As of `Trajectory`, from the residuals (n, nodes); none for links with all their elements."""
+        """`mode_errors` of a `Trajectory`, from the residuals (n, nodes); none for links with all their elements."""
         return {}
 
     def sensors(self, march: Any) -> Sensors:  # noqa: ARG002

@@ -26,7 +26,8 @@ HINGE, SLIDER = 0, 1
 RIGID, CABLE = 3, 4  # number of coordinates of a node; the ground has none
 
 # kind: HINGE or SLIDER; parent, child: numbers of coordinates of their nodes; offset (rad): of a hinge; axis: of a
-# slider, in the parent's frame; seat (m): u . arm_P; arm (2,) m: arm_C in the child's frame.
+# slider, in the parent's frame; seat (m): u . arm_P; arm (2,) m: arm_C in the child's frame; references: values that
+# the nodes' coordinates are counted from.
 COORDINATE = [
     *fields("i8", "kind", "parent", "child"),
     *fields("f8", "offset", "seat"),

@@ -27,8 +27,8 @@ NOISE_SPECTRAL_RADIUS = 0.0
 CLOSER = 1e-3
 # Residual allowed at the end of a step, over the forces of the scene.
 TOLERANCE = 1e-5
-# The same over `solver.accuracy`, where the step size is controlled: in minimal coordinates, and at most by the engine.
-# The residual is much the same from step to step, so it acts like a force. With 1 in its place a double pendulum by the
+# The same over `solver.accuracy`, where the step size is controlled; the engine takes TOLERANCE if that is smaller. The
+# residual is much the same from step to step, so it acts like a force. With 1 in its place a double pendulum by the
 # engine had 1.5 times the error asked for, and a free tree in space 12 times. Of 196 random trees at accuracy 1e-2 two
 # to four miss the accuracy, depending on rounding; with 0.1 five miss it, at 9 % fewer iterations.
 OF_ACCURACY = 2e-2

@@ -25,7 +25,7 @@ SHORTER, LONGER = 0.8, 1.25
 SLOWED = 4.0
 ROLLING = 6.0
 STEPS_BETWEEN_BENDS = 8  # at least
-SAME_INSTANT = 1e-10  # s, difference of two times that are taken for one
+SAME_INSTANT = 1e-10  # s, difference of two times that count as the same
 
 # excess: |beta - 1/6|, by how much the scheme differs from an acceleration that varies linearly over a step; both: rate
 # of the error of positions, over the change of the acceleration and the step; longest, least (s): steps; size (m): of
@@ -111,7 +111,7 @@ def until_bend(t, bends):
 
 @part
 def limit_step(t, step, soonest, choice, top_speed, start_speed, prescribed):
-    """Shorten a step (s) from t (s) so that it ends at the next bend of a signal and at the next touch of the medium.
+    """Shorten a step (s) from t (s) to end at the next bend of a signal or touch of the medium, whichever is sooner.
 
     soonest: time (s) until a part above the surface may touch it. Shorter times than accuracy size / top_speed do not
     count: within those nothing gets deeper than accuracy times size.

@@ -73,11 +73,11 @@ def errors(observer: Any, doubtful: float, coarser: Track | None = None) -> Erro
 def estimate(observer: Any, doubtful: float) -> Errors:
     """Errors from the departure of the motion with other facets.
 
-    First from few instants, with facets of twice the edge: these estimates are far above round-off, and not below a
-    small error. Where an error is above `doubtful`, from more instants and with facets of a more similar size, until
-    two successive estimates agree, and once more with smaller facets if the others were larger; the greatest of these
-    estimates counts. Where facets are far too large, either estimate may be a tenth of the error, rarely both; the
-    first estimate may be thirty times the error.
+    First from few instants, with facets of twice the edge: these estimates are far above round-off, and where the error
+    is small they are not below it. Where an error is above `doubtful`, from more instants and with facets of a more
+    similar size, until two successive estimates agree, and once more with smaller facets if the others were larger; the
+    greatest of these estimates counts. Where facets are far too large, the estimate by larger or by smaller facets may
+    be a tenth of the error, rarely both; the first estimate may be thirty times the error.
     """
     touching = _touching(observer)
     arguments = observer.system.facets, partial(load_with, observer.system), touching

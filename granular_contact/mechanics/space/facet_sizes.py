@@ -17,7 +17,7 @@ from granular_contact.scene.types import link_of
 
 
 def edges(rows: Vector) -> Vector:
-    """Longest edge (n,) m of facets, rows as of `sand.space.facets`."""
+    """Longest edge (n,) m of facets, rows as in `sand.space.facets`."""
     facets = as_facets(rows)
     a, b = facets["a"], facets["b"]
     parallelogram = [np.linalg.norm(edge, axis=1) for edge in (2.0 * a, 2.0 * b)]

@@ -30,7 +30,7 @@ from granular_contact.scene.types import link_of
 def observe(system: SpatialSystem, trajectory: Trajectory) -> SpatialObservation:
     """Observation of a run, from which its results are made."""
     motion = SpatialKinematics(system, trajectory)
-    # The error of a run that is observed before its end is not yet known.
+    # Computed here, as a run that is observed before its end has no estimate yet.
     error = strip_error(motion)
     motion = SpatialKinematics(system, replace(trajectory, strip_error=error))
     with np.errstate(over="ignore", invalid="ignore"):  # as in a run that diverged
@@ -105,7 +105,10 @@ def _sum(arrows: list[tuple[Vector, Vector]]) -> tuple[Vector, Vector]:
 
 
 def _arrow(wrench: Vector, center: Vector, radius: float) -> tuple[Vector, Vector]:
-    """Point (k, 3) m of a force's line of action nearest to the centre of mass, and the force (k, 3) N."""
+    """Point (k, 3) m of a force's line of action nearest to the centre of mass, and the force (k, 3) N.
+
+    A point farther than the radius (m) of the body from the centre of mass is drawn in to that distance.
+    """
     force = wrench[:, :3]
     moment = wrench[:, 3:] - np.cross(center, force)
     square = np.sum(force * force, axis=1, keepdims=True)

@@ -173,5 +173,5 @@ def horizontal_force(strip, k, m, f):
 
 @part
 def vertical_force(strip, k, eta, lam, scale, m, f):
-    """Add the vertical term to f[end, xyz] (N); arguments as of `bar_statics.vertical_force`."""
+    """Add the vertical term to f[end, xyz] (N); arguments as in `bar_statics.vertical_force`."""
     add_vertical_force(strip, 2, k, eta, lam, scale, m, f)

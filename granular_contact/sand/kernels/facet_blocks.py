@@ -39,14 +39,14 @@ def stress(n, u, m):
 def traction(z, n, u, side, j, m):
     """Stresses (3,) Pa of the growing and of the constant term of a law at a depth z > 0 (m).
 
-    n, u as of `stress`; side as of FACET: a facet with side 1 leads, perhaps only in part, so that n . u at its
+    n, u as in `stress`; side as in FACET: a facet with side 1 leads, perhaps only in part, so that n . u at its
     centroid may be below 0; j (m): shear displacement.
     """
 
 
 @chosen_by("m")
 def inertia(n, v, side, m):
-    """Stress (3,) Pa from the velocity v (m/s): constant term of a law with a `stress`; side as of `traction`."""
+    """Stress (3,) Pa from the velocity v (m/s): constant term of a law with a `stress`; side as in `traction`."""
 
 
 @chosen_by("m")

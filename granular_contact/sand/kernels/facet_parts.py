@@ -65,7 +65,7 @@ def triangle_part(za, zb, zc, a, b, c):
 
 @part
 def parallelogram_part(z, za, zb, a, b):
-    """Moments of the immersed part of a parallelogram, about its centre; arguments as of `immersed_part`."""
+    """Moments of the immersed part of a parallelogram, about its centre; arguments as in `immersed_part`."""
     d, e = (a[0] + b[0], a[1] + b[1], a[2] + b[2]), (a[0] - b[0], a[1] - b[1], a[2] - b[2])
     back, left = (-d[0], -d[1], -d[2]), (-e[0], -e[1], -e[2])
     s, m, ox, oy, oz, px, py, pz = triangle_part(z + za + zb, z - za - zb, z + za - zb, d, back, e)

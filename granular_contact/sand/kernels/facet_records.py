@@ -24,7 +24,7 @@ treats several facets in one instruction. `facets.gather` fills the fields befor
     velocity            v of the centroid (m/s)
     stretch             e of the bristle (m)
     spread              (2,) by how much n . v grows along a and along b (m/s)
-    side                as of FACET
+    side                as in FACET
     shear               j: shear displacement (m), see `path_length`
     area                of the immersed part (m^2)
     scatter             (2,) factors of the two terms of the law, see `facet_paths`

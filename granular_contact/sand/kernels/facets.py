@@ -139,7 +139,7 @@ def highest(cluster, R, x, ground, medium, plane):
 def leads(facet, x, q, factor):
     """Return whether n . x > 0 anywhere on a facet; x (3,): velocity or bristle of its centroid.
 
-    q (3,): angular velocity of the body; x and q in the frame of the body. factor: as of `facet_blocks.spread`.
+    q (3,): angular velocity of the body; x and q in the frame of the body. factor: as in `facet_blocks.spread`.
     """
     along = dot(xyz(facet.normal), x)
     if along > 0.0:

@@ -39,7 +39,7 @@ def medium_record(
     Raises
     ------
     TypeError
-        The law has no force in the plane; further as of `law.record_of`.
+        The law has no force in the plane; or see `law.record_of`.
     """
 
     def any_has(field: str) -> bool:

@@ -30,7 +30,7 @@ PARTS = {"constants", "by_component", *IN_PLANE, *IN_SPACE}  # attributes of a l
 
 
 def blank(owner: Any) -> NDArray[np.void]:
-    """Record (1,) of a law with all numbers 0; owner as of `record_type`."""
+    """Record (1,) of a law with all numbers 0; owner as in `record_type`."""
     return np.zeros(1, record_type(owner))
 
 

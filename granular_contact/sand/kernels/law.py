@@ -221,7 +221,7 @@ def record_of(own: np.ndarray, forms: dict[str, Any]) -> np.ndarray:
 
 
 def filled(own: np.ndarray, functions: dict[str, Any], layout: np.dtype, signatures: dict[str, Any]) -> np.ndarray:
-    """Record (1,) of a layout with a law's own record (1,) and the addresses of functions; errors as of `record_of`."""
+    """Record (1,) of a layout with a law's own record (1,) and the addresses of functions; errors as in `record_of`."""
     if own.nbytes > 8 * SIZE:
         raise TypeError(f"got a law with the numbers {own.dtype.names}, allowed are {SIZE} of 8 bytes")
     medium = np.zeros(1, layout)

@@ -19,7 +19,7 @@ _LOCATION = re.compile(r'File "([^"]+)", line (\d+)')
 
 
 def why_not(owner: Any, dtype: np.dtype, error: Exception) -> str:
-    """One sentence that says why a law can't be compiled; owner as of `joining.record_type`, dtype of its record.
+    """One sentence that says why a law can't be compiled; owner as in `joining.record_type`, dtype of its record.
 
     error: exception of the compilation, which is quoted if each function compiles by itself.
     """

@@ -40,7 +40,7 @@ def factors(e, v, m):
 
 @part
 def drive(e, v, m):
-    """Vector q (2,) of the direction of motion that a law takes: m, or m/s if smooth; arguments as of `factors`."""
+    """Vector q (2,) of the direction of motion that a law takes: m, or m/s if smooth; arguments as in `factors`."""
     k, tau = factors(e, v, m)
     return k * e[0] + tau * v[0], k * e[1] + tau * v[1]
 

@@ -48,7 +48,7 @@ def stress(t, u, m):
 def traction(z, t, u, width, side, j, m):
     """Stresses (p_x, p_y) and (s_x, s_y) Pa of the first and of the second term of a law, at a depth z > 0 (m).
 
-    On an element along t that moves in the direction u, unit vectors (2,); width (m) and side as of a line; j (m):
+    On an element along t that moves in the direction u, unit vectors (2,); width (m), side: see `law.LINE`; j (m):
     shear displacement, see `path_length`.
     """
 

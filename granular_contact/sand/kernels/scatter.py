@@ -29,7 +29,7 @@ ONE, S27, S30, S31 = (np.uint64(x) for x in (1, 27, 30, 31))
 
 @part
 def value(seed, i, j):
-    """Value +1 or -1 of the lattice at (i, j), from a hash as of splitmix64."""
+    """Value +1 or -1 of the lattice at (i, j), from a hash in the manner of splitmix64."""
     x = np.uint64(seed) * GOLDEN + np.uint64(i) * FIRST + np.uint64(j) * SECOND
     x = (x ^ (x >> S30)) * FIRST
     x = (x ^ (x >> S27)) * SECOND
@@ -65,7 +65,7 @@ def factor(path, place, length, line):
 
 @part
 def scattered(f, P, anchors, i, place, length, line):
-    """Multiply the static terms of the end forces f[term, end, xy] of strip i; place and length as of `factor`."""
+    """Multiply the static terms of the end forces f[term, end, xy] of strip i; place and length as in `factor`."""
     share = factor(0.5 * (path_length(P, anchors, i) + path_length(P, anchors, i + 1)), place, length, line)
     for term in range(f.shape[0]):
         if (line.static >> term) & 1:

@@ -1,6 +1,6 @@
 """Bounds for the depth and the speed of approach of clusters of elements, and release of their anchors.
 
-Arguments as of `space_bodies` and `space_law`. ball: record with a bounding sphere, of a cluster or of a body; near
+Arguments as in `space_bodies` and `space_law`. ball: record with a bounding sphere, of a cluster or of a body; near
 (2,) or more: DEEPEST and APPROACH of `proximity`.
 """
 

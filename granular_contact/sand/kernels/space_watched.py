@@ -18,7 +18,7 @@ __all__ = ["accept", "force", "soonest", "tangent", "update_active"]
 
 @kernel
 def accept(sand, system_q, system_v, row, begins):
-    """As of `space_sand`."""
+    """`space_sand.accept`; unless a solve begins, also update the extent of the immersed elements in the row."""
     space_sand.accept(sand, system_q, system_v, row, begins)
     if begins:
         return

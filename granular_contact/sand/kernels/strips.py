@@ -2,7 +2,7 @@
 
 Between two neighbouring stations of a contact line lies a straight strip. `distributed_forces` integrates a law along
 each strip. `resultant_forces` has the form of the source paper: the immersed part is one straight segment that moves
-with the velocity of its middle, where the whole force acts. Arguments: as of `law.forces`.
+with the velocity of its middle, where the whole force acts. Arguments: as in `law.forces`.
 """
 
 from __future__ import annotations

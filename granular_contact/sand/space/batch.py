@@ -106,7 +106,7 @@ class SpatialBatch:
         return self._record(bodies=True, six=bool((self.bodies["size"] == 6).any()))
 
     def start(self, system_places: NDArray[np.int64] | None, reference: Vector) -> NDArray[np.int64]:
-        """Begin a new history with unstretched bristles; arguments as of `GranularLoad.start`.
+        """Begin a new history with unstretched bristles; arguments as in `GranularLoad.start`.
 
         Returns
         -------
@@ -131,7 +131,7 @@ class SpatialBatch:
 
     @property
     def depths(self) -> Vector:
-        """Depth (bodies,) m of the deepest point of each body at the last accepted step."""
+        """Upper bound (bodies,) m of the depth of each body at the last accepted step."""
         return self.proximity[:, DEEPEST]
 
     def forget(self) -> None:

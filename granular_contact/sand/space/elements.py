@@ -55,7 +55,7 @@ class CutSurface(NamedTuple):
     Parameters
     ----------
     rows : (n, columns) array
-        Rows as of `facets.facet_rows`.
+        Rows as in `facets.facet_rows`.
     corners : (n, 3) array
         Corners of the uncut surface (m).
     thin : bool
@@ -114,7 +114,7 @@ def surface(body: Body, cut: CutSurface, place: Vector, turn: Vector) -> Element
 
 
 def bar(body: Body, shape: Bar, place: Vector, turn: Vector) -> Elements:
-    """Strips along a bar; arguments as of `surface`."""
+    """Strips along a bar; arguments as in `surface`."""
     rows = np.ascontiguousarray(shape.stations() @ turn.T + place)
     clusters = triangles.clusters_of(rows, 0.0, 0.0, len(rows))
     clusters["width"], clusters["cap"][-1] = shape.diameter, shape.free_end

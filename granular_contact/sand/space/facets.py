@@ -24,7 +24,7 @@ FACET_ERROR = 3e-3  # allowed error of a motion by its facets, relative to the p
 # with the squares of both [measured: 0.01 to 0.2 % on configs in space, 2 % where a ball rolls].
 ROUND, FLAT = 0.12, 1.0 / 27.0
 FINEST, COARSEST = 1e-4, 1e-2  # range of errors for which a size is chosen
-MOST_TURN = np.pi / 6.0  # greatest angle within a facet of a given edge
+MOST_TURN = np.pi / 6.0  # greatest turn (rad) of the surface within a facet whose edge is given
 
 
 class Size(NamedTuple):
@@ -245,7 +245,7 @@ def as_facets(rows: Vector) -> NDArray[np.void]:
     Parameters
     ----------
     rows : (n, columns) array
-        Rows as of `facet_rows`.
+        Rows as in `facet_rows`.
 
     Returns
     -------
@@ -261,7 +261,7 @@ def transformed_rows(rows: Vector, place: Vector, turn: Vector) -> Vector:
     Parameters
     ----------
     rows : (n, columns) array
-        Rows as of `facet_rows`.
+        Rows as in `facet_rows`.
     place : (3,) array
         Position (m) of their frame in the other.
     turn : (3, 3) array
@@ -287,7 +287,7 @@ def half_sides(rows: Vector) -> Vector:
     Parameters
     ----------
     rows : (n, columns) array
-        Rows as of `facet_rows`.
+        Rows as in `facet_rows`.
 
     Returns
     -------
@@ -302,7 +302,7 @@ def half_sides(rows: Vector) -> Vector:
 
 
 def transformed(facets: Facets, place: Vector, turn: Vector) -> Facets:
-    """Facets in another frame; arguments as of `transformed_rows`.
+    """Facets in another frame; arguments as in `transformed_rows`.
 
     Parameters
     ----------

@@ -70,7 +70,7 @@ def add_part(load: SpatialLoad, body: Body, part: Part, scene: SpatialScene, mas
     Raises
     ------
     SceneError
-        As of `SpatialLoad.add_shape`.
+        See `SpatialLoad.add_shape`.
     """
     share *= scene.facet_shares.get(body.name, 1.0)
     if part.facet_size is None:

@@ -46,7 +46,7 @@ class SpatialLoad(GranularLoad):
     Parameters
     ----------
     medium, gravity, static, end_cap, floor
-        As of `GranularBed`.
+        See `GranularBed`.
     surface : float
         Height of a level surface along `up` (m); of an inclined surface the height at the world origin.
     up : (3,) array
@@ -63,7 +63,7 @@ class SpatialLoad(GranularLoad):
     Raises
     ------
     ValueError
-        An argument is not allowed; errors as of `GranularBed`.
+        An argument is not allowed; errors as in `GranularBed`.
     """
 
     def __init__(
@@ -178,7 +178,7 @@ class SpatialLoad(GranularLoad):
         self.building_s += time.perf_counter() - began
 
     def _surface(self, shape: Shape, size: float | None, accuracy: float | None, share: float) -> elements.CutSurface:
-        """Facets of a shape, cut once for all bodies that share it; arguments as of `elements.cut_surface`."""
+        """Facets of a shape, cut once for all bodies that share it; arguments as in `elements.cut_surface`."""
         key = id(shape), size, accuracy, share
         if key not in self._cut:
             self._cut[key] = shape, elements.cut_surface(shape, size, accuracy, share)
@@ -203,7 +203,7 @@ class SpatialLoad(GranularLoad):
         return kinds
 
     def close(self) -> None:
-        """Form the batches: of each kind of element that the floor meets, and of each kind that a medium takes.
+        """Form the batches: one for each kind of element on the floor, and for each medium and kind that it takes.
 
         `start` does it too.
         """

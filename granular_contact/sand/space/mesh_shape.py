@@ -98,7 +98,7 @@ class Mesh(Shape):
         Raises
         ------
         SceneError
-            The file can't be read, or as of `Mesh`.
+            The file can't be read, or the mesh is refused, see `Mesh`.
         """
         from granular_contact.geometry.mesh import read
 

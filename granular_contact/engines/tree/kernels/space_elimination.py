@@ -113,7 +113,7 @@ def _eliminate_ball(i, T, w):
 
 @part
 def _invert(D, inverse):
-    """Write the inverse of D (3, 3) into `inverse` (9,), row by row; by the cross products of its columns."""
+    """Write the inverse of D (3, 3) into `inverse` (9,), row by row, by cross products of the rows of D."""
     a, b, c = at(D, 0, 0), at(D, 1, 0), at(D, 2, 0)
     columns = cross(b, c), cross(c, a), cross(a, b)
     whole = dot(a, columns[0])

@@ -25,8 +25,8 @@ State:
     s_before ...    the same four at the start of the step
     clock, counts   (1,) records of CLOCK and COUNTS
     newton          (1,) record of NEWTON
-    iterations      addresses as of `iterations`
-    changes         addresses as of `step_error`
+    iterations      addresses of the arrays of `iterations`
+    changes         addresses of the arrays of `step_error`
     states, table   (rows, numbers) and (rows, columns), see `tree_march`; the first counts.steps + 1 rows are filled
 
 Computed from the state:
@@ -92,7 +92,7 @@ NODE = record_dtype(
         *fields("f8", "turn", "mass", "inertia", "radius"),
     ]
 )
-# In space. parent, kind, mass, radius, on_parent (3,), point (3,): as of NODE; which: index among the three nodes of a
+# In space. parent, kind, mass, radius, on_parent (3,), point (3,): as in NODE; which: index among the three nodes of a
 # ball joint; axis (3,): axis of a hinge or slider, in the parent's frame; before, after (4,): quaternions from the
 # parent's frame to the joint's, and from there, at s = 0, to the node's; inertia (9,): about the centre of mass, along
 # the node's axes, row by row. For the last node of a ball joint: acts: kind of its law, 0 for none; before, after: P
@@ -111,7 +111,7 @@ SPACE_NODE = record_dtype(
 FACTORS = record_dtype(
     [*((name, "f8", (3,)) for name in ("u", "w", "s")), *fields("f8", "inverse"), ("arm", "f8", (2,))]
 )
-# In space. u, w, s (6,): as of FACTORS; inverse (9,): 1 / D as its first number, or, in the record of the first node of
+# In space. u, w, s (6,): as in FACTORS; inverse (9,): 1 / D as its first number, or, in the record of the first node of
 # a ball joint, the inverse of D (3, 3), row by row; arm (3,) m: e + d.
 SPACE_FACTORS = record_dtype(
     [*((name, "f8", (6,)) for name in ("u", "w", "s")), ("inverse", "f8", (9,)), ("arm", "f8", (3,))]
