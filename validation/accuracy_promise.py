@@ -1,16 +1,17 @@
-"""Does `solver.accuracy` keep its promise on mechanisms: errors over what is promised, of twenty scenes and more.
+"""Whether `solver.accuracy` keeps its promise on mechanisms: errors over the promise, for twenty scenes.
 
     python validation/accuracy_promise.py [--quick]
 
-The promise: with steps chosen by their error, positions are off by no more than the accuracy times the way. An error is
-the greatest distance of any coordinate (that of an angle times how far its body reaches) from a run with an accuracy of
-1e-4, at any step; the way is the longest of any coordinate. That reference is checked by a run with fixed steps, a
-quarter of the config's: how far the two are apart, over what is promised at 1e-3, stands in the last column. In space
-all have facets of one size, so that errors are those of steps alone (`facet_estimates` has those of facets).
+The promise: with adaptive steps, errors of positions are at most the accuracy times the path length. The error of a run
+is the greatest difference of any coordinate, at any step, from a reference run with an accuracy of 1e-4; angles are
+multiplied by the radius of their body. The path length is that of the coordinate that moves farthest. The last column
+checks the reference: its distance from a run with fixed steps, a quarter of the config's, over the promise at 1e-3. In
+space all runs of a scene have facets of the same size, so that the errors are those of the steps alone
+(`facet_estimates` has those of facets).
 
 Random scenes (validation/random_scenes) that are trees of rigid bodies in the plane are solved in minimal coordinates
-and by the engine. Their errors are those of any body, from a run in minimal coordinates with an accuracy of 1e-5.
-They hold what strips do, as `solver.accuracy` promises for both.
+and by the engine. Their error is the greatest of any body, from a reference run in minimal coordinates with an accuracy
+of 1e-5. It includes the error of strips, since `solver.accuracy` promises the sum of both.
 """
 
 from __future__ import annotations
@@ -50,8 +51,8 @@ def _sets(changes: dict[str, object], *more: str) -> tuple[str, ...]:
     return (*(f"{key}={value}" for key, value in changes.items()), *more)
 
 
-# In words: config and what differs from it.
-# In space facets are the same in all runs; what they make wrong is its own study.
+# Scenes by their name in the table: config and changes of it.
+# In space the facets are the same in all runs; their error is the subject of another study (`facet_estimates`).
 FACETS = ".shapes.0.facet_size_m=0.004"
 SCENES: dict[str, tuple[str, tuple[str, ...]]] = {
     "impact of a stiff link, 22 deg": ("impact_22deg", ()),
@@ -87,7 +88,7 @@ METHODS, LEAST_PATH, SAME = ("minimal", "engine"), 1e-4, 1.25
 
 @dataclass(frozen=True)
 class Run:
-    """Of a solve: time (n,) s, place (n, k) m of all coordinates, number of steps; how it ended."""
+    """Result of a solve: time (n,) s, position (n, k) m of all coordinates, and the status code of its end."""
 
     time: Vector
     place: Vector
@@ -95,7 +96,7 @@ class Run:
 
     @property
     def way(self) -> float:
-        """Longest way of any coordinate (m)."""
+        """Path length of the coordinate that moves farthest (m)."""
         return float(np.abs(np.diff(self.place, axis=0)).sum(axis=0).max())
 
     @property
@@ -104,14 +105,14 @@ class Run:
         return len(self.time) - 1
 
     def error(self, other: Run) -> float:
-        """Greatest distance (m) of a coordinate from that of a finer run."""
-        known = self.time <= other.time[-1]
-        there = [np.interp(self.time[known], other.time, place) for place in other.place.T]
-        return float(np.abs(self.place[known] - np.column_stack(there)).max())
+        """Greatest difference (m) of a coordinate from that of a finer run, at the steps of this run."""
+        covered = self.time <= other.time[-1]
+        reference = [np.interp(self.time[covered], other.time, place) for place in other.place.T]
+        return float(np.abs(self.place[covered] - np.column_stack(reference)).max())
 
 
 def run(config: str, sets: tuple[str, ...]) -> Run:
-    """Solve a scene, by the engine or in minimal coordinates, as suits it."""
+    """Solve a config with overrides, by the engine or in minimal coordinates, as its method is."""
     scene = build(load_scenario(CONFIGS / f"{config}.yaml", ["solver.rest_time_s=null", *sets]))
     begun = begin(scene)
     begun.solving.advance()
@@ -123,24 +124,24 @@ def run(config: str, sets: tuple[str, ...]) -> Run:
 
 
 def row(name: str, quick: bool) -> tuple[list[str], dict[float, float], bool]:
-    """Of the table; errors over what is promised by accuracy, and whether all runs came to their end."""
+    """Row of the table for a scene, errors over the promise by accuracy, and whether all runs reached their end."""
     config, sets = SCENES[name]
     sets += QUICK_END if quick else ()
     reference = run(config, (*sets, f"solver.accuracy={REFERENCE}"))
     runs = {a: run(config, (*sets, f"solver.accuracy={a}")) for a in ACCURACIES}
-    ratios = {a: one.error(reference) / (a * reference.way) for a, one in runs.items()}
+    ratios = {a: done.error(reference) / (a * reference.way) for a, done in runs.items()}
     check, every = "", [reference, *runs.values()]
     if not quick:
         step = steps(load_scenario(CONFIGS / f"{config}.yaml", sets)).step_s
         fixed = run(config, (*sets, "solver.accuracy=null", f"solver.step_s={FINER * step}"))
         check = f"{fixed.error(reference) / (ACCURACIES[-1] * reference.way):.3f}"
         every.append(fixed)
-    counts = [cell for a, one in runs.items() for cell in (f"{one.steps}", f"{ratios[a]:.3f}")]
-    return [name, *counts, check], ratios, all(one.ending == "end_time" for one in every)
+    counts = [cell for a, done in runs.items() for cell in (f"{done.steps}", f"{ratios[a]:.3f}")]
+    return [name, *counts, check], ratios, all(done.ending == "end_time" for done in every)
 
 
 def random_trees(seeds: int) -> Iterator[tuple[Scenario, dict[str, Any]]]:
-    """Scenes of seeds that are trees of rigid bodies in the plane, with the trees of their configs."""
+    """Random scenes of seeds below `seeds` that are trees of rigid bodies in the plane, with their configs as dicts."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         for seed in range(seeds):
@@ -157,21 +158,23 @@ def random_trees(seeds: int) -> Iterator[tuple[Scenario, dict[str, Any]]]:
 
 
 def followed(scenario: Scenario, tree: dict[str, Any], settings: dict[str, Any]) -> tuple[Track, Cost]:
-    """Motion of a random scene, and what it cost."""
+    """Solve a random scene with changed settings; return its motion and its cost."""
     scene = build(scenario.replace(settings))
     results = run_scene(scene)
     return track(results, tree, LEAST_PATH), Cost(**results.summary["cost"])
 
 
 def random_rows(seeds: int) -> tuple[list[list[str]], dict[tuple[str, float], float]]:
-    """Of the table of random scenes; ninth deciles of errors over the promise, by method and accuracy."""
+    """Rows of the table of random scenes, and 90 % quantiles of errors over the promise by method and accuracy."""
     scenes = list(random_trees(seeds))
-    references = [followed(*one, FINEST)[0] for one in scenes]
+    references = [followed(*scene, FINEST)[0] for scene in scenes]
     rows, deciles = [], {}
     for accuracy in ACCURACIES:
         for method in METHODS:
-            runs = [followed(*one, {"solver.accuracy": accuracy, "method": method}) for one in scenes]
-            ratios = np.array([apart(one, fine) for (one, _), fine in zip(runs, references, strict=True)]) / accuracy
+            runs = [followed(*scene, {"solver.accuracy": accuracy, "method": method}) for scene in scenes]
+            ratios = (
+                np.array([apart(motion, fine) for (motion, _), fine in zip(runs, references, strict=True)]) / accuracy
+            )
             sums = [sum(getattr(cost, key) for _, cost in runs) for key in ("steps", "newton_iterations", "jacobians")]
             seconds, above = sum(cost.solve_s for _, cost in runs), int((ratios > 1.0).sum())
             shares = np.percentile(ratios, (50, 90, 99))
@@ -182,24 +185,26 @@ def random_rows(seeds: int) -> tuple[list[list[str]], dict[tuple[str, float], fl
 
 
 def study(quick: bool) -> Outcome:
-    """All scenes."""
+    """Run all scenes."""
     names = QUICK if quick else tuple(SCENES)
-    found = {name: row(name, quick) for name in names}
-    worst = {a: max((ratios[a], name) for name, (_, ratios, _) in found.items()) for a in ACCURACIES}
-    ended = [name for name, (_, _, whole) in found.items() if not whole]
+    rows_by_scene = {name: row(name, quick) for name in names}
+    worst = {a: max((ratios[a], name) for name, (_, ratios, _) in rows_by_scene.items()) for a in ACCURACIES}
+    ended = [name for name, (_, _, whole) in rows_by_scene.items() if not whole]
     head = ["scene", *(word for a in ACCURACIES for word in (f"steps at {a:g}", "error / promise")), "check"]
-    words = "; ".join(
-        f"at {a:g} at most {ratio:.2f} of what is promised ({name})" for a, (ratio, name) in worst.items()
-    )
+    kept = "; ".join(f"at {a:g} at most {ratio:.2f} of what is promised ({name})" for a, (ratio, name) in worst.items())
     rows, deciles = random_rows(SEEDS_QUICK if quick else SEEDS)
     random_head = ["accuracy", "method", "steps", "iterations", "Jacobians", "s", "median", "90 %", "99 %", "above 1"]
     most, a = max((deciles["minimal", a] / deciles["engine", a], a) for a in ACCURACIES)
-    tables = markdown(head, [cells for cells, _, _ in found.values()]), markdown(random_head, rows)
+    tables = markdown(head, [cells for cells, _, _ in rows_by_scene.values()]), markdown(random_head, rows)
     return Outcome(
         "\n\nRandom trees of rigid bodies, errors over the promise:\n\n".join(tables),
         (
-            Claim("accuracy_promise.accuracy is kept", max(worst.values())[0] <= 1.0, words),
-            Claim("accuracy_promise.every run comes to its end", not ended, ", ".join(ended) or f"{len(found)} scenes"),
+            Claim("accuracy_promise.accuracy is kept", max(worst.values())[0] <= 1.0, kept),
+            Claim(
+                "accuracy_promise.every run comes to its end",
+                not ended,
+                ", ".join(ended) or f"{len(rows_by_scene)} scenes",
+            ),
             Claim(
                 "accuracy_promise.minimal coordinates keep it as the engine does",
                 most <= SAME,

@@ -1,10 +1,10 @@
-"""Convergence of the default case with the step, the elements and the strips, and what the energy balance says.
+"""Convergence of the default case with the step, the elements and the strips, and the error of its energy balance.
 
     python validation/convergence.py
 
-configs/pendulum.yaml to 40 ms. Errors are against the finest of each family, computed with a step of 10 us: the
-largest distance of the tip, and the differences in stopping time and angle at stop. Orders are slopes of least squares
-in the logarithms.
+The case is configs/pendulum.yaml to 40 ms. Errors are relative to the finest run of each family, which has a step of
+10 us: the largest distance of the tip, and the differences in stopping time and angle at stop. Orders are least-squares
+slopes in the logarithms.
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ from validation.tables import markdown
 CONFIG = HERE.parent / "configs" / "pendulum.yaml"
 REFERENCE = {"step": 1e-5, "elements": 32, "strips": 4}
 DEFAULT = {"step": 2e-4, "elements": 4, "strips": 4}
-# What is varied, its values, the other numbers, and the converged case of the family. Steps divide one another, so that
-# the instants to compare are there.
+# Varied parameter, its values, the other parameters, and the converged case of the family. Each step is a multiple of
+# the finer ones, so that the compared instants exist in all runs.
 FAMILIES: list[tuple[str, list[Any], dict[str, Any], dict[str, Any]]] = [
     ("step", [1e-3, 5e-4, 2e-4, 1e-4], {"elements": 4, "strips": 4}, {"step": 1e-5, "elements": 4, "strips": 4}),
     ("elements", [1, 2, 4, 8, 16], {"step": 2e-5, "strips": 4}, REFERENCE),
@@ -39,7 +39,7 @@ FAMILIES: list[tuple[str, list[Any], dict[str, Any], dict[str, Any]]] = [
 
 
 def simulate(step: float, elements: int, strips: int) -> Results:
-    """Results of the case with these numbers, fixed to 40 ms and a tolerance that does not matter."""
+    """Run the case with these parameters to 40 ms, with a tolerance so small that its error is negligible."""
     scenario = load_scenario(
         CONFIG,
         [
@@ -55,12 +55,12 @@ def simulate(step: float, elements: int, strips: int) -> Results:
 
 
 def tip(results: Results) -> NDArray[np.float64]:
-    """Tip path (n, 2) m."""
+    """Path of the tip (n, 2) m."""
     return np.column_stack([results["tip_x_m"], results["tip_y_m"]])
 
 
 def tip_error(results: Results, truth: Results) -> float:
-    """Largest distance (m) of the tip from the reference at the instants that both have."""
+    """Largest distance (m) of the tip from the reference, at the instants of both runs."""
     every = np.searchsorted(truth["time_s"], results["time_s"] - 1e-9)
     return float(np.max(np.linalg.norm(tip(results) - tip(truth)[every], axis=1)))
 
@@ -68,7 +68,7 @@ def tip_error(results: Results, truth: Results) -> float:
 def family(
     name: str, values: list[Any], others: dict[str, Any], reference: dict[str, Any]
 ) -> tuple[list[list[str]], float]:
-    """Rows of one table, the last with the fitted order; and that order."""
+    """Rows of a family in the table, the last with the fitted order; and that order."""
     truth = simulate(**reference)
     rows, errors = [], []
     for value in values:
@@ -84,16 +84,16 @@ def family(
 
 
 def study(quick: bool) -> Outcome:
-    """The table, what the defaults are off by, and two claims; the quick form is the full one."""
+    """Table, errors of the defaults, and two claims; the quick form is the same as the full one."""
     del quick
     truth, default = simulate(**REFERENCE), simulate(**DEFAULT)
-    made = {name: family(name, *rest) for name, *rest in FAMILIES}
+    families = {name: family(name, *rest) for name, *rest in FAMILIES}
     head = ["varied", "value", "tip path um", "stopping time us", "angle at stop mdeg", "energy imbalance"]
-    table = markdown(head, [row for rows, _ in made.values() for row in rows])
+    table = markdown(head, [row for rows, _ in families.values() for row in rows])
     stop = default.summary["stopping_time_s"] / truth.summary["stopping_time_s"] - 1
     angle = default.summary["angle_at_stop_deg"] - truth.summary["angle_at_stop_deg"]
     defaults = f"tip path {1e6 * tip_error(default, truth):.2f} um, stopping time {100 * stop:+.3f} %"
-    orders = [made[name][1] for name in ("elements", "strips")]
+    orders = [families[name][1] for name in ("elements", "strips")]
     return Outcome(
         f"{table}\n\nDefaults: {defaults}, angle at stop {angle:+.5f} deg.",
         (

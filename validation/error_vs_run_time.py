@@ -1,13 +1,13 @@
-"""Error against run time of every model, step and integrator on one impact: what the defaults cost, and what is better.
+"""Error and run time of every model, step and integrator on one impact; where the defaults lie among them.
 
     python validation/error_vs_run_time.py
 
-configs/pendulum.yaml to 40 ms. Errors are those of the whole answer, so what a rigid or modal link leaves out is in
-them: the tip path (largest distance), the stopping time, the angle at the stop and the deflection (root mean square).
-Times are those of the solve alone: after a warm-up all settings are run in turn, several rounds; the median is taken.
+The case is configs/pendulum.yaml to 40 ms. Errors are total errors, which include the modelling error of a rigid or
+modal link: tip path (largest distance), stopping time, angle at stop, and deflection (root mean square). Run times are
+medians of the solve alone: after a warm-up all settings run in turn for several rounds.
 
-A stopping time or an angle may be right by chance where its error changes sign between two steps; so in a ranking an
-error counts as no smaller than that of any finer step, or smaller tolerance, of the same model and integrator.
+The error of a stopping time or an angle can be small by chance if it changes sign between two steps. Therefore, in a
+ranking, an error counts as no smaller than those of finer steps or tolerances of the same model and integrator.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ Vector = NDArray[np.float64]
 CONFIG = HERE.parent / "configs" / "pendulum.yaml"
 FIGURES = HERE / "figures"
 TO_40_MS = ("solver.end_time_s=0.04", "solver.rest_time_s=null")
-# Key, what it is, unit, factor from SI (angles from degrees) to the unit.
+# Key, name, unit, factor from SI (angles: from degrees) to the unit.
 MEASURES = (
     ("tip", "tip path", "um", 1e6),
     ("stop", "stopping time", "us", 1e6),
@@ -50,15 +50,19 @@ MEASURES = (
 )
 KEYS = tuple(key for key, *_ in MEASURES)
 LETTERS = dict(zip(KEYS, "TSAD", strict=True))
-NEAR = 1.5  # times the front's run time: what two runs of the same setting may differ by on a shared machine
+NEAR = 1.5  # run time allowed, relative to the front: runs of one setting differ by as much on a shared machine
 EXPLICIT = ("ExplicitEuler", "VelocityVerlet", "RK44", "ODE23", "DOPRI5", "DVERK6")
-ONE_CHANGE = "one change"  # of the FE default
+ONE_CHANGE = "one change"  # model name of settings that differ from the FE default in one value
 FE_DEFAULT, RIGID, ONE_MODE = "4 elements, step 0.0002", "rigid", "1 mode"
 
 
 @dataclass(frozen=True)
 class Path40:
-    """What a run is judged by: time (n,) s, tip (n, 2) m, deflection (n,) m, stopping time (s), angle at stop (deg)."""
+    """Measured results of a run to 40 ms.
+
+    time (n,) s; tip (n, 2) m; bend: deflection (n,) m; stop: stopping time, s; angle: at the stop, deg; seconds: solve
+    time, s.
+    """
 
     time: Vector
     tip: Vector
@@ -70,7 +74,10 @@ class Path40:
 
 @dataclass(frozen=True)
 class Setting:
-    """One line of the study. model is what is plotted together; change: what is set in Exudyn's settings besides."""
+    """A row of the table.
+
+    model: settings with the same model form one curve of the figure; change: function that changes Exudyn's settings.
+    """
 
     model: str
     name: str
@@ -80,20 +87,21 @@ class Setting:
 
     @property
     def ladder(self) -> bool:
-        """Whether it is one of several steps or tolerances of its model; they are listed from coarse to fine."""
+        """Whether the setting belongs to a series of steps or tolerances, which are listed from coarse to fine."""
         return self.model != ONE_CHANGE and not self.name.endswith("defaults")
 
     @property
     def engine(self) -> bool:
-        """Whether Exudyn computes it."""
+        """Whether Exudyn solves the setting."""
         return self.overrides[0] == "method=engine"
 
 
 @dataclass
 class Point:
-    """A setting's errors in the units of MEASURES, and its run times (s); `failure` says why it has none.
+    """Errors of a setting in the units of MEASURES, and its run times (s).
 
-    ranked: errors that are no smaller than those of finer settings of the same ladder.
+    failure: reason why there are none; empty if the run succeeded. ranked: errors for the ranking, each at least as
+    large as those of finer settings of the same series.
     """
 
     setting: Setting
@@ -109,15 +117,15 @@ class Point:
 
 
 class Failed(Exception):
-    """A run did not reach its end."""
+    """A run failed or did not stop within 40 ms."""
 
 
 # ---- one run ----
 
 
-def simulate(setting: Setting, *more: str) -> Path40:
+def simulate(setting: Setting, *overrides: str) -> Path40:
     """Run a setting to 40 ms."""
-    scenario = load_scenario(CONFIG, [*TO_40_MS, *setting.overrides, *more])
+    scenario = load_scenario(CONFIG, [*TO_40_MS, *setting.overrides, *overrides])
     scene = build(scenario)
     if not setting.engine:
         results = run(scene, scenario)
@@ -133,14 +141,14 @@ def simulate(setting: Setting, *more: str) -> Path40:
     trajectory = solve(system, simulation=simulation)
     if trajectory.status.code == "failed":
         raise Failed(trajectory.status.message)
-    seen = observe(system, trajectory)
-    columns, table = seen.columns()
+    observation = observe(system, trajectory)
+    columns, table = observation.columns()
     series = {column.name: table[:, i] for i, column in enumerate(columns)}
-    touch = find_touch(trajectory.time, seen.depths)
-    found = None if touch is None else seen.stop(touch)
-    if touch is None or found is None:
+    touch = find_touch(trajectory.time, observation.depths)
+    stop_event = None if touch is None else observation.stop(touch)
+    if touch is None or stop_event is None:
         raise Failed("it does not stop within 40 ms")
-    return _path(series, found.time - touch.time, float(np.degrees(found.angle)), trajectory.cost.solve_s)
+    return _path(series, stop_event.time - touch.time, float(np.degrees(stop_event.angle)), trajectory.cost.solve_s)
 
 
 def _path(series: dict[str, Vector], stop: float | None, angle: float | None, seconds: float) -> Path40:
@@ -152,16 +160,16 @@ def _path(series: dict[str, Vector], stop: float | None, angle: float | None, se
 
 
 def errors(path: Path40, truth: Path40) -> dict[str, float]:
-    """Errors in the units of MEASURES, at the run's own instants."""
+    """Errors of a run in the units of MEASURES, evaluated at the run's own instants."""
     tip = np.column_stack([np.interp(path.time, truth.time, truth.tip[:, i]) for i in range(2)])
     bend = np.interp(path.time, truth.time, truth.bend)
-    found = {
+    si_errors = {
         "tip": float(np.max(np.linalg.norm(path.tip - tip, axis=1))),
         "stop": abs(path.stop - truth.stop),
         "angle": abs(path.angle - truth.angle),
         "bend": float(np.sqrt(np.mean((path.bend - bend) ** 2))),
     }
-    return {key: factor * found[key] for key, _, _, factor in MEASURES}
+    return {key: factor * si_errors[key] for key, _, _, factor in MEASURES}
 
 
 # ---- the reference ----
@@ -169,7 +177,7 @@ def errors(path: Path40, truth: Path40) -> dict[str, float]:
 
 @dataclass(frozen=True)
 class Reference:
-    """The extrapolated run, its uncertainty in each measure, and how that was found."""
+    """The extrapolated run, its uncertainty in each measure, and the table rows that derive the uncertainty."""
 
     path: Path40
     uncertainty: dict[str, float]
@@ -177,14 +185,15 @@ class Reference:
 
 
 def reference(quick: bool) -> Reference:
-    """Finest beam, extrapolated in the step. The order between steps is one (the bristles yield at ends of steps).
+    """Compute the reference: finest beam, Richardson extrapolation in the step with order one.
 
-    Uncertainty: the whole correction of the extrapolation, and the difference to half as many elements.
+    The order is one, as bristles yield at ends of steps. The uncertainty is the whole correction of the extrapolation
+    plus the difference from a beam with half as many elements.
     """
     elements, step = (8, 4e-5) if quick else (64, 1e-5)
     coarse, fine = (simulate(beam(elements, h)) for h in (step, 0.5 * step))
     half = simulate(beam(elements // 2, step))
-    other = simulate(modal(10 if quick else 15, "elastoplastic", 1e-8))
+    modes = simulate(modal(10 if quick else 15, "elastoplastic", 1e-8))
     on = functools.partial(np.interp, coarse.time, fine.time)
     path = Path40(
         coarse.time,
@@ -200,17 +209,17 @@ def reference(quick: bool) -> Reference:
         (f"step: correction of the run at {0.5 * step:g} s", correction),
         (f"elements: {elements // 2} against {elements}", space),
         ("sum, taken as the uncertainty", uncertainty),
-        (f"for comparison, {10 if quick else 15} modes against the reference", errors(other, path)),
+        (f"for comparison, {10 if quick else 15} modes against the reference", errors(modes, path)),
     )
     rows = [[name, *(f"{values[key]:.2g}" for key in KEYS)] for name, values in parts]
     return Reference(path, uncertainty, rows)
 
 
-# ---- what is run ----
+# ---- the settings ----
 
 
 def beam(elements: int, step: float, more: Sequence[str] = (), note: str = "", **others: Any) -> Setting:
-    """Finite elements; `note` is added to the name."""
+    """Setting with finite elements; more: further overrides; note: added to the name; others: fields to replace."""
     name = f"{elements} elements, step {step:g}{note}"
     key = "model.bodies.link.flexible.elements"
     overrides = ("method=engine", f"{key}={elements}", f"solver.step_s={step}", *more)
@@ -219,7 +228,7 @@ def beam(elements: int, step: float, more: Sequence[str] = (), note: str = "", *
 
 
 def chosen(accuracy: float) -> Setting:
-    """Four elements with steps chosen by their error."""
+    """Setting with four elements and adaptive steps."""
     return Setting(
         "4 elements, chosen steps",
         f"4 elements, accuracy {accuracy:g}",
@@ -228,7 +237,7 @@ def chosen(accuracy: float) -> Setting:
 
 
 def modal(modes: int, static: str, rtol: float) -> Setting:
-    """Reduced model."""
+    """Setting with a reduced model."""
     model = "rigid" if modes == 0 else f"{modes} mode{'s' if modes > 1 else ''}"
     law = static.replace("_", " ")
     chosen = f"method={{reduced: {{modes: {modes}, static: {static}, rtol: {rtol}}}}}"
@@ -236,48 +245,48 @@ def modal(modes: int, static: str, rtol: float) -> Setting:
 
 
 def default_reduced(modes: int) -> Setting:
-    """Reduced model as a user gets it who names nothing but the number of modes."""
+    """Setting with a reduced model for which a user names the number of modes only."""
     model, law = ("rigid", "true sign") if modes == 0 else (f"{modes} mode", "elastoplastic")
     return Setting(f"{model}, {law}", f"{model}, defaults", (f"method={{reduced: {{modes: {modes}}}}}",), default=True)
 
 
 def trapezoidal(simulation: Any) -> None:
-    """Newmark without numerical damping, constraints at velocity level."""
+    """Select Newmark's method without numerical damping, with constraints at velocity level."""
     alpha = simulation.timeIntegration.generalizedAlpha
     alpha.useNewmark, alpha.useIndex2Constraints = True, True
 
 
 def beams(quick: bool) -> list[Setting]:
-    """Elements and steps, integrators at four elements, and single changes of the default."""
+    """Settings with finite elements: elements and steps, integrators at four elements, and changes of the default."""
     fine = (1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5, 1e-5, 1e-6)
     coarse = (1e-3, 5e-4, 2e-4, 5e-5, 1e-5)
     if quick:
         fine, coarse = (1e-3, 2e-4, 5e-5), (1e-3, 2e-4)
     counts = (4, 8) if quick else (4, 8, 16, 32, 64)
-    found = [beam(n, h) for n in counts for h in (fine if n == 4 else coarse)]
+    listed = [beam(n, h) for n in counts for h in (fine if n == 4 else coarse)]
     for radius in (1.0, 0.4) if quick else (1.0, 0.7, 0.4, 0.0):
         option = (f"solver.spectral_radius={radius}",)
-        found += [beam(4, h, option, f", radius {radius:g}", model=f"radius {radius:g}") for h in coarse]
-    found += [beam(4, h, (), ", trapezoidal", model="trapezoidal", change=trapezoidal) for h in coarse]
-    found += [chosen(accuracy) for accuracy in ((1e-3,) if quick else (1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 1e-5))]
+        listed += [beam(4, h, option, f", radius {radius:g}", model=f"radius {radius:g}") for h in coarse]
+    listed += [beam(4, h, (), ", trapezoidal", model="trapezoidal", change=trapezoidal) for h in coarse]
+    listed += [chosen(accuracy) for accuracy in ((1e-3,) if quick else (1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 1e-5))]
     changes = [("load.strips_per_element", n, f"{n} strips") for n in (2, 8)]
     changes += [("solver.tolerance", x, f"tolerance {x:g}") for x in (1e-3, 1e-4, 1e-6, 1e-7)]
-    found += [beam(4, 2e-4, (f"{key}={x}",), f", {note}", model=ONE_CHANGE) for key, x, note in changes]
-    return [*found, beam(2, 2e-4, model=ONE_CHANGE)]
+    listed += [beam(4, 2e-4, (f"{key}={x}",), f", {note}", model=ONE_CHANGE) for key, x, note in changes]
+    return [*listed, beam(2, 2e-4, model=ONE_CHANGE)]
 
 
 def reductions(quick: bool) -> list[Setting]:
-    """Reduced models."""
-    found = [default_reduced(0), default_reduced(1)]
+    """Settings with reduced models."""
+    listed = [default_reduced(0), default_reduced(1)]
     for modes in (0, 1, 2, 5):
         for static in ("true_sign", "elastoplastic"):
-            found += [modal(modes, static, rtol) for rtol in ((1e-6,) if quick else (1e-4, 1e-6, 1e-8))]
-    return found
+            listed += [modal(modes, static, rtol) for rtol in ((1e-6,) if quick else (1e-4, 1e-6, 1e-8))]
+    return listed
 
 
 def explicit() -> list[Point]:
-    """Exudyn's explicit and adaptive solvers on the beam and on the rigid pendulum: tried, and what they say."""
-    found = []
+    """Try Exudyn's explicit and adaptive solvers on the beam and the rigid pendulum; points with their messages."""
+    tried = []
     for model, config in (("4 elements", CONFIG), ("rigid in Exudyn", CONFIG.with_name("pendulum_rigid.yaml"))):
         for kind in EXPLICIT:
             scene = build(load_scenario(config, TO_40_MS))
@@ -292,8 +301,8 @@ def explicit() -> list[Point]:
                 point.failure = f"does not apply: {_reason(str(error))}"
             finally:
                 exu.config.printToConsole = printing
-            found.append(point)
-    return found
+            tried.append(point)
+    return tried
 
 
 def _reason(message: str) -> str:
@@ -305,7 +314,7 @@ def _reason(message: str) -> str:
 
 
 def explicit_limit(elements: int) -> tuple[float, float]:
-    """Highest angular frequency (1/s) of the beam at rest, its joints left off, and the longest step (s) of RK44."""
+    """Highest angular frequency (1/s) of the beam at rest without its joints, and longest stable step (s) of RK44."""
     scene = build(load_scenario(CONFIG, ["medium=null", f"model.bodies.link.flexible.elements={elements}"]))
     mass, stiffness = build_system(scene).mbs.ComputeLinearizedSystem(settings(scene))[:2]
     omega = float(np.sqrt(np.max(np.abs(np.linalg.eigvals(np.linalg.solve(mass, stiffness))))))
@@ -316,9 +325,9 @@ def explicit_limit(elements: int) -> tuple[float, float]:
 
 
 def measure(chosen: Sequence[Setting], truth: Path40, rounds: int, budget: float) -> list[Point]:
-    """Errors in a warm-up, which is timed if there are no rounds; then all settings in turn, `rounds` times.
+    """Measure errors in a warm-up, then run times of all settings in turn, in `rounds` rounds.
 
-    Above `budget` (s) three times are enough.
+    Without rounds the warm-up is timed. A setting that has used up the `budget` (s) runs in three rounds only.
     """
     points = []
     for setting in chosen:
@@ -339,7 +348,7 @@ def measure(chosen: Sequence[Setting], truth: Path40, rounds: int, budget: float
 
 
 def rank(points: Sequence[Point]) -> None:
-    """Give each point of a ladder the largest of its own error and those of the finer points."""
+    """Set `ranked` of each point of a series to the largest of its own error and those of the finer points."""
     finer: dict[str, dict[str, float]] = {}
     for point in reversed([p for p in points if p.setting.ladder and not p.failure]):
         worst = finer.get(point.setting.model, {})
@@ -347,7 +356,7 @@ def rank(points: Sequence[Point]) -> None:
 
 
 def whole_run(overrides: Sequence[str], repeats: int) -> float:
-    """Median time (s) of the config as it stands, to rest."""
+    """Median solve time (s) of the config with overrides, to rest."""
     scenario = load_scenario(CONFIG, overrides)
     scene = build(scenario)
     times = [run(scene, scenario).summary["cost"]["solve_s"] for _ in range(repeats + 1)]
@@ -358,12 +367,12 @@ def whole_run(overrides: Sequence[str], repeats: int) -> float:
 
 
 def floored(point: Point, key: str, uncertainty: dict[str, float]) -> float:
-    """Error that a setting is ranked by: at least what the reference can tell."""
+    """Error for the ranking of a setting, at least the uncertainty of the reference."""
     return max(point.ranked.get(key, point.errors[key]), uncertainty[key])
 
 
 def front(points: Sequence[Point], key: str, uncertainty: dict[str, float]) -> list[Point]:
-    """Points that no other beats in both time and error, fastest first."""
+    """Pareto front: points that no other point beats in both time and error, fastest first."""
     best: list[Point] = []
     for point in sorted((p for p in points if not p.failure), key=lambda p: (p.ms, p.errors[key])):
         if not best or floored(point, key, uncertainty) < floored(best[-1], key, uncertainty):
@@ -372,22 +381,22 @@ def front(points: Sequence[Point], key: str, uncertainty: dict[str, float]) -> l
 
 
 def distance(point: Point, points: Sequence[Point], key: str, uncertainty: dict[str, float]) -> tuple[float, Point]:
-    """Factor in time to the fastest setting with no greater error, and that setting."""
+    """Run time relative to the fastest setting with no greater error, and that setting."""
     limit = floored(point, key, uncertainty)
     good = [p for p in points if not p.failure and floored(p, key, uncertainty) <= limit]
     best = min(good, key=lambda p: p.ms)
     return point.ms / best.ms, best
 
 
-def table(points: Sequence[Point], fronts: dict[str, list[Point]], own: dict[str, list[Point]]) -> str:
-    """All settings; letters for the fronts that a setting is on."""
+def table(points: Sequence[Point], fronts: dict[str, list[Point]], kind_fronts: dict[str, list[Point]]) -> str:
+    """Table of all settings, with letters for the fronts on which a setting lies."""
     rows = []
     for p in points:
         name = f"**{p.setting.name}**" if p.setting.default else p.setting.name
         if p.failure:
             rows.append([name, p.failure, *[""] * 6])
             continue
-        marks = ["".join(LETTERS[key] for key in KEYS if p in chosen[key]) for chosen in (fronts, own)]
+        marks = ["".join(LETTERS[key] for key in KEYS if p in chosen[key]) for chosen in (fronts, kind_fronts)]
         low, high = (1e3 * f(p.seconds) for f in (min, max))
         values = (f"{p.errors[key]:.3g}" for key in KEYS)
         rows.append([name, *values, f"{p.ms:.2f} ({low:.2f}-{high:.2f})", *marks])
@@ -410,11 +419,11 @@ OWN = tuple(
 INTEGRATORS = ("4 elements", "radius 1", "radius 0.7", "radius 0.4", "radius 0", "trapezoidal")
 
 
-def draw(points: Sequence[Point], found: Reference) -> None:
-    """Two figures: all models, and Exudyn's integrators at four elements."""
+def draw(points: Sequence[Point], truth: Reference) -> None:
+    """Draw two figures: all models, and Exudyn's integrators at four elements."""
     names = {"4 elements": "radius 0.9 (default)"}
-    _diagram(points, found, (*OWN, *FE_MODELS), FIGURES / "error_vs_run_time.png", {}, True)
-    _diagram(points, found, INTEGRATORS, FIGURES / "error_vs_run_time_integrators.png", names, False)
+    _diagram(points, truth, (*OWN, *FE_MODELS), FIGURES / "error_vs_run_time.png", {}, True)
+    _diagram(points, truth, INTEGRATORS, FIGURES / "error_vs_run_time_integrators.png", names, False)
 
 
 def _looks(model: str, index: int) -> dict[str, Any]:
@@ -433,7 +442,7 @@ def _looks(model: str, index: int) -> dict[str, Any]:
 
 def _diagram(
     points: Sequence[Point],
-    found: Reference,
+    truth: Reference,
     models: Sequence[str],
     file: Path,
     names: dict[str, str],
@@ -444,16 +453,16 @@ def _diagram(
 
     from granular_contact.report.figures.style import DOUBLE, DPI, style
 
-    shown = [p for p in points if not p.failure and (fronts or p.setting.model in models)]
+    drawn = [p for p in points if not p.failure and (fronts or p.setting.model in models)]
     rows = -(-(len(models) + 3) // 4)
     with style():
         figure = Figure(figsize=(DOUBLE / 25.4, (112 + 4 * rows) / 25.4), layout="constrained")
         grid = figure.subplots(2, 2, sharex=True)
         for axes, (key, name, unit, _) in zip(grid.flat, MEASURES, strict=True):
-            _lines(axes, shown, models, key, found, names)
+            _lines(axes, drawn, models, key, truth, names)
             if fronts:
-                _draw_front(axes, shown, key, found)
-            _draw_defaults(axes, [p for p in shown if p.setting.default], key, found)
+                _draw_front(axes, drawn, key, truth)
+            _draw_defaults(axes, [p for p in drawn if p.setting.default], key, truth)
             text = "rms deflection" if key == "bend" else name
             axes.set_ylabel(f"{text}: error ({unit.replace('um', 'µm').replace('us', 'µs')})")
         for axes in grid[1]:
@@ -465,29 +474,29 @@ def _diagram(
 
 
 def _lines(
-    axes: Any, shown: Sequence[Point], models: Sequence[str], key: str, found: Reference, names: dict[str, str]
+    axes: Any, drawn: Sequence[Point], models: Sequence[str], key: str, truth: Reference, names: dict[str, str]
 ) -> None:
-    floor = found.uncertainty[key]
+    floor = truth.uncertainty[key]
     for index, model in enumerate(models):
-        mine = [p for p in shown if p.setting.model == model and p.setting.ladder]
-        values = [max(p.errors[key], floor) for p in mine]
+        of_model = [p for p in drawn if p.setting.model == model and p.setting.ladder]
+        values = [max(p.errors[key], floor) for p in of_model]
         label = names.get(model, model)
-        axes.loglog([p.ms for p in mine], values, lw=0.8, ms=3.6, mew=0.7, label=label, **_looks(model, index))
+        axes.loglog([p.ms for p in of_model], values, lw=0.8, ms=3.6, mew=0.7, label=label, **_looks(model, index))
     axes.axhspan(0.0, floor, color="0.9", lw=0, zorder=0, label="uncertainty of the reference")
-    axes.set_ylim(0.45 * floor, 2.5 * max(max(p.errors[key], floor) for p in shown))
+    axes.set_ylim(0.45 * floor, 2.5 * max(max(p.errors[key], floor) for p in drawn))
 
 
-def _draw_front(axes: Any, shown: Sequence[Point], key: str, found: Reference) -> None:
-    best = front(shown, key, found.uncertainty)
-    x, y = [p.ms for p in best], [floored(p, key, found.uncertainty) for p in best]
+def _draw_front(axes: Any, drawn: Sequence[Point], key: str, truth: Reference) -> None:
+    best = front(drawn, key, truth.uncertainty)
+    x, y = [p.ms for p in best], [floored(p, key, truth.uncertainty) for p in best]
     axes.step([*x, 1e5], [*y, y[-1]], where="post", color="#F3C623", lw=3.0, alpha=0.7, zorder=1, label="Pareto front")
-    axes.set_xlim(0.6 * min(p.ms for p in shown), 1.6 * max(p.ms for p in shown))
+    axes.set_xlim(0.6 * min(p.ms for p in drawn), 1.6 * max(p.ms for p in drawn))
 
 
-def _draw_defaults(axes: Any, defaults: Sequence[Point], key: str, found: Reference) -> None:
+def _draw_defaults(axes: Any, defaults: Sequence[Point], key: str, truth: Reference) -> None:
     if not defaults:
         return
-    x, y = [p.ms for p in defaults], [floored(p, key, found.uncertainty) for p in defaults]
+    x, y = [p.ms for p in defaults], [floored(p, key, truth.uncertainty) for p in defaults]
     axes.plot(x, y, "o", ms=8, mfc="none", mec="black", mew=1.0, ls="none", zorder=9, label="defaults")
 
 
@@ -495,7 +504,7 @@ def _draw_defaults(axes: Any, defaults: Sequence[Point], key: str, found: Refere
 
 
 def defaults_table(points: Sequence[Point], uncertainty: dict[str, float]) -> tuple[str, dict[str, float]]:
-    """Each default's distance from its kind's front and from the front of all, and the worst of the first."""
+    """Table of each default's distance from the front of its kind and of all settings; worst distance of the kind."""
     rows, worst = [], dict[str, float]()
     for point in (p for p in points if p.setting.default):
         kind = [p for p in points if p.setting.engine == point.setting.engine]
@@ -510,7 +519,7 @@ def defaults_table(points: Sequence[Point], uncertainty: dict[str, float]) -> tu
 
 
 def fastest_table(points: Sequence[Point]) -> str:
-    """Fastest setting of each kind within levels of the tip path."""
+    """Table of the fastest setting of each kind for several limits on the error of the tip path."""
     rows = []
     for level in (50.0, 30.0, 10.0, 3.0, 1.0, 0.3):
         row = [f"{level:g}"]
@@ -522,13 +531,13 @@ def fastest_table(points: Sequence[Point]) -> str:
     return markdown(["tip path at most, um", "fastest reduced", "fastest FE"], rows)
 
 
-def claims(points: Sequence[Point], found: Reference, worst: dict[str, float], repeats: int) -> tuple[Claim, ...]:
-    """The project's targets, and where its defaults lie."""
+def claims(points: Sequence[Point], truth: Reference, worst: dict[str, float], repeats: int) -> tuple[Claim, ...]:
+    """Claims on the project's targets, and on the distance of its defaults from the front."""
     fe = next(p for p in points if p.setting.name == FE_DEFAULT)
-    stop, angle = 1e-4 * fe.errors["stop"] / found.path.stop, 1e-3 * fe.errors["angle"]
+    stop, angle = 1e-4 * fe.errors["stop"] / truth.path.stop, 1e-3 * fe.errors["angle"]
     times = {n: whole_run((f"method={{reduced: {{modes: {n}}}}}",), repeats) for n in (0, 1)}
     beam_time = whole_run((), repeats)
-    share = max(found.uncertainty[key] / fe.errors[key] for key in KEYS)
+    share = max(truth.uncertainty[key] / fe.errors[key] for key in KEYS)
     failed = [p.setting.name for p in points if p.failure.startswith("failed")]
 
     def claim(name: str, held: bool, detail: str) -> Claim:
@@ -553,22 +562,22 @@ def claims(points: Sequence[Point], found: Reference, worst: dict[str, float], r
 
 
 def study(quick: bool) -> Outcome:
-    """Measure, tabulate and (in the full form) draw."""
-    found = reference(quick)
+    """Measure all settings; draw the figures unless quick."""
+    truth = reference(quick)
     rounds = 0 if quick else 9
-    points = measure([*reductions(quick), *beams(quick)], found.path, rounds, 0.5)
+    points = measure([*reductions(quick), *beams(quick)], truth.path, rounds, 0.5)
     kinds = {kind: [p for p in points if p.setting.engine == kind] for kind in (True, False)}
-    fronts = {key: front(points, key, found.uncertainty) for key in KEYS}
-    own = {key: [p for k in kinds.values() for p in front(k, key, found.uncertainty)] for key in KEYS}
-    distances, worst = defaults_table(points, found.uncertainty)
+    fronts = {key: front(points, key, truth.uncertainty) for key in KEYS}
+    kind_fronts = {key: [p for k in kinds.values() for p in front(k, key, truth.uncertainty)] for key in KEYS}
+    distances, worst = defaults_table(points, truth.uncertainty)
     omega, limit = explicit_limit(4)
     if not quick:
-        draw(points, found)
+        draw(points, truth)
     head = ["uncertainty of the reference", *(f"{name} {unit}" for _, name, unit, _ in MEASURES)]
     text = "\n\n".join(
         [
-            f"Reference: stopping time {1e3 * found.path.stop:.5f} ms, angle at stop {found.path.angle:.5f} deg.",
-            markdown(head, found.rows),
+            f"Reference: stopping time {1e3 * truth.path.stop:.5f} ms, angle at stop {truth.path.angle:.5f} deg.",
+            markdown(head, truth.rows),
             "The fastest within an error:",
             fastest_table(points),
             "The defaults, in time at equal error (errors below the reference's uncertainty count as equal to it):",
@@ -576,13 +585,13 @@ def study(quick: bool) -> Outcome:
             f"All settings, median of {rounds} rounds in turn after a warm-up (three rounds for the slow ones). On the "
             "front of all, or of its kind (FE or reduced), in T tip path, S stopping time, A angle at stop, "
             "D deflection; defaults in bold.",
-            table([*points, *explicit()], fronts, own),
+            table([*points, *explicit()], fronts, kind_fronts),
             "Were the joints eliminated, axial waves would limit explicit steps: the highest frequency of 4 free "
             f"elements is {omega:.3g} rad/s, the longest stable step of RK44 {1e6 * limit:.1f} us, "
             f"{0.04 / limit:.0f} steps of 4 evaluations each.",
         ]
     )
-    return Outcome(text, claims(points, found, worst, 1 if quick else 15))
+    return Outcome(text, claims(points, truth, worst, 1 if quick else 15))
 
 
 if __name__ == "__main__":

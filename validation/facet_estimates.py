@@ -1,13 +1,13 @@
-"""Is the error by facets that a run in space tells true: against a third of its facets' size, over random scenes.
+"""Test of the estimated error by facets of runs in space against facets of a third of the size, over random scenes.
 
     python validation/facet_estimates.py [--quick] [--first SEED] [--scenes NUMBER]
 
-Bodies of every shape, meshes, chains, legs, wheels and what hangs or is pressed, from `random_scenes.in_space`, at
-fixed steps of 0.2 ms, with the sizes of facets that a run chooses by itself: it is repeated with smaller ones where its
-estimate is above 0.3 % of the way. The true error is the greatest distance of any point from a run with facets of a
-third of that size, at the same steps, over the way of the fastest point. An error or an estimate below 0.1 % counts as
-that. With FOLLOW in the environment each scene is printed as it is done. Scenes from another seed on change no
-figure.
+The scenes are bodies of every shape, meshes, chains, legs, wheels, and hanging or pressed bodies from
+`random_scenes.in_space`. They have fixed steps of 0.2 ms and the facet sizes that a run chooses by itself: it repeats
+with smaller facets if its estimate is above 0.3 % of the path length. The true error is the greatest distance of any
+point from a run with facets of a third of that size at the same steps, over the path length of the fastest point.
+Errors and estimates below 0.1 % count as 0.1 %. With FOLLOW in the environment each result is printed as soon as it is
+known. With `--first` or `--scenes` no figure is drawn.
 """
 
 from __future__ import annotations
@@ -42,15 +42,18 @@ from validation.study import Claim, Outcome, script
 from validation.tables import markdown
 
 FIGURE = Path(__file__).parent / "figures" / "facet_estimates.png"
-SCENES = (100, 4)  # in the whole and in the quick form
+SCENES = (100, 4)  # number in the full and in the quick form
 FINER, FLOOR, SILENT, WITHIN = 3.0, 1e-3, 1e-2, 10.0
-WALL = 600.0  # s of the clock for any run, on a busy machine
-TRIES = 3  # seeds looked at for each scene that is wanted: not all touch the medium
+WALL = 600.0  # s, limit on the wall-clock time of a run, for a busy machine
+TRIES = 3  # seeds for each wanted scene, as not all of them touch the medium
 
 
 @dataclass(frozen=True)
 class Found:
-    """Of a scene: its seed and kind; true and told error, whether it warned, least share of the size of facets."""
+    """Result of a scene: its seed and kind, its true error and its estimate (told), both relative.
+
+    warned: whether the run warned of facets; share: least factor on the facet size of a body.
+    """
 
     seed: int
     kind: str
@@ -61,12 +64,12 @@ class Found:
 
     @property
     def over(self) -> float:
-        """What is told, over the true error, each at least the floor."""
+        """Estimate over true error, each at least FLOOR."""
         return max(self.told, FLOOR) / max(self.error, FLOOR)
 
 
 def judge(seed: int) -> Found | None:
-    """Errors of a scene; None where no facet touches the medium."""
+    """Draw and run a scene and return its errors; None if it can't be used or no facet touches the medium."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         try:
@@ -79,13 +82,13 @@ def judge(seed: int) -> Found | None:
 
 
 def compared(seed: int, kind: str, tree: dict[str, Any], folder: Path) -> Found | None:
-    """Errors of a run as the user gets it, at fixed steps, and of that with finer facets."""
+    """Compare a run with fixed steps and its own facets to one with finer facets; None if a run fails or no contact."""
     solver = {"end_time_s": tree["solver"]["end_time_s"], "rest_time_s": None, "step_s": STEP, "max_wall_s": WALL}
-    kept: list[Any] = []
+    inspected: list[Any] = []
     results = run(
-        build(load_scenario(write(tree | {"solver": solver}, folder))), inspect=lambda *both: kept.append(both)
+        build(load_scenario(write(tree | {"solver": solver}, folder))), inspect=lambda *both: inspected.append(both)
     )
-    ((system, trajectory),) = kept
+    ((system, trajectory),) = inspected
     if results.status.code not in GOOD or not (trajectory.load.depth > 0.0).any():
         return None
     motion = SpatialKinematics(system, trajectory)
@@ -96,53 +99,53 @@ def compared(seed: int, kind: str, tree: dict[str, Any], folder: Path) -> Found 
     if begun.system is None or begun.solving.status().code not in GOOD:
         return None
     reference = SpatialKinematics(begun.system, begun.solving.trajectory())  # type: ignore[arg-type]
-    warned = any("facets" in one for one in results.warnings)
+    warned = any("facets" in warning for warning in results.warnings)
     return Found(seed, kind, apart(motion, reference), strip_error(motion), warned, share)
 
 
 def apart(motion: SpatialKinematics, reference: SpatialKinematics) -> float:
-    """Greatest distance of any point, over the way of the fastest one."""
-    one, other = facet_departure.track(motion), facet_departure.track(reference)
-    at = one.time[one.time <= other.time[-1]]
+    """Greatest distance of any point from the reference, over the path length of the reference's fastest point."""
+    track, other = facet_departure.track(motion), facet_departure.track(reference)
+    at = track.time[track.time <= other.time[-1]]
     columns = other.places.reshape(len(other.time), -1).T
     places = np.column_stack([np.interp(at, other.time, column) for column in columns])
     way = max(reference.path_length, reference.scene.least_path)
-    return float(np.abs(one.places[: len(at)].reshape(len(at), -1) - places).max()) / way
+    return float(np.abs(track.places[: len(at)].reshape(len(at), -1) - places).max()) / way
 
 
 def every(count: int, jobs: int, first: int) -> Iterator[Found]:
-    """So many scenes that touch the medium, from a seed on."""
+    """Results of the first `count` scenes that touch the medium, from the seed `first` on."""
     with local_processes(jobs) as pool:
-        found = (one for one in pool.map(judge, range(first, first + TRIES * count)) if one is not None)
-        for _, one in zip(range(count), found, strict=False):
-            yield one
-        pool.shutdown(cancel_futures=True)  # seeds that nobody needs any more would be waited for
+        results = (result for result in pool.map(judge, range(first, first + TRIES * count)) if result is not None)
+        for _, result in zip(range(count), results, strict=False):
+            yield result
+        pool.shutdown(cancel_futures=True)  # else closing the pool waits for seeds that are no longer needed
 
 
 def study(quick: bool, first: int = 0, scenes: int | None = None) -> Outcome:
-    """All scenes, or a few of them; so many from a seed on."""
-    found = []
-    for one in every(scenes or SCENES[quick], 1 if quick else cores(), first):
-        found.append(one)
+    """Run the scenes from the seed `first` on; scenes: their number, by default that of the form."""
+    results = []
+    for result in every(scenes or SCENES[quick], 1 if quick else cores(), first):
+        results.append(result)
         if os.environ.get("FOLLOW"):
-            print(time.strftime("%X"), one, flush=True)
+            print(time.strftime("%X"), result, flush=True)
     if not quick and first == 0 and scenes is None:
-        draw_figure(found)
-    return told(found)
+        draw_figure(results)
+    return told(results)
 
 
-def draw_figure(found: list[Found]) -> None:
-    """The told error over the true one."""
+def draw_figure(results: list[Found]) -> None:
+    """Draw the estimated over the true error."""
     import matplotlib.pyplot as plt
 
     from granular_contact.report.figures.style import DPI, FAINT, PALETTE, style
 
     with style():
         figure, axes = plt.subplots(figsize=(3.5, 3.2), layout="constrained")
-        for warned, marker, words in ((False, "o", "no warning"), (True, "^", "warned")):
-            mine = [one for one in found if one.warned == warned]
-            places = [[100.0 * max(value, 1e-5) for value in (one.error, one.told)] for one in mine]
-            axes.plot(*np.array(places).reshape(-1, 2).T, marker, color=PALETTE[warned], markersize=3, label=words)
+        for warned, marker, label in ((False, "o", "no warning"), (True, "^", "warned")):
+            group = [result for result in results if result.warned == warned]
+            points = [[100.0 * max(value, 1e-5) for value in (result.error, result.told)] for result in group]
+            axes.plot(*np.array(points).reshape(-1, 2).T, marker, color=PALETTE[warned], markersize=3, label=label)
         ends = np.array([1e-3, 20.0])
         for factor in (1.0 / WITHIN, 1.0, WITHIN):
             axes.plot(ends, factor * ends, color=FAINT, linewidth=0.8, zorder=0)
@@ -153,38 +156,46 @@ def draw_figure(found: list[Found]) -> None:
         plt.close(figure)
 
 
-def told(found: list[Found]) -> Outcome:
-    """The table and the claims."""
+def told(results: list[Found]) -> Outcome:
+    """Table and claims of these results."""
     rows = []
-    for kind in [*sorted({one.kind for one in found}), "all"]:
-        mine = [one for one in found if kind in (one.kind, "all")]
-        errors = [100.0 * one.error for one in mine]
-        cells = [kind, len(mine), f"{np.median(errors):.3f}", f"{max(errors):.3f}", sum(one.warned for one in mine)]
-        rows.append([*cells, f"{min(one.over for one in mine):.2f} to {max(one.over for one in mine):.2f}"])
-    silent = [one for one in found if not one.warned]
-    worst = max(silent, key=lambda one: one.error)
-    above = [one for one in silent if one.error > SILENT]
-    alarms = [one for one in found if one.over > WITHIN]
+    for kind in [*sorted({result.kind for result in results}), "all"]:
+        group = [result for result in results if kind in (result.kind, "all")]
+        errors = [100.0 * result.error for result in group]
+        cells = [
+            kind,
+            len(group),
+            f"{np.median(errors):.3f}",
+            f"{max(errors):.3f}",
+            sum(result.warned for result in group),
+        ]
+        rows.append(
+            [*cells, f"{min(result.over for result in group):.2f} to {max(result.over for result in group):.2f}"]
+        )
+    silent = [result for result in results if not result.warned]
+    worst = max(silent, key=lambda result: result.error)
+    above = [result for result in silent if result.error > SILENT]
+    alarms = [result for result in results if result.over > WITHIN]
     head = ["kind", "scenes", "median error %", "largest %", "warned", "told over true"]
     return Outcome(
         markdown(head, rows),
         (
-            Claim("facet_estimates.no silent error above 1 %", not above, _said(above, len(silent), worst)),
+            Claim("facet_estimates.no silent error above 1 %", not above, _detail(above, len(silent), worst)),
             Claim(
                 "facet_estimates.none told above ten times the true one",
                 not alarms,
-                f"{len(found)} scenes: at most {max(one.over for one in found):.1f} times{_seeds(alarms)}",
+                f"{len(results)} scenes: at most {max(result.over for result in results):.1f} times{_seeds(alarms)}",
             ),
         ),
     )
 
 
-def _said(above: list[Found], count: int, worst: Found) -> str:
+def _detail(above: list[Found], count: int, worst: Found) -> str:
     return f"{len(above)} of {count} silent scenes are above it, the greatest error is {worst.error:.2%}{_seeds(above)}"
 
 
-def _seeds(some: list[Found]) -> str:
-    return f" (seeds {', '.join(str(one.seed) for one in some)})" if some else ""
+def _seeds(results: list[Found]) -> str:
+    return f" (seeds {', '.join(str(result.seed) for result in results)})" if results else ""
 
 
 if __name__ == "__main__":

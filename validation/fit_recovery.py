@@ -1,9 +1,10 @@
-"""Are the errors of a fit true? Coefficients found again from synthetic markers of the source's twelve impacts.
+"""Tests of the errors that a fit states: coefficients recovered from synthetic markers of the source's twelve impacts.
 
     python validation/fit_recovery.py
 
-The tip at 500 frames/s with 0.1 mm rms of noise, as the source's motion capture has it; rigid link, true sign. Only
-the noise is random. What more a real experiment leaves unknown (clock, impact speed) is in the second table.
+The data are the tip's positions at 500 frames/s with 0.1 mm rms of noise, as in the source's motion capture; rigid
+link, true sign. Only the noise is random. The second table covers further unknowns of a real experiment: clock and
+impact speed.
 """
 
 from __future__ import annotations
@@ -42,7 +43,7 @@ FIGURES = HERE / "figures"
 FRAMES, NOISE, DURATION = 500.0, 1e-4, 0.1  # 1/s, m, s
 TRUE = {"medium.eta_d": 6.5, "medium.eta_h": 8.0, "medium.plunging.eta_v": 22.0, "medium.plunging.lambda": 1.1}
 SHORT = ("eta_d", "eta_h", "eta_v", "lambda")
-START = (5.0, 11.0, 15.0, 1.4)  # where every draw starts from
+START = (5.0, 11.0, 15.0, 1.4)  # start of every fit
 RIGID = "method={reduced: {modes: 0}}"
 COLUMNS = ("tip_x_m", "tip_y_m")
 DRAWS, QUICK_DRAWS = 100, 2
@@ -58,7 +59,7 @@ Case = tuple[float, float]
 
 @cache
 def markers(case: Case, overrides: tuple[str, ...] = (RIGID,)) -> tuple[Vector, Vector]:
-    """Times (n,) s and exact tip (n, 2) m of one impact."""
+    """Times (n,) s and exact positions (n, 2) m of the tip in one impact."""
     angle, speed = case
     start = (f"initial.impact_angle_deg={angle}", f"initial.impact_speed_rad_s={speed}")
     scenario = load_scenario(CONFIG, [*start, *overrides])
@@ -71,9 +72,9 @@ def markers(case: Case, overrides: tuple[str, ...] = (RIGID,)) -> tuple[Vector, 
 def problem_of(
     cases: Sequence[Case], *, clock: bool = False, speed: bool = False, fixed: Sequence[str] = ()
 ) -> Problem:
-    """A fit of the true markers of some impacts, through the files that a user has.
+    """Prepare the fit of exact markers of some impacts, from files as a user writes them.
 
-    clock, speed: these of each run are unknown as well; fixed: keys that are taken for known.
+    clock, speed: the time offset and the impact speed of each run are unknown, too; fixed: keys that are not fitted.
     """
     keys = [f"  {key}: {{start: {s}}}" for key, s in zip(TRUE, START, strict=True) if key not in fixed]
     lines = ["parameters:", *keys, "set: {method.reduced.modes: 0}", "starts: 1", "runs:"]
@@ -100,13 +101,13 @@ def problem_of(
 
 
 def noisy(problem: Problem, seed: int, exact: Sequence[Vector] | None = None) -> Problem:
-    """The same problem with noise in its data, or in others (n, 2) m in their place."""
+    """Return the problem with noise added to its data, or to `exact` (one array (n, 2) m a run) in their place."""
     random = np.random.default_rng(seed)
     runs = []
-    for i, one in enumerate(problem.runs):
-        values = one.measured.values if exact is None else exact[i]
-        measured = replace(one.measured, values=values + NOISE * random.standard_normal(values.shape))
-        runs.append(replace(one, measured=measured))
+    for i, fitted in enumerate(problem.runs):
+        values = fitted.measured.values if exact is None else exact[i]
+        measured = replace(fitted.measured, values=values + NOISE * random.standard_normal(values.shape))
+        runs.append(replace(fitted, measured=measured))
     return replace(problem, runs=tuple(runs))
 
 
@@ -115,7 +116,7 @@ def noisy(problem: Problem, seed: int, exact: Sequence[Vector] | None = None) ->
 
 @dataclass(frozen=True)
 class Draw:
-    """One fit to one draw of the noise: estimates and ends of the intervals (4,), and whether it is called a misfit."""
+    """Fit to one draw of the noise: estimates, stated errors and ends of the intervals (4,); whether it is a misfit."""
 
     values: Vector
     errors: Vector
@@ -125,33 +126,33 @@ class Draw:
 
 
 def draws(problem: Problem, exact: Sequence[Vector] | None, seeds: Sequence[int]) -> list[Draw]:
-    """Fits to so many draws; runs that several of them need, as the first ones, are made once."""
-    found = []
+    """Fit one draw of the noise for each seed; simulations that several fits need, as the first ones, run once."""
+    fits = []
     for seed in seeds:
-        one = fit(noisy(problem, seed, exact))
-        estimates = [e for e in one.uncertainty.estimates if e.parameter.shared]
+        result = fit(noisy(problem, seed, exact))
+        estimates = [e for e in result.uncertainty.estimates if e.parameter.shared]
         table = np.array([(e.value, e.error, e.low, e.high) for e in estimates])
-        found.append(Draw(*table.T, misfit=one.goodness.status == "misfit"))
-    return found
+        fits.append(Draw(*table.T, misfit=result.goodness.status == "misfit"))
+    return fits
 
 
 def recover(problem: Problem, count: int) -> list[Draw]:
-    """Draws on all cores, in the order of their seeds."""
+    """Fit `count` draws on all cores; return them in the order of their seeds."""
     shares = np.array_split(np.arange(count), cores())
     with local_processes(cores()) as pool:
         return [draw for part in pool.map(partial(draws, problem, None), [s.tolist() for s in shares]) for draw in part]
 
 
-def covered(found: Sequence[Draw]) -> Vector:
-    """How many intervals (4,) hold the true value."""
+def covered(fits: Sequence[Draw]) -> Vector:
+    """Number of intervals (4,) that contain the true value."""
     true = np.array(list(TRUE.values()))
-    return np.sum([(d.low <= true) & (true <= d.high) for d in found], axis=0)
+    return np.sum([(d.low <= true) & (true <= d.high) for d in fits], axis=0)
 
 
-def coverage_table(found: Sequence[Draw]) -> str:
-    """Each parameter: what was found, how it scatters, what error was stated, how often the interval held."""
-    values, errors = np.array([d.values for d in found]), np.array([d.errors for d in found])
-    low, high = (int(x) for x in binom.interval(0.95, len(found), 0.95))
+def coverage_table(fits: Sequence[Draw]) -> str:
+    """Table by parameter: mean estimate, scatter, stated error, and how many intervals contain the true value."""
+    values, errors = np.array([d.values for d in fits]), np.array([d.errors for d in fits])
+    low, high = (int(x) for x in binom.interval(0.95, len(fits), 0.95))
     rows = [
         [
             name,
@@ -159,7 +160,7 @@ def coverage_table(found: Sequence[Draw]) -> str:
             f"{values[:, j].mean():.4f}",
             f"{values[:, j].std(ddof=1):.4f}",
             f"{errors[:, j].mean():.4f}",
-            f"{covered(found)[j]} of {len(found)}",
+            f"{covered(fits)[j]} of {len(fits)}",
             f"{low} to {high}",
         ]
         for j, (name, true) in enumerate(zip(SHORT, TRUE.values(), strict=True))
@@ -168,11 +169,14 @@ def coverage_table(found: Sequence[Draw]) -> str:
     return markdown(head, rows)
 
 
-# ---- what is determined ----
+# ---- errors by the set of data ----
 
 
 def known(problem: Problem, quick: bool = False) -> Uncertainty:
-    """Errors at the true parameters with the true noise, without a fit; quick: by one-sided differences."""
+    """Standard errors at the true parameters with noise of the true size, without a fit.
+
+    quick: the Jacobian is by one-sided differences.
+    """
     values = [TRUE.get(".".join(p.key), p.start) for p in problem.parameters]
     scaled = np.array([p.scaled(v) for p, v in zip(problem.parameters, values, strict=True)])
     residuals = NOISE * np.random.default_rng(0).standard_normal(len(problem.data()))
@@ -184,7 +188,7 @@ def known(problem: Problem, quick: bool = False) -> Uncertainty:
 
 
 def subsets(quick: bool) -> dict[str, Problem]:
-    """Which data, and what of them is unknown."""
+    """Problems by name that differ in their data and in the unknowns of their runs."""
     if quick:
         return {
             "four of the twelve": problem_of(QUICK_CASES),
@@ -192,7 +196,7 @@ def subsets(quick: bool) -> dict[str, Problem]:
             "all twelve, both unknown": problem_of(CASES, clock=True, speed=True),
             "31 deg, three speeds": problem_of([(31.0, s) for s in SPEEDS[31.0]]),
         }
-    of = {f"{angle:g} deg, three speeds": [(angle, s) for s in speeds] for angle, speeds in SPEEDS.items()}
+    by_angle = {f"{angle:g} deg, three speeds": [(angle, s) for s in speeds] for angle, speeds in SPEEDS.items()}
     slow, fast = ([(a, s[k]) for a, s in SPEEDS.items()] for k in (0, 2))
     return {
         "all twelve": problem_of(CASES),
@@ -201,31 +205,32 @@ def subsets(quick: bool) -> dict[str, Problem]:
         "all twelve, both unknown": problem_of(CASES, clock=True, speed=True),
         "slowest at each angle": problem_of(slow),
         "fastest at each angle": problem_of(fast),
-        **{name: problem_of(cases) for name, cases in of.items()},
+        **{name: problem_of(cases) for name, cases in by_angle.items()},
         "31 deg, one run": problem_of([(31.0, 6.24)]),
     }
 
 
-def relative(one: Uncertainty) -> Vector:
-    """Standard errors (4,) over the true values."""
-    errors = [e.error for e in one.estimates if e.parameter.shared]
+def relative(result: Uncertainty) -> Vector:
+    """Standard errors (4,) relative to the true values."""
+    errors = [e.error for e in result.estimates if e.parameter.shared]
     return np.array(errors) / np.array(list(TRUE.values()))
 
 
-def subset_table(found: dict[str, Uncertainty]) -> str:
-    """Relative errors of each subset, and which pair is hardest to tell apart."""
+def subset_table(results: dict[str, Uncertainty]) -> str:
+    """Table by set of data: relative errors, and the pair of parameters with the highest correlation."""
     rows = []
-    for name, one in found.items():
-        matrix = np.abs(np.triu(one.correlation[:4, :4], 1))
+    for name, result in results.items():
+        matrix = np.abs(np.triu(result.correlation[:4, :4], 1))
         i, j = np.unravel_index(np.argmax(matrix), matrix.shape)
-        pair = f"{SHORT[i]}, {SHORT[j]}: {one.correlation[i, j]:+.3f}"
-        rows.append([name, *("> 100" if x > 1.0 else f"{100 * x:.2g}" for x in relative(one)), pair])
+        pair = f"{SHORT[i]}, {SHORT[j]}: {result.correlation[i, j]:+.3f}"
+        rows.append([name, *("> 100" if x > 1.0 else f"{100 * x:.2g}" for x in relative(result)), pair])
     return markdown(["data", *(f"{name} %" for name in SHORT), "closest pair"], rows)
 
 
 # ---- data of other models ----
 
-# What made the data, what the fit takes for known, and by how much the link is faster than the fit believes.
+# Overrides of the model that makes the data, keys that the fit does not estimate, and the ratio of the true impact
+# speed to the speed that the fit assumes.
 OTHERS = {
     "none: the model itself": ((RIGID,), (), 1.0),
     "beam of 16 elements": (("method=engine", "model.bodies.link.flexible.elements=16"), (), 1.0),
@@ -243,39 +248,39 @@ BLATANT = ("lambda 1.3, taken for 1.1", "smooth law, reference speed 0.1 m/s", "
 
 
 def misfits(count: int) -> tuple[list[list[str]], dict[str, int]]:
-    """Rows of the table of other models, and how many of so many draws were called a misfit."""
-    rows, seen = [], {}
+    """Fit data of other models; return the rows of the table, and how many of `count` draws are called a misfit."""
+    rows, alarms = [], {}
     for name, (overrides, fixed, faster) in OTHERS.items():
         exact = [markers((angle, faster * speed), overrides)[1] for angle, speed in CASES]
         problem = problem_of(CASES, fixed=fixed)
-        found = draws(problem, exact, range(1000, 1000 + count))
-        seen[name] = sum(d.misfit for d in found)
-        means = iter(np.mean([d.values for d in found], axis=0))
+        fits = draws(problem, exact, range(1000, 1000 + count))
+        alarms[name] = sum(d.misfit for d in fits)
+        means = iter(np.mean([d.values for d in fits], axis=0))
         cells = ["1.1, fixed" if key in fixed else f"{next(means):.3g}" for key in TRUE]
-        rows.append([name, f"{seen[name]} of {count}", *cells])
-    return rows, seen
+        rows.append([name, f"{alarms[name]} of {count}", *cells])
+    return rows, alarms
 
 
 # ---- claims, figure ----
 
 
 def claim(statement: str, held: bool, detail: str) -> Claim:
-    """A claim of this study."""
+    """Make a claim of this study."""
     return Claim(f"fit_recovery.{statement}", bool(held), detail)
 
 
-def recovery_claims(found: Sequence[Draw]) -> list[Claim]:
-    """Coverage, size of the errors, bias, false alarms."""
-    count = len(found)
-    hits = covered(found)
-    # Of 100 draws 90 are asked for; of fewer what chance leaves with 999 in 1000.
+def recovery_claims(fits: Sequence[Draw]) -> list[Claim]:
+    """Claims on coverage, size of the stated errors, bias and false alarms."""
+    count = len(fits)
+    hits = covered(fits)
+    # 90 of 100 draws are asked for. With another count the bound is the 0.1 % quantile of the binomial distribution.
     least = 90 if count == 100 else int(binom.ppf(1e-3, count, 0.95))
-    values, errors = np.array([d.values for d in found]), np.array([d.errors for d in found])
+    values, errors = np.array([d.values for d in fits]), np.array([d.errors for d in fits])
     scatter = values.std(axis=0, ddof=1)
     ratio = scatter / errors.mean(axis=0)
-    allowed = 3.0 / np.sqrt(2.0 * (count - 1))  # a scatter of so many draws is known to one third of that
+    allowed = 3.0 / np.sqrt(2.0 * (count - 1))  # three standard errors of a scatter of `count` draws
     bias = np.abs(values.mean(axis=0) - list(TRUE.values())) / (scatter / np.sqrt(count))
-    alarms = sum(d.misfit for d in found)
+    alarms = sum(d.misfit for d in fits)
     return [
         claim(
             "intervals hold the true value",
@@ -296,10 +301,10 @@ def recovery_claims(found: Sequence[Draw]) -> list[Claim]:
     ]
 
 
-def determination_claims(found: dict[str, Uncertainty]) -> list[Claim]:
-    """That the twelve runs tell the coefficients apart, and one angle does not."""
-    twelve, worst = relative(found["all twelve"]), relative(found["all twelve, both unknown"])
-    single = {name: relative(one)[1:3].min() for name, one in found.items() if "deg" in name}
+def determination_claims(results: dict[str, Uncertainty]) -> list[Claim]:
+    """Claims that the twelve runs determine all coefficients, and that runs at one angle do not."""
+    twelve, worst = relative(results["all twelve"]), relative(results["all twelve, both unknown"])
+    single = {name: relative(result)[1:3].min() for name, result in results.items() if "deg" in name}
     return [
         claim(
             "twelve runs determine all four",
@@ -320,22 +325,22 @@ def determination_claims(found: dict[str, Uncertainty]) -> list[Claim]:
     ]
 
 
-def draw_figure(found: Sequence[Draw], sets: dict[str, Uncertainty]) -> None:
-    """Errors made over errors stated, against the normal distribution; and what each set of data determines."""
+def draw_figure(fits: Sequence[Draw], sets: dict[str, Uncertainty]) -> None:
+    """Draw true over stated errors against the normal distribution, and the relative errors of each set of data."""
     with style():
         figure = blank(DOUBLE, 72.0, layout="constrained")
         left, right = figure.subplots(1, 2)
-        expected = norm.ppf((np.arange(len(found)) + 0.5) / len(found))
+        expected = norm.ppf((np.arange(len(fits)) + 0.5) / len(fits))
         left.plot([-3.2, 3.2], [-3.2, 3.2], color=FAINT, linewidth=0.6)
         for j, (name, true) in enumerate(zip(SHORT, TRUE.values(), strict=True)):
-            pull = np.sort([(d.values[j] - true) / d.errors[j] for d in found])
+            pull = np.sort([(d.values[j] - true) / d.errors[j] for d in fits])
             left.plot(expected, pull, ".", color=COLOURS[j], label=name, markersize=2.5)
         left.set(xlabel="quantile of the normal distribution", ylabel="error made / error stated")
-        left.set_title(f"(a) {len(found)} draws", loc="left")
+        left.set_title(f"(a) {len(fits)} draws", loc="left")
         left.legend(loc="upper left")
         names = list(sets)[::-1]
         for j, name in enumerate(SHORT):
-            errors = [100 * relative(sets[one])[j] for one in names]
+            errors = [100 * relative(sets[data])[j] for data in names]
             right.semilogx(errors, range(len(names)), "osD^"[j], color=COLOURS[j], label=name, markersize=3)
         right.axvline(10.0, color=INK, linewidth=0.5, linestyle=(0, (4, 2)))
         right.set_yticks(range(len(names)), names)
@@ -348,30 +353,30 @@ def draw_figure(found: Sequence[Draw], sets: dict[str, Uncertainty]) -> None:
 
 
 def study(quick: bool) -> Outcome:
-    """Tables and claims; the figure too, unless quick."""
+    """Run all fits; unless quick also fit data of other models and draw the figure."""
     problem = problem_of(QUICK_CASES if quick else CASES)
-    found = draws(problem, None, range(QUICK_DRAWS)) if quick else recover(problem, DRAWS)
-    sets = {name: known(one, quick) for name, one in subsets(quick).items()}
-    claims = [*recovery_claims(found), *determination_claims(sets)]
+    fits = draws(problem, None, range(QUICK_DRAWS)) if quick else recover(problem, DRAWS)
+    sets = {name: known(subset, quick) for name, subset in subsets(quick).items()}
+    claims = [*recovery_claims(fits), *determination_claims(sets)]
     text = [
-        f"{len(found)} draws of {len(problem.runs)} impacts, each fitted from eta_d {START[0]:g}, eta_h {START[1]:g}, "
+        f"{len(fits)} draws of {len(problem.runs)} impacts, each fitted from eta_d {START[0]:g}, eta_h {START[1]:g}, "
         f"eta_v {START[2]:g}, lambda {START[3]:g}; noise unknown, soft_l1.",
-        coverage_table(found),
+        coverage_table(fits),
         "Relative standard errors at the true values, by what was measured and what is unknown besides.",
         subset_table(sets),
     ]
     if not quick:
-        rows, seen = misfits(10)
+        rows, alarms = misfits(10)
         head = ["difference of the data from the model", "called a misfit", *SHORT]
         text += ["Twelve impacts of other models, fitted with the rigid one; means of ten draws.", markdown(head, rows)]
         claims.append(
             claim(
                 "other models are called a misfit",
-                all(seen[name] == 10 for name in BLATANT) and seen["none: the model itself"] == 0,
-                "; ".join(f"{name}: {n} of 10" for name, n in seen.items()),
+                all(alarms[name] == 10 for name in BLATANT) and alarms["none: the model itself"] == 0,
+                "; ".join(f"{name}: {n} of 10" for name, n in alarms.items()),
             )
         )
-        draw_figure(found, sets)
+        draw_figure(fits, sets)
         text.append("![Errors made and stated; what the data determine](figures/fit_recovery.png)")
     return Outcome("\n\n".join(text), tuple(claims))
 

@@ -1,9 +1,9 @@
-"""Are the errors of a fit to force tests true? Coefficients found again from synthetic plates, pressed in and dragged.
+"""Tests of the errors that fits to force tests state: coefficients recovered from synthetic plates pressed or dragged.
 
     python validation/force_tests.py [--quick]
 
-Only the noise is random, and normal; in the last case the grains scatter besides, by another seed in each test, and the
-fit tells them apart. The last lines time a fit of three tests of 200 rows.
+The data have normal noise. In the last case the grains scatter, too, with another seed in each test, and the fit
+separates scatter from noise. The second table has run times of a fit of three tests of 200 rows.
 """
 
 from __future__ import annotations
@@ -40,17 +40,17 @@ from validation.tables import markdown
 Vector = NDArray[np.float64]
 
 CONFIGS = Path(__file__).parents[1] / "configs"
-SIDE = 0.0532  # m
+SIDE = 0.0532  # m, of the square plate
 PLATE = "model.bodies.plate.shapes.0.width_m"
 DRAWS, QUICK_DRAWS, ROWS = 100, 10, 40
 
 
 @dataclass(frozen=True)
 class Case:
-    """What is fitted: true values by key, and where the fit starts; the medium besides; tests as overrides.
+    """A fit: true values and start values by key, the other keys of the medium, and the overrides of each test.
 
-    direction (deg below the horizontal), depth (m), speed (m/s) by row; noise (N); more: of the fit file, on how the
-    body was moved; scatter: of grains, in tests by plates that are pressed in.
+    direction: of the motion, deg below the horizontal; noise: standard deviation, N; more: further keys of `force_test`
+    in the fit file; scatter: of the grains, for plates that are pressed in.
     """
 
     true: dict[str, float]
@@ -113,7 +113,7 @@ CASES = {
 
 
 def _columns(case: Case, rows: int) -> tuple[Vector, Vector]:
-    """Depth (m) and speed (m/s) of a test."""
+    """Depth (rows,) m and speed (rows,) m/s of a test."""
     if case.direction == 90.0:
         return np.linspace(1e-3, 0.04, rows), np.full(rows, 0.01)
     return np.full(rows, 0.06), np.linspace(0.05, 0.6, rows)
@@ -124,7 +124,7 @@ def _medium(case: Case, values: dict[str, float]) -> str:
 
 
 def problem(case: Case, rows: int = ROWS, starts: int = 1) -> Problem:
-    """The tests without noise, as files, and the fit of them."""
+    """Write files of the tests without noise, and prepare the fit to them."""
     depth, speed = _columns(case, rows)
     text = "scatter: true\nloss: linear\n" if case.scatter is not None else ""
     text += f"starts: {starts}\nparameters: [{', '.join(f'medium.{key}' for key in case.true)}]\n"
@@ -132,23 +132,28 @@ def problem(case: Case, rows: int = ROWS, starts: int = 1) -> Problem:
     more = f", {case.more}" if case.more else ""
     text += f"force_test: {{direction: {case.direction:.1f}{more}}}\nruns:\n"
     with tempfile.TemporaryDirectory() as folder:
-        for i, one in enumerate(case.tests):
-            key, value = one.split(": ")
+        for i, override in enumerate(case.tests):
+            key, value = override.split(": ")
             sets = [f"medium={_medium(case, case.true)}", f"{key}={value}"]
             body = SteadyBody(build(load_scenario(CONFIGS / f"{case.config}.yaml", sets)))
             force = steady_forces(body, Motion(depth, speed, np.zeros(rows), case.direction))["force_N"]
-            if case.scatter is not None:  # or they were one measurement several times, which is refused
+            if case.scatter is not None:  # else all tests have the same data, which the fit refuses
                 force = pressed(case.scatter.model_copy(update={"seed": i}), case.true["zeta"], depth)
             lines = [f"{z:.9g},{v:.9g},{f:.12g}" for z, v, f in zip(depth, speed, force, strict=True)]
             (Path(folder) / f"{i}.csv").write_text("\n".join(["depth_m,speed_m_s,force_N", *lines]), encoding="utf-8")
-            text += f"  - {{config: {CONFIGS / case.config}.yaml, data: {i}.csv, name: test_{i}, set: {{{one}}}}}\n"
+            text += (
+                f"  - {{config: {CONFIGS / case.config}.yaml, data: {i}.csv, name: test_{i}, set: {{{override}}}}}\n"
+            )
         path = Path(folder) / "fit.yaml"
         path.write_text(text, encoding="utf-8")
         return prepare(load_specification(path))
 
 
 def pressed(scatter: Scatter, zeta: float, depth: Vector) -> Vector:
-    """Force (N) on a plate that is pressed in to each depth (m), where grains scatter; step by step, as ways count."""
+    """Force (n,) N on a plate at increasing depths (n,) m in scattering grains.
+
+    The plate is pressed in step by step, since the scatter depends on the path.
+    """
     load = GranularLoad(Rft(GENERIC, zeta, scatter=scatter), 0.0, static=STEADY)
     load.add(polyline(Body("plate", [0, 1, 2]), [[-0.5 * SIDE, 0.0], [0.5 * SIDE, 0.0]], width=SIDE, strips=32))
     load.start(np.zeros(3))
@@ -161,7 +166,7 @@ def pressed(scatter: Scatter, zeta: float, depth: Vector) -> Vector:
 
 
 def noisy(exact: Problem, case: Case, seed: int) -> Problem:
-    """The same with noise (N) in its forces, and grains that scatter if the case has some."""
+    """Return the problem with noise (N) in its forces, and with scatter of the grains if the case has it."""
     random = np.random.default_rng(seed)
     runs = []
     for i, run in enumerate(exact.runs):
@@ -179,29 +184,29 @@ Draw = tuple[list[tuple[float, float, float, float]], bool]
 
 
 def draws(name: str, seeds: Sequence[int]) -> list[Draw]:
-    """Value, error and interval of each shared coefficient, and whether the fit is called a misfit."""
-    case, found = CASES[name], []
+    """Fit one draw for each seed; value, error and interval of each coefficient, and whether the fit is a misfit."""
+    case, fits = CASES[name], []
     exact = problem(case)
     for seed in seeds:
-        one = fit(noisy(exact, case, seed))
-        shared = [e for e in one.uncertainty.estimates if e.parameter.shared]
-        found.append(([(e.value, e.error, e.low, e.high) for e in shared], one.goodness.status == "misfit"))
-    return found
+        result = fit(noisy(exact, case, seed))
+        shared = [e for e in result.uncertainty.estimates if e.parameter.shared]
+        fits.append(([(e.value, e.error, e.low, e.high) for e in shared], result.goodness.status == "misfit"))
+    return fits
 
 
 def coverage(name: str, count: int) -> tuple[list[list[str]], list[Claim]]:
-    """How often intervals hold the true value, in so many draws; in this process if they are few."""
+    """Table rows and claim on how many intervals contain the true value; few draws run in this process."""
     seeds = np.arange(count)
     if count <= QUICK_DRAWS:
-        found = draws(name, seeds.tolist())
+        fits = draws(name, seeds.tolist())
     else:
         with local_processes(cores()) as pool:
             parts = [part.tolist() for part in np.array_split(seeds, cores())]
-            found = [one for done in pool.map(partial(draws, name), parts) for one in done]
-    values = np.array([one for one, _ in found])  # (draws, coefficients, 4)
+            fits = [draw for part in pool.map(partial(draws, name), parts) for draw in part]
+    values = np.array([estimates for estimates, _ in fits])  # (draws, coefficients, 4)
     true = np.array(list(CASES[name].true.values()))
     hits = np.sum((values[:, :, 2] <= true) & (true <= values[:, :, 3]), axis=0)
-    alarms = sum(misfit for _, misfit in found)
+    alarms = sum(misfit for _, misfit in fits)
     least = 90 if count == 100 else int(binom.ppf(1e-3, count, 0.95))
     low, high = (int(x) for x in binom.interval(0.95, count, 0.95))
     rows = [
@@ -217,9 +222,9 @@ def coverage(name: str, count: int) -> tuple[list[list[str]], list[Claim]]:
         ]
         for j, key in enumerate(CASES[name].true)
     ]
-    words = f"{', '.join(f'{key} {hit}' for key, hit in zip(CASES[name].true, hits, strict=True))} of {count}"
+    counts = f"{', '.join(f'{key} {hit}' for key, hit in zip(CASES[name].true, hits, strict=True))} of {count}"
     held = bool(np.all(hits >= least)) and alarms <= max(1, count // 50)
-    detail = f"{words} (asked: {least}); {alarms} called a misfit"
+    detail = f"{counts} (asked: {least}); {alarms} called a misfit"
     return rows, [Claim(f"force_tests.{name}: 95 % intervals hold the true value", held, detail)]
 
 
@@ -231,17 +236,21 @@ def timed(name: str, repeats: int) -> list[str]:
     reading, fitting = [], []
     for seed in range(repeats):
         began = time.process_time()
-        one = problem(case, 200, 8)
+        tests = problem(case, 200, 8)
         middle = time.process_time()
-        fit(noisy(one, case, seed))
+        fit(noisy(tests, case, seed))
         reading.append(middle - began)
         fitting.append(time.process_time() - middle)
     both = np.array(reading) + np.array(fitting)
-    return [name, *(f"{np.median(one):.2f}" for one in (reading, fitting)), f"{both.min():.2f} to {both.max():.2f}"]
+    return [
+        name,
+        *(f"{np.median(seconds):.2f}" for seconds in (reading, fitting)),
+        f"{both.min():.2f} to {both.max():.2f}",
+    ]
 
 
 def study(quick: bool) -> Outcome:
-    """Coverage of every case, and the times."""
+    """Run the draws of every case; unless quick also time fits."""
     names = ("zeta", "k and n") if quick else tuple(CASES)
     parts = [coverage(name, QUICK_DRAWS if quick else DRAWS) for name in names]
     head = ["fitted", "", "true", "mean", "scatter", "stated error", "95 % intervals that hold it", "expected"]

@@ -1,10 +1,10 @@
-"""What decides how long the pendulum takes to stop: Sobol indices of six inputs, and of the four coefficients alone.
+"""Sobol indices of the pendulum's stopping time and angle at stop, for six inputs and for the four coefficients alone.
 
     python validation/sensitivity.py [--quick]
 
-The source's pendulum with a rigid link, by the reduced model. eta_d, eta_h and eta_v lie between half of their values
-for play sand and as much above, lambda from 0.8 to 1.4, which is our choice and no measurement; speeds and angles
-within those of the twelve impacts. The indices are relative to these ranges: other ranges give others.
+The system is the source's pendulum with a rigid link, in the reduced model. eta_d, eta_h and eta_v range over their
+values for play sand plus or minus half, lambda from 0.8 to 1.4; these ranges are our choice, not measurements. Impact
+speeds and angles range over those of the twelve impacts. The indices depend on these ranges.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ COUNT, QUICK_COUNT = 1024, 32
 
 @dataclass(frozen=True)
 class Design:
-    """A question: its name in words, and the range of each input."""
+    """A design of runs: its name in the tables, and the range of each input."""
 
     name: str
     ranges: dict[str, tuple[float, float]]
@@ -72,7 +72,7 @@ def sweep_of(design: Design, count: int, folder: Path) -> Sweep:
 
 
 def indices(design: Design, count: int) -> list[Indices]:
-    """Indices of each output, through the parts that the command uses."""
+    """Indices of each output of a design, computed by the same functions as the command `sweep` uses."""
     with tempfile.TemporaryDirectory() as name, WorkerPool() as pool:
         folder = Path(name)
         sweep, journal = sweep_of(design, count, folder), Journal(folder)
@@ -81,76 +81,76 @@ def indices(design: Design, count: int) -> list[Indices]:
         return sensitivity.of_sweep(sweep, journal)
 
 
-def table(found: list[Indices]) -> str:
+def table(outputs: list[Indices]) -> str:
     rows = []
-    for i, key in enumerate(found[0].inputs):
+    for i, key in enumerate(outputs[0].inputs):
         cells = [SYMBOLS[key]]
-        for one in found:
-            for value, ends in ((one.first, one.first_interval), (one.total, one.total_interval)):
+        for output in outputs:
+            for value, ends in ((output.first, output.first_interval), (output.total, output.total_interval)):
                 cells.append(f"{value[i]:.3f} ({ends[0, i]:.3f} to {ends[1, i]:.3f})")
         rows.append(cells)
-    sums = ["sum"] + [f"{values.sum():.3f}" for one in found for values in (one.first, one.total)]
+    sums = ["sum"] + [f"{values.sum():.3f}" for output in outputs for values in (output.first, output.total)]
     head = ["input", *(f"{name}, {kind}" for name in ("stopping time", "angle at stop") for kind in ("first", "total"))]
     return markdown(head, [*rows, sums])
 
 
-def claims(found: dict[str, list[Indices]]) -> list[Claim]:
-    time, _ = found[DESIGNS[0].name]
-    at_one, where = found[DESIGNS[1].name]
-    place = {SYMBOLS[key]: i for i, key in enumerate(time.inputs)}  # coefficients first, in both designs
-    together = float(time.first[[place["speed"], place["angle"]]].sum())
-    sand = float(time.total[[place[name] for name in ("eta_d", "eta_h", "eta_v", "lambda")]].sum())
-    drag, vertical = place["eta_d"], place["eta_v"]
+def claims(results: dict[str, list[Indices]]) -> list[Claim]:
+    time, _ = results[DESIGNS[0].name]
+    one_impact, stop_angle = results[DESIGNS[1].name]
+    at = {SYMBOLS[key]: i for i, key in enumerate(time.inputs)}  # coefficients first, in both designs
+    of_motion = float(time.first[[at["speed"], at["angle"]]].sum())
+    sand = float(time.total[[at[name] for name in ("eta_d", "eta_h", "eta_v", "lambda")]].sum())
+    drag, vertical = at["eta_d"], at["eta_v"]
     return [
         Claim(
             "sensitivity.speed and angle decide the stopping time more than the sand does",
-            together > 0.5 > sand,
-            f"{100 * together:.0f} % of the variance is theirs alone (asked: over 50), at most {100 * sand:.0f} % has "
+            of_motion > 0.5 > sand,
+            f"{100 * of_motion:.0f} % of the variance is theirs alone (asked: over 50), at most {100 * sand:.0f} % has "
             "to do with the four coefficients (asked: under 50)",
         ),
         Claim(
             "sensitivity.of the coefficients eta_v decides the stopping time of one impact",
-            bool(at_one.first[vertical] > 0.5),
-            f"first order {at_one.first[vertical]:.3f} (asked: 0.5)",
+            bool(one_impact.first[vertical] > 0.5),
+            f"first order {one_impact.first[vertical]:.3f} (asked: 0.5)",
         ),
         Claim(
             "sensitivity.eta_d hardly changes the stopping time",
-            bool(max(time.total_interval[1, drag], at_one.total_interval[1, drag]) < 0.05),
-            f"total at most {time.total_interval[1, drag]:.4f} of all six, {at_one.total_interval[1, drag]:.4f} of the "
-            "coefficients at one impact (asked: 0.05)",
+            bool(max(time.total_interval[1, drag], one_impact.total_interval[1, drag]) < 0.05),
+            f"total at most {time.total_interval[1, drag]:.4f} of all six, "
+            f"{one_impact.total_interval[1, drag]:.4f} of the coefficients at one impact (asked: 0.05)",
         ),
         Claim(
             "sensitivity.eta_d decides where one impact stops",
-            bool(where.first[drag] > 0.5),
-            f"first order {where.first[drag]:.3f} of the angle at stop (asked: 0.5)",
+            bool(stop_angle.first[drag] > 0.5),
+            f"first order {stop_angle.first[drag]:.3f} of the angle at stop (asked: 0.5)",
         ),
     ]
 
 
-def draw(found: dict[str, list[Indices]]) -> str:
+def draw(results: dict[str, list[Indices]]) -> str:
     links = []
     for design, name in zip(DESIGNS, ("six", "coefficients"), strict=True):
-        one = found[design.name][0]
+        stopping_time = results[design.name][0]
         file = FIGURES / f"sensitivity_{name}.png"
-        bars = (one.first, one.first_interval), (one.total, one.total_interval)
-        draw_sensitivity("the stopping time", [SYMBOLS[key] for key in one.inputs], *bars, file)
+        bars = (stopping_time.first, stopping_time.first_interval), (stopping_time.total, stopping_time.total_interval)
+        draw_sensitivity("the stopping time", [SYMBOLS[key] for key in stopping_time.inputs], *bars, file)
         links.append(f"![Sobol indices of the stopping time: {design.name}](figures/{file.name})")
     return "\n".join(links)
 
 
 def study(quick: bool) -> Outcome:
-    """Tables and claims; figures too, unless quick."""
+    """Run both designs; draw the figures unless quick."""
     count = QUICK_COUNT if quick else COUNT
-    found = {design.name: indices(design, count) for design in DESIGNS}
-    refused = [one.refused for both in found.values() for one in both if one.refused]
+    results = {design.name: indices(design, count) for design in DESIGNS}
+    refused = [output.refused for outputs in results.values() for output in outputs if output.refused]
     if refused:
         return Outcome("\n".join(refused), (Claim("sensitivity.every case has its numbers", False, refused[0]),))
     text = [f"Designs of {count} points (count x (inputs + 2) runs); in brackets 95 % intervals by bootstrap."]
     for design in DESIGNS:
-        text += [f"{design.name[0].upper()}{design.name[1:]}:", table(found[design.name])]
+        text += [f"{design.name[0].upper()}{design.name[1:]}:", table(results[design.name])]
     if not quick:
-        text.append(draw(found))
-    return Outcome("\n\n".join(text), tuple(claims(found)))
+        text.append(draw(results))
+    return Outcome("\n\n".join(text), tuple(claims(results)))
 
 
 if __name__ == "__main__":

@@ -1,14 +1,14 @@
-"""Every config in space: what it takes, whether it keeps its accuracy, and whether its energy is accounted for.
+"""All configs in space: run time, error compared with the accuracy, and energy balance.
 
     python validation/space_configs.py [--quick]
 
-The configs as they are, and two scenes on which facets of a fixed size failed: a plate and a capsule on a ball joint,
-thrown at a slope, and a foot that stands on a ball. Solve: CPU time of the first solve, with compiled kernels in the
-cache; all: of the run as the user gets it, with estimates and repetitions. The error is the greatest distance of any
-point from a run whose facets have a third of the size and whose steps are chosen for a third of the error, over the way
-of the fastest point. What is asked: that it is at most the accuracy (of steps 1e-3 and of facets 0.3 % unless the
-config names one); energies at each instant within 1e-3 of the greatest; depths of the two scenes within 0.3 % of those
-of the finer run, for the foot of the integral of the law over its cap.
+The cases are the shipped configs and two scenes in which facets of a fixed size failed: a plate and a capsule on a ball
+joint, thrown at a slope, and a foot that stands on a ball. "Solve" is the CPU time of the first solve, with compiled
+kernels in the cache; "all" is the CPU time of the whole run, with estimates and repetitions. The error is the greatest
+distance of any point from a finer run, over the path length of the fastest point; the finer run has facets of a third
+of the size, and steps for a third of the error. Bounds: the error is at most the accuracy (of steps 1e-3 and of facets
+0.3 % unless the config names one); the energy balance holds at each instant to 1e-3 of the greatest energy; the depths
+of the two scenes are within 0.3 % of the finer run, and of the foot within 0.3 % of the law's integral over its cap.
 """
 
 from __future__ import annotations
@@ -33,20 +33,20 @@ from validation.tables import markdown
 
 CONFIGS, HARD = Path(__file__).parents[1] / "configs", Path(__file__).parent / "hard_facets"
 BALANCE, DEPTH, FINER = 1e-3, 3e-3, 3.0
-FOOT = 2.767e-3  # m, the depth at which the law bears the foot's weight
+FOOT = 2.767e-3  # m, depth at which the integral of the law over the cap bears the foot's weight
 HEAD = ["config", "s", "accuracy", "error", "told by facets", "steps", "facets", "solve s", "all s"]
 HEAD += ["energy imbalance", "number", "told"]
 
 
 def files(quick: bool) -> list[Path]:
-    """Configs of one run in space, shipped and hard."""
+    """Paths of the shipped configs of one run in space and of the two hard scenes; quick: one config."""
     shipped = [path for path in sorted(CONFIGS.glob("*.yaml")) if config.is_run(path)]
-    found = [path for path in shipped if scene.build(config.load(path)).in_space]
-    return [CONFIGS / "screw.yaml"] if quick else [*found, *sorted(HARD.glob("*.yaml"))]
+    in_space = [path for path in shipped if scene.build(config.load(path)).in_space]
+    return [CONFIGS / "screw.yaml"] if quick else [*in_space, *sorted(HARD.glob("*.yaml"))]
 
 
 def solved(built: Any) -> tuple[SpatialKinematics, float]:
-    """The motion of one solve, and its processor time (s)."""
+    """Solve a scene once; return the motion and the processor time (s)."""
     begun = run_module.begin(built)
     began = time.process_time()
     begun.solving.advance()
@@ -56,32 +56,34 @@ def solved(built: Any) -> tuple[SpatialKinematics, float]:
 
 
 def finer(built: Any) -> Any:
-    """The scene with facets of a third of the size, and steps for a third of the error; without a limit of time."""
+    """Scene with facets of a third of the size and steps for a third of the error, without a limit on run time."""
     accuracy = (built.solver.accuracy or 1e-3) / FINER
-    by_accuracy = math.sqrt(accuracy / (built.solver.named or FACET_ERROR))  # to which facets are chosen at first
+    by_accuracy = math.sqrt(
+        accuracy / (built.solver.named or FACET_ERROR)
+    )  # ratio of the facet sizes that a run chooses first for both accuracies
     solver = built.solver.model_copy(update={"accuracy": accuracy, "named": accuracy, "max_wall_s": None})
     return replace(built, solver=solver).with_facets(1.0 / FINER / by_accuracy)
 
 
 def judged(path: Path) -> tuple[list[Any], float, float, float, float]:
-    """Row of a config; its error over what is asked, its energy imbalance, and its depth (m) as run and as finer.
+    """Row of a config, its error over the bound, its energy imbalance, and its depth (m) in the run and the finer run.
 
-    What stands still has no way that its error could be a part of: that is 0, and its depth tells.
+    A body at rest has no path length to relate an error to: its error counts as 0, and its depth is compared instead.
     """
     built: Any = scene.build(config.load(path))
     first = solved(built)[1]
-    kept: list[Any] = []
+    inspected: list[Any] = []
     began = time.process_time()
-    results = run_module.run(built, inspect=lambda *both: kept.append(both))
+    results = run_module.run(built, inspect=lambda *both: inspected.append(both))
     spent = time.process_time() - began
-    motion = SpatialKinematics(*kept[0])
+    motion = SpatialKinematics(*inspected[0])
     reference, _ = solved(finer(motion.system.scene))
     error, summary = apart(motion, reference), results.summary
     imbalance = summary["energy"]["imbalance_relative"]
     asked = built.solver.named or FACET_ERROR
     stands = reference.path_length < reference.scene.least_path
     facets = summary.get("facets", {"error": 0.0, "bodies": {}})
-    count = sum(one["number"] for one in facets["bodies"].values())
+    count = sum(body["number"] for body in facets["bodies"].values())
     row = [
         path.stem,
         f"{results['time_s'][-1]:.3g}",
@@ -92,35 +94,36 @@ def judged(path: Path) -> tuple[list[Any], float, float, float, float]:
     row += [summary["cost"]["steps"], count, f"{first:.2f}", f"{spent:.2f}", f"{imbalance:.1e}", number(summary)]
     row.append("; ".join(results.warnings) or "none")
     depths = (
-        max(track.values.max() for tracks in one.depths().values() for track in tracks) for one in (motion, reference)
+        max(track.values.max() for tracks in moved.depths().values() for track in tracks)
+        for moved in (motion, reference)
     )
     return row, 0.0 if stands else error / asked, imbalance, *depths
 
 
 def study(quick: bool) -> Outcome:
-    """All configs."""
-    found = {path.stem: judged(path) for path in files(quick)}
-    over = max(found, key=lambda name: found[name][1])
-    broken = max(found, key=lambda name: found[name][2])
+    """Run all configs."""
+    results = {path.stem: judged(path) for path in files(quick)}
+    over = max(results, key=lambda name: results[name][1])
+    broken = max(results, key=lambda name: results[name][2])
     claims = [
         Claim(
             "space_configs.every config keeps its accuracy",
-            found[over][1] <= 1.0,
-            f"{len(found)} configs; at most {found[over][1]:.2f} of what is asked ({over})",
+            results[over][1] <= 1.0,
+            f"{len(results)} configs; at most {results[over][1]:.2f} of what is asked ({over})",
         ),
         Claim(
             "space_configs.energies are accounted for",
-            found[broken][2] <= BALANCE,
-            f"to {found[broken][2]:.1e} of the greatest ({broken}; asked: {BALANCE:g})",
+            results[broken][2] <= BALANCE,
+            f"to {results[broken][2]:.1e} of the greatest ({broken}; asked: {BALANCE:g})",
         ),
     ]
     for path in () if quick else sorted(HARD.glob("*.yaml")):
-        _, _, _, depth, fine = found[path.stem]
+        _, _, _, depth, fine = results[path.stem]
         true = FOOT if path.stem == "ball_foot" else fine
         off = abs(depth / true - 1.0)
-        words = f"{1e3 * depth:.2f} mm of {1e3 * true:.2f}, {off:.2%} off"
-        claims.append(Claim(f"space_configs.{path.stem} is as deep as it should be", off <= DEPTH, words))
-    return Outcome(markdown(HEAD, [row for row, *_ in found.values()]), tuple(claims))
+        detail = f"{1e3 * depth:.2f} mm of {1e3 * true:.2f}, {off:.2%} off"
+        claims.append(Claim(f"space_configs.{path.stem} is as deep as it should be", off <= DEPTH, detail))
+    return Outcome(markdown(HEAD, [row for row, *_ in results.values()]), tuple(claims))
 
 
 if __name__ == "__main__":

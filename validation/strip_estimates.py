@@ -1,12 +1,12 @@
-"""Is the estimated error by strips true: against strips of an eighth of the length, over random scenes.
+"""Test of the estimated error by strips against runs with strips of an eighth of the length, over random scenes.
 
     python validation/strip_estimates.py [--quick]
 
-Rods, bent bars, solids, chains, swimmers, legs with feet, wheels and loops from `random_scenes`, and carts on wheels
-that a drive turns for a second. Errors are the greatest distance of any point from that of a run with eight times as
-many strips at the same fixed steps, relative to the way of the fastest point. An error or an estimate below 0.01 % is
-counted as that. Beside them the error of a run whose steps and strips are chosen for an accuracy of 0.1 %, where 16
-strips are not enough for it, from one with 128 strips and steps for 0.01 %.
+The scenes are rods, bent bars, solids, chains, swimmers, legs with feet, wheels and loops from `random_scenes`, and
+carts whose wheels are driven for a second. The true error is the greatest distance of any point from a run with eight
+times as many strips at the same fixed steps, relative to the path length of the fastest point. Errors and estimates
+below 0.01 % count as 0.01 %. Where 16 strips are not enough for an accuracy of 0.1 %, the scene also runs with adaptive
+steps and strips for that accuracy; the reference of that run has 128 strips and steps for 0.01 %.
 """
 
 from __future__ import annotations
@@ -38,13 +38,16 @@ from validation.tables import markdown
 Tree = dict[str, Any]
 DEFAULT, TIMES, STEP = 16, 8, 1e-4
 ACCURACY, FLOOR, WITHIN = 1e-3, 1e-4, 10.0
-SCENES, CARTS = (100, 8), (10, 2)  # in the whole and in the quick form
+SCENES, CARTS = (100, 8), (10, 2)  # number in the full and in the quick form
 MEDIA = ("quikrete_play_sand_rft", "poppy_seeds_close", "rft3d_sand")
 
 
 @dataclass(frozen=True)
 class Found:
-    """Of a scene: its kind; true and estimated error; that of a run with chosen strips, and these, or None."""
+    """Result of a scene: its kind, true and estimated error.
+
+    chosen: error and number of strips of a run with adaptive strips; None if there is no such run.
+    """
 
     kind: str
     error: float
@@ -58,7 +61,7 @@ class Found:
 
 
 def cart(seed: int) -> Tree:
-    """A cart on two driven wheels, as a tree of plain YAML."""
+    """Config of a cart on two driven wheels, as a dict."""
     rng = Random(seed)
     radius, apart_m, medium = rng.uniform(0.05, 0.15), rng.uniform(0.15, 0.3), rng.choice(MEDIA)
     shape = {"type": "wheel", "radius_m": radius, "width_m": rng.uniform(0.08, 0.2)}
@@ -75,21 +78,21 @@ def cart(seed: int) -> Tree:
 
 
 def trees(scenes: int, carts: int, folder: Path) -> Iterator[tuple[str, Tree]]:
-    """So many scenes with strips that meet the medium, and carts, each with its kind."""
+    """Generate the kind and the config of the carts and of random scenes that have strips."""
     yield from (("cart", cart(seed)) for seed in range(carts))
-    seed, found = 0, 0
-    while found < scenes:
+    seed, accepted = 0, 0
+    while accepted < scenes:
         drawn = draw(seed, folder)
         seed += 1
         scene = build(load_scenario(write(drawn.tree, folder)))
         if drawn.kind == "ball" or isinstance(scene.method, Reduced):
             continue
-        found += 1
+        accepted += 1
         yield drawn.kind, drawn.tree
 
 
 def settings(tree: Tree, strips: int, **solver: float) -> Tree:
-    """The scene with so many strips and other steps; an element has a quarter of them."""
+    """Config with another number of strips a part and other solver keys; an element has a quarter of the strips."""
     changed = copy.deepcopy(tree)
     changed["solver"] = {"end_time_s": tree["solver"]["end_time_s"], "rest_time_s": None, **solver}
     load = {"strips_per_rigid_part": strips, "strips_per_element": strips // 4}
@@ -99,7 +102,7 @@ def settings(tree: Tree, strips: int, **solver: float) -> Tree:
 
 
 def solved(tree: Tree, folder: Path) -> Kinematics:
-    """The motion of a scene."""
+    """Solve a scene and return its motion."""
     begun = begin(build(load_scenario(write(tree, folder))))
     begun.solving.advance()
     assert begun.system is not None
@@ -107,7 +110,7 @@ def solved(tree: Tree, folder: Path) -> Kinematics:
 
 
 def places(motion: Kinematics, at: np.ndarray) -> np.ndarray:
-    """Centres of all bodies (m) and their turns times how far they reach, (n, k) at times (n,) s."""
+    """Centres of all bodies (m), and rotations times the radius of a body (m), (n, k) at times (n,) s."""
     columns, scene = [], motion.scene
     for body in scene.bodies:
         columns += [*motion.center(body.name)[0].T]
@@ -117,14 +120,14 @@ def places(motion: Kinematics, at: np.ndarray) -> np.ndarray:
 
 
 def difference(motion: Kinematics, other: Kinematics) -> float:
-    """Greatest distance of any point from that of another motion, relative to the way of its fastest point."""
+    """Greatest distance of any point from a reference motion, relative to the path length of its fastest point."""
     at = np.linspace(0.0, min(motion.trajectory.time[-1], other.trajectory.time[-1]), 1000)
     way = max(other.path_length, other.scene.least_path)
     return float(np.abs(places(motion, at) - places(other, at)).max()) / way
 
 
 def judge(kind: str, tree: Tree, folder: Path) -> Found | None:
-    """Errors of a scene; None where nothing touches the medium."""
+    """Run a scene and return its errors; None if no body touches the medium."""
     motion = solved(settings(tree, DEFAULT, step_s=STEP), folder)
     load = motion.trajectory.load
     if load is None or not (load.depth > 0.0).any():
@@ -138,47 +141,53 @@ def judge(kind: str, tree: Tree, folder: Path) -> Found | None:
 
 
 def _chosen(tree: Tree, folder: Path) -> tuple[float, int]:
-    """Error of a run with chosen steps and strips over the way, and its strips."""
+    """Relative error of a run with adaptive steps and strips, and its number of strips."""
     asked, fine = settings(tree, DEFAULT, accuracy=ACCURACY), settings(tree, TIMES * DEFAULT, accuracy=ACCURACY / 10.0)
-    results, reference = (run(build(load_scenario(write(one, folder)))) for one in (asked, fine))
+    results, reference = (run(build(load_scenario(write(config, folder)))) for config in (asked, fine))
     off = apart(track(results, tree, FLOOR), track(reference, tree, FLOOR))
     return off, results.summary["strips"]["per_rigid_part"]
 
 
 def study(quick: bool) -> Outcome:
-    """All scenes, or a tenth of them."""
+    """Run all scenes, or those of the quick form."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        found = [judge(kind, tree, folder) for kind, tree in trees(SCENES[quick], CARTS[quick], folder)]
-    return told([one for one in found if one is not None])
+        results = [judge(kind, tree, folder) for kind, tree in trees(SCENES[quick], CARTS[quick], folder)]
+    return told([result for result in results if result is not None])
 
 
-def told(found: list[Found]) -> Outcome:
-    """The table and the claims."""
+def told(results: list[Found]) -> Outcome:
+    """Table and claims of these results."""
     rows = []
-    for kind in dict.fromkeys(one.kind for one in found):
-        of_kind = [one for one in found if one.kind == kind]
-        errors, ratios = [100.0 * one.error for one in of_kind], [one.ratio for one in of_kind]
+    for kind in dict.fromkeys(result.kind for result in results):
+        of_kind = [result for result in results if result.kind == kind]
+        errors, ratios = [100.0 * result.error for result in of_kind], [result.ratio for result in of_kind]
         cells = [kind, len(of_kind), f"{max(errors):.3f}", f"{np.median(errors):.3f}"]
         rows.append([*cells, f"{min(ratios):.2f} to {max(ratios):.2f}"])
-    ratios = np.array([one.ratio for one in found])
+    ratios = np.array([result.ratio for result in results])
     beyond = int(((ratios > WITHIN) | (ratios < 1.0 / WITHIN)).sum())
-    chosen = [one.chosen for one in found if one.chosen is not None]
+    chosen = [result.chosen for result in results if result.chosen is not None]
     worst, strips = max(chosen, default=(0.0, DEFAULT))
     above = sum(off > ACCURACY for off, _ in chosen)
     head = ["kind", "scenes", "largest error %", "median %", "estimate over error"]
-    whole = f"{len(found)} scenes: estimate over error {ratios.min():.2f} to {ratios.max():.2f}, {beyond} beyond"
-    kept = f"{len(chosen)} scenes that 16 strips are not enough for: at most {worst / ACCURACY:.2f} times {ACCURACY:g}"
+    ratio_detail = (
+        f"{len(results)} scenes: estimate over error {ratios.min():.2f} to {ratios.max():.2f}, {beyond} beyond"
+    )
+    chosen_detail = (
+        f"{len(chosen)} scenes that 16 strips are not enough for: at most {worst / ACCURACY:.2f} times {ACCURACY:g}"
+    )
     return Outcome(
         markdown(head, rows),
         (
             Claim(
-                "strip_estimates.at most one of a hundred is beyond a factor of ten", 100 * beyond <= len(found), whole
+                "strip_estimates.at most one of a hundred is beyond a factor of ten",
+                100 * beyond <= len(results),
+                ratio_detail,
             ),
             Claim(
                 "strip_estimates.chosen steps and strips keep the accuracy",
                 worst <= 2.0 * ACCURACY,
-                f"{kept} ({strips} strips), {above} above 1 (asked: 2)",
+                f"{chosen_detail} ({strips} strips), {above} above 1 (asked: 2)",
             ),
         ),
     )

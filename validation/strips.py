@@ -1,10 +1,10 @@
-"""How exact a motion is by the number of strips, and whether chosen strips keep their promise.
+"""Errors of motions by the number of strips, and whether adaptive strips keep their promise.
 
     python validation/strips.py [--quick]
 
-Rods, solids, a bent bar, paddles and a double pendulum that turn in the sand. Errors are the largest distance of the
-centres of all bodies from a run with 256 strips a part at the same fixed steps (20 us), relative to the distance that
-the fastest centre travels. Beside them what runs are off by in all whose steps and strips are chosen by their error.
+The bodies are rods, solids, a bent bar, paddles and a double pendulum that rotate in the sand. An error is the largest
+distance of the centre of any body from a run with 256 strips a part at the same fixed steps (20 us), relative to the
+distance that the fastest centre travels. The table also has total errors of runs with adaptive steps and strips.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ BLADE = [[0, -0.02], [0.12, -0.02], [0.12, 0.02], [0, 0.02]]
 
 @dataclass(frozen=True)
 class Case:
-    """A body, free or on a hinge, its medium, the height of the surface (m) and its start."""
+    """A body, free or on a hinge, with its medium, the height of the surface (m) and its initial state."""
 
     body: dict[str, object]
     joint: str
@@ -46,7 +46,7 @@ class Case:
     end: float = 0.35
 
     def config(self, **solver: float) -> dict[str, object]:
-        """The whole config; solver: its keys besides the end time."""
+        """Config of the case as a dict; solver: further keys of the section `solver`, besides the end time."""
         model = {
             "name": "case",
             "bodies": {"body": self.body},
@@ -62,13 +62,13 @@ class Case:
 
 
 def solid(points: list[list[float]]) -> dict[str, object]:
-    """A solid of 1500 kg/m3, 30 mm wide, with a polygon (m) as its section."""
+    """Config of a solid of 1500 kg/m3, 30 mm wide, with a polygon (m) as its section."""
     shape = {"type": "polygon", "points_m": points, "width_m": 0.03}
     return {"type": "rigid", "density_kg_m3": 1500, "shapes": [shape]}
 
 
 def flight(y: float, angle: float, vx: float, vy: float, rate: float) -> dict[str, float]:
-    """Start of a free body, m, deg, m/s and rad/s."""
+    """Initial state of a free body in m, deg, m/s and rad/s, by the keys of a config."""
     return {"x_m": 0.0, "y_m": y, "angle_deg": angle, "vx_m_s": vx, "vy_m_s": vy, "rate_rad_s": rate}
 
 
@@ -89,7 +89,7 @@ QUICK = ("rod, play sand", "rod, 3D-RFT, flat", "solid, poppy seeds", "paddle, p
 
 
 def simulate(case: Case, strips: int | None, **solver: float) -> Results:
-    """Run a case with so many strips a part, the default where None."""
+    """Run a case with a number of strips a part; None: the default."""
     config = case.config(**solver)
     if strips is not None:
         config["load"] = {"strips_per_rigid_part": strips}
@@ -101,14 +101,14 @@ def simulate(case: Case, strips: int | None, **solver: float) -> Results:
 
 
 def centre(results: Results, at: np.ndarray) -> np.ndarray:
-    """Centre of mass (n, 2) m at times (n,) s; where the run has ended, the last."""
+    """Centre of mass (n, 2) m at times (n,) s; after the end of the run, its last position."""
     names = [column.name for column in results.columns]
     columns = ("body_x_m", "body_y_m") if "body_x_m" in names else ("tip_x_m", "tip_y_m")
     return np.column_stack([np.interp(at, results["time_s"], results[name]) for name in columns])
 
 
 def error(results: Results, reference: Results) -> float:
-    """Largest distance of the centre from that of a reference, relative to the distance that this travels."""
+    """Largest distance of the centre from that of a reference, relative to the path length of the reference."""
     at = np.linspace(0.0, min(results["time_s"][-1], reference["time_s"][-1]), 500)
     exact = centre(reference, at)
     travelled = np.linalg.norm(np.diff(exact, axis=0), axis=1).sum()
@@ -117,7 +117,10 @@ def error(results: Results, reference: Results) -> float:
 
 @dataclass(frozen=True)
 class Found:
-    """Errors by `STRIPS`, then for each accuracy the error, steps and strips; told: whether a default run warned."""
+    """Results of a case: errors by `STRIPS`, and (error, steps, strips) for each accuracy.
+
+    told: whether the run with the default settings warned.
+    """
 
     errors: list[float]
     chosen: list[tuple[float, int, int]]
@@ -125,7 +128,7 @@ class Found:
 
 
 def judge(case: Case) -> Found:
-    """All runs of a case."""
+    """Make all runs of a case."""
     reference = simulate(case, REFERENCE, step_s=STEP)
     fixed = [simulate(case, strips, step_s=STEP) for strips in STRIPS]
     chosen = []
@@ -139,26 +142,26 @@ def judge(case: Case) -> Found:
 
 
 def percent(value: float) -> str:
-    """A share of one as a percentage."""
+    """Format a fraction of one as a percentage."""
     return f"{100 * value:.3f}"
 
 
 def study(quick: bool) -> Outcome:
-    """All cases, or four of them."""
-    found = {name: judge(CASES[name]) for name in (QUICK if quick else CASES)}
+    """Run all cases, or those of QUICK."""
+    results = {name: judge(CASES[name]) for name in (QUICK if quick else CASES)}
     head = ["case", *(f"{n} strips %" for n in STRIPS)]
     head += [f"accuracy {a:g}: error %, steps, strips" for a in ACCURACIES]
     rows = [
         [
             name,
-            *map(percent, one.errors),
-            *(f"{percent(off)}, {steps}, {strips}" for off, steps, strips in one.chosen),
+            *map(percent, result.errors),
+            *(f"{percent(off)}, {steps}, {strips}" for off, steps, strips in result.chosen),
         ]
-        for name, one in found.items()
+        for name, result in results.items()
     ]
-    at_default = {name: one.errors[STRIPS.index(DEFAULT)] for name, one in found.items()}
-    silent = max((off for name, off in at_default.items() if not found[name].told), default=0.0)
-    promise = [max(one.chosen[i][0] for one in found.values()) / a for i, a in enumerate(ACCURACIES)]
+    at_default = {name: result.errors[STRIPS.index(DEFAULT)] for name, result in results.items()}
+    silent = max((off for name, off in at_default.items() if not results[name].told), default=0.0)
+    promise = [max(result.chosen[i][0] for result in results.values()) / a for i, a in enumerate(ACCURACIES)]
     claims = (
         Claim("strips.no silent error above 1 %", silent <= 0.01, f"{100 * silent:.2f} % with {DEFAULT} strips"),
         Claim(
