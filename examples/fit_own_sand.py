@@ -38,15 +38,17 @@ with tempfile.TemporaryDirectory() as name:
         ["fit", str(folder / "own_sand.yaml"), "--out", str(folder / "fit"), "--workers", "1", "--no-plots", "--quiet"]
     )
     fit = json.loads((folder / "fit" / "fit.json").read_text(encoding="utf-8"))
-    for one, case in zip(axes, NAMES, strict=True):
+    for panel, case in zip(axes, NAMES, strict=True):
         data = np.genfromtxt(folder / f"{case}.csv", delimiter=",", names=True)
-        found = {key: parameter["value"] for key, parameter in fit["parameters"].items()}
-        unfitted, fitted = (simulate(load(case, numbers | RIGID)) for numbers in ({}, found))
+        values = {key: parameter["value"] for key, parameter in fit["parameters"].items()}
+        unfitted, fitted = (simulate(load(case, numbers | RIGID)) for numbers in ({}, values))
         base, curve = (np.interp(data["time_s"], run["time_s"], run["tip_y_m"]) for run in (unfitted, fitted))
-        one.plot(1e3 * data["time_s"], 1e3 * (data["tip_y_m"] - base), "o", color="C1", markersize=3, label="measured")
-        one.plot(1e3 * data["time_s"], 1e3 * (curve - base), "k", label="fitted")
-        one.axhline(0.0, color="0.6", linestyle="--", label="play sand")
-        one.set(xlabel="time (ms)", title=case)
+        panel.plot(
+            1e3 * data["time_s"], 1e3 * (data["tip_y_m"] - base), "o", color="C1", markersize=3, label="measured"
+        )
+        panel.plot(1e3 * data["time_s"], 1e3 * (curve - base), "k", label="fitted")
+        panel.axhline(0.0, color="0.6", linestyle="--", label="play sand")
+        panel.set(xlabel="time (ms)", title=case)
 for key, true in FILMED.items():
     parameter = fit["parameters"][key]
     print(f"{key}: {parameter['value']:.2f} +- {parameter['standard_error']:.2f}, true {true:g}")

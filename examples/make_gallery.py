@@ -34,13 +34,13 @@ def scripts() -> list[Path]:
 
 
 def section(script: Path) -> str:
-    """What stands on the page of a script, which is run for it."""
+    """Run a script, and return its section of the page."""
     words = ast.get_docstring(ast.parse(script.read_text(encoding="utf-8")))
     command = [sys.executable, str(script), "--out", str(PICTURES)]
-    told = subprocess.run(command, check=True, capture_output=True, text=True).stdout
+    output = subprocess.run(command, check=True, capture_output=True, text=True).stdout
     name = script.stem
     shown = (
-        f"![{words}](pictures/{name}.png)\n\n```sh\npython examples/{name}.py\n```\n\n```text\n{told.rstrip()}\n```\n"
+        f"![{words}](pictures/{name}.png)\n\n```sh\npython examples/{name}.py\n```\n\n```text\n{output.rstrip()}\n```\n"
     )
     return f"\n## [{name}]({name}.py)\n\n{words}\n\n{shown}"
 

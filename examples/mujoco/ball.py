@@ -39,7 +39,7 @@ def make(step: float = 1e-3) -> tuple[mujoco.MjModel, MujocoBed]:
 
 
 def main() -> None:
-    """Drop it, and tell how deep it went."""
+    """Drop the ball, and print how deep it sank."""
     model, bed = make()
     data = run(model, bed, lambda data: None, seconds=0.5)
     kept = bed.of(data)

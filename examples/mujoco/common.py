@@ -1,4 +1,4 @@
-"""What the examples share: their arguments, the loop over steps, and a film where MuJoCo can draw without a display."""
+"""Arguments of the examples, the loop over steps, and a film, if MuJoCo can draw without a display."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from typing import Any
 
 import mujoco
 
-FRAMES = 25  # a second
+FRAMES = 25  # per second
 
 
 def run(model: Any, bed: Any, control: Callable[[Any], None], seconds: float, camera: str = "side") -> Any:
-    """Step the model in its bed for some seconds, or as many as --seconds says; its data at the end."""
+    """Step the model in its bed for some seconds, or for those of --seconds; return its data at the end."""
     parser = argparse.ArgumentParser()
     parser.add_argument("--seconds", type=float, default=seconds)
     parser.add_argument("--step", type=float, default=model.opt.timestep, help="time step (s)")
@@ -29,7 +29,7 @@ def run(model: Any, bed: Any, control: Callable[[Any], None], seconds: float, ca
         bed.apply(data)
         mujoco.mj_step(model, data)
         if film is not None:
-            film.look(data)
+            film.add(data)
     bed.apply(data)
     if film is not None:
         film.write()
@@ -37,7 +37,7 @@ def run(model: Any, bed: Any, control: Callable[[Any], None], seconds: float, ca
 
 
 class Film:
-    """Frames by MuJoCo's renderer, which needs EGL or OSMesa where there is no display."""
+    """A film drawn by MuJoCo's renderer, which needs EGL or OSMesa if there is no display."""
 
     def __init__(self, model: Any, path: Path, camera: str) -> None:
         self.path, self.camera = path, camera
@@ -51,8 +51,8 @@ class Film:
         except Exception as error:  # of the graphics library, whichever it is
             print(f"no film: MuJoCo's renderer can't start here: {str(error).splitlines()[0]}")
 
-    def look(self, data: Any) -> None:
-        """Add a frame, when it is time for one."""
+    def add(self, data: Any) -> None:
+        """Add a frame if the next one is due."""
         if self.renderer is not None and data.time * FRAMES >= len(self.frames):
             self.renderer.update_scene(data, self.camera)
             self.frames.append(self.renderer.render())

@@ -43,7 +43,7 @@ def make(step: float = 1e-3) -> tuple[mujoco.MjModel, MujocoBed]:
 
 
 def main() -> None:
-    """Walk, and tell how far."""
+    """Walk, and print how far."""
     model, bed = make()
 
     def control(data: mujoco.MjData) -> None:

@@ -50,7 +50,7 @@ def make(step: float = 1e-3) -> tuple[mujoco.MjModel, MujocoBed]:
 
 
 def main() -> None:
-    """Drive it, and tell the means over the last third of the time."""
+    """Drive the wheel, and print means over the last third of the time."""
     slip = 0.3
     if "--slip" in sys.argv:
         place = sys.argv.index("--slip")
