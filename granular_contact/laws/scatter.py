@@ -71,11 +71,11 @@ class Scatter(Coefficients):
     def _faults(self) -> Faults:
         given = {"relative": self.relative, "length_m": self.length}
         if self.measured is None:
-            words = "missing, allowed is a number, or `measured` with the name of what was measured in this medium"
-            yield from (((key,), words) for key, value in given.items() if value is None)
+            sentence = "missing, allowed is a number, or `measured` with the name of what was measured in this medium"
+            yield from (((key,), sentence) for key, value in given.items() if value is None)
         else:
-            words = "stands beside `measured`, which gives it; allowed is null"
-            yield from (((key,), words) for key, value in given.items() if value is not None)
+            sentence = "stands beside `measured`, which gives it; allowed is null"
+            yield from (((key,), sentence) for key, value in given.items() if value is not None)
 
     def numbers(self, measurements: Sequence[MeasuredScatter], in_space: bool) -> tuple[float, float]:
         """Standard deviation and length of the scatter.

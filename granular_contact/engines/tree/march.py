@@ -54,7 +54,7 @@ class March:
         nodes, table = len(tree.arrays["nodes"]), HistoryTable() if tree.load is None else tree.load.table
         self.arrays = arrays = {
             **tree.arrays,
-            **_of_steps(tree.scene),
+            **_step_records(tree.scene),
             "blank": table.blank,
             "calls": calls(tree.kernels, attempt, tree.sand_kernels, tree.joint_kernels),
         }
@@ -107,10 +107,10 @@ class March:
             self._enlarge(max(SHARE, self.last // 2))
         return int(self._march(SHARE, self._addresses))
 
-    def _enlarge(self, more: int) -> None:
+    def _enlarge(self, rows: int) -> None:
         for name in ("states", "table"):
             old = self.arrays[name]
-            self.arrays[name] = np.concatenate([old, np.zeros((more, old.shape[1]))])
+            self.arrays[name] = np.concatenate([old, np.zeros((rows, old.shape[1]))])
         self._addresses[:] = addresses(self.arrays)
 
     @property
@@ -171,7 +171,7 @@ class March:
         self.states[: len(rows)], self.rows[: len(rows)] = states, rows
 
 
-def _of_steps(scene: Scene) -> dict[str, NDArray[Any]]:
+def _step_records(scene: Scene) -> dict[str, NDArray[Any]]:
     """Records of the time scheme, the choice of steps and the limits of a march, its clock and its counts."""
     solver, scheme = scene.solver, _scheme(scene)
     record, speed, *follows = choice(scene, ANY if solver.accuracy is None else solver.accuracy)
@@ -210,8 +210,8 @@ def _scheme(scene: Scene) -> NDArray[np.void]:
 
 def _iterations(arrays: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
     """Arrays of `mechanics.kernels.iterations`; a tree has no Lagrange multipliers."""
-    given = {"q": "s", "v": "rates", "a": "s2", "a_before": "s2_before"}
-    shared = {name: arrays[of_tree] for name, of_tree in given.items()}
+    unknowns = {"q": "s", "v": "rates", "a": "s2", "a_before": "s2_before"}
+    shared = {name: arrays[of_tree] for name, of_tree in unknowns.items()}
     return shared | {"lever": _levers(arrays)} | room(len(arrays["nodes"]), 0)
 
 
@@ -234,9 +234,9 @@ def _changes(arrays: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
     lever = arrays["lever"]
     counts = np.repeat(arrays["nodes"]["mass"] > 0.0, arrays["twist"].shape[1])
     group = np.where(counts, step_error.EACH, step_error.NONE).astype(np.int64)
-    given = {"a": arrays["acceleration"].reshape(-1), "v": arrays["twist"].reshape(-1), "lever": lever.copy()}
+    motion = {"a": arrays["acceleration"].reshape(-1), "v": arrays["twist"].reshape(-1), "lever": lever.copy()}
     start, change, slope = np.zeros((3, len(lever)))
-    return given | {
+    return motion | {
         "group": group,
         "start": start,
         "change": change,

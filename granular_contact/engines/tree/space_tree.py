@@ -61,10 +61,10 @@ class SpatialTree(Tree):
 
     kernels: ClassVar[Any] = space_load
 
-    def accelerations(self, q: Vector, given: Vector) -> Vector:
+    def accelerations(self, q: Vector, of_bodies: Vector) -> Vector:
         """See `Tree.accelerations`; Euler parameters get G^T w' / 4, the part that turns the body."""
         count = len(self.bodies)
-        e, body = q.reshape(-1, count, POSE)[..., 3:], given.reshape(-1, count, 6)
+        e, body = q.reshape(-1, count, POSE)[..., 3:], of_bodies.reshape(-1, count, 6)
         second = rotations.quaternion_rates(e, body[..., 3:])
         second_rates: Vector = np.concatenate([body[..., :3], second], axis=-1).reshape(len(q), -1)
         return second_rates
@@ -140,10 +140,10 @@ def tree(scene: SpatialScene) -> SpatialTree:
             arrays["acts"][i] = 1
     arrays["lever"] = levers(records, 6)
     sprung = space_ball_joints if records["acts"].any() else None
-    made = SpatialTree if scene.modes is None else ReducedTree
+    tree_type = SpatialTree if scene.modes is None else ReducedTree
     if scene.modes is not None:
         arrays |= _in_modes(scene, places, arrays)
-    return made(system, load, arrays, list(places.values()), joints, sprung)
+    return tree_type(system, load, arrays, list(places.values()), joints, sprung)
 
 
 def _in_modes(scene: SpatialScene, places: dict[str, int], arrays: dict[str, Any]) -> dict[str, NDArray[Any]]:

@@ -87,9 +87,9 @@ class Tree:
         width = self.arrays[name].shape[1]
         return np.concatenate([width * i + np.arange(width) for i in self.bodies])
 
-    def accelerations(self, q: Vector, given: Vector) -> Vector:  # noqa: ARG002
-        """Accelerations of the coordinates q (n, m) of the system; given: accelerations of bodies in the kernels."""
-        return given
+    def accelerations(self, q: Vector, of_bodies: Vector) -> Vector:  # noqa: ARG002
+        """Accelerations of the coordinates q (n, m) of the system; of_bodies: accelerations A of its bodies."""
+        return of_bodies
 
     def mode_errors(self, residuals: Vector) -> dict[str, float]:  # noqa: ARG002
         """`mode_errors` of a `Trajectory`, from the residuals (n, nodes); none for links with all their elements."""

@@ -19,10 +19,10 @@ NO_DRIVE, LOAD, CONTROL, RATE_CONTROL = 0, 1, 2, 3
 @part
 def stop(joint, s, rate):
     """Elastic part of the force of the stops, and the whole force, after Hunt and Crossley (1975); never adhesive."""
-    back = joint.upper - s if s > joint.upper else joint.lower - s if s < joint.lower else 0.0
-    elastic = joint.stop_stiffness * back
+    to_stop = joint.upper - s if s > joint.upper else joint.lower - s if s < joint.lower else 0.0
+    elastic = joint.stop_stiffness * to_stop
     # The damping force grows with the depth and the rate; the sum is cut off where it would pull.
-    return elastic, elastic * max(0.0, 1.0 - joint.dissipation * math.copysign(1.0, back) * rate)
+    return elastic, elastic * max(0.0, 1.0 - joint.dissipation * math.copysign(1.0, to_stop) * rate)
 
 
 @part

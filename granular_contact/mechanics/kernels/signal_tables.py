@@ -17,13 +17,13 @@ SIGNAL = record_dtype(fields("f8", "value", "rate", "acceleration"))
 @part
 def look_up(t, knots, pieces, signals):
     """Evaluate all signals at t (s) by Horner's method: fill signals, (signals,) records of SIGNAL."""
-    at, _ = interval(knots, 0, knots.shape[0], t)
-    tau = t - knots[at]
+    index, _ = interval(knots, 0, knots.shape[0], t)
+    tau = t - knots[index]
     for i in range(pieces.shape[0]):
         value, rate, acceleration = 0.0, 0.0, 0.0
         for power in range(5, -1, -1):
             acceleration = acceleration * tau + 2.0 * rate
             rate = rate * tau + value
-            value = value * tau + pieces[i, at, power]
+            value = value * tau + pieces[i, index, power]
         signal = signals[i]
         signal.value, signal.rate, signal.acceleration = value, rate, acceleration

@@ -68,13 +68,13 @@ class SpatialKinematics(Kinematics):
     @cached_property
     def _rotations(self) -> dict[str, Vector]:
         """Rotation matrices (n, 3, 3) of rigid bodies."""
-        return {name: rotations.of_quaternion(self.engine.q[:, at[3:]]) for name, at in self._places.items()}
+        return {name: rotations.of_quaternion(self.engine.q[:, places[3:]]) for name, places in self._places.items()}
 
     @cached_property
     def _spins(self) -> dict[str, Vector]:
         """Angular velocities (n, 3) rad/s of rigid bodies."""
         q, v = self.engine.q, self.engine.v
-        return {name: angular(q[:, at[3:]], v[:, at[3:]]) for name, at in self._places.items()}
+        return {name: angular(q[:, places[3:]], v[:, places[3:]]) for name, places in self._places.items()}
 
     @cached_property
     def beams(self) -> dict[str, BeamMotion]:
@@ -111,16 +111,16 @@ class SpatialKinematics(Kinematics):
         if name is None:
             fixed = np.broadcast_to(point, (len(self.engine.time), 3))
             return fixed, 0.0 * fixed
-        at = self._places[name][:3]
+        places = self._places[name][:3]
         arm = self.rotation(name) @ point
-        return self.engine.q[:, at] + arm, self.engine.v[:, at] + np.cross(self.spin(name), arm)
+        return self.engine.q[:, places] + arm, self.engine.v[:, places] + np.cross(self.spin(name), arm)
 
     def center(self, name: str) -> tuple[Vector, Vector]:
         """Centre of mass (n, 3) m of a body, and its velocity."""
         if name in self.beams:
             return self.beams[name].center
-        at = self._places[name][:3]
-        return self.engine.q[:, at], self.engine.v[:, at]
+        places = self._places[name][:3]
+        return self.engine.q[:, places], self.engine.v[:, places]
 
     def coordinate(self, joint: SpatialJoint) -> tuple[Vector, Vector]:  # type: ignore[override]
         """Coordinate (n,) of a hinge (rad, right-handed), slider (m) or ball joint (angle, rad), and its rate."""
@@ -223,9 +223,9 @@ class SpatialKinematics(Kinematics):
         """Outlines of the parts of the mechanism in side view, x and z, at an instant (index)."""
         outlines = []
         for name, handle in self.system.rigid.items():
-            R, at = self.rotation(name)[instant], self.engine.q[instant, self._places[name][:3]]
+            R, center = self.rotation(name)[instant], self.engine.q[instant, self._places[name][:3]]
             for part in handle.body.parts:
-                points = (part.points @ R.T + at)[:, [0, 2]]
+                points = (part.points @ R.T + center)[:, [0, 2]]
                 bar = part.meets == ("bar",)
                 thickness = part.shape.diameter if bar else 2.0 * part.drop
                 line = points if bar or len(points) <= 2 else silhouette(points)

@@ -49,7 +49,7 @@ class SpatialSensors(Sensors):
             return [place for node in system.nodes_of(joint) for place in coordinates.places(node)]
 
         self._coordinates = [(coordinate(system, joint), at_nodes(joint)) for joint in joints]
-        system.turns.extend(made.last_angles for made, _ in self._coordinates)
+        system.turns.extend(joint.last_angles for joint, _ in self._coordinates)
 
     @property
     def follows(self) -> bool:
@@ -78,7 +78,7 @@ class SpatialSensors(Sensors):
 
     def joints(self, q: Vector, v: Vector) -> tuple[Vector, Vector]:
         """See `Sensors.joints`."""
-        pairs = [joint.at(q[at].tolist(), v[at].tolist())[:2] for joint, at in self._coordinates]
+        pairs = [joint.at(q[places].tolist(), v[places].tolist())[:2] for joint, places in self._coordinates]
         coordinates, rates = np.array(pairs).reshape(-1, 2).T
         return coordinates, rates
 
@@ -97,12 +97,12 @@ class SpatialSensors(Sensors):
         """Pose (6,) and velocity (6,) of a flexible link: of its centre of mass, and of the frame of its root."""
         place, velocity, total = np.zeros(3), np.zeros(3), sum(mass for *_, mass in beam.pieces)
         for body, point, mass in beam.pieces:
-            at, speed = point, np.zeros(3)
+            position, speed = point, np.zeros(3)
             if body is not None:
                 i = self._number[body]
                 arm = R[i] @ point
-                at, speed = x[i] + arm, v[i] + np.cross(spin[i], arm)
-            place, velocity = place + mass / total * at, velocity + mass / total * speed
+                position, speed = x[i] + arm, v[i] + np.cross(spin[i], arm)
+            place, velocity = place + mass / total * position, velocity + mass / total * speed
         body, _, axes = beam.root
         turn, turning = axes, np.zeros(3)
         if body is not None:
@@ -140,7 +140,7 @@ class SpatialSensors(Sensors):
         if len(self._met) == 0:
             return np.zeros(0)
         bed: Any = self.system.scene.bed  # not None, as bodies are in the medium
-        at = q[self._at[:, :3]][self._of_points]
-        x, y, z = (at + np.einsum("nij,nj->ni", R[self._of_points], self._points)).T
+        centers = q[self._at[:, :3]][self._of_points]
+        x, y, z = (centers + np.einsum("nij,nj->ni", R[self._of_points], self._points)).T
         beyond = reach(self._drops, self._as_balls, *bed.slope(x, y))
         return np.maximum.reduceat(bed.height(x, y) - z + beyond, self._firsts)

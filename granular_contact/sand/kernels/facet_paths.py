@@ -92,9 +92,9 @@ def count(anchors, i, p, a, n, immersed):
         first = anchors.shape[1] - SHEARED
         s = along_surface(sheared(anchors, i), n)
         j, e = slid(s, minus(a, at(anchors, i, 0)), n)
-        more = j - dot(s, e)
+        increase = j - dot(s, e)
         for k in range(3):
-            anchors[i, first + k] = s[k] + more * e[k] if immersed else 0.0
+            anchors[i, first + k] = s[k] + increase * e[k] if immersed else 0.0
 
 
 @part
@@ -113,9 +113,9 @@ def keep(anchors, i, grain, facet, cluster):
     s = cluster.scatter if facet.area <= size * size else cluster.scatter * size / math.sqrt(facet.area)
     cube = math.floor(x / size) * ALONG + math.floor(y / size) * ACROSS + math.floor(z / size) * UPWARD
     cube += cluster.body * BODY
-    at, seed = int(grain), int(cluster.seed)
+    number, seed = int(grain), int(cluster.seed)
     anchors[i, KEPT] = grain
-    anchors[i, KEPT + 1], anchors[i, KEPT + 2] = s * value(seed, at, cube), s * value(seed, at + 1, cube)
+    anchors[i, KEPT + 1], anchors[i, KEPT + 2] = s * value(seed, number, cube), s * value(seed, number + 1, cube)
 
 
 @part
@@ -144,12 +144,12 @@ def scatter(block, n, elements, anchors, cluster):
     that step (m^2); grain, grain_ends: number of the grain kept last, and s r at its ends.
     """
     path, grain, ends = block.path, block.grain, block.grain_ends
-    others, inverse = 0.0, 1.0 / cluster.grain
+    changed, inverse = 0.0, 1.0 / cluster.grain
     for k in range(n):
         grains = (path[k] + math.sqrt(block.ahead[k])) * inverse
         path[k] = grains
-        others += 0.0 if grains - grain[k] >= 0.0 and grains - grain[k] < 1.0 else 1.0
-    if others > 0.0:
+        changed += 0.0 if grains - grain[k] >= 0.0 and grains - grain[k] < 1.0 else 1.0
+    if changed > 0.0:
         facets = as_facets(elements)
         for k in range(n):
             number = math.floor(path[k])

@@ -36,7 +36,7 @@ def _reasons(owner: Any, record: Any) -> Iterator[str]:
             compiled = njit(getattr(function, "py_func", function), **PLAIN)
             compiled.compile(kinds)
         except Exception as error:
-            yield f"{name}{_place(error)}: {_of_constant(owner, error) or _first_line(error)}"
+            yield f"{name}{_place(error)}: {_unknown_constant(owner, error) or _first_line(error)}"
             continue
         returned = compiled.nopython_signatures[0].return_type
         if count and _shape(returned) != ((2,) if count == 2 else ()) + (2 if name in IN_PLANE else 3,):
@@ -62,7 +62,7 @@ def _shape(kind: Any) -> tuple[int, ...]:
     return (len(kind), *_shape(kind[0]))
 
 
-def _of_constant(owner: Any, error: Exception) -> str | None:
+def _unknown_constant(owner: Any, error: Exception) -> str | None:
     """Message for a constant that the law does not have, for which Numba raises a KeyError; else None."""
     if isinstance(error, KeyError) and isinstance(error.args[0], str):
         return f"m has no {error.args[0]!r}; the law's constants are {', '.join(owner.constants)}"

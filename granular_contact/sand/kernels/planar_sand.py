@@ -88,11 +88,11 @@ def force(sand, system_q, system_v, out):
                 continue
             c, m = ends[r, 1], ends[r + 1, 1] - ends[r, 1]
             q, v, f = piece(body, 0, m), piece(body, 1, m), piece(body, 2, m)
-            at = rows(w.places, c, m)
-            gather(system_q, system_v, w.reference, at, q, v)
+            indices = rows(w.places, c, m)
+            gather(system_q, system_v, w.reference, indices, q, v)
             evaluate(w, r, q, v, f, totals)
             for i in range(m):
-                out[at[i, 1]] += f[i]
+                out[indices[i, 1]] += f[i]
 
 
 @kernel
@@ -112,8 +112,8 @@ def tangent(sand, system_q, system_v, fq, fv, triplets):
             c, m = ends[r, 1], ends[r + 1, 1] - ends[r, 1]
             q, v, block = piece(body, 0, m), piece(body, 1, m), rows(body, BLOCK, m)
             P = piece(w.room, 0, n, s)
-            at, row = rows(w.places, c, m), body.shape[0] - KEPT * (active.shape[0] - r)
-            gather(system_q, system_v, w.reference, at, q, v)
+            indices, row = rows(w.places, c, m), body.shape[0] - KEPT * (active.shape[0] - r)
+            gather(system_q, system_v, w.reference, indices, q, v)
             f = piece(body, row + FORCES, m)
             if not known_at(body, row, q, v):
                 evaluate(w, r, q, v, f, totals)
@@ -125,7 +125,11 @@ def tangent(sand, system_q, system_v, fq, fv, triplets):
             for i in range(m):
                 for j in range(m):
                     if block[i, j] != 0.0:
-                        triplets[count, 0], triplets[count, 1], triplets[count, 2] = at[i, 1], at[j, 1], block[i, j]
+                        triplets[count, 0], triplets[count, 1], triplets[count, 2] = (
+                            indices[i, 1],
+                            indices[j, 1],
+                            block[i, j],
+                        )
                         count += 1
     return count
 

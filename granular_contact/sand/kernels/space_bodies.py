@@ -52,16 +52,16 @@ view = law.BODIES.view
 
 
 @part
-def read(system_q, system_v, reference, at, body, q, v):
-    """Fill q and v with the coordinates and rates of a body; at (coordinates, 2): its rows of `places`."""
+def read(system_q, system_v, reference, indices, body, q, v):
+    """Fill q and v with the coordinates and rates of a body; indices (coordinates, 2): its rows of `places`."""
     if body.places == body.size:
-        gather(system_q, system_v, reference, at, q, v)
+        gather(system_q, system_v, reference, indices, q, v)
         return
     shape = body.shape
     for i in range(3):
         x, y, vx, vy = 0.0, 0.0, 0.0, 0.0
         for k in range(4):
-            index = at[3 * k + i, 0]
+            index = indices[3 * k + i, 0]
             coordinate, rate = system_q[index] + reference[index], system_v[index]
             x, y = x + shape[k] * coordinate, y + shape[4 + k] * coordinate
             vx, vy = vx + shape[k] * rate, vy + shape[4 + k] * rate
@@ -136,8 +136,8 @@ def force(addresses, system_q, system_v, out):
         body = bodies[b]
         if not acts(body, active):
             continue
-        at, asked, W = rows(w.places, body.start, body.places), w.asked[b], w.wrenches[b]
-        read(system_q, system_v, w.reference, at, body, q, v)
+        indices, asked, W = rows(w.places, body.start, body.places), w.asked[b], w.wrenches[b]
+        read(system_q, system_v, w.reference, indices, body, q, v)
         if known(asked, body, q, v):
             place(q, v, body, w.turn, medium, pose, G)
             generalise(W, w.turn, G, body, f)
@@ -146,7 +146,7 @@ def force(addresses, system_q, system_v, out):
             copy(piece(asked, 0, 7), q)
             copy(piece(asked, 1, 7), v)
         for i in range(body.places):
-            out[at[i, 1]] += spread(f, body, i)
+            out[indices[i, 1]] += spread(f, body, i)
 
 
 @part
@@ -176,15 +176,15 @@ def tangent(addresses, system_q, system_v, fq, fv, triplets, count):
         body = bodies[b]
         if not acts(body, active):
             continue
-        at, q, v = rows(w.places, body.start, body.places), w.asked[b, 0], w.asked[b, 1]
-        read(system_q, system_v, w.reference, at, body, q, v)
+        indices, q, v = rows(w.places, body.start, body.places), w.asked[b, 0], w.asked[b, 1]
+        read(system_q, system_v, w.reference, indices, body, q, v)
         if law.tangent(medium, (q, v, body, w, fq, fv, K, w.wrenches[b])):
-            count = append(K, body, at, triplets, count)
+            count = append(K, body, indices, triplets, count)
     return count
 
 
 @part
-def append(K, body, at, triplets, count):
+def append(K, body, indices, triplets, count):
     """Append the tangent K of a body to the first `count` triplets, and return their new number.
 
     K is by the body's own coordinates; for a piece of a cable S^T K S is appended.
@@ -201,7 +201,7 @@ def append(K, body, at, triplets, count):
                         both = body.shape[4 * a + i // 3] * body.shape[4 * b + j // 3]
                         value += both * K[3 * a + i % 3, 3 * b + j % 3]
             if value != 0.0:
-                triplets[count, 0], triplets[count, 1], triplets[count, 2] = at[i, 1], at[j, 1], value
+                triplets[count, 0], triplets[count, 1], triplets[count, 2] = indices[i, 1], indices[j, 1], value
                 count += 1
     return count
 
@@ -218,8 +218,8 @@ def accept(addresses, system_q, system_v, row, begins):
     bodies, medium, columns = w.bodies, w.medium[0], w.columns
     for b in range(bodies.shape[0]):
         body, pose, near, W = bodies[b], w.poses[b], w.proximity[b], w.wrenches[b]
-        at, loaded = rows(w.places, body.start, body.places), acts(body, w.active)
-        read(system_q, system_v, w.reference, at, body, q, v)
+        indices, loaded = rows(w.places, body.start, body.places), acts(body, w.active)
+        read(system_q, system_v, w.reference, indices, body, q, v)
         if begins or not loaded or known(w.asked[b], body, q, v):
             place(q, v, body, w.turn, medium, pose, G)
         else:

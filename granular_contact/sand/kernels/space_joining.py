@@ -92,7 +92,7 @@ def _functions(owner: Any, kind: str) -> dict[str, Any]:
     dtype = record_type(owner)
     functions: dict[str, Any] = {"anchor": parted_return if owner.by_component else whole_return}
     if kind == "surface":
-        functions["gather"], functions["facets"] = facets.gather, _of_facets(owner, dtype)
+        functions["gather"], functions["facets"] = facets.gather, _traction_function(owner, dtype)
         if not hasattr(owner, "facet_force"):
             functions["lead"] = facet_blocks.lead
     for method, name in METHODS[kind].items():
@@ -102,7 +102,7 @@ def _functions(owner: Any, kind: str) -> dict[str, Any]:
     return functions
 
 
-def _of_facets(owner: Any, dtype: np.dtype) -> Any:
+def _traction_function(owner: Any, dtype: np.dtype) -> Any:
     """Function that fills in the tractions of a block, by the functions that a law has."""
     if hasattr(owner, "facet_force"):
         let_call_others(owner.facet_force)

@@ -116,10 +116,10 @@ def _invert(D, inverse):
     """Write the inverse of D (3, 3) into `inverse` (9,), row by row, by cross products of the rows of D."""
     a, b, c = at(D, 0, 0), at(D, 1, 0), at(D, 2, 0)
     columns = cross(b, c), cross(c, a), cross(a, b)
-    whole = dot(a, columns[0])
+    determinant = dot(a, columns[0])
     for j in range(3):
         for k in range(3):
-            inverse[3 * j + k] = columns[k][j] / whole
+            inverse[3 * j + k] = columns[k][j] / determinant
 
 
 @part

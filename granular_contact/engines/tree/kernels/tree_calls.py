@@ -66,8 +66,8 @@ def record(load: Any, attempt: Any, sand: Any, joints: Any = None) -> NDArray[np
 def sand_forces(force, w):
     """Add the generalised forces of the medium to `force`, in the coordinates of the poses of nodes."""
     if w.sand.shape[0] > 0:
-        given = w.sand, flat(w.pose), flat(w.pose_rates), flat(force)
-        _force(w.calls[0], given)
+        arguments = w.sand, flat(w.pose), flat(w.pose_rates), flat(force)
+        _force(w.calls[0], arguments)
 
 
 @part
@@ -75,16 +75,16 @@ def sand_tangent(fq, fv, w):
     """Fill the triplets of the tangent of these forces, see `planar_sand.tangent`; return how many they are."""
     if w.sand.shape[0] == 0:
         return 0
-    given = w.sand, flat(w.pose), flat(w.pose_rates), fq, fv, w.triplets
-    return _tangent(w.calls[0], given)
+    arguments = w.sand, flat(w.pose), flat(w.pose_rates), fq, fv, w.triplets
+    return _tangent(w.calls[0], arguments)
 
 
 @part
 def sand_accept(w, history, begins):
     """End a step in the medium, see `planar_sand.accept`."""
     if w.sand.shape[0] > 0:
-        given = w.sand, flat(w.pose), flat(w.pose_rates), history, begins
-        _accept(w.calls[0], given)
+        arguments = w.sand, flat(w.pose), flat(w.pose_rates), history, begins
+        _accept(w.calls[0], arguments)
 
 
 @part
