@@ -39,7 +39,7 @@ def circle(x: float, y: float, radius: float, kind: str = "solid") -> str:
 
 
 def ellipse(x: float, y: float, rx: float, ry: float, kind: str = "solid") -> str:
-    """An ellipse: a circle that lies."""
+    """An ellipse, for a circle seen at an angle."""
     x, y = _at(x, y)
     return f'<ellipse class="{kind}" cx="{x:.1f}" cy="{y:.1f}" rx="{rx}" ry="{ry}"/>'
 
