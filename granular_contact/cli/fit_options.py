@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from granular_contact import examples
 from granular_contact.config import is_fit, tree
 from granular_contact.config.yaml_source import read_text
 from granular_contact.errors import ConfigError, Fault
@@ -77,7 +78,7 @@ def _runs(files: Sequence[str], faults: list[Fault]) -> tree.Node:
     form = "allowed are CONFIG DATA.csv [DATA.csv ...]"
     groups: list[tuple[str, list[str]]] = []
     for name in files:
-        if name.endswith((".yaml", ".yml")):
+        if _is_config(name):
             groups.append((name, []))
         elif groups:
             groups[-1][1].append(name)
@@ -90,6 +91,11 @@ def _runs(files: Sequence[str], faults: list[Fault]) -> tree.Node:
     return tree.Items(
         _COMMAND, tuple(tree.from_plain({"config": c, "data": d}, tree.Position(d, None)) for c, d in runs)
     )
+
+
+def _is_config(name: str) -> bool:
+    """Return whether a file of the command line is a config: a YAML file, or the name of a shipped config."""
+    return name.endswith((".yaml", ".yml")) or (not Path(name).exists() and examples.config(name) is not None)
 
 
 def _parameters(chosen: argparse.Namespace, faults: list[Fault]) -> tree.Node:

@@ -74,8 +74,9 @@ def test_the_medium_is_ready_to_use_and_says_where_it_is_from(folder: Path, tmp_
     build(scenario)
 
 
-def test_what_is_printed(data: Path, tmp_path: Path, capsys) -> None:
-    arguments = ["fit", str(CONFIG), str(data), *KEYS, *FAST, "--no-plots", "--out", str(tmp_path / "out")]
+@pytest.mark.parametrize("config", [str(CONFIG), "pendulum"], ids=["file", "name of a shipped config"])
+def test_what_is_printed(data: Path, tmp_path: Path, capsys, config: str) -> None:
+    arguments = ["fit", config, str(data), *KEYS, *FAST, "--no-plots", "--out", str(tmp_path / "out")]
     assert main([*arguments, "--bounds", "medium.eta_d=3:12", "--noise", "tip_x_mm=0.1"]) == 0
     shown = capsys.readouterr().out
     assert "medium.plunging.eta_v" in shown
