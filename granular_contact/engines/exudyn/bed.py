@@ -315,7 +315,8 @@ class GranularBed(Attached):
         Parameters
         ----------
         constant : mapping of int to array, optional
-            Constant generalised forces (N, N m for angles) by node number, such as weights.
+            Constant generalised forces such as weights, by node number: N, N m for angles, in the order of the node's
+            coordinates.
 
         Raises
         ------

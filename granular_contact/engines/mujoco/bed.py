@@ -303,7 +303,7 @@ class MujocoBed:
     def install(self, *datas: Any) -> MujocoBed:
         """Set MuJoCo's passive callback to this bed, for these data or, if none are given, for all data of the model.
 
-        A process has one such callback; one that was set before is called, too. The bed is also a context:
+        A process has one such callback; an earlier one is called, too. The bed is also a context that resets it:
 
             with bed.install():
                 mujoco.mj_step(model, data, nstep=1000)

@@ -136,7 +136,7 @@ class SpatialRigidBody:
         return 3, 4, 5, 6
 
     def levers(self, radius: float) -> tuple[float, ...]:
-        """Factors from coordinate rates to greatest speeds (m/s) of points within a radius (m); w = 2 e'."""
+        """Factors from coordinate rates to greatest speeds (m/s) of points within a radius (m); |w| <= 2 |e'|."""
         return (1.0,) * 3 + (2.0 * radius,) * 4
 
     def mass_matrix(self) -> Vector:
