@@ -7,7 +7,7 @@ memory      views, small arrays and records within a kernel
 layout      arrays of Python at fixed addresses, which a kernel finds by their names
 records     record types whose fields are read and written as attributes
 compiling   notice and time of a compilation
-loaded      modules that worker processes have loaded in advance
+loaded      what numba loads with its first kernel, in advance for worker processes
 
 numba caches compiled code beside the sources and reuses it while the file of the called function is unchanged. It does
 not notice changes of inlined functions in other files. So cached code that is older than any kernel or law is deleted.

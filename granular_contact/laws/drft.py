@@ -5,8 +5,8 @@
 v is the true velocity and v_n its component normal to the element. On a one-sided outline the inertial term acts only
 where n . v > 0. The free surface may be lowered by delta_h. Behind the axle of a turning wheel it is lowered by r (r
 omega^2 / g), which the source states for driven wheels [1]; see `sand.kernels.wheels`. In space n is the normal of a
-facet. With n = (-t_y, t_x) and w = t x v = v_n, the inertial term of a straight strip is a cubic in xi on either side
-of the zero of w. Two Gauss points integrate it exactly.
+facet. With n = (-t_y, t_x) and w = t x v = v_n, the integrand of the inertial term of a straight strip is a cubic in xi
+on either side of the zero of w. Two Gauss points integrate it exactly.
 """
 
 from __future__ import annotations

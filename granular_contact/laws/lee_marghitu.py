@@ -201,7 +201,9 @@ def face_factor(d, m):
 
 
 def drag_force(strip, k, f):
-    """Add the drag of a strip in the plane. On either side of the zero of c x v its density is a cubic in xi.
+    """Add the drag of a strip in the plane.
+
+    On either side of the zero of c x v the integrand is a cubic in xi, which two Gauss points integrate exactly.
 
     Parameters
     ----------

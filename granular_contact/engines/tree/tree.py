@@ -229,7 +229,7 @@ def acting(system: System, joints: dict[str, int], nodes: int) -> dict[str, NDAr
 
 
 def sand_of(load: GranularLoad | None, coordinates: int) -> dict[str, NDArray[Any]]:
-    """Addresses of the arrays of a load on nodes with a total number of coordinates, and room for its tangent."""
+    """Addresses of the arrays of a load on nodes with so many coordinates in all, and a work array for its tangent."""
     if load is None:
         return {"sand": np.zeros((0, 0), np.int64), "triplets": np.zeros((1, 3))}
     return {"sand": load.addresses(None, np.zeros(coordinates)), "triplets": load.room_for_tangents}

@@ -7,11 +7,11 @@ batch, and arguments of the functions here:
                         memory
     reference           reference values of the system's coordinates
     active              (lines,) whether a line may touch the surface in this step; the others are skipped
-    ends                (lines + 1, 2) first station and first coordinate of each line; last row: numbers of all
+    ends                (lines + 1, 2) first station and first coordinate of each line; last row: their numbers in all
     places              (coordinates, 2) index of each coordinate of a line in the system and in the bed
     geometry            stations of all lines, one after another
     lines               (lines,) records of `law`
-    profile, medium     see `kernels.lines`; medium (1,)
+    profile, medium     see `law.Contact`; medium (1,)
     anchors             (stations, 2) m, the friction state; (stations, 6) with the columns of `path_length`
     room, body          work arrays, see `work`
     columns             (lines, 3), see `lines`

@@ -10,9 +10,9 @@ by s_a and s_b, as the body turns and as the surface is curved. The load on a fa
     g = clip((n . u + s) / (edge + 2 s), 0, 1),    s^2 = s_a^2 + s_b^2:
 
 the share of the facet that leads, for an n . u spread evenly with the same mean square, and the fade-in of `plates`
-where nothing turns. On a body at rest, with bristles below their yield, the faces beside it would switch between
+where nothing turns. On a body at rest, with bristles below their yield, faces along the bristles would switch between
 loaded and not loaded within a hundredth of a micrometre. There edge is no angle: a face is loaded as a whole once
-n . q reaches `pressed`, a part of the yield displacement [ours]. It reduces the resistance of a ball that slides along
+n . q reaches `pressed`, a part of the yield displacement [ours]. This reduces the resistance of a ball that slides
 slowly by up to 1 %, and its lift by 4 %, as the flat parts of its underside are loaded in part; at 10 mm/s by nothing.
 """
 

@@ -9,10 +9,10 @@ The bristle of `friction`, in the plane: with the stretch p - anchor and the vel
 u is the direction of motion that a law takes, s the mobilised share of its static force. Along a strip q varies
 linearly between the bristles at its two stations, as e and v do; u and s follow from q. After a step the anchor is
 dragged along the line of the bristle so that |p - anchor| <= u_y (radial return of perfect plasticity). Within a step h
-the stretch e is limited to u_y, too: p - anchor is the path of the whole step, with the direction of motion in its
-middle, so that beside tau v the direction would come late by h^2 / 2 (h + tau). At rest nothing moves, and the force is
-continuous in p and v. A law whose force is not along -u has no potential inside the yield surface: one closed path
-there may return up to u_y times its force. Sliding always dissipates energy.
+the stretch e is limited to u_y, too. Without that limit p - anchor would be the path of the whole step, with the
+direction of motion in its middle, and beside tau v the direction would come late by h^2 / (2 (h + tau)). At rest
+nothing moves, and the force is continuous in p and v. A law whose force is not along -u has no potential inside the
+yield surface: one closed path there may return up to u_y times its force. Sliding always dissipates energy.
 
 Lengths are plain square roots: the care of `hypot` for very large and very small numbers takes longer than the law.
 """

@@ -13,7 +13,7 @@ d [ours].
 On a one-sided outline with the outward normal n only the part with n . v > 0 is loaded. S does not vanish where n . v
 does, so an outline that slides along one of its flat sides would be loaded there or not by round-off: the stress is
 faded in over the first EDGE of n . u, g = clip(n . u / EDGE, 0, 1) [ours], too narrow to change the load on bodies that
-turn (0.1 % of the force on a turning disc). On a body at rest, with bristles below their yield, EDGE would be a
+turn (0.1 % of the force on a turning disc). On a body at rest, with bristles below their yield, EDGE would mean a
 hundredth of a micrometre, a spring so stiff that Newton's method cycles. So an element is loaded as a whole once n . q
 reaches PRESSED times the yield displacement [ours].
 

@@ -9,7 +9,7 @@ Given:
     acts            (n,) whether an effort acts along s
     laws, state     (n,) records of JOINT and STATE of each coordinate, see `joint_loads`
     gravity         (1,) m/s2
-    sand, triplets  as in `planar_sand`, with `pose` for the coordinates of the system; room for the tangent
+    sand, triplets  as in `planar_sand`, with `pose` for the coordinates of the system; work array of the tangent
     signals         (n,) signal that the drive of a joint follows, -1 for none
     knots, pieces   tables of signals, see `signal_tables`
     wanted          (signals,) records of SIGNAL: values, rates and accelerations at present
