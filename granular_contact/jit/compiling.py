@@ -28,7 +28,7 @@ def seconds() -> float:
 
 @contextmanager
 def announced(tell: Callable[[str], None] | None, what: str) -> Iterator[None]:
-    """Call `tell` once with a sentence that names `what`, when the first kernel inside is compiled.
+    """Call `tell` once with a sentence that names `what`, when the first kernel within the block compiles.
 
     A version of numba without these events tells nothing.
     """

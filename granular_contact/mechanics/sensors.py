@@ -76,7 +76,7 @@ class Sensors:
         return joint.kind == "hinge" and not {joint.parent, joint.child} & self.system.links.keys()
 
     def _joint(self, joint: Joint) -> tuple[Coordinate, list[int]]:
-        """Coordinate of a joint, and indices of the coordinates that it depends on (reference values included)."""
+        """Coordinate of a joint for q with reference values, and indices of the coordinates that it depends on."""
         from granular_contact.mechanics.coordinates import coordinate
 
         s, indices = coordinate(self.system, joint, np.zeros(2)), []

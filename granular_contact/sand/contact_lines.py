@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 Vector = NDArray[np.float64]
 
-# A long beam is divided into lines of so many elements: only lines near the surface are evaluated.
+# Greatest number of elements of a line. Several lines of a long beam are cheaper: those far above the sand are skipped.
 ELEMENTS_PER_LINE = 12
 
 

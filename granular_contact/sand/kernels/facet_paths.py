@@ -9,7 +9,7 @@ deviation s L / sqrt(area).
 With scatter the anchors of facets have more columns: PATH, the path length (m) of the centroid since the start; LAST
 and the two columns after it, the position of the centroid at the end of the last step (m); KEPT and the two columns
 after it: the number of the grain in which the path was at the last evaluation of forces, and s r of `scatter` at both
-ends of this grain. These three change once a grain only, and to find them costs more than all other work. They are
+ends of this grain. These three change only once per grain, and computing them costs more than all other work. They are
 never used for another grain, so they are no part of the state.
 
 With shear displacements the last three columns of anchors are the displacement S (m) of the anchor along the surface

@@ -218,7 +218,7 @@ def add_term(block, n, traction, arm, term, W):
 
 @part
 def follow_facets(elements, anchors, cluster, pose, ground, medium, row):
-    """`space_law.follow` of facets; most are above the surface, or less deep than a facet before them."""
+    """`space_law.follow` of facets; most are above the surface and no deeper than a facet before them."""
     R, x, v, w = axes(pose), at(pose, law.POSITION, 0), at(pose, law.VELOCITY, 0), at(pose, law.SPIN, 0)
     steep = ground[GROWTH]
     d, down = turned_back(R, (ground[RISE_X], ground[RISE_Y], -1.0)), turned_back(R, (0.0, 0.0, -1.0))

@@ -40,7 +40,7 @@ TERMS = 3
 # - Of a wheel (see `wheels`): radius (m) of its rim; hub_along, hub_left (m): position of its axle from the first
 #   station, along the first strip and to its left; behind (s^2/m): factor of (r omega)^2 in the lowering.
 # - Of a medium with scatter (see `scatter`): scatter, standard deviation (-), 0 without scatter; grain, its length (m);
-#   place (m) at which the line begins; seed, a whole number; static has a bit for each term that scatters.
+#   place (m) on its lattice at which the line begins; seed, a whole number; static: a bit for each term that scatters.
 LINE = record_dtype(
     [
         *fields("f8", "width", "side", "turn", "drop", "beside", "mass", "top", "bottom"),

@@ -25,7 +25,7 @@ class CablePiece(NamedTuple):
     Parameters
     ----------
     shape : tuple of float
-        The four Hermite polynomials at its middle (-), then their derivatives by the length (1/m).
+        (8,): the four Hermite polynomials at its middle, then their derivatives by the length (1/m).
     axis : tuple of float
         Direction (3,) of the element there in the reference configuration, in which the frame of the piece is that of
         the world.
