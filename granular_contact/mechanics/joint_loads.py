@@ -27,7 +27,7 @@ def fill(record: NDArray[np.void], law: JointLaw, drive: Drive | None) -> None:
 
 
 def setpoint(drive: Drive, t: float) -> tuple[float, float]:
-    """Target and target rate of a drive at a time (s); before t = 0 the value at 0 and no rate."""
+    """Target and target rate of a drive at a time (s); before t = 0 rates are 0, other values as at 0."""
     if t < 0.0:
         return (0.0, 0.0) if drive.of_rate else (drive.signal.value(0.0), 0.0)
     value = drive.signal.value(t)

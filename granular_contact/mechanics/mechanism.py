@@ -132,7 +132,7 @@ def contacts(time: Vector, bodies: Sequence[str], depths: Mapping[str, list[Trac
 
 
 def travels(scene: Scene, joint: Joint) -> bool:
-    """Whether a joint with the ground lets the mechanism travel in the direction of `output.travel`."""
+    """Return whether a joint with the ground lets the mechanism travel in the direction of `output.travel`."""
     if joint.parent is not None or joint.kind == "free" or joint.axis is None:
         return joint.parent is None and joint.kind == "free"
     horizontal = np.asarray(joint.axis[:-1])

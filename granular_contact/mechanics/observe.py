@@ -150,7 +150,7 @@ def stop(motion: Kinematics, touch: Touch) -> Stop | None:
 
 
 def _never_stops(motion: Kinematics) -> bool:
-    """Whether a stop has no meaning: the mechanism has drives, or did not move."""
+    """Return whether a stop has no meaning: the mechanism has drives, or did not move."""
     return bool(motion.scene.drives) or motion.path_length <= motion.scene.least_path
 
 

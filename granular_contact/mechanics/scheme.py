@@ -20,7 +20,7 @@ def spectral_radius(scene: Scene) -> float:
 
 
 def prescribed(scene: Scene) -> bool:
-    """Whether signals prescribe motions of joints."""
+    """Return whether signals prescribe motions of joints."""
     return any(drive.kind == "motion" for drive in scene.drives)
 
 

@@ -72,7 +72,7 @@ class Sensors:
     # ---- set up ----
 
     def _turns_rigid(self, joint: Joint) -> bool:
-        """Whether a joint is a hinge between rigid bodies or the ground."""
+        """Return whether a joint is a hinge between rigid bodies or the ground."""
         return joint.kind == "hinge" and not {joint.parent, joint.child} & self.system.links.keys()
 
     def _joint(self, joint: Joint) -> tuple[Coordinate, list[int]]:

@@ -91,7 +91,7 @@ def choice(scene: Scene, accuracy: float) -> Choice:
 
 
 def _topples(scene: Scene) -> bool:
-    """Whether a scene is a free-flying tree of several bodies in space without drives."""
+    """Return whether a scene is a free-flying tree of several bodies in space without drives."""
     moving = sum(joint.kind != "weld" for joint in scene.joints)
     return scene.in_space and scene.floating is not None and not scene.drives and moving > 1
 

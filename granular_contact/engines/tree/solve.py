@@ -67,7 +67,7 @@ class Solve:
         return stopped or self.time >= end
 
     def _late(self, more: float) -> bool:
-        """Whether the limit of wall time is reached `more` seconds from now."""
+        """Return whether the limit of wall time is reached `more` seconds from now."""
         wall = self.tree.scene.solver.max_wall_s
         return wall is not None and self.spent + more >= wall
 

@@ -130,7 +130,7 @@ class BeamMotion:
         return float(piece * (rough / 12.0 + chords / 6.0).max()) + drift(turns / piece, beam.length, loose)
 
     def _is_loose(self, end: tuple[str | None, Vector, Vector]) -> bool:
-        """Whether an end is free of moments, as no body is welded to it."""
+        """Return whether an end is free of moments, as no body is welded to it."""
         return end[0] is not None and self.motion.scene.body(end[0]).is_element
 
     def strains(self) -> Strains:

@@ -70,7 +70,7 @@ def _along(points: NDArray[np.float64], turns: NDArray[np.float64], strips: NDAr
 
 
 def _every_second(strips: int) -> NDArray[np.bool_]:
-    """Whether the first station of each strip (strips,) of a piece stays when strips are joined in pairs."""
+    """Return whether the first station of each strip (strips,) of a piece stays when strips are joined in pairs."""
     kept: NDArray[np.bool_] = np.arange(strips) % 2 == 0
     return kept
 
