@@ -129,15 +129,15 @@ def row(name: str, quick: bool) -> tuple[list[str], dict[float, float], bool]:
     sets += QUICK_END if quick else ()
     reference = run(config, (*sets, f"solver.accuracy={REFERENCE}"))
     runs = {a: run(config, (*sets, f"solver.accuracy={a}")) for a in ACCURACIES}
-    ratios = {a: done.error(reference) / (a * reference.way) for a, done in runs.items()}
+    ratios = {a: result.error(reference) / (a * reference.way) for a, result in runs.items()}
     check, every = "", [reference, *runs.values()]
     if not quick:
         step = steps(load_scenario(CONFIGS / f"{config}.yaml", sets)).step_s
         fixed = run(config, (*sets, "solver.accuracy=null", f"solver.step_s={FINER * step}"))
         check = f"{fixed.error(reference) / (ACCURACIES[-1] * reference.way):.3f}"
         every.append(fixed)
-    counts = [cell for a, done in runs.items() for cell in (f"{done.steps}", f"{ratios[a]:.3f}")]
-    return [name, *counts, check], ratios, all(done.ending == "end_time" for done in every)
+    counts = [cell for a, result in runs.items() for cell in (f"{result.steps}", f"{ratios[a]:.3f}")]
+    return [name, *counts, check], ratios, all(result.ending == "end_time" for result in every)
 
 
 def random_trees(seeds: int) -> Iterator[tuple[Scenario, dict[str, Any]]]:

@@ -1,11 +1,11 @@
-"""Error against run time beside the tools that a user would pick instead: MuJoCo and PyElastica, all in one run.
+"""Error and run time of this package, MuJoCo and PyElastica, all measured in one run.
 
     pip install -e '.[bench]' && python validation/against_peers.py
 
-One impact (31 degrees, 6.24 rad/s, 40 ms), one law with the same exact treatment of the surface in every tool. Error is
-the largest distance of the tip from a converged path, computed with MuJoCo and 32 hinges (so what our beam leaves out,
-the rotary inertia of its section, is charged to us). Time is that of the time steps alone, median after a warm-up.
-Chains of rigid links come after it: see `peer_chains`.
+The case is one impact (31 degrees, 6.24 rad/s, 40 ms). Every tool has the same law with the same exact treatment of the
+surface. The error is the largest distance of the tip from a converged path, which is computed with MuJoCo and 32
+hinges; so the errors of this package include the rotary inertia of the section, which its beam neglects. Run times are
+those of the time steps alone, medians after a warm-up. Chains of rigid links follow, see `peer_chains`.
 """
 
 from __future__ import annotations
@@ -33,8 +33,8 @@ from validation.tables import machine, markdown
 
 LEVELS = (60.0, 12.0, 6.0)  # micrometres
 
-# Settings from coarse to fine, each tool's found by trying many. Ours: elements, strips per element, steps over the
-# 40 ms, tolerance; theirs: hinges or elements, steps. The last but one of ours are the defaults.
+# Settings from coarse to fine, selected from many for each tool. OURS: elements, strips per element, steps over the
+# 40 ms, tolerance; other tools: hinges or elements, steps. The last but one of OURS has the defaults.
 OURS = (
     (1, 4, 40, 1e-3),
     (1, 8, 64, 1e-2),
@@ -82,7 +82,7 @@ class Point:
 
 
 def measure(tool: str, setting: str, run: Callable[[], TipPath], truth: TipPath, repeats: int) -> Point:
-    """Error of a run against the truth, and the median of its time after a warm-up."""
+    """Measure the error of a setting against the converged path, and its median run time after a warm-up."""
     paths = [run() for _ in range(repeats + 1)][1:]
     path = paths[-1]
     at = np.column_stack([np.interp(path.time, truth.time, truth.tip[:, i]) for i in range(2)])
@@ -91,12 +91,12 @@ def measure(tool: str, setting: str, run: Callable[[], TipPath], truth: TipPath,
 
 
 def points(truth: TipPath, repeats: int) -> list[Point]:
-    """All tools at all settings."""
-    found = []
+    """Measure all tools at all settings."""
+    measured = []
     for setting in OURS:
         n, _, steps, _ = setting
         run = lambda s=setting: ours(*s)  # noqa: E731
-        found.append(measure("granular-contact", f"{n} elements, {steps} steps", run, truth, repeats))
+        measured.append(measure("granular-contact", f"{n} elements, {steps} steps", run, truth, repeats))
     variants = (
         ("MuJoCo, Python call per step", HINGES_PLAIN, {}),
         ("MuJoCo, Python call per step, leapfrog", HINGES_LEAPFROG, {"leapfrog": True}),
@@ -105,22 +105,22 @@ def points(truth: TipPath, repeats: int) -> list[Point]:
     for tool, ladder, options in variants:
         for n, steps in ladder:
             run = lambda n=n, s=steps, o=options: mujoco_pendulum.run(n, 0.04 / s, **o)  # noqa: E731
-            found.append(measure(tool, f"{n} hinges, {steps} steps", run, truth, repeats))
+            measured.append(measure(tool, f"{n} hinges, {steps} steps", run, truth, repeats))
     rods = [measure("PyElastica", f"{n} elements", lambda n=n: elastica_pendulum.run(n), truth, 1) for n in RODS]
-    return found + rods
+    return measured + rods
 
 
-def cheapest(found: list[Point], level: float) -> dict[str, Point]:
+def cheapest(measured: list[Point], level: float) -> dict[str, Point]:
     """Fastest setting of each tool whose error is within a level (micrometres)."""
     best: dict[str, Point] = {}
-    for point in found:
+    for point in measured:
         if point.error <= level and (point.tool not in best or point.milliseconds < best[point.tool].milliseconds):
             best[point.tool] = point
     return best
 
 
-def draw(found: list[Point], file: Path) -> None:
-    """Work-precision diagram."""
+def draw(measured: list[Point], file: Path) -> None:
+    """Draw the work-precision diagram."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -129,9 +129,9 @@ def draw(found: list[Point], file: Path) -> None:
     with style():
         figure = Figure(figsize=(4.6, 3.2), layout="constrained")
         axes = figure.subplots()
-        for tool, marker, color in zip(dict.fromkeys(p.tool for p in found), "osv^D", PALETTE, strict=False):
-            mine = sorted((p for p in found if p.tool == tool), key=lambda p: p.milliseconds)
-            times, errors = [p.milliseconds for p in mine], [p.error for p in mine]
+        for tool, marker, color in zip(dict.fromkeys(p.tool for p in measured), "osv^D", PALETTE, strict=False):
+            of_tool = sorted((p for p in measured if p.tool == tool), key=lambda p: p.milliseconds)
+            times, errors = [p.milliseconds for p in of_tool], [p.error for p in of_tool]
             axes.loglog(times, errors, marker, ls="-", color=color, label=tool)
         for level in LEVELS:
             axes.axhline(level, color="0.6", lw=0.5, ls=":", zorder=0)
@@ -142,21 +142,21 @@ def draw(found: list[Point], file: Path) -> None:
 
 
 def main(repeats: int = 9) -> int:
-    """Print the tables and draw the figure; 0 when the bounds on our side hold, else 1."""
+    """Print the tables and draw the figure; return 0 if this package keeps its bounds, else 1."""
     truth = mujoco_pendulum.run(32, 1e-6, integrator="RK4", callback="native")
-    found = points(truth, repeats)
+    measured = points(truth, repeats)
     print(f"{machine('exudyn', 'mujoco', 'pyelastica', 'numba')}; median of {repeats} after a warm-up\n")
-    rows = [[p.tool, p.setting, f"{p.error:.1f}", f"{p.milliseconds:.2f}"] for p in found]
+    rows = [[p.tool, p.setting, f"{p.error:.1f}", f"{p.milliseconds:.2f}"] for p in measured]
     print(markdown(["tool", "setting", "error um", "ms"], rows))
     print()
-    tools = list(dict.fromkeys(p.tool for p in found))
+    tools = list(dict.fromkeys(p.tool for p in measured))
     rows = []
     for level in LEVELS:
-        best = cheapest(found, level)
+        best = cheapest(measured, level)
         rows.append([f"{level:g} um", *(f"{best[t].milliseconds:.2f}" if t in best else "not reached" for t in tools)])
     print(markdown(["error at most", *(f"{tool}, ms" for tool in tools)], rows))
-    draw(found, HERE / "figures" / "against_peers.png")
-    best = {tool: point.milliseconds for tool, point in cheapest(found, 12.0).items()}
+    draw(measured, HERE / "figures" / "against_peers.png")
+    best = {tool: point.milliseconds for tool, point in cheapest(measured, 12.0).items()}
     mine = best["granular-contact"]
     mujoco, expert = mine / best["MuJoCo, Python call per step"], mine / best["MuJoCo, Python call per step, leapfrog"]
     elastica = best["PyElastica"] / mine
@@ -168,13 +168,16 @@ def main(repeats: int = 9) -> int:
 
 
 def chains(repeats: int) -> bool:
-    """Print the tables of the chains; whether ours takes at most twice MuJoCo's time with a Python call per step."""
+    """Print the tables of the chains; return whether this package takes at most twice MuJoCo's time.
+
+    MuJoCo's time is that with one Python call per step.
+    """
     apart = max(peer_chains.agreement(links) for links in peer_chains.SIZES)
-    found = peer_chains.points(repeats)
+    measured = peer_chains.points(repeats)
     print(f"\nChains of rigid links; finest paths at most {apart:.3f} um from MuJoCo's with RK4; median of {repeats}\n")
-    print(peer_chains.tables(found, peer_chains.SIZES))
-    plain = peer_chains.ratios(found, peer_chains.SIZES)
-    expert = peer_chains.ratios(found, peer_chains.SIZES, peer_chains.LEAPFROG_TOOL)
+    print(peer_chains.tables(measured, peer_chains.SIZES))
+    plain = peer_chains.ratios(measured, peer_chains.SIZES)
+    expert = peer_chains.ratios(measured, peer_chains.SIZES, peer_chains.LEAPFROG_TOOL)
     print(f"\nMinimal coordinates take {_range(plain)} times MuJoCo's time with one Python call per step (bound: 2),")
     print(f"and {_range(expert)} times its time where the user adds the leapfrog trick.")
     return max(plain.values()) <= 2.0 and apart <= peer_chains.AGREE

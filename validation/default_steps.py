@@ -113,9 +113,9 @@ def measured(config: str) -> tuple[list[Setting], str]:
     results: dict[str, Setting] = {}
 
     def run(name: str) -> float:
-        done, cost, seconds = solved(scenes[name])
+        result, cost, seconds = solved(scenes[name])
         least = min(seconds, results[name].seconds) if name in results else seconds
-        results[name] = Setting(name, least, cost, _error(done, reference))
+        results[name] = Setting(name, least, cost, _error(result, reference))
         return seconds
 
     for _ in range(ROUNDS):

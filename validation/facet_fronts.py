@@ -1,13 +1,14 @@
-"""What an error costs in space by the size of facets, by the accuracy that is asked for, and in MuJoCo.
+"""Error and run time in space over the size of facets, over the accuracy, and in MuJoCo.
 
     python validation/facet_fronts.py [--quick]
 
-Hexapod, walker and snake (see `space_fronts`), and a ball and a box that are thrown. Steps are chosen by an accuracy.
-*Facets*: steps for 1e-3, and edges of a share of those that this accuracy begins with; one solve. *Accuracy*: a run as
-the user gets it, which is repeated with smaller facets where its own estimate asks for them, with all that it takes.
-*MuJoCo*: the same facets as an accuracy of 1e-2 begins with, in a compiled loop. An error is the largest distance of
-the tip from the path of a run with an accuracy of 3e-4 and facets of a quarter of the size that it begins with, over
-the length of the path. Times are processor time, the least of repeats in turn.
+The scenes are hexapod, walker and snake (see `space_fronts`), and a thrown ball and a thrown box, with adaptive steps.
+*Facets*: one solve with steps for an accuracy of 1e-3, and with facets of a fraction of the size that a run of this
+accuracy starts with. *Accuracy*: a run as a user starts it, which repeats with smaller facets if its own estimate asks
+for that; its time is that of all solves. *MuJoCo*: the facets that a run with an accuracy of 1e-2 starts with, in a
+compiled loop. The error is the largest distance of the tip from a reference path, over the length of that path; the
+reference has an accuracy of 3e-4 and facets of a quarter of the size that it would start with. Run times are processor
+times, the least of repeats in turn.
 """
 
 from __future__ import annotations
@@ -34,12 +35,12 @@ THROWN = {"ball": {"type": "sphere", "diameter_m": 0.04}, "box": {"type": "box",
 SHARES = (2.8, 2.0, 1.4, 1.0, 0.7)
 ACCURACIES, OF_FACETS, REFERENCE = (1e-2, 3e-3, 1e-3), 1e-3, (3e-4, 0.25)
 STEPS = (2e-3, 1e-3, 5e-4, 2e-4)  # s, of MuJoCo
-WITHIN = 1.5  # times what was asked for: errors of steps and of facets add
+WITHIN = 1.5  # error allowed, relative to the accuracy, as the errors of steps and of facets add up
 FIGURE = Path(__file__).parent / "figures" / "facet_fronts.png"
 
 
 def scene_of(name: str, accuracy: float) -> Any:
-    """A scene at an accuracy."""
+    """Build a scene with an accuracy."""
     if name not in THROWN:
         return space_fronts.scene_of(name, SECONDS[name], *chosen(accuracy))
     bodies = {"thrown": {"type": "rigid", "density_kg_m3": 2000, "shapes": [THROWN[name]]}}
@@ -52,32 +53,32 @@ def scene_of(name: str, accuracy: float) -> Any:
 
 
 def by_facets(name: str, accuracy: float, share: float) -> Run:
-    """One solve with a share of the first size of facets."""
+    """Solve once with facets of a fraction of the size that a run of this accuracy starts with."""
     return solved(scene_of(name, accuracy).with_facets(share))
 
 
 def by_accuracy(name: str, accuracy: float) -> Run:
-    """A run as the user gets it."""
-    kept: list[Any] = []
+    """Run a scene as a user does, with all repetitions."""
+    inspected: list[Any] = []
     scene, began = scene_of(name, accuracy), time.process_time()
-    run(scene, inspect=lambda *both: kept.append((time.process_time() - began, *both)))
-    return path(*kept[0])
+    run(scene, inspect=lambda *both: inspected.append((time.process_time() - began, *both)))
+    return path(*inspected[0])
 
 
 def front(name: str, quick: bool) -> list[Found]:
-    """All ways with all their settings."""
-    reference, ways = by_facets(name, *REFERENCE), dict[tuple[str, str], Callable[[], Run]]()
+    """Run all methods with all their settings."""
+    reference, solvers = by_facets(name, *REFERENCE), dict[tuple[str, str], Callable[[], Run]]()
     for share in SHARES[1:4] if quick else SHARES:
-        ways["facets", f"{share:g} times"] = partial(by_facets, name, OF_FACETS, share)
+        solvers["facets", f"{share:g} times"] = partial(by_facets, name, OF_FACETS, share)
     for accuracy in ACCURACIES[:2] if quick else ACCURACIES:
-        ways["accuracy", f"{accuracy:g}"] = partial(by_accuracy, name, accuracy)
+        solvers["accuracy", f"{accuracy:g}"] = partial(by_accuracy, name, accuracy)
     for step in STEPS[1:2] if quick else STEPS:
-        ways[NATIVE, f"{1e3 * step:g} ms"] = partial(by_mujoco, scene_of(name, ACCURACIES[0]), step)
-    return in_turn(ways, reference, 1 if quick else 3)
+        solvers[NATIVE, f"{1e3 * step:g} ms"] = partial(by_mujoco, scene_of(name, ACCURACIES[0]), step)
+    return in_turn(solvers, reference, 1 if quick else 3)
 
 
 def study(quick: bool) -> Outcome:
-    """Fronts of all scenes."""
+    """Run all scenes."""
     rows, claims = [], []
     every = {name: front(name, quick) for name in (("box",) if quick else SECONDS)}
     if not quick:
@@ -92,7 +93,7 @@ def study(quick: bool) -> Outcome:
 
 
 def draw(every: dict[str, list[Found]]) -> None:
-    """Error against run time, a panel for each scene."""
+    """Draw error against run time, one panel for each scene."""
     import matplotlib
 
     matplotlib.use("Agg")
@@ -100,9 +101,9 @@ def draw(every: dict[str, list[Found]]) -> None:
 
     figure, axes = plt.subplots(1, len(every), figsize=(2.6 * len(every), 3.2), sharey=True, layout="constrained")
     for panel, (name, runs) in zip(axes, every.items(), strict=True):
-        for way, style in (("facets", "o-"), ("accuracy", "s-"), (NATIVE, "v:")):
-            errors, seconds = zip(*[one[2:] for one in runs if one[0] == way], strict=True)
-            panel.loglog(seconds, [1e2 * one for one in errors], style, ms=4, label=way)
+        for method, style in (("facets", "o-"), ("accuracy", "s-"), (NATIVE, "v:")):
+            errors, seconds = zip(*[entry[2:] for entry in runs if entry[0] == method], strict=True)
+            panel.loglog(seconds, [1e2 * error for error in errors], style, ms=4, label=method)
         panel.set(title=name.replace("_", " "), xlabel="CPU s", xlim=(1e-3, 4.0))
         panel.grid(alpha=0.3)
     axes[0].set_ylabel("error, % of the path")

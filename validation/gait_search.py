@@ -1,10 +1,10 @@
-"""How long a search for a gait in space takes: 300 runs of the hexapod, 2 s each, on two processes.
+"""Run time of a search for a gait in space: 300 runs of the hexapod, 2 s each, on two processes.
 
     python validation/gait_search.py [--quick]
 
-`optimise` looks for the stance of configs/hexapod.yaml that walks farthest: its sweep, its offset and its duty factor,
-at a stride a second. Wall time, with all processes and their imports, after the kernels are compiled. Where it goes is
-measured in one process: reading and building a scene, its solve, and what results are made of.
+`optimise` maximises the forward speed of configs/hexapod.yaml over the sweep, the offset and the duty factor of the
+stance, at one stride a second. The run time is wall time with all processes and their imports, after the kernels are
+compiled. Its parts are measured in one process: reading and building a scene, the solve, and computing the results.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from granular_contact.studies.optimise.calls import optimise
 from validation.study import Claim, Outcome, script
 from validation.tables import markdown
 
-SETTINGS = ["solver.accuracy=0.1"]  # as of the environment of the hexapod
+SETTINGS = ["solver.accuracy=0.1"]  # as in the environment of the hexapod
 STANCE = {
     "signals.stride.stance_sweep_deg": [30, 120],
     "signals.stride.stance_offset_deg": [-30, 30],
@@ -35,7 +35,7 @@ RUNS, MOST, SEED, WORKERS = 300, 90.0, 1, 2  # (s)
 
 
 def parts() -> list[list[str]]:
-    """Rows of a table: the least processor time (s) of each part of a run, and its share."""
+    """Rows of the table: least processor time of each part of a run, and its share of the whole."""
     least: dict[str, float] = {}
     for _ in range(5):
         times = [time.process_time()]
@@ -51,29 +51,29 @@ def parts() -> list[list[str]]:
         for i, name in enumerate(names):
             least[name] = min(least.get(name, 1e9), times[i + 1] - times[i])
     whole = sum(least.values())
-    return [[name, f"{1e3 * one:.0f}", f"{one / whole:.0%}"] for name, one in least.items()]
+    return [[name, f"{1e3 * seconds:.0f}", f"{seconds / whole:.0%}"] for name, seconds in least.items()]
 
 
 def used() -> float:
-    """Processor time (s) of this process and of those that it started and that are over."""
-    return sum(one.ru_utime + one.ru_stime for one in map(resource.getrusage, (resource.RUSAGE_SELF, CHILDREN)))
+    """Processor time (s) of this process and of its child processes that have ended."""
+    return sum(usage.ru_utime + usage.ru_stime for usage in map(resource.getrusage, (resource.RUSAGE_SELF, CHILDREN)))
 
 
 def study(quick: bool) -> Outcome:
-    """The search, and the parts of a run."""
+    """Run the search, and time the parts of a run."""
     runs, base = 16 if quick else RUNS, load("hexapod", SETTINGS)
     plain = simulate(base).summary["forward_speed_m_s"]  # kernels are compiled before the clock starts
     began, before = time.perf_counter(), used()
-    found = optimise(base, STANCE, maximise="forward_speed_m_s", evaluations=runs, seed=SEED, workers=WORKERS)
+    search = optimise(base, STANCE, maximise="forward_speed_m_s", evaluations=runs, seed=SEED, workers=WORKERS)
     spent, processors = time.perf_counter() - began, used() - before
-    best = found.best
-    words = f"{runs} runs of 2 s in {spent:.1f} s on {WORKERS} processes, {processors:.1f} CPU s in all (seed {SEED}): "
-    words += f"from {1e3 * plain:.0f} to {1e3 * (best.value or 0.0):.0f} mm/s by {_told(best.numbers)}"
+    best = search.best
+    text = f"{runs} runs of 2 s in {spent:.1f} s on {WORKERS} processes, {processors:.1f} CPU s in all (seed {SEED}): "
+    text += f"from {1e3 * plain:.0f} to {1e3 * (best.value or 0.0):.0f} mm/s by {_listed(best.numbers)}"
     claim = Claim(f"gait_search.{RUNS} runs take less than {MOST:g} s", spent <= MOST, f"{spent:.0f} s for {runs} runs")
-    return Outcome(f"{words}\n\n{markdown(['part of a run', 'ms', 'share'], parts())}", (claim,))
+    return Outcome(f"{text}\n\n{markdown(['part of a run', 'ms', 'share'], parts())}", (claim,))
 
 
-def _told(numbers: dict[str, float]) -> str:
+def _listed(numbers: dict[str, float]) -> str:
     return ", ".join(f"{key.split('.')[-1]} {value:.3g}" for key, value in numbers.items())
 
 

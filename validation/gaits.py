@@ -1,11 +1,11 @@
-"""What searches gain over gaits and legs set by hand, and whether the gain is real.
+"""Gains of searches over gaits and legs set by hand, checked by longer and finer runs.
 
     python validation/gaits.py [--quick]
 
-Each configs/optimise_*.yaml is run by the command `granular-contact optimise`, with its results in results/searches. A
-search that is complete there is not run again, an incomplete one is continued. The best gait and the original config
-are then run for longer and with a tenth of the error (`CHECKED`), because a gain that depends on the instant at which a
-run ends, or on its steps, is not real. --quick makes searches of one population each.
+The command `granular-contact optimise` runs each configs/optimise_*.yaml, with its results in results/searches. A
+search that is complete there does not run again; an incomplete one continues. The best gait and the original config
+then run for longer and with a tenth of the error (`CHECKED`), because a gain is not real if it depends on the instant
+at which a run ends, or on its steps. With --quick each search has one population.
 """
 
 from __future__ import annotations
@@ -39,7 +39,11 @@ HEAD = ("search", "", "speed m/s", "cost of transport", "torque mN m", "speed, c
 
 @dataclass(frozen=True)
 class Found:
-    """A finished search: what optimise.json says, and its two runs, each as it was and checked."""
+    """A finished search.
+
+    told: contents of optimise.json; runs: summaries "by hand" and "found", each as run in the search and as checked;
+    seconds: sum of all solve times.
+    """
 
     name: str
     told: dict[str, Any]
@@ -48,7 +52,7 @@ class Found:
 
 
 def searched(path: Path, out: Path, quick: bool) -> Found:
-    """Run the search of a file, or take what there is."""
+    """Run or continue the search of a file, check its best gait, and return the results."""
     name = path.stem.removeprefix("optimise_")
     folder = out / name
     if quick:
@@ -65,28 +69,28 @@ def searched(path: Path, out: Path, quick: bool) -> Found:
     start = {key: float(rows[0][key]) for key in OF}
     best = Results.open(folder / "best").summary
     checks = (_start(folder), load(folder / "best.yaml"))
-    checked = [simulate(one.replace(solver=CHECKED, output={"figures": False})).summary for one in checks]
+    checked = [simulate(config.replace(solver=CHECKED, output={"figures": False})).summary for config in checks]
     seconds = sum(float(row["cost.solve_s"] or 0.0) for row in rows)
     return Found(name, told, {"by hand": (start, checked[0]), "found": (best, checked[1])}, seconds)
 
 
 def _start(folder: Path) -> Loaded:
-    """The config as it was, of the search in a folder."""
+    """Original config of the search in a folder."""
     return load(yaml.safe_load((folder / "optimise.yaml").read_text(encoding="utf-8"))["config"])
 
 
-def rows(found: Found) -> list[list[str]]:
-    """Two lines of the table, and one with the gain."""
+def rows(search: Found) -> list[list[str]]:
+    """Rows of a search in the table of gaits: the gait set by hand and the one found."""
     lines = []
-    for which, (as_run, checked) in found.runs.items():
+    for which, (as_run, checked) in search.runs.items():
         speed, cost, torque = (as_run[key] for key in OF)
         key = "start" if which == "by hand" else "best"
         numbers = ", ".join(
-            f"{name.rpartition('.')[2]} {one[key]:.3g}" for name, one in found.told["parameters"].items()
+            f"{name.rpartition('.')[2]} {values[key]:.3g}" for name, values in search.told["parameters"].items()
         )
         lines.append(
             [
-                found.name,
+                search.name,
                 which,
                 *(f"{speed:.3f}", f"{cost:.3f}", f"{1e3 * torque:.1f}"),
                 *(f"{checked[OF[0]]:.3f}", f"{checked[OF[1]]:.3f}"),
@@ -96,30 +100,30 @@ def rows(found: Found) -> list[list[str]]:
     return lines
 
 
-def checked_gain(found: Found) -> float:
-    """Relative gain of the gait found over that set by hand, in the longer and finer runs."""
-    faster = found.told["sense"] == "maximise"
-    before, after = (found.runs[which][1][OF[0] if faster else OF[1]] for which in ("by hand", "found"))
+def checked_gain(search: Found) -> float:
+    """Relative gain of the found gait over the one set by hand, in the longer and finer runs."""
+    faster = search.told["sense"] == "maximise"
+    before, after = (search.runs[which][1][OF[0] if faster else OF[1]] for which in ("by hand", "found"))
     return float(after / before - 1.0 if faster else 1.0 - after / before)
 
 
-def gain(found: Found) -> list[str]:
-    """Cells of the table of gains."""
-    told = found.told["gain_relative"]
+def gain(search: Found) -> list[str]:
+    """Row of a search in the table of gains."""
+    relative = search.told["gain_relative"]
     return [
-        found.name,
-        f"{found.told['sense']} {found.told['objective']}",
-        "-" if told is None else f"{100 * told:.1f}",
-        f"{100 * checked_gain(found):.1f}",
-        f"{found.told['runs']}",
-        f"{found.told['failed']}",
-        f"{found.told['outside_constraints']}",
-        f"{found.seconds:.0f}",
+        search.name,
+        f"{search.told['sense']} {search.told['objective']}",
+        "-" if relative is None else f"{100 * relative:.1f}",
+        f"{100 * checked_gain(search):.1f}",
+        f"{search.told['runs']}",
+        f"{search.told['failed']}",
+        f"{search.told['outside_constraints']}",
+        f"{search.seconds:.0f}",
     ]
 
 
 def study(quick: bool) -> Outcome:
-    """Gains of the searches, also in longer and finer runs; quick: one population each."""
+    """Run and check all searches; quick: one population each."""
     out = OUT.with_name(f"{OUT.name}_quick") if quick else OUT
     searches = [searched(path, out, quick) for path in CONFIGS]
     text = (

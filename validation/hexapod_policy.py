@@ -1,12 +1,12 @@
-"""A policy for the hexapod, found by a plain evolution strategy, against the gait that was set by hand.
+"""A policy for the hexapod, found by a plain evolution strategy, compared with the gait set by hand.
 
     python validation/hexapod_policy.py [--quick]
 
-The environment is `granular_contact/Hexapod-v0`: 2 s on sand, six motors with a range of rates and a limit of torque.
-The policy is one formula for all six legs, of twelve numbers: the rate of a leg from its own angle and contact, from
-where the legs of its tripod and those of the other one are, and from the attitude of the trunk. The strategy is that of
-`policies`. The gait set by hand is that of configs/hexapod.yaml: followed exactly, whatever torque that takes, and
-followed by the same motors as the policy has.
+The environment is `granular_contact/Hexapod-v0`: 2 s on sand, with six motors that have a range of rates and a limit of
+torque. The policy is one formula with twelve weights for all six legs. It gives the rate of a leg from its own angle
+and contact, from the angles of the legs of its tripod and of the other tripod, and from the attitude of the trunk. The
+evolution strategy is that of `policies`. The gait set by hand is that of configs/hexapod.yaml. It is followed exactly,
+with unlimited torque, or by the motors of the policy.
 """
 
 from __future__ import annotations
@@ -30,20 +30,23 @@ from validation.tables import markdown
 
 END = 2.0  # s
 SIZE = 12
-PLACE, SIDE = np.repeat([1.0, 0.0, -1.0], 2), np.tile([1.0, -1.0], 3)  # of legs: from front to rear, left and right
-SAME = np.equal.outer(TRIPOD, TRIPOD) / 3.0  # (6, 6): means over the legs of the same tripod
+PLACE, SIDE = (
+    np.repeat([1.0, 0.0, -1.0], 2),
+    np.tile([1.0, -1.0], 3),
+)  # position of each leg: from front (1) to rear (-1), left (1) and right (-1)
+SAME = np.equal.outer(TRIPOD, TRIPOD) / 3.0  # (6, 6): weights of the mean over the legs of the same tripod
 OTHER = 1.0 / 3.0 - SAME
 
 
 def policy(weights: Vector) -> Act:
-    """Actions (6,) from what is seen, by the same weights (12,) for each leg."""
+    """Policy with the same weights (12,) for each leg: actions (6,) from an observation."""
 
-    def act(seen: Vector, _: float) -> Vector:
-        roll, pitch, yaw = seen[1:4]
-        sine, cosine, contact = seen[10:16], seen[16:22], seen[28:34]
+    def act(observation: Vector, _: float) -> Vector:
+        roll, pitch, yaw = observation[1:4]
+        sine, cosine, contact = observation[10:16], observation[16:22], observation[28:34]
         features = [np.ones(6), sine, cosine, contact, pitch * np.ones(6), pitch * PLACE, roll * SIDE, yaw * SIDE]
-        for others in (SAME, OTHER):
-            s, c = others @ sine, others @ cosine
+        for mean in (SAME, OTHER):
+            s, c = mean @ sine, mean @ cosine
             features += [s * cosine - c * sine, c * cosine + s * sine]
         return np.asarray(np.tanh(weights @ np.array(features)))
 
@@ -51,7 +54,7 @@ def policy(weights: Vector) -> Act:
 
 
 def by_hand() -> Act:
-    """The clock of configs/hexapod.yaml, followed by the motors: its rate, and what makes up for the angle missed."""
+    """Policy of motors that follow the clock of configs/hexapod.yaml: its rate plus a correction of the angle error."""
     clocks = [Buehler(1.0, np.radians(60.0), 0.0, 0.55, 0.5 * tripod, 0.05) for tripod in TRIPOD]
 
     return policies.following(clocks, RATES, slice(10, 16), slice(16, 22))
@@ -59,22 +62,22 @@ def by_hand() -> Act:
 
 @cache
 def env() -> GranularEnv:
-    """The environment of a process."""
+    """Environment of this process, made once."""
     return hexapod_env(end_time_s=END)
 
 
 def walked(act: Act, **options: object) -> float:
-    """Way ahead (m) of an episode; options: of its reset."""
+    """Distance (m) covered ahead in an episode; options: of its reset."""
     return policies.walked(env(), act, **options)
 
 
 def score(weights: Vector) -> float:
-    """Way ahead (m) under a policy."""
+    """Distance (m) covered ahead with the policy of these weights."""
     return walked(policy(weights))
 
 
 def study(quick: bool = False) -> Outcome:
-    """Ways of the gaits, and how the strategy got on."""
+    """Run the search; table of the distances of all gaits, and the progress of the search."""
     generations, population = (3, 8) if quick else (20, 16)
     weights, history, seconds = policies.evolved(generations, population, score, SIZE)
     exact = simulate(load("hexapod", [f"solver.end_time_s={END}"])).summary["distance_m"]
@@ -86,12 +89,12 @@ def study(quick: bool = False) -> Outcome:
         "all motors at their rate": lambda *_: np.ones(6),
     }
     ways = {name: [walked(act, **sand) for sand in sands.values()] for name, act in gaits.items()}
-    rows = [[name, *(f"{1e3 * one:.0f}" for one in found)] for name, found in ways.items()]
+    rows = [[name, *(f"{1e3 * way:.0f}" for way in of_gait)] for name, of_gait in ways.items()]
     rows.append(["by hand, followed exactly", f"{1e3 * exact:.0f}", ""])
     table = markdown(["gait", *(f"mm in {END:g} s, {sand}" for sand in sands)], rows)
-    best = ", ".join(f"{1e3 * one:.0f}" for one in history)
+    best = ", ".join(f"{1e3 * way:.0f}" for way in history)
     tried = f"{generations * population} episodes in {seconds:.0f} s on {PROCESSES} processes; best so far, mm: {best}"
-    numbers = ", ".join(f"{one:.3f}" for one in weights)
+    numbers = ", ".join(f"{weight:.3f}" for weight in weights)
     ahead = ways["policy"][0] / max(exact, ways["by hand, by the motors"][0])
     claim = Claim("hexapod_policy.it walks farther than the gait set by hand", ahead > 1.0, f"{ahead:.2f} times as far")
     return Outcome(f"{table}\n\n{tried}; seed 1\n\nweights: {numbers}", (claim,))

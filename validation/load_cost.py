@@ -1,14 +1,14 @@
-"""What the granular load costs in the engine: no sand, the plugin, and one Python load function per quadrature point.
+"""CPU time of the granular load in the engine: no sand, the plugin, and one Python load function per quadrature point.
 
     python validation/load_cost.py
 
-The pendulum of configs/pendulum.yaml with 16 elements, 0.1 ms steps, processor time of the solve only. The plugin must
-cost at most half as much again as no sand at all. The naive way is measured as one first writes it, and as it is once
-it has been made fast and the engine is told to differentiate loads.
+The case is the pendulum of configs/pendulum.yaml with 16 elements and steps of 0.1 ms; times are processor times of the
+solve only. A run with the plugin must take at most 1.5 times as long as one without sand. The naive implementation is
+measured in its simplest form, and in an optimised form, with and without load Jacobian of the engine.
 
-In space the same link strikes the same sand, as a link of a scene (rigid elements, by the engine and in minimal
-coordinates) and as cables of a script, hinged at the pivot; in media of bars and of surfaces. By the engine and as
-cables it must cost at most 1.6 times no sand.
+In space the same link strikes the same sand: as a link of a scene (rigid elements, by the engine and in minimal
+coordinates), and as cables of a script, hinged at the pivot; in media of bars and of surfaces. A run by the engine or
+with cables must take at most 1.6 times as long as one without sand.
 """
 
 from __future__ import annotations
@@ -47,9 +47,9 @@ from validation.tables import markdown
 
 CONFIG = HERE.parent / "configs" / "pendulum.yaml"
 STEP, END, ELEMENTS = 1e-4, 0.04, 16
-PLANE, SPACE = 1.5, 1.6  # times no sand
+PLANE, SPACE = 1.5, 1.6  # run time allowed, relative to no sand
 MEDIA = None, "play_sand", "rft3d_sand"
-OUT_OF_REACH = "rft3d_sand out of reach"  # what the call from the engine into Python takes
+OUT_OF_REACH = "rft3d_sand out of reach"  # case that shows the cost of the engine's call into Python
 SETTINGS = [
     f"model.bodies.link.flexible.elements={ELEMENTS}",
     f"solver.step_s={STEP}",
@@ -59,37 +59,37 @@ SETTINGS = [
 
 
 class _PointBed:
-    """Stands where the bed stands in a system, so that the same recorder serves the naive way."""
+    """Stand-in for the bed of a system, so that the recorder also works with the naive implementation."""
 
-    active = True  # whether anything may be touched
-    building_s = 0.0  # nothing is built before the solve
+    active = True  # contact is possible
+    building_s = 0.0  # no time for building before the solve
 
     def __init__(self, system: System, points: list[FloatPoint]) -> None:
         self.system, self.points, self.load_calls = system, points, 0
         self.load = self.history = self.overlay = self
 
     def apply(self, _: float) -> None:
-        """The engine asks the points itself."""
+        """Do nothing, as the engine calls the points itself."""
 
     def untriggered(self) -> AbstractContextManager[None]:
-        """It goes on asking."""
+        """Change nothing: the engine keeps calling the points."""
         return nullcontext()
 
     def since(self, _: float) -> None:
-        """No history is kept."""
+        """Do nothing, as there is no history."""
 
     def accept(self) -> None:
-        """Let the points keep the present state of the system."""
+        """Let the points accept the present state of the system."""
         for point in self.points:
             point.accept(self.system.mbs)
 
     def accept_state(self, *_: object) -> None:
-        """`accept`, whatever the state."""
+        """Call `accept`, with any arguments."""
         self.accept()
 
 
 def by_processor(system: System, **options: Any) -> Cost:
-    """Cost of a solve, with the processor time that it took (s), which other programs hardly change."""
+    """Cost of a solve, with its processor time (s) as time, which other programs hardly change."""
     began = time.process_time()
     cost = solve(system, **options).cost
     return replace(cost, solve_s=time.process_time() - began)
@@ -108,7 +108,7 @@ def solve_naive(sand: Scene, kind: type[FloatPoint], load_jacobian: int) -> Cost
 
 
 def of_scene(medium: str | None, method: str) -> Callable[[], tuple[float, int, int]]:
-    """Solve a scene: processor time (s), iterations and steps."""
+    """Function that solves the scene of a link and returns processor time (s), iterations and steps."""
     given = into_space(pendulum(15.1642, ELEMENTS), 0.0)
     given["solver"] = {"end_time_s": END, "step_s": STEP, "rest_time_s": None}
     scene = build_scene(load(given | {"medium": medium, "method": method}).scenario)
@@ -117,15 +117,18 @@ def of_scene(medium: str | None, method: str) -> Callable[[], tuple[float, int, 
         solving = begin(scene).solving
         began = time.process_time()
         solving.advance()
-        took, cost = time.process_time() - began, solving.trajectory().cost
+        seconds, cost = time.process_time() - began, solving.trajectory().cost
         solving.close()
-        return took, cost.newton_iterations, cost.steps
+        return seconds, cost.newton_iterations, cost.steps
 
     return solve_once
 
 
 def of_cables(medium: str | None, lower: float = 0.0) -> tuple[float, int, int]:
-    """The same of 16 cables of a script, hinged, which begin as a straight link that turns; lower (m): surface."""
+    """Solve 16 hinged cables of a script, which start as a straight rotating link.
+
+    lower: depth of the surface below the tip at the start, m. Returns processor time (s), iterations and steps.
+    """
     link = build_scene(load(pendulum(15.1642, ELEMENTS)).scenario).links[0]
     mbs, angle, rate = exu.SystemContainer().AddSystem(), np.radians(31.0), 6.24
     along, turned = (
@@ -153,13 +156,13 @@ def of_cables(medium: str | None, lower: float = 0.0) -> tuple[float, int, int]:
     settings = implicit(END, STEP)
     began = time.process_time()
     mbs.SolveDynamic(settings)
-    done = mbs.sys["dynamicSolver"].it
-    return time.process_time() - began, done.newtonStepsCount, done.currentStepIndex - 1
+    iterator = mbs.sys["dynamicSolver"].it
+    return time.process_time() - began, iterator.newtonStepsCount, iterator.currentStepIndex - 1
 
 
 def in_space(repeats: int) -> tuple[str, dict[tuple[str, str], float]]:
-    """Table of the cost in space, and how many times no sand it is by way and medium."""
-    ways = {
+    """Table of the cost in space, and run times relative to no sand by method and medium."""
+    solvers = {
         "link, by the engine": {medium: of_scene(medium, "engine") for medium in MEDIA},
         "link, minimal coordinates": {medium: of_scene(medium, "minimal") for medium in MEDIA},
         "cables of a script": {
@@ -168,9 +171,9 @@ def in_space(repeats: int) -> tuple[str, dict[tuple[str, str], float]]:
         },
     }
     rows, ratios = [], {}
-    for name, of in ways.items():
-        runs = [{medium: once() for medium, once in of.items()} for _ in range(repeats + 1)][1:]
-        seconds = {medium: statistics.median(run[medium][0] for run in runs) for medium in of}
+    for name, by_medium in solvers.items():
+        runs = [{medium: once() for medium, once in by_medium.items()} for _ in range(repeats + 1)][1:]
+        seconds = {medium: statistics.median(run[medium][0] for run in runs) for medium in by_medium}
         for medium, (_, iterations, steps) in runs[-1].items():
             ratio = statistics.median(run[medium][0] / run[None][0] for run in runs)
             rows.append([name, medium or "no sand", f"{1e3 * seconds[medium]:.1f}", f"{ratio:.2f}", iterations, steps])
@@ -180,20 +183,20 @@ def in_space(repeats: int) -> tuple[str, dict[tuple[str, str], float]]:
 
 
 def study(quick: bool) -> Outcome:
-    """Processor time with and without sand; quick: two repeats in place of five."""
+    """Measure processor times with and without sand; quick: two repeats instead of five."""
     repeats = 2 if quick else 5
     sand = build_scene(load_scenario(CONFIG, SETTINGS))
     vacuum = replace(sand, bed=None)
-    ways: dict[str, Callable[[], Cost]] = {
+    solvers: dict[str, Callable[[], Cost]] = {
         "no sand": lambda: by_processor(build(vacuum)),
         "plugin": lambda: by_processor(build(sand)),
         "naive, NumPy": lambda: solve_naive(sand, VectorPoint, 0),
         "naive, floats": lambda: solve_naive(sand, FloatPoint, 0),
         "naive, floats, load Jacobian": lambda: solve_naive(sand, FloatPoint, 2),
     }
-    # In turn, not one after the other: a machine that slows down for a while then slows all of them.
-    costs = [{name: way() for name, way in ways.items()} for _ in range(repeats + 1)][1:]
-    seconds = {name: statistics.median(cost[name].solve_s for cost in costs) for name in ways}
+    # All solvers run in turn in each round, so that a slow phase of the machine affects all of them.
+    costs = [{name: solver() for name, solver in solvers.items()} for _ in range(repeats + 1)][1:]
+    seconds = {name: statistics.median(cost[name].solve_s for cost in costs) for name in solvers}
     rows = []
     for name, value in seconds.items():
         last = costs[-1][name]
@@ -201,14 +204,16 @@ def study(quick: bool) -> Outcome:
         rows.append([name, f"{1e3 * value:.1f}", *ratios, last.newton_iterations, last.steps])
     table, ratios = in_space(repeats)
     claims = [claim("in the plane", seconds["plugin"] / seconds["no sand"], PLANE)]
-    claims += [claim(f"{way}, {medium}", r, SPACE) for (way, medium), r in ratios.items() if "minimal" not in way]
+    claims += [
+        claim(f"{method}, {medium}", r, SPACE) for (method, medium), r in ratios.items() if "minimal" not in method
+    ]
     header = ["load", "CPU ms", "to no sand", "to the plugin", "Newton iterations", "steps"]
     text = f"Median of {repeats} after a warm-up.\n\n{markdown(header, rows)}\n\n{table}"
     return Outcome(text, tuple(claims))
 
 
 def claim(name: str, ratio: float, most: float) -> Claim:
-    """A claim on a time over that of the run without sand."""
+    """Make a claim on a run time relative to the run without sand."""
     return Claim(f"load_cost.{name}", ratio <= most, f"{ratio:.2f} times no sand (at most {most:g})")
 
 

@@ -1,13 +1,14 @@
-"""What an error costs on mechanisms: fixed steps, steps chosen by their error, and MuJoCo with the same sand.
+"""Error and run time on mechanisms: fixed steps, adaptive steps, and MuJoCo with the same sand.
 
     python validation/mechanism_fronts.py [--quick]
 
-The runner, the walker, the stepping leg, the chain and the C-leg as shipped, with fixed steps of several lengths, with
-several accuracies, and in MuJoCo (implicitfast) through `MujocoBed`, whose forces come from the same kernels: by one
-call from Python a step, and by a compiled loop without Python. There a prescribed motion is a stiff servo, and the dry
-friction and the stops of the stepping leg are those of our joints, which Python calls too. An error is the largest
-distance of the tip from the path of a run with an accuracy of 1e-4, over the length of the path, or how far the tip
-comes, over the same length. Times are processor time of the solve, the least of repeats in turn.
+The runner, the walker, the stepping leg, the chain and the C-leg run as shipped, with several fixed steps, with several
+accuracies, and in MuJoCo (implicitfast) through `MujocoBed`, whose forces come from the same kernels. In MuJoCo the bed
+is called once a step from Python, or from a compiled loop without Python. A prescribed motion is a stiff servo in
+MuJoCo; the stepping leg has the dry friction and the stops of this package's joints, which are also called from Python.
+The error is the larger of two: the largest distance of the tip from the path of a run with an accuracy of 1e-4, and the
+difference of the distance that the tip covers, both over the length of the path. Run times are processor times of the
+solve, the least of repeats in turn.
 """
 
 from __future__ import annotations
@@ -39,7 +40,7 @@ Vector = NDArray[np.float64]
 FIGURE = Path(__file__).parent / "figures" / "mechanism_fronts.png"
 TIMES_FIXED, TIMES_QUICK = (64.0, 32.0, 16.0, 8.0, 4.0), (32.0, 4.0)
 ACCURACIES, ACCURACIES_QUICK = (1e-1, 5e-2, 3e-2, 1e-2, 1e-3), (1e-1, 1e-2, 1e-3)
-# Steps (s) of MuJoCo, from the longest at which it runs.
+# Steps (s) of MuJoCo, from the longest one at which it is stable.
 THEIRS = {
     "runner": (4e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4),
     "walker": (4e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4),
@@ -47,16 +48,19 @@ THEIRS = {
     "stepping_leg": (2e-3, 1e-3, 5e-4, 2e-4, 1e-4),
     "chain": (4e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5),
 }
-COMPILED = ("runner", "walker", "c_leg", "chain")  # without joints that Python is asked for
-LEVELS = (1e-2, 3e-3, 1e-3, 3e-4)  # of the path
+COMPILED = ("runner", "walker", "c_leg", "chain")  # mechanisms whose joints need no call into Python
+LEVELS = (1e-2, 3e-3, 1e-3, 3e-4)  # error over the length of the path
 ASKED = ("runner", "walker", "chain")
-NEAR, BEHIND = 1.3, 1.5  # times the best of the front; times MuJoCo's best
+NEAR, BEHIND = 1.3, 1.5  # run time allowed, relative to the front and to MuJoCo at equal error
 OURS, MUJOCO, NATIVE = "granular-contact", "MuJoCo", "MuJoCo, compiled"
 
 
 @dataclass(frozen=True)
 class Setting:
-    """A way to solve a mechanism, with its run and its errors (of the path): of the tip's path, of where it ends."""
+    """A setting of a tool with its run.
+
+    path, end: errors of the tip's path and of its end, over the length of the path.
+    """
 
     tool: str
     name: str
@@ -66,7 +70,7 @@ class Setting:
 
     @property
     def error(self) -> float:
-        """The greater one."""
+        """The larger error."""
         return max(self.path, self.end)
 
 
@@ -82,7 +86,7 @@ def by_mujoco(scene: Scene, step: float, compiled: bool = False) -> Run:
 
 
 def _from_python(bed: Any, model: Any, data: Any, controls: Vector, states: Vector, laws: Laws) -> float:
-    """As `mujoco_native.run`."""
+    """Same as `mujoco_native.run`, with the loop over the steps in Python."""
     steps = len(controls)
     began = time.process_time()
     for i in range(steps):
@@ -99,13 +103,13 @@ def _from_python(bed: Any, model: Any, data: Any, controls: Vector, states: Vect
 
 def _tips(model: Any, states: Vector, number: int, point: Vector) -> Vector:
     """Path (n, 2) m of a point of a body."""
-    data, made = mujoco.MjData(model), []
+    data, tips = mujoco.MjData(model), []
     for state in states:
         data.qpos[:] = state
         mujoco.mj_kinematics(model, data)
         turn, place = data.xmat[number].reshape(3, 3), data.xpos[number]
-        made.append(place[[0, 2]] + turn[[0, 2]][:, [0, 2]] @ point)
-    return np.array(made)
+        tips.append(place[[0, 2]] + turn[[0, 2]][:, [0, 2]] @ point)
+    return np.array(tips)
 
 
 def _counted(steps: int) -> Cost:
@@ -113,72 +117,72 @@ def _counted(steps: int) -> Cost:
 
 
 def ways(name: str, quick: bool) -> dict[tuple[str, str], Callable[[], Run]]:
-    """How each mechanism is solved, by tool and setting."""
-    fixed, made = FIXED[name], dict[tuple[str, str], Callable[[], Run]]()
+    """Functions that solve a mechanism, by tool and setting."""
+    fixed, solvers = FIXED[name], dict[tuple[str, str], Callable[[], Run]]()
     for factor in TIMES_QUICK if quick else TIMES_FIXED:
         step = factor * fixed
         sets = "solver.accuracy=null", f"solver.step_s={step}"
-        made[OURS, f"steps of {1e3 * step:g} ms"] = lambda sets=sets: run(name, *sets)
+        solvers[OURS, f"steps of {1e3 * step:g} ms"] = lambda sets=sets: run(name, *sets)
     for accuracy in ACCURACIES_QUICK if quick else ACCURACIES:
         key = f"solver.accuracy={accuracy}"
-        made[OURS, f"accuracy {accuracy:g}"] = lambda key=key: run(name, key)
-    made[OURS, SHIPPED] = lambda: run(name)
+        solvers[OURS, f"accuracy {accuracy:g}"] = lambda key=key: run(name, key)
+    solvers[OURS, SHIPPED] = lambda: run(name)
     scene = build(load_scenario(CONFIGS / f"{name}.yaml"))
     for step in THEIRS.get(name, ())[: 3 if quick else None]:
-        made[MUJOCO, f"steps of {1e3 * step:g} ms"] = lambda step=step: by_mujoco(scene, step)
+        solvers[MUJOCO, f"steps of {1e3 * step:g} ms"] = lambda step=step: by_mujoco(scene, step)
         if name in COMPILED:
-            made[NATIVE, f"steps of {1e3 * step:g} ms"] = lambda step=step: by_mujoco(scene, step, True)
-    return made
+            solvers[NATIVE, f"steps of {1e3 * step:g} ms"] = lambda step=step: by_mujoco(scene, step, True)
+    return solvers
 
 
 def measured(name: str, quick: bool) -> list[Setting]:
-    """All settings of a mechanism that come to its end, with their least times."""
-    reference, there = run(name, f"solver.accuracy={REFERENCE}"), ways(name, quick)
+    """Run all settings of a mechanism; each has its least time, and infinite errors if it did not reach the end."""
+    reference, solvers = run(name, f"solver.accuracy={REFERENCE}"), ways(name, quick)
     runs: dict[tuple[str, str], Run] = {}
     for _ in range(2):
-        for key, way in there.items():
-            again = way()
+        for key, solver in solvers.items():
+            latest = solver()
             before = runs.get(key)
-            runs[key] = again if before is None else replace(before, seconds=min(before.seconds, again.seconds))
-    found = []
-    for (tool, setting), one in runs.items():
-        whole = np.isfinite(one.tip).all() and one.time[-1] > 0.99 * reference.time[-1]
-        path, end = (one.error(reference) / reference.way, _apart(one, reference)) if whole else (np.inf, np.inf)
-        found.append(Setting(tool, setting, one, path, end))
-    return found
+            runs[key] = latest if before is None else replace(before, seconds=min(before.seconds, latest.seconds))
+    settings = []
+    for (tool, setting), result in runs.items():
+        whole = np.isfinite(result.tip).all() and result.time[-1] > 0.99 * reference.time[-1]
+        path, end = (result.error(reference) / reference.way, _apart(result, reference)) if whole else (np.inf, np.inf)
+        settings.append(Setting(tool, setting, result, path, end))
+    return settings
 
 
-def _apart(one: Run, other: Run) -> float:
-    """How far two ends of the tip are apart along the ground, of the path."""
-    return float(abs(one.tip[-1, 0] - other.tip[-1, 0])) / other.way
+def _apart(result: Run, other: Run) -> float:
+    """Distance of the tip's ends in two runs along the ground, over the path length of the second."""
+    return float(abs(result.tip[-1, 0] - other.tip[-1, 0])) / other.way
 
 
-def fastest(found: list[Setting], tool: str, error: float) -> Setting | None:
-    """Of a tool within an error."""
-    return min((one for one in found if one.tool == tool and one.error <= error), key=_seconds, default=None)
+def fastest(settings: list[Setting], tool: str, error: float) -> Setting | None:
+    """Fastest setting of a tool with at most this error; None if there is none."""
+    return min((s for s in settings if s.tool == tool and s.error <= error), key=_seconds, default=None)
 
 
-def _seconds(one: Setting) -> float:
-    return one.one.seconds
+def _seconds(setting: Setting) -> float:
+    return setting.one.seconds
 
 
 def study(quick: bool) -> Outcome:
-    """All mechanisms."""
+    """Run all mechanisms."""
     rows, levels, near, behind = [], [], [], []
     every = {}
     for name in FIXED:
-        every[name] = found = measured(name, quick)
-        rows += [_row(name, one) for one in found]
-        shipped = next(one for one in found if one.name == SHIPPED)
-        best = fastest(found, OURS, shipped.error)
-        assert best is not None  # the shipped one at the least
+        every[name] = settings = measured(name, quick)
+        rows += [_row(name, setting) for setting in settings]
+        shipped = next(setting for setting in settings if setting.name == SHIPPED)
+        best = fastest(settings, OURS, shipped.error)
+        assert best is not None  # at least the shipped setting
         near.append((_seconds(shipped) / _seconds(best), name, best.name))
         for level in LEVELS if name in THEIRS else ():
-            ours, theirs, native = (fastest(found, tool, level) for tool in (OURS, MUJOCO, NATIVE))
-            ratios = _ratio(ours, theirs), _told(native) if name in COMPILED else "", _ratio(ours, native)
-            levels.append([name, f"{1e2 * level:g}", _told(ours), _told(theirs), *ratios])
-            if ours is not None and theirs is not None and name in ASKED:
-                behind.append((_seconds(ours) / _seconds(theirs), name, level))
+            own, theirs, native = (fastest(settings, tool, level) for tool in (OURS, MUJOCO, NATIVE))
+            ratios = _ratio(own, theirs), _time_and_name(native) if name in COMPILED else "", _ratio(own, native)
+            levels.append([name, f"{1e2 * level:g}", _time_and_name(own), _time_and_name(theirs), *ratios])
+            if own is not None and theirs is not None and name in ASKED:
+                behind.append((_seconds(own) / _seconds(theirs), name, level))
     if not quick:
         draw(every)
     head = ["mechanism", "tool", "setting", "steps", "CPU s", "error of path %", "of the end %"]
@@ -205,13 +209,13 @@ def _claims(near: list[tuple[float, str, str]], behind: list[tuple[float, str, f
     )
 
 
-def _row(name: str, one: Setting) -> list[str]:
-    errors = [f"{1e2 * error:.3f}" if np.isfinite(error) else "fails" for error in (one.path, one.end)]
-    return [name, one.tool, one.name, f"{one.one.cost.steps}", f"{_seconds(one):.3f}", *errors]
+def _row(name: str, setting: Setting) -> list[str]:
+    errors = [f"{1e2 * error:.3f}" if np.isfinite(error) else "fails" for error in (setting.path, setting.end)]
+    return [name, setting.tool, setting.name, f"{setting.one.cost.steps}", f"{_seconds(setting):.3f}", *errors]
 
 
-def _told(one: Setting | None) -> str:
-    return "not reached" if one is None else f"{_seconds(one):.3f} ({one.name})"
+def _time_and_name(setting: Setting | None) -> str:
+    return "not reached" if setting is None else f"{_seconds(setting):.3f} ({setting.name})"
 
 
 def _ratio(ours: Setting | None, theirs: Setting | None) -> str:
@@ -219,7 +223,7 @@ def _ratio(ours: Setting | None, theirs: Setting | None) -> str:
 
 
 def draw(every: dict[str, list[Setting]]) -> None:
-    """Error against run time, a panel for each mechanism."""
+    """Draw error against run time, one panel for each mechanism."""
     import matplotlib
 
     matplotlib.use("Agg")
@@ -228,12 +232,22 @@ def draw(every: dict[str, list[Setting]]) -> None:
     figure, axes = plt.subplots(1, len(every), figsize=(3.0 * len(every), 3.2), sharey=True, layout="constrained")
     kinds = {"fixed steps": (OURS, "steps", "o-"), "accuracy": (OURS, "accuracy", "s-"), MUJOCO: (MUJOCO, "", "^--")}
     kinds[NATIVE] = NATIVE, "", "v:"
-    for panel, (name, found) in zip(axes, every.items(), strict=True):
+    for panel, (name, settings) in zip(axes, every.items(), strict=True):
         for label, (tool, begins, style) in kinds.items():
-            some = [one for one in found if one.tool == tool and one.name.startswith(begins) and one.name != SHIPPED]
-            some = [one for one in some if np.isfinite(one.error)]
-            panel.loglog([_seconds(one) for one in some], [1e2 * one.error for one in some], style, ms=4, label=label)
-        shipped = next(one for one in found if one.name == SHIPPED)
+            curve = [
+                setting
+                for setting in settings
+                if setting.tool == tool and setting.name.startswith(begins) and setting.name != SHIPPED
+            ]
+            curve = [setting for setting in curve if np.isfinite(setting.error)]
+            panel.loglog(
+                [_seconds(setting) for setting in curve],
+                [1e2 * setting.error for setting in curve],
+                style,
+                ms=4,
+                label=label,
+            )
+        shipped = next(setting for setting in settings if setting.name == SHIPPED)
         panel.loglog([_seconds(shipped)], [1e2 * shipped.error], "k*", ms=10, label=SHIPPED)
         panel.set(title=name.replace("_", " "), xlabel="CPU s", xlim=(0.001, 2.0))
     axes[0].set_ylabel("error, % of the path")

@@ -1,15 +1,15 @@
-"""Robots of MuJoCo Menagerie on sand, as they are: which load, whether they stand, what a step costs.
+"""Robots of MuJoCo Menagerie on sand without changes: which of them load, whether they stand, CPU time of a step.
 
     git clone https://github.com/google-deepmind/mujoco_menagerie
     python validation/menagerie.py mujoco_menagerie [unitree_go1 ...]
 
-Of each robot its own file is read, which has no floor (the floor is in its scene.xml), and nothing of it is changed but
-the time step. All its bodies are in sand, by the geoms of their contacts; of bodies with pictures alone the convex hull
-counts. It starts in its first key, or in its reference configuration, with its lowest point at the surface, and its
-servos hold that configuration. It is watched for 3 s. Sinking is the mean of the last second; the tilt is that of the
-trunk since the start. A robot that has torque motors and no servos falls, as it does anywhere.
+The script reads the robot's own file, which has no floor (the floor is in scene.xml), and changes only the time step.
+All bodies are in sand with their contact geoms; bodies that have visual geoms only use the convex hull. A robot starts
+in its first keyframe, or in its reference configuration, with its lowest point at the surface. Its servos hold that
+configuration for 3 s. The speed of sinking is the mean of the last second; the tilt is the rotation of the trunk since
+the start. A robot with torque motors and without servos falls, as it does on any ground.
 
-No file of the Menagerie is in this project.
+This project contains no file of the Menagerie.
 """
 
 from __future__ import annotations
@@ -37,7 +37,11 @@ STEPS, SECONDS, LAST = (1e-3, 2e-3), 3.0, 1.0  # s
 
 @dataclass(frozen=True)
 class Stood:
-    """What became of a robot: height (m) of its trunk at the start of the last second and at the end, tilt (rad)."""
+    """Result of a robot that was put on sand.
+
+    heights: of the trunk at the start of the last second and at the end, m; tilt: rad; carried, weight: force of the
+    sand and weight, N; us, alone: CPU time of the bed and of MuJoCo in a step, us; told: warnings.
+    """
 
     facets: int
     weight: float
@@ -50,9 +54,9 @@ class Stood:
 
 
 def model_of(folder: Path, step: float) -> Any:
-    """The robot of a folder, from the file beside its scene that has no floor."""
+    """MuJoCo model of the robot in a folder, from its file without a floor."""
     (path,) = [
-        one for one in sorted(folder.glob("*.xml")) if not one.name.startswith("scene") and "mjx" not in one.name
+        file for file in sorted(folder.glob("*.xml")) if not file.name.startswith("scene") and "mjx" not in file.name
     ]
     model = mujoco.MjModel.from_xml_path(str(path))
     model.opt.timestep = step
@@ -60,23 +64,23 @@ def model_of(folder: Path, step: float) -> Any:
 
 
 def start(model: Any, bed: MujocoBed) -> Any:
-    """Data in the robot's first key, held by its servos, with its lowest facet at the surface."""
+    """State of the robot in its first keyframe, held by its servos, with its lowest facet at the surface."""
     data = mujoco.MjData(model)
     if model.nkey:
         mujoco.mj_resetDataKeyframe(model, data, 0)
     mujoco.mj_kinematics(model, data)
     lowest = np.inf
-    for one in bed.load.lines:
-        number = model.body(one.body.name).id
+    for line in bed.load.lines:
+        number = model.body(line.body.name).id
         lowest = min(
-            lowest, float((data.xpos[number] + one.rows[:, :3] @ data.xmat[number].reshape(3, 3).T)[:, 2].min())
+            lowest, float((data.xpos[number] + line.rows[:, :3] @ data.xmat[number].reshape(3, 3).T)[:, 2].min())
         )
     data.qpos[2] -= lowest
     return data
 
 
 def stand(model: Any) -> Stood:
-    """Put a robot on sand and watch it."""
+    """Put a robot on sand and simulate it."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         bed = MujocoBed(model, preset("rft3d_sand"))
@@ -99,40 +103,40 @@ def stand(model: Any) -> Stood:
     mujoco.mju_subQuat(turn, data.qpos[3:7], up)
     count = SECONDS / model.opt.timestep
     return Stood(
-        sum(len(one.rows) for one in bed.load.lines),
+        sum(len(line.rows) for line in bed.load.lines),
         float(9.81 * model.body_mass.sum()),
         float(bed.of(data).force[2]),
         (before, float(data.qpos[2])),
         float(np.linalg.norm(turn)),
         1e6 * spent["bed"] / count,
         1e6 * spent["alone"] / count,
-        tuple(str(one.message) for one in caught),
+        tuple(str(warning.message) for warning in caught),
     )
 
 
 def rows_of(name: str, folder: Path) -> list[list[str]]:
-    """A row for each step, or one that says why the robot does not load."""
+    """Row of the table for each step, or one row with the reason why the robot does not load."""
     rows = []
     for step in STEPS:
         try:
             model = model_of(folder, step)
-            found = stand(model)
+            result = stand(model)
         except (GranularContactError, ValueError) as error:
             return [[name, f"{1e3 * step:g}", f"not loaded: {str(error).splitlines()[0]}", *[""] * 7]]
-        stands = found.tilt < 0.2 and abs(found.carried / found.weight - 1.0) < 1e-3
-        sinks = 1e6 * (found.heights[0] - found.heights[1]) / LAST
+        stands = result.tilt < 0.2 and abs(result.carried / result.weight - 1.0) < 1e-3
+        sinks = 1e6 * (result.heights[0] - result.heights[1]) / LAST
         rows.append([
-            name, f"{1e3 * step:g}", f"{model.nbody - 1}", f"{found.facets}", "yes" if stands else "falls",
-            f"{sinks:.2g}" if stands else "", f"{np.degrees(found.tilt):.1f}",
-            f"{found.us:.0f}", f"{found.alone:.0f}", f"{1e6 * step / (found.us + found.alone):.1f}",
+            name, f"{1e3 * step:g}", f"{model.nbody - 1}", f"{result.facets}", "yes" if stands else "falls",
+            f"{sinks:.2g}" if stands else "", f"{np.degrees(result.tilt):.1f}",
+            f"{result.us:.0f}", f"{result.alone:.0f}", f"{1e6 * step / (result.us + result.alone):.1f}",
         ])  # fmt: skip
-        for sentence in found.told:
+        for sentence in result.told:
             print(f"{name}: {sentence}")
     return rows
 
 
 def main() -> int:
-    """Print the table; 0 when all robots load and all that have servos stand, else 1."""
+    """Print the table; return 0 if all robots load and all robots with servos stand, else 1."""
     if len(sys.argv) < 2:
         print(__doc__)
         return 2

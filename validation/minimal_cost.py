@@ -1,14 +1,14 @@
-"""Minimal coordinates beside the engine on trees of rigid bodies, for whether a method of its own is worth its code.
+"""Minimal coordinates and the engine on trees of rigid bodies: whether a method of its own is worth its code.
 
     python validation/minimal_cost.py [--quick]
 
-Straight chains of rigid links that strike sand with the tip (validation/chains.py), solved in minimal coordinates and
-by the engine, with steps chosen by their error. Times are processor time of the solve, the least of three rounds in
-turn; errors are the largest distance of the tip from a run in minimal coordinates with an accuracy of 1e-6. A table
-compares at equal error: the cheapest run of each method that is no farther off. The last one has the shipped mechanisms
-that are trees of rigid bodies, by both methods; there an error is the largest distance of the tip from a run with an
-accuracy of 1e-4 in minimal coordinates, over the length of its path, and beside it stand how far the same of the engine
-is from that, and the error of the energy balance.
+Straight chains of rigid links strike sand with the tip (validation/chains.py). They are solved in minimal coordinates
+and by the engine, with adaptive steps. Run times are processor times of the solve, the least of three rounds in turn.
+The error is the largest distance of the tip from a run in minimal coordinates with an accuracy of 1e-6. One table
+compares the methods at equal error: the cheapest run of each method within an error. The last table has the shipped
+mechanisms that are trees of rigid bodies, with both methods. There the error is the largest distance of the tip from a
+run in minimal coordinates with an accuracy of 1e-4, over the length of its path. Two more columns have the distance of
+the engine's run with the same accuracy from that reference, and the error of the energy balance.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ from validation.tables import markdown
 
 Vector = NDArray[np.float64]
 SIZES, QUICK, ROUNDS = (1, 4, 16, 64), (1, 4), 3
-FINEST, FINE = 1e-6, 1e-4  # accuracies of references
+FINEST, FINE = 1e-6, 1e-4  # accuracies of the references for chains and for mechanisms
 ACCURACIES = (3e-2, 1e-2, 3e-3, 1e-3, 1e-4)
 END = 0.04  # s
 LEVELS = (100.0, 30.0, 10.0)  # um
@@ -49,12 +49,12 @@ MECHANISMS = ("runner", "walker", "c_leg", "stepping_leg", "chain", "wheel", "do
 QUICK_MECHANISMS = ("runner", "walker")
 SETTINGS = tuple((method, accuracy) for method in ("minimal", "engine") for accuracy in (1e-2, 3e-3, 1e-3))
 LEVEL = 0.3  # % of the path
-DROP_AT = 2.0  # times the time of minimal coordinates, within which the engine alone would do
+DROP_AT = 2.0  # run time of the engine over minimal coordinates, up to which the engine alone is enough
 
 
 @dataclass(frozen=True)
 class Run:
-    """Of a solve: processor time (s), steps, time (n,) s and place (n, 2) m of the tip."""
+    """Result of a solve: processor time (s), steps, times (n,) s and positions (n, 2) m of the tip."""
 
     seconds: float
     steps: int
@@ -63,19 +63,19 @@ class Run:
 
     def error(self, truth: Run) -> float:
         """Largest distance (um) of the tip from that of a converged run."""
-        there = [np.interp(self.time, truth.time, place) for place in truth.tip.T]
-        return 1e6 * float(np.linalg.norm(self.tip - np.column_stack(there), axis=1).max())
+        reference = [np.interp(self.time, truth.time, place) for place in truth.tip.T]
+        return 1e6 * float(np.linalg.norm(self.tip - np.column_stack(reference), axis=1).max())
 
 
 def minimal(links: int, accuracy: float) -> Run:
-    """In minimal coordinates."""
+    """Solve a chain in minimal coordinates."""
     scene = chain(links, method="minimal", end_time_s=END, accuracy=accuracy)
-    made = tree(scene)
-    return _timed(SolveTree(made), made.system, scene)
+    built = tree(scene)
+    return _timed(SolveTree(built), built.system, scene)
 
 
 def engine(links: int, accuracy: float) -> Run:
-    """By the engine."""
+    """Solve a chain by the engine."""
     scene = chain(links, end_time_s=END, accuracy=accuracy)
     system = build(scene)
     return _timed(Solve(system), system, scene)
@@ -91,25 +91,25 @@ def _timed(solve: SolveTree | Solve, system: object, scene: object) -> Run:
 
 
 def measured(links: int) -> dict[tuple[str, str], tuple[Run, float]]:
-    """Runs of one chain by method and setting, each with its error (um) and its least time."""
+    """Fastest run of a chain by method and setting, each with its error (um)."""
     truth = minimal(links, FINEST)
-    found: dict[tuple[str, str], list[Run]] = {}
+    runs: dict[tuple[str, str], list[Run]] = {}
     for _ in range(ROUNDS):
-        for method, way in (("minimal", minimal), ("engine", engine)):
+        for method, solver in (("minimal", minimal), ("engine", engine)):
             for accuracy in ACCURACIES:
-                found.setdefault((method, f"{accuracy:g}"), []).append(way(links, accuracy))
-    least = {key: min(runs, key=lambda one: one.seconds) for key, runs in found.items()}
-    return {key: (one, one.error(truth)) for key, one in least.items()}
+                runs.setdefault((method, f"{accuracy:g}"), []).append(solver(links, accuracy))
+    least = {key: min(repeats, key=lambda run: run.seconds) for key, repeats in runs.items()}
+    return {key: (fastest, fastest.error(truth)) for key, fastest in least.items()}
 
 
-def _least(found: dict[tuple[str, str], tuple[Run, float]], method: str, level: float) -> float:
-    """Least time (s) of a method at an error of at most `level` (um); infinite if none is so exact."""
-    times = [run.seconds for key, (run, error) in found.items() if key[0] == method and error <= level]
+def _least(runs: dict[tuple[str, str], tuple[Run, float]], method: str, level: float) -> float:
+    """Least time (s) of a method with an error of at most `level` (um); infinite if no run reaches it."""
+    times = [run.seconds for key, (run, error) in runs.items() if key[0] == method and error <= level]
     return min(times, default=math.inf)
 
 
 def mechanism(name: str, method: str, accuracy: float) -> Results:
-    """Results of a shipped config."""
+    """Run a shipped config by a method with an accuracy."""
     scenario = load(HERE.parent / "configs" / f"{name}.yaml").scenario
     scenario = scenario.replace({"solver.accuracy": accuracy, "solver.step_s": None, "method": method})
     return run(build_scene(scenario), scenario)
@@ -124,7 +124,7 @@ def mechanisms(names: Sequence[str]) -> tuple[str, list[float]]:
         apart = f"{_apart(other, truth) / path:.3f}"
         for method, accuracy in SETTINGS:
             runs = [mechanism(name, method, accuracy) for _ in range(ROUNDS)]
-            cost = min((one.summary["cost"] for one in runs), key=lambda cost: cost["solve_s"])
+            cost = min((results.summary["cost"] for results in runs), key=lambda cost: cost["solve_s"])
             off, balance = _apart(runs[0], truth) / path, 100.0 * runs[0].summary["energy"]["imbalance_relative"]
             counts = cost["steps"], cost["newton_iterations"], cost["jacobians"]
             numbers = f"{1e3 * cost['solve_s']:.1f}", f"{off:.3f}", apart, f"{balance:.3f}"
@@ -137,10 +137,10 @@ def mechanisms(names: Sequence[str]) -> tuple[str, list[float]]:
     return markdown([*head, "error of path %", "of the engine, fine, %", "of energies %"], rows), ratios
 
 
-def _apart(one: Results, truth: Results) -> float:
-    """Largest distance (cm) of two tips."""
-    there = np.column_stack([np.interp(one["time_s"], truth["time_s"], at) for at in _tip(truth).T])
-    return 100.0 * float(np.linalg.norm(_tip(one) - there, axis=1).max())
+def _apart(results: Results, truth: Results) -> float:
+    """Largest distance (cm) of the tip from that of a reference run."""
+    reference = np.column_stack([np.interp(results["time_s"], truth["time_s"], axis) for axis in _tip(truth).T])
+    return 100.0 * float(np.linalg.norm(_tip(results) - reference, axis=1).max())
 
 
 def _tip(results: Results) -> Vector:
@@ -148,17 +148,19 @@ def _tip(results: Results) -> Vector:
 
 
 def study(quick: bool) -> Outcome:
-    """All chains, and all mechanisms."""
+    """Run all chains and all mechanisms."""
     every, equal, ratios = [], [], []
     for links in QUICK if quick else SIZES:
-        found = measured(links)
-        for (method, setting), (one, error) in found.items():
-            every.append([f"{links}", method, setting, f"{one.steps}", f"{1e3 * one.seconds:.2f}", f"{error:.1f}"])
+        runs = measured(links)
+        for (method, setting), (result, error) in runs.items():
+            every.append(
+                [f"{links}", method, setting, f"{result.steps}", f"{1e3 * result.seconds:.2f}", f"{error:.1f}"]
+            )
         for level in LEVELS:
-            ours, theirs = _least(found, "minimal", level), _least(found, "engine", level)
-            if math.isfinite(ours + theirs):
-                ratios.append(theirs / ours)
-                cells = [f"{1e3 * ours:.2f}", f"{1e3 * theirs:.2f}", f"{theirs / ours:.1f}"]
+            in_minimal, by_engine = _least(runs, "minimal", level), _least(runs, "engine", level)
+            if math.isfinite(in_minimal + by_engine):
+                ratios.append(by_engine / in_minimal)
+                cells = [f"{1e3 * in_minimal:.2f}", f"{1e3 * by_engine:.2f}", f"{by_engine / in_minimal:.1f}"]
                 equal.append([f"{links}", f"{level:g}", *cells])
     table, of_mechanisms = mechanisms(QUICK_MECHANISMS if quick else MECHANISMS)
     text = "\n\n".join(

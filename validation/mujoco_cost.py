@@ -1,13 +1,14 @@
-"""What the bed costs in a MuJoCo model: a hexapod that walks, by step; and the walker in the plane.
+"""CPU time of the bed in MuJoCo models: a step of a walking hexapod, and a run of the walker in the plane.
 
     python validation/mujoco_cost.py
 
-CPU time, the least of forty stretches of 200 steps from the same state, after a warm-up; all in one run. The hexapod of
-examples/mujoco walks at steps of 1 ms. By hand is what one writes first: a Python loop over all triangles, each loaded
-if it is below the surface and leads, with the law of 3D-RFT as it is here (compiled), no bristles, and `mj_applyFT` a
-body; it does not stand. The walker of configs/walker.yaml makes 2 s at steps of 0.2 ms, with lines in the plane.
+The hexapod of examples/mujoco walks at steps of 1 ms. Its CPU time is the least of forty stretches of 200 steps from
+the same state, after a warm-up; all in one run. "By hand" is the simplest implementation: a Python loop over all
+triangles, which loads each leading triangle below the surface by this package's compiled law of 3D-RFT, without
+bristles, and calls `mj_applyFT` once a body; with it the hexapod does not stand. The walker of configs/walker.yaml runs
+2 s at steps of 0.2 ms, with lines in the plane.
 
-The bounds: 60 us for the bed a step of the hexapod, ten times real time, 1 s for the walker.
+Bounds: 60 us for the bed in a step of the hexapod, ten times real time, 1 s for the walker.
 """
 
 from __future__ import annotations
@@ -35,12 +36,15 @@ from granular_contact.scene.media import preset
 from validation.peers.mujoco_scene import bed_of, controls_of, model_of, start
 from validation.tables import machine, markdown
 
-STRETCH, REPEATS, BEGIN = 200, 40, 1.0  # steps, stretches, s of walking before
+STRETCH, REPEATS, BEGIN = 200, 40, 1.0  # steps, stretches, s of walking before the first stretch
 BED, REAL_TIME, WALKER = 60.0, 10.0, 1.0  # us, times, s
 
 
 def least(model: Any, data: Any, once: Callable[[int], object], back: Callable[[], None] | None = None) -> float:
-    """CPU time (us) of a step: the least of stretches that all begin where data is."""
+    """CPU time (us) of a step: least over stretches, which all start at the present state of `data`.
+
+    once: does the step with a number; back: called before each stretch to reset further state.
+    """
     whole = mujoco.mjtState.mjSTATE_INTEGRATION
     begin = np.zeros(mujoco.mj_stateSize(model, whole))
     mujoco.mj_getState(model, data, begin, whole)
@@ -58,17 +62,17 @@ def least(model: Any, data: Any, once: Callable[[int], object], back: Callable[[
 
 
 class Naive:
-    """The forces of a Python loop over triangles."""
+    """Forces of the sand by a Python loop over triangles."""
 
     def __init__(self, bed: MujocoBed, medium: Rft3d) -> None:
         self.law = SimpleNamespace(xi_n=medium.stiffness(9.81), mu_surf=medium.mu_surf)
         self.medium, self.bodies = medium, {}
-        for one in bed.load.lines:
-            number = bed.model.body(one.body.name).id
-            self.bodies.setdefault(number, []).extend(one.rows[:, [0, 1, 2, 4, 5, 6, 7]].tolist())
+        for line in bed.load.lines:
+            number = bed.model.body(line.body.name).id
+            self.bodies.setdefault(number, []).extend(line.rows[:, [0, 1, 2, 4, 5, 6, 7]].tolist())
 
     def apply(self, model: Any, data: Any) -> None:
-        """Add up the triangles of each body."""
+        """Sum the forces on the triangles of each body and apply them."""
         data.qfrc_applied[:] = 0.0
         twist = np.zeros(6)
         for number, rows in self.bodies.items():
@@ -101,14 +105,14 @@ class Naive:
 
 
 def hexapod_rows() -> tuple[list[tuple[str, float]], int]:
-    """What of a step takes how long (us), and the number of facets."""
+    """CPU time (us) of a step with and without the bed and by hand, and the number of facets."""
     model, bed = hexapod.make(1e-3)
     data = mujoco.MjData(model)
     while data.time < BEGIN:
         data.ctrl[:] = hexapod.angles(data.time)
         bed.apply(data)
         mujoco.mj_step(model, data)
-    kept, controls = bed.of(data).state, [hexapod.angles(BEGIN + 1e-3 * i) for i in range(STRETCH)]
+    state, controls = bed.of(data).state, [hexapod.angles(BEGIN + 1e-3 * i) for i in range(STRETCH)]
     naive = Naive(bed, preset("rft3d_sand"))
 
     def alone(i: int) -> None:
@@ -127,11 +131,11 @@ def hexapod_rows() -> tuple[list[tuple[str, float]], int]:
 
     times = {
         "MuJoCo's step alone": least(model, data, alone),
-        "with the bed": least(model, data, with_bed, lambda: bed.restore(data, kept)),
+        "with the bed": least(model, data, with_bed, lambda: bed.restore(data, state)),
     }
     data.xfrc_applied[:] = 0.0
     times["with a Python loop over triangles"] = least(model, data, by_hand)
-    return list(times.items()), sum(len(one.rows) for one in bed.load.lines)
+    return list(times.items()), sum(len(line.rows) for line in bed.load.lines)
 
 
 def walker_seconds() -> float:
@@ -150,7 +154,7 @@ def walker_seconds() -> float:
 
 
 def main() -> int:
-    """Print the tables; 0 when the bounds are kept, else 1."""
+    """Print the tables; return 0 if the bounds are kept, else 1."""
     rows, facets = hexapod_rows()
     alone, whole = rows[0][1], rows[1][1]
     print(f"{machine('mujoco', 'numba')}; hexapod of {facets} facets, steps of 1 ms\n")

@@ -1,11 +1,11 @@
-"""The bed in several versions of MuJoCo: order, standing, cost.
+"""The bed in several versions of MuJoCo: order of convergence, sinking of a standing robot, CPU time.
 
     python validation/mujoco_versions.py PYTHON [PYTHON ...]
 
 Each PYTHON is the interpreter of an environment in which this checkout is installed, with its own version of MuJoCo;
-they run one after another. Of a plate that is thrown into 3D-RFT sand the order of its end is found from three steps
-(`two_engines`); the hexapod stands (`two_engines.drift`), and a step of its walk is timed with and without the bed
-(`mujoco_cost`): the difference in us, and as a share of MuJoCo's own step.
+they run one after another. Three step sizes give the order of the end position of a plate thrown into 3D-RFT sand
+(`two_engines`). The hexapod stands (`two_engines.drift`). A step of its walk is timed with and without the bed
+(`mujoco_cost`); the table has the difference in us, and relative to a step of MuJoCo without the bed.
 """
 
 from __future__ import annotations
@@ -25,21 +25,21 @@ ROWS = ("MuJoCo", "numba", "plate, mm off at 0.1 ms", "order", "sinks um/s at 1 
 
 
 def alone() -> list[str]:
-    """A row of the table, for the MuJoCo of this interpreter."""
+    """Row of the table for this interpreter's version of MuJoCo."""
     from validation import mujoco_cost, two_engines
 
     place = two_engines.PLATE.by_exudyn(two_engines.FALL, INSTANTS)
     apart = [two_engines.PLATE.by_mujoco(two_engines.FALL, step) - place for step in STEPS]
-    off = [1e3 * float((one @ one) ** 0.5) for one in apart]
-    (_, own), (_, whole), *_ = mujoco_cost.hexapod_rows()[0]
+    off = [1e3 * float((difference @ difference) ** 0.5) for difference in apart]
+    (_, bare), (_, whole), *_ = mujoco_cost.hexapod_rows()[0]
     sinks = [two_engines.drift(step) for step in (1e-3, 4e-3)]
-    numbers = [f"{off[-1]:.3f}", f"{two_engines.order(list(STEPS), off):.2f}", *(f"{one:.3f}" for one in sinks)]
+    numbers = [f"{off[-1]:.3f}", f"{two_engines.order(list(STEPS), off):.2f}", *(f"{speed:.3f}" for speed in sinks)]
     versions = [metadata.version(name) for name in ("mujoco", "numba")]
-    return [*versions, *numbers, f"{whole - own:.1f}", f"{(whole - own) / own:.2f}"]
+    return [*versions, *numbers, f"{whole - bare:.1f}", f"{(whole - bare) / bare:.2f}"]
 
 
 def main() -> int:
-    """Print the table; 0 when every order is near one and nothing sinks by 1 um/s, else 1."""
+    """Print the table; return 0 if all orders are near one and all robots sink by less than 1 um/s, else 1."""
     rows = []
     for python in sys.argv[1:]:
         line = [python, __file__, "--alone"]

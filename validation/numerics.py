@@ -1,12 +1,12 @@
-"""What each part of the numerics buys: shipped runs by the engine with one part at a time switched off or changed.
+"""Benefit of each part of the numerics: shipped runs by the engine with one part at a time switched off or changed.
 
     python validation/numerics.py [--quick]
 
-The constants: `granular_contact/mechanics/kernels/numerics.py`. Each config is run as shipped, by the engine (a chain
-too, that minimal coordinates suit), and with every change; times are processor time of the solve, the least of two
-rounds in turn. An error is that of `default_steps`: the greatest distance of any coordinate from a fine run as shipped,
-over the longest way. A part pays if without it a run takes 1.25 times as long or more, or its error is twice as large,
-or it does not come to its end.
+The constants are in `granular_contact/mechanics/kernels/numerics.py`. Each config runs by the engine (also the chain,
+which is shipped for minimal coordinates), as shipped and with every change. Run times are processor times of the solve,
+the least of two rounds in turn. The error is that of `default_steps`: the greatest difference of any coordinate from a
+fine run without changes, over the longest path length. A part pays if a run without it takes at least 1.25 times as
+long, or has more than twice the error, or does not reach its end.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ MOST_CONSTANTS = 15
 
 @dataclass(frozen=True)
 class Solved:
-    """A run: processor time of its solve (s), what it counts, its error over the way."""
+    """Results of a run: processor time of the solve (s), cost with its counts, and error over the path length."""
 
     seconds: float
     cost: Cost
@@ -57,27 +57,27 @@ def _without_acceleration(solver: Any, _lever: Any, apply: Any, allowed: Any) ->
 
 
 def _with_full_newton(scene: Any) -> Any:
-    made = settings.settings(scene)
-    made.timeIntegration.newton.useModifiedNewton = False
-    return made
+    simulation = settings.settings(scene)
+    simulation.timeIntegration.newton.useModifiedNewton = False
+    return simulation
 
 
 def _with_full_matrices(scene: Any) -> Any:
-    made = settings.settings(scene)
-    made.linearSolver.solverType = exu.LinearSolverType.EigenDense
-    return made
+    simulation = settings.settings(scene)
+    simulation.linearSolver.solverType = exu.LinearSolverType.EigenDense
+    return simulation
 
 
 def _with_tolerance(factor: float) -> Callable[[Any], Any]:
     def changed_settings(scene: Any) -> Any:
-        made = settings.settings(scene)
-        made.timeIntegration.newton.absoluteTolerance *= factor
-        return made
+        simulation = settings.settings(scene)
+        simulation.timeIntegration.newton.absoluteTolerance *= factor
+        return simulation
 
     return changed_settings
 
 
-# What is changed: objects, their attributes and what they become.
+# Changes by name: object, attribute and its new value.
 CHANGES: dict[str, tuple[tuple[Any, str, Any], ...]] = {
     "as shipped": (),
     "start without the last accelerations, no Anderson": ((solve.Solve, "_make_predictor", lambda _: None),),
@@ -103,19 +103,19 @@ PARTS = (
 
 @contextmanager
 def changed(name: str) -> Iterator[None]:
-    """Within it a part is changed."""
-    patches = [patch.object(*one) for one in CHANGES[name]]
-    for one in patches:
-        one.start()
+    """Apply a change within the block."""
+    patches = [patch.object(*change) for change in CHANGES[name]]
+    for active in patches:
+        active.start()
     try:
         yield
     finally:
-        for one in patches:
-            one.stop()
+        for active in patches:
+            active.stop()
 
 
 def solved(config: str, sets: tuple[str, ...]) -> tuple[Run, Cost, float]:
-    """A run by the engine, what it cost, and the processor time of its solve (s)."""
+    """Solve a config by the engine; return the run, its cost and the processor time of the solve (s)."""
     scene = scene_of(config, (*(("method=engine",) if config == "chain" else ()), *sets))
     system = build(scene)
     under_way = solve.Solve(system)
@@ -129,57 +129,62 @@ def solved(config: str, sets: tuple[str, ...]) -> tuple[Run, Cost, float]:
 
 
 def measured(config: str) -> dict[str, Solved]:
-    """Runs of a config by what is changed."""
+    """Run a config with each change; results by name of the change."""
     solver = scene_of(config, ()).solver
     fine = fixed(FINER * solver.step_s) if solver.accuracy is None else (f"solver.accuracy={REFERENCE}",)
     reference, *_ = solved(config, fine)
-    found: dict[str, Solved] = {}
+    results: dict[str, Solved] = {}
     for _ in range(ROUNDS):
         for name in CHANGES:
             with changed(name):
-                one, cost, seconds = solved(config, ())
-            ended = one.ending in ("end_time", "rest")
-            least = min(seconds, found[name].seconds) if name in found else seconds
-            found[name] = Solved(least, cost, one.error(reference) / reference.way if ended else math.inf)
-    return found
+                run, cost, seconds = solved(config, ())
+            ended = run.ending in ("end_time", "rest")
+            least = min(seconds, results[name].seconds) if name in results else seconds
+            results[name] = Solved(least, cost, run.error(reference) / reference.way if ended else math.inf)
+    return results
 
 
-def gain(one: Solved, shipped: Solved) -> float:
-    """How many times as long a changed run takes; infinite where its error is WORSE times that of the shipped one."""
-    worse = one.error > WORSE * max(shipped.error, LEAST)
-    return math.inf if worse else one.seconds / shipped.seconds
+def gain(modified: Solved, shipped: Solved) -> float:
+    """Run time of a changed run over the shipped one; infinite if its error is more than WORSE times the latter's."""
+    worse = modified.error > WORSE * max(shipped.error, LEAST)
+    return math.inf if worse else modified.seconds / shipped.seconds
 
 
-def cell(one: Solved, shipped: Solved) -> str:
-    """Of the table: time, iterations and Jacobians over those of the shipped run, and the error in per cent."""
-    counts = f"{one.cost.newton_iterations}, {one.cost.jacobians}"
-    if one is shipped:
-        return f"{one.seconds:.3f} s; {counts}; {1e2 * one.error:.3f}"
-    return f"{one.seconds / shipped.seconds:.2f}; {counts}; {1e2 * one.error:.3f}"
+def cell(modified: Solved, shipped: Solved) -> str:
+    """Cell of the table: run time over that of the shipped run, iterations and Jacobians, and the error in per cent."""
+    counts = f"{modified.cost.newton_iterations}, {modified.cost.jacobians}"
+    if modified is shipped:
+        return f"{modified.seconds:.3f} s; {counts}; {1e2 * modified.error:.3f}"
+    return f"{modified.seconds / shipped.seconds:.2f}; {counts}; {1e2 * modified.error:.3f}"
 
 
-def _said(ratio: float) -> str:
+def _ratio(ratio: float) -> str:
     return "lost accuracy" if math.isinf(ratio) else f"{ratio:.2f}"
 
 
 def constants() -> list[str]:
-    """Names of the constants of the one module."""
+    """Names of the constants in the module `numerics`."""
     body = ast.parse(Path(numerics.__file__).read_text(encoding="utf-8")).body
-    return [one.targets[0].id for one in body if isinstance(one, ast.Assign) and isinstance(one.targets[0], ast.Name)]
+    return [
+        node.targets[0].id for node in body if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name)
+    ]
 
 
 def study(quick: bool) -> Outcome:
-    """All configs and changes."""
+    """Run all configs with all changes."""
     every = {config: measured(config) for config in (QUICK if quick else CONFIGS)}
-    rows = [[name, *(cell(one[name], one["as shipped"]) for one in every.values())] for name in CHANGES]
-    most = {name: max((gain(one[name], one["as shipped"]), config) for config, one in every.items()) for name in PARTS}
-    told = [f"{name} {_said(ratio)} ({config})" for name, (ratio, config) in most.items()]
-    off = [line for name, line in zip(PARTS, told, strict=True) if most[name][0] < PAYS]
+    rows = [[name, *(cell(results[name], results["as shipped"]) for results in every.values())] for name in CHANGES]
+    most = {
+        name: max((gain(results[name], results["as shipped"]), config) for config, results in every.items())
+        for name in PARTS
+    }
+    parts = [f"{name} {_ratio(ratio)} ({config})" for name, (ratio, config) in most.items()]
+    useless = [line for name, line in zip(PARTS, parts, strict=True) if most[name][0] < PAYS]
     names = constants()
     return Outcome(
         f"{markdown(['change', *every], rows)}",
         (
-            Claim("numerics.each part pays", not off, f"{', '.join(told)}; asked: {PAYS:g} on one config each"),
+            Claim("numerics.each part pays", not useless, f"{', '.join(parts)}; asked: {PAYS:g} on one config each"),
             Claim("numerics.few constants", len(names) <= MOST_CONSTANTS, f"{len(names)} (asked: {MOST_CONSTANTS})"),
         ),
     )

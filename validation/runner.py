@@ -1,11 +1,12 @@
-"""Forward speed of the planar runner against its limb frequency, and what the model can't show.
+"""Forward speed of the planar runner over its limb frequency, and limits of the model.
 
     python validation/runner.py [--quick]
 
-configs/runner.yaml with its own clock on close-packed poppy seeds; with a short stance (`SHORT`) on loose ones; and on
-those with its own clock and a trunk so heavy (`HEAVY`) that it rests on its belly and legs lift it only for a moment.
-Speeds are those of the trunk over whole strides in the second half of a run; stride length is speed over limb
-frequency. The real-time factor is the time of the solve over the time simulated, of the config as it is.
+The runner of configs/runner.yaml runs on three grounds: with its own clock on close-packed poppy seeds; with a short
+stance (`SHORT`) on loose seeds; and, with its own clock on loose seeds, with a trunk so heavy (`HEAVY`) that it rests
+on its belly and the legs lift it for a moment only. Speeds are mean speeds of the trunk over whole strides in the
+second half of a run; the stride length is speed over limb frequency. The real-time factor is solve time over simulated
+time for the shipped config.
 """
 
 from __future__ import annotations
@@ -31,16 +32,16 @@ from validation.tables import markdown
 
 CONFIG, FIGURE = HERE.parent / "configs" / "runner.yaml", HERE / "figures" / "runner.png"
 FREQUENCIES = (0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0)  # Hz
-LEG = 0.04  # m, hip to toe
+LEG = 0.04  # m, length of a leg from hip to toe
 SHORT = {"medium": "poppy_seeds_loose", "signals.stride.stance_sweep_deg": 40, "signals.stride.duty_factor": 0.35}
 HEAVY = {"medium": "poppy_seeds_loose", "model.bodies.trunk.density_kg_m3": 1700}
-GROUNDS: dict[str, dict[str, object]] = {  # name: what differs from the config
+GROUNDS: dict[str, dict[str, object]] = {  # changes of the config by name of the ground
     "close-packed, stance of 90 deg": {},
     "loose, stance of 40 deg": SHORT,
     "loose, trunk of 460 g": HEAVY,
 }
-LEAST_TIME, STRIDES = 1.0, 4  # s, and strides that a run lasts at least
-# The quick form: frequencies of each ground that its claims speak of, half the strides.
+LEAST_TIME, STRIDES = 1.0, 4  # least duration of a run in s and in strides
+# The quick form: for each ground the frequencies that its claims need, and half the strides.
 QUICK, QUICK_STRIDES = ((1.0, 8.0), (1.0, 8.0), (1.0, 2.0, 8.0)), 2
 MOST_IMBALANCE = 1e-3
 NOT_SHOWN = """What the model can't show: the resistance is that of a flat, undisturbed bed at every step. There are no
@@ -52,9 +53,10 @@ motion is in the plane: no roll, no yaw, and both sides of the runner have the s
 
 @dataclass(frozen=True)
 class Gait:
-    """What came of a run: limb frequency Hz, speed m/s, greatest depth m, cost of transport, energy imbalance.
+    """Results of a run.
 
-    rise: how far the trunk goes up and down (m).
+    frequency: limb frequency, Hz; speed: forward, m/s; rise: range of the trunk's height, m; depth: greatest, m; cost:
+    cost of transport; imbalance: relative error of the energy balance.
     """
 
     frequency: float
@@ -66,19 +68,19 @@ class Gait:
 
     @property
     def stride(self) -> float:
-        """Way of one stride (m)."""
+        """Stride length (m)."""
         return self.speed / self.frequency
 
 
 def simulate(frequency: float, changes: dict[str, object], end_time: float) -> Results:
-    """Results of the runner at a limb frequency (Hz)."""
+    """Run the runner at a limb frequency (Hz) on a ground, given by changes of the config, to an end time (s)."""
     sets = [f"signals.stride.frequency_Hz={frequency}", f"solver.end_time_s={end_time}"]
     scenario = load_scenario(CONFIG, [*sets, *(f"{key}={value}" for key, value in changes.items())])
     return run(build(scenario), scenario)
 
 
 def gait(frequency: float, changes: dict[str, object], strides: int = STRIDES) -> Gait:
-    """Gait at a limb frequency (Hz), over so many strides at least."""
+    """Measure the gait at a limb frequency (Hz), over at least `strides` strides."""
     end = max(LEAST_TIME, strides / frequency)
     results = simulate(frequency, changes, end)
     time_s, x = results["time_s"], results["trunk_x_m"]
@@ -112,10 +114,10 @@ def rows(gaits: list[Gait]) -> list[list[str]]:
 
 
 def claims(close: list[Gait], loose: list[Gait], heavy: list[Gait]) -> tuple[Claim, ...]:
-    """Statements on the three grounds, gaits in the order of their frequency."""
+    """Claims on the gaits on the three grounds, each in the order of frequency."""
     every = [*close, *loose, *heavy]
     least = min(float(np.diff([g.speed for g in gaits]).min()) for gaits in (close, loose))
-    kept = [gaits[-1].stride / max(g.stride for g in gaits) for gaits in (close, loose)]
+    shares = [gaits[-1].stride / max(g.stride for g in gaits) for gaits in (close, loose)]
     fastest = max(heavy, key=lambda g: g.speed)
     worst = max(g.imbalance for g in every)
     sunk = max(g.depth for g in every)
@@ -128,13 +130,13 @@ def claims(close: list[Gait], loose: list[Gait], heavy: list[Gait]) -> tuple[Cla
         ),
         Claim(
             "runner.legs keep their footing on close-packed seeds",
-            kept[0] > 0.8,
-            f"at {top:g} Hz a stride is {kept[0]:.0%} of the longest (asked: 80 %)",
+            shares[0] > 0.8,
+            f"at {top:g} Hz a stride is {shares[0]:.0%} of the longest (asked: 80 %)",
         ),
         Claim(
             "runner.legs lose footing on loose seeds with a short stance",
-            kept[1] < 0.75,
-            f"at {top:g} Hz a stride is {kept[1]:.0%} of the longest (asked: below 75 %)",
+            shares[1] < 0.75,
+            f"at {top:g} Hz a stride is {shares[1]:.0%} of the longest (asked: below 75 %)",
         ),
         Claim(
             "runner.a heavy trunk gets faster, then slower",
@@ -160,7 +162,7 @@ def claims(close: list[Gait], loose: list[Gait], heavy: list[Gait]) -> tuple[Cla
 
 
 def real_time(repeats: int) -> str:
-    """Real-time factor of the config as it is, after a warm-up: by wall clock, and by processor time of a whole run."""
+    """Sentence with the real-time factor of the shipped config by wall clock, and by processor time of whole runs."""
     walls, processor = [], []
     for _ in range(repeats):
         scenario = load_scenario(CONFIG)
@@ -177,27 +179,29 @@ def real_time(repeats: int) -> str:
     )
 
 
-def draw(found: dict[str, list[Gait]]) -> None:
-    """Figure of speed and stride length against limb frequency."""
+def draw(by_ground: dict[str, list[Gait]]) -> None:
+    """Draw speed and stride length over limb frequency."""
     import matplotlib.pyplot as plt
 
     from granular_contact.report.figures.style import DPI, PALETTE, style
 
     with style():
         figure, (left, right) = plt.subplots(1, 2, figsize=(7.1, 2.7), layout="constrained")
-        for (name, gaits), color in zip(found.items(), PALETTE, strict=False):
+        for (name, gaits), color in zip(by_ground.items(), PALETTE, strict=False):
             f = [g.frequency for g in gaits]
             left.plot(f, [g.speed for g in gaits], "o-", color=color, label=name)
             right.plot(f, [1e3 * g.stride for g in gaits], "o-", color=color, label=name)
         left.set(xlabel="limb frequency (Hz)", ylabel="forward speed (m/s)", yscale="log", xlim=(0, None))
         right.set(xlabel="limb frequency (Hz)", ylabel="stride length (mm)", yscale="log", xlim=(0, None))
-        figure.legend(*left.get_legend_handles_labels(), frameon=False, ncols=len(found), loc="outside upper center")
+        figure.legend(
+            *left.get_legend_handles_labels(), frameon=False, ncols=len(by_ground), loc="outside upper center"
+        )
         figure.savefig(FIGURE, dpi=DPI)
         plt.close(figure)
 
 
 def gaits(quick: bool) -> dict[str, list[Gait]]:
-    """Gaits on each ground over the frequencies."""
+    """Gaits for all frequencies, by ground."""
     if not quick:
         return {name: [gait(f, ground) for f in FREQUENCIES] for name, ground in GROUNDS.items()}
     return {
@@ -208,7 +212,7 @@ def gaits(quick: bool) -> dict[str, list[Gait]]:
 
 def study(quick: bool) -> Outcome:
     """Run all grounds over the frequencies."""
-    found = gaits(quick)
+    by_ground = gaits(quick)
     head = [
         "limb Hz",
         "speed m/s",
@@ -218,11 +222,13 @@ def study(quick: bool) -> Outcome:
         "cost of transport",
         "energy imbalance",
     ]
-    parts = [f"{name[0].upper()}{name[1:]}.\n\n{markdown(head, rows(one))}" for name, one in found.items()]
+    parts = [
+        f"{name[0].upper()}{name[1:]}.\n\n{markdown(head, rows(measured))}" for name, measured in by_ground.items()
+    ]
     if not quick:
-        draw(found)
+        draw(by_ground)
         parts += [f"![Forward speed and stride length against limb frequency](figures/{FIGURE.name})", real_time(5)]
-    return Outcome("\n\n".join([*parts, NOT_SHOWN]), claims(*found.values()))
+    return Outcome("\n\n".join([*parts, NOT_SHOWN]), claims(*by_ground.values()))
 
 
 if __name__ == "__main__":

@@ -1,13 +1,12 @@
-"""What a long chain costs in the engine, with and without sand: links from 1 to 256, rigid and flexible.
+"""CPU time of long chains in the engine, with and without sand: 1 to 256 links, rigid and flexible.
 
     python validation/scaling.py [--quick]
 
-Equal links of 25 mm, more and more of them in a straight chain whose tip moves at 1 m/s, make 200 steps of 0.2 ms:
-without sand; without, but with a Python function that the engine calls for nothing; striking sand with the tip; with
-the lowest quarter in the sand from the start, or all of it. So that links
-meet the same sand whatever their number, the chain lies flatter the longer it is: the tip of the part in the sand is
-20 mm deep. Times are those of the process (they are those of the clock where nobody else computes), the least of the
-repeats.
+A straight chain of equal links of 25 mm, whose tip moves at 1 m/s, makes 200 steps of 0.2 ms. The cases are: no sand;
+no sand, but a Python function without effect that the engine calls; the tip strikes sand; the lowest quarter, or all of
+the chain, is in the sand from the start. A longer chain lies flatter, so that its links meet the same sand for any
+number of links: the tip of the immersed part is 20 mm deep. Run times are processor times (equal to wall times on an
+idle machine), the least of the repeats.
 """
 
 from __future__ import annotations
@@ -39,16 +38,17 @@ STEPS, STEP = 200, 2e-4
 LINK, DEPTH, STEEPEST = 0.025, 0.02, 31.0  # m, m, deg
 SPEED = 1.0  # m/s
 BARE, EMPTY = "no sand", "empty call"
-# By name, the share that would be in the sand.
+# Share of the chain that determines its angle (see `set_up`), by case.
 CASES = {BARE: 0.25, EMPTY: 0.25, "strikes": 0.25, "lowest quarter": 0.25, "all": 1.0}
 KINDS = {"rigid": False, "flexible": True}
 
 
 @dataclass(frozen=True)
 class Cost:
-    """Least time (s) of the solver in a case, and time (s) of a run from scene to columns; its steps and iterations.
+    """Cost of a case.
 
-    The latter has the estimate of the error by strips; infinite where it was not looked at.
+    solve: least time of the solver, s; whole: least time from scene to columns, with the estimate of the error by
+    strips, s, infinite if it was not measured. Steps, iterations and Jacobians are those of the solve.
     """
 
     solve: float
@@ -69,7 +69,7 @@ class Cost:
 
 
 def once(scene: Scene, empty: bool, whole: bool = False) -> Cost:
-    """One run; empty: with a user function that has nothing to give; whole: to its columns."""
+    """Time one run; empty: with a user function without effect; whole: including the columns of the results."""
     began = time.process_time()
     system = build(scene)
     if empty:
@@ -85,7 +85,7 @@ def once(scene: Scene, empty: bool, whole: bool = False) -> Cost:
 
 
 def add_empty_call(system: System) -> None:
-    """Have a Python function called for forces that it does not give: the least that a load can cost."""
+    """Add a Python function that the engine calls for forces and that returns none: the least cost of a load."""
     handles = [*system.rigid.values(), *system.links.values()]
     node = handles[0].node if isinstance(handles[0], RigidHandle) else handles[0].nodes[0]
     size = len(system.mbs.systemData.GetNodeLTGODE2(node))
@@ -94,7 +94,7 @@ def add_empty_call(system: System) -> None:
 
 
 def set_up(kind: str, case: str, links: int) -> Scene:
-    """The scene of a case on a chain."""
+    """Build the scene of a case on a chain."""
     length, share = links * LINK, CASES[case]
     angle = min(STEEPEST, math.degrees(math.asin(min(1.0, DEPTH / (share * length)))))
     return chain(
@@ -112,34 +112,34 @@ def set_up(kind: str, case: str, links: int) -> Scene:
 
 
 def measure(kind: str, links: int, repeats: int) -> dict[str, Cost]:
-    """All cases on a chain, by name, in turn, after a warm-up: the clock of a processor is not always as fast."""
+    """Measure all cases on a chain after a warm-up, in turn, since the speed of a processor changes; costs by case."""
     scenes = {case: set_up(kind, case, links) for case in CASES}
     rounds = [
         {case: once(scene, case == EMPTY, whole=i == repeats) for case, scene in scenes.items()}
         for i in range(repeats + 1)
     ]
-    found = {}
+    costs = {}
     for case in CASES:
         costs = [costs[case] for costs in rounds[1:]]
         least = min(costs, key=lambda cost: cost.solve)
         whole = min(cost.whole for cost in costs)
-        found[case] = Cost(least.solve, whole, least.steps, least.iterations, least.jacobians)
-    return found
+        costs[case] = Cost(least.solve, whole, least.steps, least.iterations, least.jacobians)
+    return costs
 
 
 Costs = dict[tuple[str, str, int], Cost]
 
 
 def slope(costs: Costs, kind: str, case: str, whole: bool = False) -> float:
-    """Of log cost of a step (or of a whole run) against log size, from LINEAR_FROM links on."""
+    """Slope of log cost of a step (or of a whole run) over log size, from LINEAR_FROM links on."""
     sizes = [n for k, c, n in costs if (k, c) == (kind, case) and n >= LINEAR_FROM]
-    found = [costs[kind, case, n] for n in sizes]
-    times = [cost.whole if whole else cost.solve / cost.steps for cost in found]
+    selected = [costs[kind, case, n] for n in sizes]
+    times = [cost.whole if whole else cost.solve / cost.steps for cost in selected]
     return float(np.polyfit(np.log(sizes), np.log(times), 1)[0])
 
 
 def tables(costs: Costs) -> str:
-    """A row for each chain and case, and the fitted slopes."""
+    """Table with a row for each chain and case, and table of the fitted slopes."""
     rows = []
     for (kind, case, links), cost in costs.items():
         bare = costs[kind, BARE, links]
@@ -163,7 +163,7 @@ def tables(costs: Costs) -> str:
 
 
 def claims(costs: Costs) -> tuple[Claim, ...]:
-    """What the issue asks."""
+    """Claims on the slopes, and on the cost of the load and of an iteration."""
     sizes = sorted({n for _, _, n in costs})
     slopes = {(k, c): slope(costs, k, c) for k in KINDS for c in CASES}
     (kind, case), worst = max(slopes.items(), key=lambda item: item[1])
@@ -194,7 +194,7 @@ def claims(costs: Costs) -> tuple[Claim, ...]:
 
 
 def study(quick: bool) -> Outcome:
-    """Measure all; quick: to 64 links, fewer repeats."""
+    """Measure all chains; quick: up to 64 links, with fewer repeats."""
     sizes, repeats = ((16, 64), 4) if quick else (SIZES, 5)
     costs: Costs = {}
     for kind in KINDS:

@@ -1,14 +1,14 @@
-"""How deep mechanisms stand that `initial.settle` has set down, against the static balance, and what that costs.
+"""Sinkage of mechanisms after `initial.settle` against the static balance, and the CPU time of settling.
 
     python validation/settling.py [--quick]
 
-Every shipped model that the sand can carry is settled in the medium and on the bed of its config, with its driven
-joints held by PD control; what hangs on a hinge turns into the sand. In the static balance the resistance is fully
-mobilised: it is that of what comes to the settled pose slowly, on the last part of the same way, with new bristles.
-What the resistance of the settled mechanism is short of it, over how fast it grows with depth, is how much too deep it
-stands (what is dropped stands too deep by every overshoot). The resistance is compared with the weight besides, along
-the way in which the mechanism begins to fall under it. CPU time of building and settling with compiled kernels in the
-cache.
+Every shipped model that the sand can carry is settled in the medium and on the bed of its config. Its driven joints are
+held by PD control; bodies that hang on a hinge rotate into the sand. In the static balance the resistance is fully
+mobilised: it is the resistance of a mechanism that reaches the settled pose slowly, along the last part of the same
+path, with new bristles. The settled mechanism has less resistance; this difference, over the growth of the resistance
+with depth, is the depth by which the mechanism stands too deep (a dropped mechanism stands too deep by every
+overshoot). The resistance is also compared with the weight, along the direction in which the mechanism begins to fall.
+CPU times are those of building and settling, with compiled kernels in the cache.
 """
 
 from __future__ import annotations
@@ -39,9 +39,9 @@ from validation.tables import machine, markdown
 
 ROOT = Path(__file__).parents[1]
 GAIN = 20.0  # N m/rad
-DEEPER = 1e-5  # m: how fast the resistance grows
-LAST, YIELDING = 1e-4, 2e-3  # m or rad: the last part of the way; what of it is gone so that all bristles yield
-ALLOWED = 0.01  # of the sinkage
+DEEPER = 1e-5  # m, difference of depth for the derivative of the resistance
+LAST, YIELDING = 1e-4, 2e-3  # m or rad: length of the last part of the path; path on which all bristles come to yield
+ALLOWED = 0.01  # error allowed, relative to the sinkage
 Vector = NDArray[np.float64]
 CASES = (
     "walker",
@@ -64,7 +64,11 @@ QUICK = ("walker", "free_link", "pendulum_rigid", "hexapod")
 
 
 class Settled(NamedTuple):
-    """Sinkage m, by how much it is too deep (m), weight that the sand lacks (of it), CPU time s."""
+    """Result of settling a mechanism.
+
+    depth: sinkage, m; too_deep: excess of the sinkage over the static balance, m; lacking: part of the weight that the
+    sand does not bear, relative to the weight; taken: CPU time, s.
+    """
 
     depth: float
     too_deep: float
@@ -73,7 +77,7 @@ class Settled(NamedTuple):
 
 
 def tree_of(name: str) -> dict[str, Any]:
-    """The config of a name that stands in place of what it does."""
+    """Config of a shipped mechanism that stands still: its driven joints are held, and it is settled."""
     shipped = yaml.safe_load((ROOT / "configs" / f"{name}.yaml").read_text(encoding="utf-8"))
     model = scenario_to_dict(load_scenario(ROOT / "configs" / f"{name}.yaml"))["model"]
     joints = {key: joint for key, joint in model.get("joints", {}).items() if joint["type"] == "hinge"}
@@ -92,7 +96,7 @@ def _held(joint: str, shipped: dict[str, Any]) -> bool:
 
 
 def settled(tree: dict[str, Any]) -> Settled:
-    """Settle a mechanism and compare it with its static balance."""
+    """Settle a mechanism and compare it with the static balance."""
     began = time.process_time()
     with followed() as states:
         system = run_module.begin(scene.build(config.load(tree))).system
@@ -101,23 +105,23 @@ def settled(tree: dict[str, Any]) -> Settled:
     assert system.bed is not None
     q = system.mbs.systemData.GetODE2Coordinates(exu.ConfigurationType.Initial)
     depth, rest = float(system.bed.load.last.depth[-1]), force(system, q)
-    down, way = falling(system, q), last_way(states, q)
-    lacking = 1.0 + float(rest @ down[0] / (down[1] @ down[0]))
-    full = [float(lowered(system, q + deeper * way, way) @ way) for deeper in (0.0, DEEPER)]
-    too_deep = (full[0] - rest @ way) / ((full[1] - full[0]) / DEEPER)
+    fall, direction = falling(system, q), last_way(states, q)
+    lacking = 1.0 + float(rest @ fall[0] / (fall[1] @ fall[0]))
+    full = [float(lowered(system, q + deeper * direction, direction) @ direction) for deeper in (0.0, DEEPER)]
+    too_deep = (full[0] - rest @ direction) / ((full[1] - full[0]) / DEEPER)
     return Settled(depth, float(too_deep), lacking, taken)
 
 
 def force(system: System, q: Vector) -> Vector:
     """Generalised forces (n,) of the medium on a system at rest."""
     assert system.bed is not None
-    where, found = system.bed._places()[0], np.zeros(len(q))
-    np.add.at(found, where, system.bed.load.force(q, np.zeros(len(q)), np.zeros(len(where))))
-    return found
+    rows, forces = system.bed._places()[0], np.zeros(len(q))
+    np.add.at(forces, rows, system.bed.load.force(q, np.zeros(len(q)), np.zeros(len(rows))))
+    return forces
 
 
 def lowered(system: System, q: Vector, way: Vector) -> Vector:
-    """The same where it comes to q with new bristles, straight along a way (n,) on which they all yield."""
+    """Generalised forces (n,) at q after a straight path along `way` (n,) with new bristles, which all yield."""
     assert system.bed is not None
     load = system.bed.load
     load.start(q - YIELDING * way, *system.bed._places())
@@ -126,20 +130,23 @@ def lowered(system: System, q: Vector, way: Vector) -> Vector:
 
 
 def falling(system: System, q: Vector) -> tuple[Vector, Vector]:
-    """How a system begins to fall (n,), and the generalised forces of its weight (n,); its bristles are new then."""
+    """Acceleration (n,) with which a system begins to fall, and the generalised forces (n,) of its weight.
+
+    The bristles of the system are reset.
+    """
     balance = Balance(system, 1)
     weight = balance.rising(q)
     balance.at(q, 1.0)
     joined, n = balance.tangent(), len(q)
     none = np.zeros((len(joined) - n,) * 2)
     matrix = np.block([[mass_matrix(system), joined[:n, n:]], [joined[n:, :n], none]])
-    found: Vector = np.linalg.lstsq(matrix, np.concatenate([weight, none[:1].ravel()]), rcond=None)[0][:n]
-    return found, weight
+    acceleration: Vector = np.linalg.lstsq(matrix, np.concatenate([weight, none[:1].ravel()]), rcond=None)[0][:n]
+    return acceleration, weight
 
 
 @contextmanager
 def followed() -> Iterator[list[Vector]]:
-    """The states (n,) that settling accepts within the block, in their order."""
+    """Collect the states (n,) that settling accepts within the block, in their order."""
     states: list[Vector] = []
     accept = Balance.accept
 
@@ -152,36 +159,36 @@ def followed() -> Iterator[list[Vector]]:
 
 
 def last_way(states: Sequence[Vector], q: Vector) -> Vector:
-    """Direction (n,) of the last part of a way that ends in q, its fastest coordinate 1."""
-    away = [np.abs(q - one).max() for one in states]
-    way = q - states[max((i for i, far in enumerate(away) if far > LAST), default=int(np.argmax(away)))]
-    found: Vector = way / np.abs(way).max()
-    return found
+    """Direction (n,) of the last part of the path through the states to q, scaled to a largest coordinate of 1."""
+    distances = [np.abs(q - state).max() for state in states]
+    way = q - states[max((i for i, far in enumerate(distances) if far > LAST), default=int(np.argmax(distances)))]
+    direction: Vector = way / np.abs(way).max()
+    return direction
 
 
 def study(quick: bool = False) -> Outcome:
-    """All cases, or four of them."""
+    """Run all cases, or those of QUICK."""
     names = QUICK if quick else CASES
-    found = {name: settled(tree_of(name)) for name in names}
+    results = {name: settled(tree_of(name)) for name in names}
     head = ["mechanism", "sinkage mm", "too deep, of it", "weight that the sand lacks, of it", "CPU s"]
     rows = [
-        [name, f"{1e3 * one.depth:.3f}", f"{one.too_deep / one.depth:.2%}", f"{one.lacking:.0e}", f"{one.taken:.2f}"]
-        for name, one in found.items()
+        [name, f"{1e3 * r.depth:.3f}", f"{r.too_deep / r.depth:.2%}", f"{r.lacking:.0e}", f"{r.taken:.2f}"]
+        for name, r in results.items()
     ]
-    off = {name: abs(one.too_deep) / one.depth for name, one in found.items()}
-    worst = max(off, key=lambda name: off[name])
-    told = f"at most {off[worst]:.2%} ({worst})"
-    claim = Claim("settling.sinkage is that of the static balance within 1 %", off[worst] < ALLOWED, told)
+    errors = {name: abs(result.too_deep) / result.depth for name, result in results.items()}
+    worst = max(errors, key=lambda name: errors[name])
+    detail = f"at most {errors[worst]:.2%} ({worst})"
+    claim = Claim("settling.sinkage is that of the static balance within 1 %", errors[worst] < ALLOWED, detail)
     return Outcome(markdown(head, rows), (claim,))
 
 
 def main() -> int:
-    """Print the table and the claim; 0 where it holds."""
-    made = study("--quick" in sys.argv[1:])
-    print(f"{machine('exudyn', 'numba')}\n\n{made.text}\n")
-    for claim in made.claims:
+    """Print the table and the claim; return 0 if it holds, else 1."""
+    outcome = study("--quick" in sys.argv[1:])
+    print(f"{machine('exudyn', 'numba')}\n\n{outcome.text}\n")
+    for claim in outcome.claims:
         print(claim)
-    return 0 if all(claim.held for claim in made.claims) else 1
+    return 0 if all(claim.held for claim in outcome.claims) else 1
 
 
 if __name__ == "__main__":

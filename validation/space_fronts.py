@@ -1,11 +1,12 @@
-"""What an error costs on robots in space: fixed steps, steps chosen by their error, and MuJoCo with the same sand.
+"""Error and run time on robots in space: fixed steps, adaptive steps, and MuJoCo with the same sand.
 
     python validation/space_fronts.py [--quick]
 
-The hexapod (its hips under PD control, as MuJoCo has no prescribed motions), the walker in space and the snake as
-shipped, in minimal coordinates and in MuJoCo (implicitfast) through `MujocoBed`, whose forces come from the same
-kernels, in a compiled loop without Python. An error is the largest distance of the tip from the path of a run with an
-accuracy of 1e-4, over the length of the path. Times are processor time of the solve, the least of repeats in turn.
+The robots are the hexapod (its hips under PD control, as MuJoCo has no prescribed motions), and the walker in space and
+the snake as shipped. They run in minimal coordinates, and in MuJoCo (implicitfast) through `MujocoBed`, whose forces
+come from the same kernels, in a compiled loop without Python. The error is the largest distance of the tip from the
+path of a run with an accuracy of 1e-4, over the length of the path. Run times are processor times of the solve, the
+least of repeats in turn.
 """
 
 from __future__ import annotations
@@ -46,13 +47,13 @@ FIXED = (8e-3, 4e-3, 2e-3, 1e-3)  # s
 STEPS = (4e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4)  # s, of MuJoCo
 LEVELS = (1e-2, 3e-3, 1e-3)
 OURS, NATIVE = "granular-contact", "MuJoCo, compiled"
-MOST = {1e-2: 1.0, 1e-3: 1.0 / 3.0}  # times MuJoCo's
-Found = tuple[str, str, float, float]  # way or tool, setting, error and least time (s)
+MOST = {1e-2: 1.0, 1e-3: 1.0 / 3.0}  # run time allowed by error, relative to MuJoCo
+Found = tuple[str, str, float, float]  # method or tool, setting, error and least time (s)
 
 
 @dataclass(frozen=True)
 class Run:
-    """Processor time (s), and the path of the tip: times (n,) s and places (n, 3) m."""
+    """Processor time (s), and the path of the tip: times (n,) s and positions (n, 3) m."""
 
     seconds: float
     time: Vector
@@ -60,14 +61,14 @@ class Run:
 
 
 def scene_of(name: str, seconds: float, *overrides: str) -> Any:
-    """The scene of a robot."""
+    """Build the scene of a robot with an end time (s) and overrides."""
     if name == "hexapod":
         return mujoco_hexapod.scene_of(seconds, *overrides)
     return build(load_scenario(CONFIGS / f"{name}.yaml", [f"solver.end_time_s={seconds}", *overrides]))
 
 
 def chosen(accuracy: float) -> tuple[str, ...]:
-    """Overrides for steps that are chosen."""
+    """Overrides for adaptive steps."""
     return (f"solver.accuracy={accuracy}",)
 
 
@@ -77,12 +78,12 @@ def fixed(step: float) -> tuple[str, ...]:
 
 
 def ours(name: str, seconds: float, *overrides: str) -> Run:
-    """A run of ours."""
+    """Solve a robot with this package."""
     return solved(scene_of(name, seconds, *overrides))
 
 
 def solved(scene: Any) -> Run:
-    """One solve of a scene."""
+    """Solve a scene once."""
     begun = begin(scene)
     began = time.process_time()
     begun.solving.advance()
@@ -92,14 +93,14 @@ def solved(scene: Any) -> Run:
 
 
 def path(spent: float, system: Any, t: Any) -> Run:
-    """The run of a trajectory."""
+    """Run with the tip's path of trajectory `t`; spent: processor time, s."""
     body, point = system.scene.tip
     q = t.q[:, system.coordinates.places(system.rigid[body].node)]
     return Run(spent, t.time, q[:, :3] + rotations.of_quaternion(q[:, 3:]) @ point)
 
 
 def by_mujoco(scene: Any, step: float) -> Run:
-    """A run of MuJoCo, without Python in its loop."""
+    """Solve a scene in MuJoCo, without Python in the loop over steps."""
     model, seconds = model_of(scene, step), scene.solver.end_time_s
     bed = MujocoBed(model, scene.bed.layers, scene.bed.origin, static=scene.static)
     for body in scene.rigid:
@@ -115,16 +116,16 @@ def by_mujoco(scene: Any, step: float) -> Run:
     controls, states = controls_of(scene, np.arange(count) * step), np.empty((count + 1, model.nq))
     spent = mujoco_native.run(bed, model, data, controls, states, Laws(scene, model))
     body, point = scene.tip
-    number, made = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, body), []
+    number, tips = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, body), []
     for state in states:
         data.qpos[:] = state
         mujoco.mj_kinematics(model, data)
-        made.append(data.xpos[number] + data.xmat[number].reshape(3, 3) @ point)
-    return Run(spent, np.arange(count + 1) * step, np.array(made))
+        tips.append(data.xpos[number] + data.xmat[number].reshape(3, 3) @ point)
+    return Run(spent, np.arange(count + 1) * step, np.array(tips))
 
 
 def model_of(scene: Any, step: float) -> Any:
-    """Model of a tree of hinges on a body that flies free; the frames of bodies are those of the scene."""
+    """MuJoCo model of a tree of hinges on a floating body; bodies have the frames of the scene."""
     children: dict[str | None, list[Any]] = {}
     for joint in scene.joints:
         children.setdefault(joint.parent, []).append(joint)
@@ -132,31 +133,31 @@ def model_of(scene: Any, step: float) -> Any:
     option = f'timestep="{step!r}" gravity="0 0 {-scene.gravity!r}" integrator="implicitfast"'
     return mujoco.MjModel.from_xml_string(
         f"<mujoco><compiler angle='radian' autolimits='true'/><option {option}><flag contact='disable'/></option>"
-        f"<worldbody>{''.join(_body(scene, one, children) for one in children[None])}</worldbody>"
+        f"<worldbody>{''.join(_body(scene, root, children) for root in children[None])}</worldbody>"
         f"<actuator>{drives}</actuator></mujoco>"
     )
 
 
 def _body(scene: Any, joint: Any, children: dict[str | None, list[Any]]) -> str:
-    """A body where it is with its hinge at 0, with all that hangs on it."""
+    """XML of a body and its descendants, in the pose with all hinges at 0."""
     body, degrees = scene.body(joint.child), "<freejoint/>"
     place, turn = body.motion.position, body.motion.rotation
     if joint.kind == "hinge":
         turn = joint.parent_turn @ joint.child_turn.T
         place = joint.parent_point - turn @ joint.child_point
-        at = f'pos="{_words(joint.child_point)}" axis="{_words(joint.child_turn[:, 2])}"'
+        at = f'pos="{_numbers(joint.child_point)}" axis="{_numbers(joint.child_turn[:, 2])}"'
         degrees = f'<joint name="{joint.name}" {at} damping="{float(joint.law.damping)!r}"/>'
     J = body.inertia
-    inertia = _words([J[0, 0], J[1, 1], J[2, 2], J[0, 1], J[0, 2], J[1, 2]])
-    inner = "".join(_body(scene, other, children) for other in children.get(body.name, []))
+    inertia = _numbers([J[0, 0], J[1, 1], J[2, 2], J[0, 1], J[0, 2], J[1, 2]])
+    inner = "".join(_body(scene, child, children) for child in children.get(body.name, []))
     return (
-        f'<body name="{body.name}" pos="{_words(place)}" quat="{_words(rotations.quaternion_of(turn))}">{degrees}'
+        f'<body name="{body.name}" pos="{_numbers(place)}" quat="{_numbers(rotations.quaternion_of(turn))}">{degrees}'
         f'<inertial pos="0 0 0" mass="{float(body.mass)!r}" fullinertia="{inertia}"/>{inner}</body>'
     )
 
 
-def _words(numbers: Any) -> str:
-    return " ".join(repr(float(one)) for one in numbers)
+def _numbers(numbers: Any) -> str:
+    return " ".join(repr(float(number)) for number in numbers)
 
 
 def _drive(drive: Any) -> str:
@@ -166,50 +167,50 @@ def _drive(drive: Any) -> str:
 
 
 def error(run: Run, reference: Run) -> float:
-    """Largest distance from a reference, over the length of its path."""
+    """Largest distance of the tip from a reference run, over the length of the reference's path."""
     slopes = np.gradient(reference.tip, reference.time, axis=0)
-    there = at_times(reference.time, reference.tip, slopes, run.time)
-    way = np.linalg.norm(np.diff(reference.tip, axis=0), axis=1).sum()
-    return float(np.linalg.norm(run.tip - there, axis=1).max() / way)
+    expected = at_times(reference.time, reference.tip, slopes, run.time)
+    length = np.linalg.norm(np.diff(reference.tip, axis=0), axis=1).sum()
+    return float(np.linalg.norm(run.tip - expected, axis=1).max() / length)
 
 
 def front(name: str, seconds: float, quick: bool) -> list[Found]:
-    """Each way to solve a robot."""
+    """Run all settings of a robot."""
     reference, scene = ours(name, seconds, *chosen(REFERENCE)), scene_of(name, seconds)
-    ways: dict[tuple[str, str], Callable[[], Run]] = {}
+    solvers: dict[tuple[str, str], Callable[[], Run]] = {}
     for accuracy in ACCURACIES:
-        ways[OURS, f"accuracy {accuracy:g}"] = partial(ours, name, seconds, *chosen(accuracy))
+        solvers[OURS, f"accuracy {accuracy:g}"] = partial(ours, name, seconds, *chosen(accuracy))
     sets = *chosen(0.1), "solver.tolerance=1e-2"
-    ways[OURS, "accuracy 0.1, tolerance 1e-2"] = partial(ours, name, seconds, *sets)
+    solvers[OURS, "accuracy 0.1, tolerance 1e-2"] = partial(ours, name, seconds, *sets)
     for step in FIXED:
-        ways[OURS, f"steps of {1e3 * step:g} ms"] = partial(ours, name, seconds, *fixed(step))
+        solvers[OURS, f"steps of {1e3 * step:g} ms"] = partial(ours, name, seconds, *fixed(step))
     for step in STEPS[:-1] if quick else STEPS:
-        ways[NATIVE, f"steps of {1e3 * step:g} ms"] = partial(by_mujoco, scene, step)
-    return in_turn(ways, reference, 2 if quick else 3)
+        solvers[NATIVE, f"steps of {1e3 * step:g} ms"] = partial(by_mujoco, scene, step)
+    return in_turn(solvers, reference, 2 if quick else 3)
 
 
-def in_turn(ways: dict[tuple[str, str], Callable[[], Run]], reference: Run, repeats: int) -> list[Found]:
-    """What each way of solving leaves and takes, all in turn, so many times."""
-    found: dict[tuple[str, str], tuple[float, float]] = {}
+def in_turn(solvers: dict[tuple[str, str], Callable[[], Run]], reference: Run, repeats: int) -> list[Found]:
+    """Run the solvers in turn, `repeats` times; return the error and the least time of each."""
+    measured: dict[tuple[str, str], tuple[float, float]] = {}
     for _ in range(repeats):
-        for key, way in ways.items():
-            one = way()
-            found[key] = error(one, reference), min(one.seconds, found.get(key, (0.0, math.inf))[1])
-    return [(*key, *value) for key, value in found.items()]
+        for key, solver in solvers.items():
+            latest = solver()
+            measured[key] = error(latest, reference), min(latest.seconds, measured.get(key, (0.0, math.inf))[1])
+    return [(*key, *value) for key, value in measured.items()]
 
 
 def study(quick: bool) -> Outcome:
-    """Fronts of all robots, and the least times at given errors."""
+    """Run all robots; tables of all runs and of the least times at given errors."""
     rows, claims, least = [], [], []
     for name, seconds in (SECONDS_QUICK if quick else SECONDS).items():
         runs = front(name, seconds, quick)
-        rows += [[name, *one[:2], f"{one[2]:.2%}", f"{one[3]:.3f}"] for one in runs]
+        rows += [[name, *entry[:2], f"{entry[2]:.2%}", f"{entry[3]:.3f}"] for entry in runs]
         for level in LEVELS:
             times = [
-                min((one[3] for one in runs if one[0] == tool and one[2] <= level), default=math.inf)
+                min((entry[3] for entry in runs if entry[0] == tool and entry[2] <= level), default=math.inf)
                 for tool in (OURS, NATIVE)
             ]
-            least.append([name, f"{level:.1%}", *(f"{one:.3f}" for one in times)])
+            least.append([name, f"{level:.1%}", *(f"{spent:.3f}" for spent in times)])
             if level in MOST:
                 ratio = times[0] / times[1]
                 detail = f"{ratio:.2f} times MuJoCo's time (asked: {MOST[level]:.2g}), in {times[0]:.3f} s"

@@ -1,11 +1,11 @@
-"""Robots in space that stand: whether they stay where they are, and what it costs.
+"""Standing robots in space: whether they stay at rest, and the CPU time.
 
     python validation/standing.py
 
-Three robots on sand of 3D-RFT that slopes by 10 degrees, 30 degrees beside their heading, all joints held by PD
-control. They are settled, and stand for 20 s with steps chosen at an accuracy of 1e-2. What is asked: less than 1 um/s,
-and a resistance that is the weight. The first is also dropped instead, from 15 mm and at 0.1 m/s, and counts from 2 s
-on. CPU time of the solve alone, with compiled kernels in the cache.
+Three robots stand on 3D-RFT sand with a slope of 10 degrees, in a direction 30 degrees from their heading; all joints
+are held by PD control. The robots are settled and then stand for 20 s, with adaptive steps at an accuracy of 1e-2.
+Bounds: a speed below 1 um/s, and a resistance equal to the weight. The first robot is also dropped, from 15 mm and at
+0.1 m/s, and judged from 2 s on. CPU times are those of the solve alone, with compiled kernels in the cache.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ STOOL: dict[str, Any] = {
     },
 }
 SIDES = [f"{end}_{side}" for end in ("front", "rear") for side in ("left", "right")]
-# Model, angles (deg) that its joints are held at, gains.
+# Model, angles (deg) at which its joints are held, gains.
 ROBOTS: dict[str, tuple[Any, dict[str, float], float]] = {
     "stool on four pegs": (STOOL, dict.fromkeys(HIPS, 0.0), 10.0),
     "walker_in_space": ("walker_in_space", {f"{j}_{s}": 60.0 for j in ("hip", "knee") for s in SIDES}, 4.0),
@@ -56,7 +56,7 @@ DROPPED = {"joints": {"trunk": {"z_m": 0.1, "vx_m_s": 0.1}}}
 
 
 def stand(name: str, seconds: float, *, dropped: bool = False) -> list[str]:
-    """One row of the table."""
+    """Let a robot stand for some seconds; return its row of the table. dropped: it is dropped instead of settled."""
     model, angles, gain = ROBOTS[name]
     drives = {
         joint: {"type": "pd", "angle_deg": angle, "gain_Nm_per_rad": gain, "rate_gain_Nm_s_per_rad": 0.005 * gain}
@@ -85,14 +85,14 @@ def stand(name: str, seconds: float, *, dropped: bool = False) -> list[str]:
     wrong = float(np.linalg.norm(force - [0.0, 0.0, weight])) / weight
     cost = results.summary["cost"]
     drift = 1e6 * off / (t[-1] - t[first])
-    facets = sum(len(one.rows) for one in begun.system.facets.lines)
+    facets = sum(len(line.rows) for line in begun.system.facets.lines)
     counts = [str(cost[key]) for key in ("steps", "newton_iterations", "jacobians")]
     label = f"{name}, dropped" if dropped else name
     return [label, str(facets), f"{drift:.1e}", f"{wrong:.1e}", *counts, f"{settled - start:.1f}", f"{taken:.1f}"]
 
 
 def main() -> int:
-    """Print the table; 0 when all stand still, else 1."""
+    """Print the table; return 0 if all robots stand still, else 1."""
     for name in ROBOTS:
         stand(name, 0.01)
     rows = [stand(name, SECONDS) for name in ROBOTS]

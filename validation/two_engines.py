@@ -1,12 +1,12 @@
-"""The same sand in MuJoCo and in Exudyn: shorter steps lead to the same motion, and what stands stands.
+"""The same sand in MuJoCo and in Exudyn: motions converge with the step, and standing robots do not sink.
 
     python validation/two_engines.py [--quick]
 
-A plate that is thrown into 3D-RFT sand in space, a chain of four links that strikes play sand, the hexapod of
-models/hexapod that begins to walk, and the walker of configs/walker.yaml on poppy seeds, by `MujocoBed` at ever
-shorter steps. Their errors are those against Exudyn's motion (of the chain: minimal coordinates) at a step or
-tolerance where it has converged; the order is their slope. For standing the hexapod of examples/mujoco stands for 2 s
-under its servos, and is watched for 3 s more.
+The cases are a plate thrown into 3D-RFT sand in space, a chain of four links that strikes play sand, the hexapod of
+models/hexapod that begins to walk, and the walker of configs/walker.yaml on poppy seeds. They run in MuJoCo with
+`MujocoBed` at decreasing steps. The reference is Exudyn's converged motion (for the chain: that in minimal
+coordinates); the order is the slope of the errors over the steps. For the test of standing, the hexapod of
+examples/mujoco stands under its servos for 2 s, and its sinking is measured over 3 s more.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ FALL, STRIKE, STRIDE, WALK = 0.12, 0.04, 1.0, 2.0  # s
 
 
 def paths(scene: Scene, step: float, seconds: float, body: str, point: Array) -> Array:
-    """Path (n, 2) m of a point of a body by MuJoCo, with the start."""
+    """Path (n, 2) m of a point of a body by MuJoCo, from the start on."""
     model = model_of(scene, step)
     bed, data, number = (
         bed_of(scene, model),
@@ -47,15 +47,15 @@ def paths(scene: Scene, step: float, seconds: float, body: str, point: Array) ->
         mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, body),
     )
     controls = controls_of(scene, np.arange(round(seconds / step)) * step)
-    made = []
+    positions = []
     for control in controls:
         if model.nu:
             data.ctrl[:] = control
         bed.apply(data)
-        made.append(_point(data, number, point))
+        positions.append(_point(data, number, point))
         mujoco.mj_step(model, data)
     mujoco.mj_kinematics(model, data)
-    return np.array([*made, _point(data, number, point)])
+    return np.array([*positions, _point(data, number, point)])
 
 
 def _point(data: Any, number: int, point: Array) -> Array:
@@ -71,44 +71,47 @@ def _point(data: Any, number: int, point: Array) -> Array:
 def chain_errors(steps: list[float]) -> list[float]:
     """Greatest distance (mm) of the tip of the chain from its path in minimal coordinates."""
     scene = chain(4, end_time_s=STRIKE, method="minimal", accuracy=1e-5)
-    there = run(scene)
-    time, tip = there["time_s"], np.column_stack([there["tip_x_m"], there["tip_y_m"]])
+    reference = run(scene)
+    time, tip = reference["time_s"], np.column_stack([reference["tip_x_m"], reference["tip_y_m"]])
     errors = []
     for step in steps:
-        here = paths(scene, step, STRIKE, *scene.tip)
-        at = np.column_stack([np.interp(np.arange(len(here)) * step, time, one) for one in tip.T])
-        errors.append(1e3 * float(np.linalg.norm(here - at, axis=1).max()))
+        path = paths(scene, step, STRIKE, *scene.tip)
+        expected = np.column_stack([np.interp(np.arange(len(path)) * step, time, axis) for axis in tip.T])
+        errors.append(1e3 * float(np.linalg.norm(path - expected, axis=1).max()))
     return errors
 
 
 def hexapod_errors(steps: list[float], step_there: float) -> tuple[list[float], float]:
-    """Greatest distance (mm) of the hexapod's trunk from its path by Exudyn, and how far (mm) it walks."""
+    """Greatest distance (mm) of the hexapod's trunk from its path by Exudyn, and the distance (mm) that it walks.
+
+    steps: of MuJoCo, s; step_there: of Exudyn, s.
+    """
     scene = mujoco_hexapod.scene_of(STRIDE, "solver.accuracy=null", f"solver.step_s={step_there}")
-    there = run(scene)
-    time, trunk = there["time_s"], np.column_stack([there[f"trunk_{axis}_m"] for axis in "xyz"])
+    reference = run(scene)
+    time, trunk = reference["time_s"], np.column_stack([reference[f"trunk_{axis}_m"] for axis in "xyz"])
     errors = []
     for step in steps:
-        here = mujoco_hexapod.path_of(scene, step, STRIDE)
-        at = np.column_stack([np.interp(np.arange(len(here)) * step, time, one) for one in trunk.T])
-        errors.append(1e3 * float(np.linalg.norm(here - at, axis=1).max()))
+        path = mujoco_hexapod.path_of(scene, step, STRIDE)
+        expected = np.column_stack([np.interp(np.arange(len(path)) * step, time, column) for column in trunk.T])
+        errors.append(1e3 * float(np.linalg.norm(path - expected, axis=1).max()))
     return errors, 1e3 * float(trunk[-1, 0] - trunk[0, 0])
 
 
 def walker_speeds(steps: list[float]) -> tuple[float, list[float]]:
-    """Mean speed (m/s) of the walker's trunk in the second half, by Exudyn, and by MuJoCo at some steps."""
+    """Mean speed (m/s) of the walker's trunk in the second half of the run, by Exudyn, and by MuJoCo for each step."""
     path = HERE / "configs" / "walker.yaml"
-    there = run(build(load_scenario(path, ["solver.accuracy=null", "solver.step_s=2.5e-4"])))
-    x = np.interp([0.5 * WALK, WALK], there["time_s"], there["trunk_x_m"])
+    reference = run(build(load_scenario(path, ["solver.accuracy=null", "solver.step_s=2.5e-4"])))
+    x = np.interp([0.5 * WALK, WALK], reference["time_s"], reference["trunk_x_m"])
     scene = build(load_scenario(path))
     speeds = []
     for step in steps:
-        here = paths(scene, step, WALK, "trunk", np.zeros(2))
-        speeds.append(float(here[-1, 0] - here[len(here) // 2, 0]) / (0.5 * WALK))
+        trunk = paths(scene, step, WALK, "trunk", np.zeros(2))
+        speeds.append(float(trunk[-1, 0] - trunk[len(trunk) // 2, 0]) / (0.5 * WALK))
     return float(x[1] - x[0]) / (0.5 * WALK), speeds
 
 
 def drift(step: float) -> float:
-    """How fast the hexapod sinks (um/s), after 2 s, by the mean of 3 s."""
+    """Mean speed (um/s) at which the hexapod sinks between 2 and 5 s."""
     model, bed = hexapod.make(step)
     data = mujoco.MjData(model)
     heights = []
@@ -121,7 +124,7 @@ def drift(step: float) -> float:
 
 
 def study(quick: bool) -> Outcome:
-    """Whether motions converge to Exudyn's, speeds agree and robots stand."""
+    """Test that motions converge to Exudyn's, that speeds agree and that robots stand."""
     parts = [
         motions(quick),
         walking([1e-3, 5e-4] if quick else [2e-3, 1e-3, 5e-4, 2e-4, 1e-4]),
@@ -131,7 +134,7 @@ def study(quick: bool) -> Outcome:
 
 
 def motions(quick: bool) -> Outcome:
-    """Errors of plate, chain and hexapod by step; their orders are near one."""
+    """Errors of plate, chain and hexapod by step, with the claim that their orders are near one."""
     steps, strides = [4e-4, 2e-4, 1e-4], [2e-3, 1e-3, 5e-4, 2.5e-4]
     if not quick:
         strides += [1.25e-4, 6.25e-5]
@@ -153,17 +156,19 @@ def motions(quick: bool) -> Outcome:
 
 
 def walking(steps: list[float]) -> Outcome:
-    """The walker's speeds by step; at the shortest step the speed is Exudyn's within 2 %."""
-    there, speeds = walker_speeds(steps)
-    rows = [[f"{1e3 * s:g}", f"{v:.4f}", f"{100 * (v / there - 1):+.2f} %"] for s, v in zip(steps, speeds, strict=True)]
-    off = abs(speeds[-1] / there - 1)
+    """Speeds of the walker by step, with the claim that the speed at the shortest step is Exudyn's within 2 %."""
+    reference, speeds = walker_speeds(steps)
+    rows = [
+        [f"{1e3 * s:g}", f"{v:.4f}", f"{100 * (v / reference - 1):+.2f} %"] for s, v in zip(steps, speeds, strict=True)
+    ]
+    off = abs(speeds[-1] / reference - 1)
     claim = Claim("two_engines.speed of the walker", off < 0.02, f"{100 * off:.2f} % apart (below 2)")
     table = markdown(["step ms", "m/s by MuJoCo", "to Exudyn"], rows)
-    return Outcome(f"Walker: {there:.4f} m/s in the second half by Exudyn.\n\n{table}", (claim,))
+    return Outcome(f"Walker: {reference:.4f} m/s in the second half by Exudyn.\n\n{table}", (claim,))
 
 
 def standing(steps: list[float]) -> Outcome:
-    """How fast the hexapod sinks while it stands: not at all."""
+    """Speeds at which the standing hexapod sinks, with the claim that it does not."""
     rates = [drift(step) for step in steps]
     rows = [[f"{1e3 * s:g}", f"{rate:.2g}"] for s, rate in zip(steps, rates, strict=True)]
     most = max(abs(rate) for rate in rates)
