@@ -31,7 +31,16 @@ _PARAMETERS = "\n\nParameters\n----------\n"
 def scenario_to_dict(scenario: Scenario) -> dict[str, Any]:
     """All values of a scenario, including defaults, in plain YAML types.
 
-    Written by `yaml.safe_dump(..., sort_keys=False)` and loaded again, they give an equal scenario.
+    Parameters
+    ----------
+    scenario : Scenario
+        The scenario.
+
+    Returns
+    -------
+    dict
+        Values by the keys of a config, in the units of these keys. Written by `yaml.safe_dump(..., sort_keys=False)`
+        and loaded again, they give an equal scenario.
     """
     return scenario.model_dump(mode="json", by_alias=True)
 
@@ -122,9 +131,24 @@ def _classes(module: str) -> dict[str, ast.ClassDef]:
 
 
 def json_schema(kind: str = "run") -> dict[str, Any]:
-    """JSON Schema of a kind of file: one of `KINDS`, a `model` or a `medium`.
+    """JSON Schema of a kind of file, with the description of each key.
 
-    It lists the names of shipped models and media.
+    Where a file may name a shipped model or medium, the schema lists their names.
+
+    Parameters
+    ----------
+    kind : str, optional
+        A key of `KINDS`: `run`, `sweep`, `fit` or `optimise`; or `model` or `medium`, for a file of this part alone.
+
+    Returns
+    -------
+    dict
+        The schema as plain data, ready for `json.dumps`.
+
+    Raises
+    ------
+    KeyError
+        There is no such kind.
     """
     if kind == "run":
         return _run_schema()

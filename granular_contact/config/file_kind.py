@@ -15,24 +15,69 @@ _SEARCH = {"objective", "parameters"}
 
 
 def is_run(path: str | PathLike[str]) -> bool:
-    """Whether the file at `path` is the config of one run by its keys; False for one that can't be read."""
+    """Whether the file at `path` is the config of one run by its keys; False for one that can't be read.
+
+    Parameters
+    ----------
+    path : str or path
+        YAML file, or the name of a shipped one.
+
+    Returns
+    -------
+    bool
+        Whether the key `model` stands at the top of the file.
+    """
     return "model" in _keys(path)
 
 
 def is_sweep(path: str | PathLike[str]) -> bool:
-    """Whether the file at `path` is a sweep by its keys; False for one that can't be read."""
+    """Whether the file at `path` is a sweep by its keys; False for one that can't be read.
+
+    Parameters
+    ----------
+    path : str or path
+        YAML file, or the name of a shipped one.
+
+    Returns
+    -------
+    bool
+        Whether `config`, `cases`, `vary` or `sample` stands at the top of the file, but neither `objective` nor
+        `parameters`.
+    """
     keys = _keys(path)
     return bool({"config", "cases", "vary", "sample"} & keys) and not _SEARCH & keys
 
 
 def is_optimise(path: str | PathLike[str]) -> bool:
-    """Whether the file at `path` is an optimisation by its keys; False for one that can't be read."""
+    """Whether the file at `path` is an optimisation by its keys; False for one that can't be read.
+
+    Parameters
+    ----------
+    path : str or path
+        YAML file, or the name of a shipped one.
+
+    Returns
+    -------
+    bool
+        Whether `objective` or `parameters` stands at the top of the file, but not `runs`.
+    """
     keys = _keys(path)
     return bool(_SEARCH & keys) and "runs" not in keys
 
 
 def is_fit(path: str | PathLike[str]) -> bool:
-    """Whether the file at `path` is a fit file by its keys; False for one that can't be read."""
+    """Whether the file at `path` is a fit file by its keys; False for one that can't be read.
+
+    Parameters
+    ----------
+    path : str or path
+        YAML file, or the name of a shipped one.
+
+    Returns
+    -------
+    bool
+        Whether the key `runs` stands at the top of the file.
+    """
     return "runs" in _keys(path)
 
 

@@ -97,12 +97,44 @@ def load(
 
 
 def loaded(given: Given) -> Scenario | Loaded:
-    """A config, loaded unless it is already; raises the errors of `load`."""
+    """Load a config, unless it is loaded already.
+
+    Parameters
+    ----------
+    given : Scenario, Loaded, str, path or mapping
+        Result or first argument of `load`.
+
+    Returns
+    -------
+    Scenario or Loaded
+        `given` itself if it has one of these types; else what `load` returns.
+
+    Raises
+    ------
+    ConfigError, TypeError
+        As `load`.
+    """
     return given if isinstance(given, Scenario | Loaded) else load(given)
 
 
 def scenario_given(given: Given) -> Scenario:
-    """The scenario of a config; raises the errors of `load`."""
+    """Scenario of a config, which is loaded unless it is already.
+
+    Parameters
+    ----------
+    given : Scenario, Loaded, str, path or mapping
+        Result or first argument of `load`.
+
+    Returns
+    -------
+    Scenario
+        Without the files and lines of its keys. A Scenario is returned as it is, without a check.
+
+    Raises
+    ------
+    ConfigError, TypeError
+        As `load`.
+    """
     config = loaded(given)
     return config.scenario if isinstance(config, Loaded) else config
 
@@ -124,19 +156,48 @@ def _file(source: str | PathLike[str], faults: list[Fault]) -> Path:
 
 
 def load_scenario(path: str | PathLike[str], overrides: Sequence[str] = ()) -> Scenario:
-    """The scenario that `load` gives, without files and lines; raises the errors of `load`."""
+    """The scenario that `load` gives, without the files and lines of its keys.
+
+    Parameters
+    ----------
+    path : str or path
+        YAML file, or the name of a config that comes with the package.
+    overrides : sequence of str, optional
+        Texts `dotted.key=value`, as for `load`.
+
+    Returns
+    -------
+    Scenario
+
+    Raises
+    ------
+    ConfigError, TypeError
+        As `load`.
+    """
     return load(path, overrides).scenario
 
 
 def load_medium(name: str, **values: Any) -> Medium:
-    """The medium preset `name`, or the medium in the YAML file with this path (relative to the working folder).
+    """Load a medium: a preset, or the medium in a YAML file.
 
-    values: values of keys that replace those of the file.
+    Parameters
+    ----------
+    name : str
+        Name of a preset; or the path of a file that ends in .yaml or .yml, relative to the working folder.
+    **values
+        Values by the keys of the medium, in the units of these keys. They replace the values of the file.
+
+    Returns
+    -------
+    Medium
+        The checked medium, of the class of its law.
 
     Raises
     ------
     ConfigError
-        There is no such medium, or its file is faulty.
+        There is no such medium, its file is faulty, or a value is not allowed.
+    TypeError
+        `name` is no text.
     """
     faults: list[Fault] = []
     of_type("name", name, str, "the name of a preset, as 'play_sand', or the path of a YAML file, as a text")

@@ -45,7 +45,26 @@ class Study:
         return self.sweep.name
 
     def case(self, index: int, numbers: dict[str, float]) -> Case:
-        """The case with an index and values of the parameters by name; without values the config as it is."""
+        """The case of one run of the study.
+
+        Parameters
+        ----------
+        index : int
+            Number of the run, from 0.
+        numbers : dict of float
+            Values of parameters by name, in the units of their keys. A parameter without a value stays as in the
+            config.
+
+        Returns
+        -------
+        Case
+            It sets each value for all keys of its parameter.
+
+        Raises
+        ------
+        KeyError
+            The study has no parameter of a name.
+        """
         overrides = (
             Override(key.path, tree.from_plain(number, key.position), key.position)
             for name, number in numbers.items()
@@ -54,11 +73,37 @@ class Study:
         return Case(self.case_name(index), tuple(overrides), numbered=True)
 
     def case_name(self, index: int) -> str:
-        """Name of the case with an index, from 0."""
+        """Name of the case of one run: `run_` and the number of the run, with as many digits as the last run has.
+
+        Parameters
+        ----------
+        index : int
+            Number of the run, from 0.
+
+        Returns
+        -------
+        str
+        """
         return f"run_{index:0{len(str(self.file.evaluations - 1))}d}"
 
     def numbers(self, fractions: Sequence[float]) -> dict[str, float]:
-        """Values of the parameters at fractions (0 to 1) of their ranges, rounded to six digits for readers."""
+        """Values of the parameters at fractions of their ranges, rounded to six digits for readers.
+
+        Parameters
+        ----------
+        fractions : sequence of float
+            A fraction (0 to 1) for each parameter, in the order of the file, on the scale of its range (linear or log).
+
+        Returns
+        -------
+        dict of float
+            Values by the names of the parameters, in the units of their keys; never outside the ranges.
+
+        Raises
+        ------
+        ValueError
+            There are more or fewer fractions than parameters.
+        """
         numbers = {}
         for (name, parameter), fraction in zip(self.file.parameters.items(), fractions, strict=True):
             low, high = sorted((float(parameter.start), float(parameter.stop)))
@@ -81,7 +126,20 @@ class Study:
         ]
 
     def fault(self, path: tree.Path, message: str) -> ConfigError:
-        """An error about a key of the file, at its line."""
+        """Error about a key of the file, at its line; the caller raises it.
+
+        Parameters
+        ----------
+        path : tuple of str or int
+            Keys and list indices from the top of the file to the key.
+        message : str
+            What was got, and what is allowed.
+
+        Returns
+        -------
+        ConfigError
+            With one fault. Its line is that of the key, or of the nearest enclosing key.
+        """
         return ConfigError([tree.key_position(self.root, path).fault(path, message)])
 
 

@@ -68,15 +68,57 @@ class Sweep:
         return self.cases.sample if isinstance(self.cases, Numbered) else None
 
     def scenario(self, case: Case) -> Scenario:
-        """Scenario of a case, as `load` gives it for the same overrides."""
+        """Scenario of a case, as `load` gives it for the same overrides.
+
+        Parameters
+        ----------
+        case : Case
+            A case of this sweep.
+
+        Returns
+        -------
+        Scenario
+
+        Raises
+        ------
+        ConfigError
+            The case is not valid.
+        """
         return self.load(case).scenario
 
     def load(self, case: Case) -> Loaded:
-        """Scenario of a case with the files and lines of its keys; raises ConfigError for a case that is not valid."""
+        """Scenario of a case with the files and lines of its keys.
+
+        Parameters
+        ----------
+        case : Case
+            A case of this sweep.
+
+        Returns
+        -------
+        Loaded
+
+        Raises
+        ------
+        ConfigError
+            The case is not valid; with all its faults.
+        """
         return self.template.make(effective([*self.common, *case.overrides]))
 
     def needs_files(self, case: Case) -> bool:
-        """Whether the scenario of a case can be made only on a machine with the files that it or the config names."""
+        """Whether the scenario of a case can be made only on a machine with the files that it or the config names.
+
+        Parameters
+        ----------
+        case : Case
+            A case of this sweep.
+
+        Returns
+        -------
+        bool
+            True if the case names a model or a medium, or if the config, `set` or the case has drives or signals, which
+            may name CSV files.
+        """
         return (
             case.has_references
             or self._names_columns
@@ -89,7 +131,21 @@ class Sweep:
         return replace(self, cases=())
 
     def values(self, case: Case, scenario: Scenario) -> dict[str, Any]:
-        """Values of `keys` in a case with this scenario: as the case writes them, else as the scenario has them."""
+        """Values of the keys of the sweep in a case.
+
+        Parameters
+        ----------
+        case : Case
+            A case of this sweep.
+        scenario : Scenario
+            The scenario of this case.
+
+        Returns
+        -------
+        dict
+            A value for each of `keys`, as plain data in the unit of the key: as the case writes it, else as the
+            scenario has it. None if the scenario has no such key.
+        """
         written = case.values
         if len(written) == len(self.keys):
             return {key: written[key] for key in self.keys}
@@ -97,7 +153,24 @@ class Sweep:
         return {key: written[key] if key in written else value_at(resolved, key.split(".")) for key in self.keys}
 
     def changes(self, case: Case) -> dict[str, Any]:
-        """Values by dotted key that make the case from `base`, without reading any file."""
+        """Values that make the case from `base` without reading any file.
+
+        Parameters
+        ----------
+        case : Case
+            A case of this sweep.
+
+        Returns
+        -------
+        dict
+            Plain data by dotted key. For a case that names a model or a medium, these are the differences of its
+            scenario from `base`: the files are read here.
+
+        Raises
+        ------
+        ConfigError
+            A case that names a model or a medium is not valid.
+        """
         if not case.has_references:
             return {".".join(override.path): tree.plain(override.value) for override in effective(case.overrides)}
         changed = differences(self._resolved_base, scenario_to_dict(self.scenario(case)), whole=True)

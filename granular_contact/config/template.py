@@ -50,11 +50,35 @@ class SourceMap:
         self.root, self.notices = root, tuple(notices)
 
     def locate(self, key: str) -> tuple[str, int | None]:
-        """File and line (from 1; None for an override) of a dotted key, or of the nearest enclosing key."""
+        """File and line in which a key was written.
+
+        Parameters
+        ----------
+        key : str
+            Dotted key of a config, with indices of lists as digits: `bed.layers.0.medium`.
+
+        Returns
+        -------
+        tuple
+            File as the user named it (`--set KEY=VALUE` for an override) and line from 1. The line is None for an
+            override and for a config from Python. They are those of the nearest enclosing key if the config does not
+            have the key.
+        """
         return tree.find(self.root, key.split("."))[0].position
 
     def place(self, faults: Iterable[Fault]) -> list[Fault]:
-        """The faults, sorted; those without a file get the file and line of their key."""
+        """Give faults the files and lines of their keys.
+
+        Parameters
+        ----------
+        faults : iterable of Fault
+            Faults with dotted keys. A fault that has a file already keeps its file and line.
+
+        Returns
+        -------
+        list of Fault
+            All faults, sorted by file and line.
+        """
         placed = [fault if fault.file else self._placed(fault) for fault in faults]
         return sorted(placed, key=by_place)
 

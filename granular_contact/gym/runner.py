@@ -60,7 +60,27 @@ def has_fallen(observations: Observations) -> bool:
 def runner_env(*, end_time_s: float = 2.0, **options: Any) -> GranularEnv:
     """Create the environment `granular_contact/Runner-v0`; the sum of its rewards is the distance in metres.
 
-    options: of `GranularEnv`, for example `vary={"medium.zeta": (0.4, 0.6)}`.
+    Parameters
+    ----------
+    end_time_s : float, optional
+        Duration (s) of an episode, after which it is truncated.
+    **options
+        Keyword arguments of `GranularEnv`, for example `vary={"medium.zeta": (0.4, 0.6)}`. They also replace the
+        observation, the reward and the termination of this environment.
+
+    Returns
+    -------
+    GranularEnv
+        Its action (4,) sets the rates of the hips in the order of `HIPS`: -1 is the least and 1 the greatest of `RATES`
+        (rad/s, clockwise). `observation` makes its observation (21,). The reward is the increase of `trunk_x_m`. An
+        episode is terminated when `has_fallen` is true.
+
+    Raises
+    ------
+    ConfigError
+        `end_time_s` is not allowed in a config.
+    ControlError, KeyError, SceneError, SolveError
+        As `GranularEnv`.
     """
     defaults: dict[str, Any] = {"observation": observation, "reward": "trunk_x_m", "terminated": has_fallen}
     return GranularEnv(scenario(end_time_s), **(defaults | options))
