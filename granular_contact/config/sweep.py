@@ -116,8 +116,8 @@ class Sweep:
         Returns
         -------
         bool
-            True if the case names a model or a medium, or if the config, `set` or the case has drives or signals, which
-            may name CSV files.
+            True if the case sets a model, a medium, or the whole bed or its layers, which may name files; or if the
+            config, `set` or the case has drives or signals, which may name CSV files.
         """
         return (
             case.has_references

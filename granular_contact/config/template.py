@@ -50,7 +50,8 @@ class SourceMap:
         self.root, self.notices = root, tuple(notices)
 
     def locate(self, key: str) -> tuple[str, int | None]:
-        """File and line in which a key was written.
+        """File and line in which a key was written; those of the nearest enclosing key if the config does not have the
+        key.
 
         Parameters
         ----------
@@ -60,9 +61,8 @@ class SourceMap:
         Returns
         -------
         tuple
-            File as the user named it (`--set KEY=VALUE` for an override) and line from 1. The line is None for an
-            override and for a config from Python. They are those of the nearest enclosing key if the config does not
-            have the key.
+            File as the user named it (`--set KEY=VALUE` for such an override), and line from 1. The line is None for
+            `--set` and for values from Python.
         """
         return tree.find(self.root, key.split("."))[0].position
 

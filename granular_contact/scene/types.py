@@ -157,7 +157,22 @@ class Scene:
         return sum(body.mass for body in self.bodies)
 
     def body(self, name: str) -> RigidBody | FlexibleLink:
-        """Body with this name."""
+        """Body with this name.
+
+        Parameters
+        ----------
+        name : str
+            Name of a body of the scene. Welded bodies of the config are one body here.
+
+        Returns
+        -------
+        RigidBody or FlexibleLink
+
+        Raises
+        ------
+        StopIteration
+            The scene has no such body.
+        """
         return next(body for body in self.bodies if body.name == name)
 
     @property
@@ -166,24 +181,73 @@ class Scene:
         return bool(self.links)
 
     def link_length(self, name: str) -> float:
-        """Length (m) of a link that bends."""
+        """Length of a link that bends.
+
+        Parameters
+        ----------
+        name : str
+            Name of the link.
+
+        Returns
+        -------
+        float
+            m.
+
+        Raises
+        ------
+        StopIteration
+            The scene has no such link that bends.
+        """
         return next(link.length for link in self.links if link.name == name)
 
     def joint(self, name: str) -> Joint:
-        """Joint with this name."""
+        """Joint with this name.
+
+        Parameters
+        ----------
+        name : str
+            Name of a joint of the scene.
+
+        Returns
+        -------
+        Joint
+
+        Raises
+        ------
+        StopIteration
+            The scene has no such joint.
+        """
         return next(joint for joint in self.joints if joint.name == name)
 
     def carried(self, joint: Joint) -> set[str]:
-        """Names of the child of a joint and of all bodies outward of it, which move with the child."""
+        """Names of the child of a joint and of all bodies outward of it, which move with the child.
+
+        Parameters
+        ----------
+        joint : Joint
+            A joint of the scene.
+
+        Returns
+        -------
+        set of str
+        """
         bodies = {joint.child}
         for _ in self.joints:
             bodies |= {outer.child for outer in self.joints if outer.parent in bodies}
         return bodies
 
     def radius(self, body: RigidBody) -> float:
-        """Distance (m) from a rigid body's centre of mass to the farthest point of its shapes and joints.
+        """Distance from a rigid body's centre of mass to the farthest point of its shapes and joints.
 
-        A body without such points gets its radius of gyration, so that its rotation counts.
+        Parameters
+        ----------
+        body : RigidBody
+            A rigid body of the scene.
+
+        Returns
+        -------
+        float
+            m. A body without such points gets its radius of gyration, so that its rotation counts.
         """
         joint_points = [joint.child_point for joint in self.joints if joint.child == body.name]
         joint_points += [joint.parent_point for joint in self.joints if joint.parent == body.name]
@@ -271,7 +335,18 @@ class Scene:
         return replace(self, bed=replace(self.bed, layers=layers))
 
     def drive(self, joint: str) -> Drive | None:
-        """Drive of a joint; None without one."""
+        """Drive of a joint.
+
+        Parameters
+        ----------
+        joint : str
+            Name of the joint.
+
+        Returns
+        -------
+        Drive or None
+            None for a joint without a drive.
+        """
         return next((drive for drive in self.drives if drive.joint == joint), None)
 
 

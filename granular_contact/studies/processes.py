@@ -55,7 +55,24 @@ def cores() -> int:
 
 
 def local_processes(workers: int) -> Executor:
-    """Return a pool of worker processes on this machine."""
+    """Return a pool of worker processes on this machine.
+
+    Parameters
+    ----------
+    workers : int
+        Number of processes, 1 or more. Each starts at its first task and computes with one thread.
+
+    Returns
+    -------
+    Executor
+        Functions, arguments and results of its tasks are pickled. The future of a task raises BrokenExecutor if its
+        process died during the task, and WorkerPoolError if the process could not start.
+
+    Raises
+    ------
+    ValueError
+        There are no workers.
+    """
     prepare()
     return _Processes(workers)
 

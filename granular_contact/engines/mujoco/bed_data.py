@@ -250,11 +250,31 @@ class BedData:
         self.time = self._restored = None
 
     def wrote(self, rows: Vector) -> bool:
-        """Whether rows (bodies, 6) of `xfrc_applied` are those that this object wrote last."""
+        """Whether this object wrote rows of `xfrc_applied` last.
+
+        Parameters
+        ----------
+        rows : (bodies, 6) array
+            Force (N) and moment about the centre of mass (N m), world frame, on each body of the bed, in the bed's
+            order.
+
+        Returns
+        -------
+        bool
+            Whether they are equal to the last written ones; False if those are all 0.
+        """
         written = self._step.held["written_row"]
         return bool(written.any() and np.array_equal(rows, written))
 
     def adopt(self, other: BedData) -> None:
-        """Take the rows that another object wrote as written by this one; for data that are a copy of the other's."""
+        """Take the rows that another object wrote as written by this one; for data that are a copy of the other's.
+
+        So the forces of the sand in the copied rows do not count as forces of others.
+
+        Parameters
+        ----------
+        other : BedData
+            Object of the same bed with the data that were copied.
+        """
         for name in ("written_row", "other_load"):
             self._step.held[name] = other._step.held[name]

@@ -40,7 +40,7 @@ class Beam(Shape):
     ends: tuple[bool, bool]
 
     def corners(self, size: float | None = None) -> Vector:
-        """Triangles of the surface; see `Shape.corners`."""
+        """Triangles of the sides, and of the ends at which the bar ends; see `Shape.corners`."""
         edge = float(np.hypot(self.length, np.hypot(*self.section))) / PARTS if size is None else size
         return triangles.cut(self._triangles(self._outline(edge)), edge)
 
@@ -59,7 +59,7 @@ class Beam(Shape):
         return np.concatenate(faces)
 
     def cut_facets(self, size: Size) -> Facets:
-        """Facets of a size; see `Shape.cut_facets`."""
+        """Patches of a round bar, rectangles of a rectangular one; see `Shape.cut_facets`."""
         h, (a, b) = 0.5 * self.length, 0.5 * np.array(self.section)
         if self.round:
             strips = line((a, -h), (a, h), size)

@@ -105,7 +105,7 @@ class Mesh(Shape):
         return cls(*read(Path(path)), scale=scale, thin=thin, name=str(path))
 
     def corners(self, size: float | None = None) -> Vector:
-        """Triangles of the surface; see `Shape.corners`."""
+        """Triangles of the mesh, cut to the size; see `Shape.corners`."""
         corners = self.vertices[self.faces]
         return triangles.cut(corners, mesh.extent(corners) / PARTS if size is None else size)
 
@@ -152,7 +152,7 @@ class Extrusion(Mesh):
         self.ends = self.ends[~mesh.without_area(self.vertices, self.ends)]  # collinear corners: no normal
 
     def facets(self, size: float | None = None, accuracy: float | None = None, share: float = 1.0) -> Facets:
-        """Facets of the surface; see `Shape.facets`. The ends are triangles."""
+        """Facets of the surface: parallelograms on the sides, triangles on the ends; see `Shape.facets`."""
         edge, n = size, len(self.vertices) // 2
         if edge is None:
             edge = size_for_accuracy(mesh.extent(self.vertices[self.faces]), accuracy).edge

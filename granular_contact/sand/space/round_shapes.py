@@ -30,7 +30,7 @@ class _Straight(Shape):
         """Points r, z (m) of the profile, from the bottom to the top."""
 
     def corners(self, size: float | None = None) -> Vector:
-        """Triangles of the surface; see `Shape.corners`."""
+        """Triangles of a body with 12 sides around z or more; see `Shape.corners`."""
         return _revolve(self._profile(), size)
 
     def drawn(self) -> Vector:
@@ -59,7 +59,7 @@ class Cylinder(_Straight):
         return np.array([facets.rim(z, circle=0.5 * self.diameter) for z in (-0.5 * self.length, 0.5 * self.length)])
 
     def cut_facets(self, size: Size) -> Facets:
-        """Facets of a size; see `Shape.cut_facets`."""
+        """Patches of the mantle and of both ends; see `Shape.cut_facets`."""
         return revolved([strip for start, end in pairwise(self._profile()) for strip in line(start, end, size)])
 
     def _profile(self) -> list[tuple[float, float]]:
@@ -86,7 +86,7 @@ class Sphere(Shape):
         positive("Sphere", diameter=self.diameter, mass=1.0 if self.mass is None else self.mass)
 
     def corners(self, size: float | None = None) -> Vector:
-        """Triangles of the surface; see `Shape.corners`."""
+        """Triangles of a body with 12 sides around z or more; see `Shape.corners`."""
         d = self.diameter
         return _revolve(_arc_points(0.5 * d, -0.5 * np.pi, 0.5 * np.pi, greatest_edge(np.sqrt(3.0) * d, size)), size)
 
@@ -100,7 +100,7 @@ class Sphere(Shape):
         return np.array([facets.rim(0.0, ball=0.5 * self.diameter)])
 
     def cut_facets(self, size: Size) -> Facets:
-        """Facets of a size; see `Shape.cut_facets`."""
+        """Patches between meridians and parallels; see `Shape.cut_facets`."""
         return revolved(arc(0.5 * self.diameter, 0.0, -0.5 * np.pi, 0.5 * np.pi, size))
 
 
@@ -123,7 +123,7 @@ class Capsule(Shape):
         positive("Capsule", diameter=self.diameter, length=self.length)
 
     def corners(self, size: float | None = None) -> Vector:
-        """Triangles of the surface; see `Shape.corners`."""
+        """Triangles of a body with 12 sides around z or more; see `Shape.corners`."""
         r, h = 0.5 * self.diameter, 0.5 * self.length
         return _revolve(self._profile(greatest_edge(float(np.hypot(np.sqrt(8.0) * r, 2.0 * (r + h))), size)), size)
 
@@ -136,7 +136,7 @@ class Capsule(Shape):
         return np.array([facets.rim(z, ball=0.5 * self.diameter) for z in (-0.5 * self.length, 0.5 * self.length)])
 
     def cut_facets(self, size: Size) -> Facets:
-        """Facets of a size; see `Shape.cut_facets`."""
+        """Patches of both half spheres and of the mantle; see `Shape.cut_facets`."""
         r, h = 0.5 * self.diameter, 0.5 * self.length
         side = line((r, -h), (r, h), size)
         return revolved([*arc(r, -h, -0.5 * np.pi, 0.0, size), *side, *arc(r, h, 0.0, 0.5 * np.pi, size)])
@@ -171,7 +171,7 @@ class Cone(_Straight):
         return np.array([facets.rim(0.0), facets.rim(self.height, circle=0.5 * self.diameter)])
 
     def cut_facets(self, size: Size) -> Facets:
-        """Facets of a size; see `Shape.cut_facets`."""
+        """Patches of the mantle and of the base; see `Shape.cut_facets`."""
         tip, rim, top = self._profile()
         return revolved([*line(tip, rim, size), *line(rim, top, size)])
 

@@ -121,12 +121,12 @@ class Box(Shape):
         positive("Box", 3, size=self.size)
 
     def corners(self, size: float | None = None) -> Vector:
-        """Triangles of the surface; see `Shape.corners`."""
+        """Triangles of the six faces; see `Shape.corners`."""
         low = -0.5 * np.array(self.size)
         return _cut(_BOX[_BOX_FACES] * -2.0 * low + low, size)
 
     def cut_facets(self, size: Size) -> Facets:
-        """Facets of a size; see `Shape.cut_facets`."""
+        """Rectangles on the six faces; see `Shape.cut_facets`."""
         half = 0.5 * np.diag(self.size)
         faces = [(half[i], half[i - 2], half[i - 1]) for i in range(3)]
         pairs = [((n, a, b), (-n, b, a)) for n, a, b in faces]
@@ -150,13 +150,13 @@ class Plate(Shape):
         positive("Plate", 2, size=self.size)
 
     def corners(self, size: float | None = None) -> Vector:
-        """Triangles of the surface; see `Shape.corners`."""
+        """Triangles of one face, whose normal is along +z; see `Shape.corners`."""
         x, y = 0.5 * self.size[0], 0.5 * self.size[1]
         square = np.array([[-x, -y, 0.0], [x, -y, 0.0], [x, y, 0.0], [-x, y, 0.0]])
         return _cut(square[np.array([[0, 1, 2], [0, 2, 3]])], size)
 
     def cut_facets(self, size: Size) -> Facets:
-        """Facets of a size; see `Shape.cut_facets`."""
+        """Rectangles on one face, whose normal is along +z; see `Shape.cut_facets`."""
         x, y = 0.5 * self.size[0], 0.5 * self.size[1]
         return rectangle_facets(np.zeros(3), np.array([x, 0.0, 0.0]), np.array([0.0, y, 0.0]), size)
 
@@ -198,7 +198,7 @@ class Bar(Shape):
         object.__setattr__(self, "line", line)
 
     def corners(self, size: float | None = None) -> Vector:  # noqa: ARG002
-        """Raise SceneError, as a bar has no facets; see `Shape.corners`."""
+        """Raise SceneError, as a bar has no surface; see `Shape.corners`."""
         raise scene_error("Bar", "it has no surface; a Cylinder has")
 
     def stations(self) -> Vector:

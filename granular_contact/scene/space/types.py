@@ -309,15 +309,15 @@ class SpatialScene(Scene):
         return bool(self.beams)
 
     def link_length(self, name: str) -> float:
-        """As in `Scene`."""
+        """Length (m) of a link that bends, one of `beams`; see `Scene.link_length`."""
         return next(beam.length for beam in self.beams if beam.name == name)
 
     def joint(self, name: str) -> SpatialJoint:  # type: ignore[override]
-        """As in `Scene`."""
+        """Joint with this name; see `Scene.joint`."""
         return next(joint for joint in self.joints if joint.name == name)
 
     def body(self, name: str) -> SpatialRigidBody:  # type: ignore[override]
-        """As in `Scene`."""
+        """Rigid body with this name, which may be an element of a link that bends; see `Scene.body`."""
         return next(body for body in self.rigid if body.name == name)
 
     @cached_property

@@ -20,12 +20,28 @@ LEAST = 2
 
 
 def cases(scenario: Scenario, count: int, first: int | None = None, name: str = "ensemble") -> Sweep:
-    """Return the sweep of a scenario over `count` seeds, starting from `first` or from the seed of the scenario.
+    """Return the sweep of a scenario over seeds of the scatter of its media.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        At least one of its media scatters. Several such media have the same seed in each run.
+    count : int
+        Number of runs, 2 or more.
+    first : int, optional
+        Seed of the first run, from 0; by default that of the first medium that scatters. Each run adds 1.
+    name : str, optional
+        Name of the sweep, which also stands for its file in messages.
+
+    Returns
+    -------
+    Sweep
+        With a case for each seed.
 
     Raises
     ------
     ConfigError
-        No medium of the scenario scatters, or there are too few or too many runs.
+        No medium of the scenario scatters, there are too few or too many runs, or the first run is not valid.
     """
     several = isinstance(scenario.medium, tuple)
     media = {f"medium.{i}" if several else "medium": medium for i, medium in enumerate(scenario.media)}

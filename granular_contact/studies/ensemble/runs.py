@@ -18,7 +18,25 @@ _ENDS = ("_drawbar_pull_N", "_sinkage_m")
 
 
 def observed(scenario: Scenario) -> dict[str, Any]:
-    """Run a scenario: its key numbers, and under `series` histories by column at evenly spaced times."""
+    """Run a scenario, and return its key numbers and short histories.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        A checked scenario.
+
+    Returns
+    -------
+    dict
+        The summary of the run, with a further entry `series`: lists of `INSTANTS` values by column. `time_s` is evenly
+        spaced over this run. The other columns are the coordinates of at most two joints (deg or m), the depth (m) of
+        the deepest point, and drawbar pull (N) and sinkage (m) of wheels, in the signs of the results.
+
+    Raises
+    ------
+    SceneError, SolveError
+        The scene is contradictory, or its solve could not be started.
+    """
     from granular_contact.run import summary_of
     from granular_contact.scene.build import build_checked
 

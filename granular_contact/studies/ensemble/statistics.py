@@ -80,7 +80,18 @@ class Summary:
 
 
 def of_rows(rows: Iterable[Row]) -> Summary:
-    """Statistics of rows, which may come in any order."""
+    """Statistics of the runs of an ensemble.
+
+    Parameters
+    ----------
+    rows : iterable of Row
+        A row for each run, in any order: its summary with the histories of `observed`.
+
+    Returns
+    -------
+    Summary
+        Only runs that ended regularly count in its numbers and bands.
+    """
     ordered = sorted(rows, key=lambda row: row.index)
     ended = [row.summary for row in ordered if not row.failed]
     time, bands = _bands(ended)

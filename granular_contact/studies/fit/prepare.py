@@ -39,7 +39,18 @@ Templates = dict[Path, Template | ConfigError]  # configs that were read, or the
 
 
 def prepare(request: Specification) -> Problem:
-    """Read and check all inputs of a fit.
+    """Read and check all inputs of a fit, also against the model at the start values.
+
+    Parameters
+    ----------
+    request : Specification
+        The requested fit.
+
+    Returns
+    -------
+    Problem
+        Runs with their data in the units of the columns of results, parameters with bounds and start values, and
+        options.
 
     Raises
     ------

@@ -82,19 +82,48 @@ class Specification:
 
 
 def load_specification(path: str | PathLike[str]) -> Specification:
-    """Read a fit file; raises ConfigError with all its faults."""
+    """Read a fit file.
+
+    Parameters
+    ----------
+    path : str or path
+        YAML file, or the name of a shipped one.
+
+    Returns
+    -------
+    Specification
+        The requested fit. Its data and configs are not read yet, see `prepare`.
+
+    Raises
+    ------
+    ConfigError
+        With all faults of the file.
+    """
     path = examples.named(Path(path))
     faults: list[Fault] = []
     return specification(read_file(path, faults), path, faults)
 
 
 def specification(root: tree.Node, path: Path, faults: list[Fault]) -> Specification:
-    """Make the specification from the tree of a fit file; paths in it are relative to the folder of `path`.
+    """Make the specification from the tree of a fit file.
+
+    Parameters
+    ----------
+    root : tree.Node
+        Tree of the file.
+    path : Path
+        The file: paths in it are relative to its folder, and its stem is the name of the fit.
+    faults : list of Fault
+        Faults found so far; further ones are appended.
+
+    Returns
+    -------
+    Specification
 
     Raises
     ------
     ConfigError
-        With `faults` and all further ones.
+        With `faults` and all further ones, sorted by file and line.
     """
     root = root_of_kind(root, FitFile, "not a fit file", faults)
     file = validated(FitFile, root, faults)

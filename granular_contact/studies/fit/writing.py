@@ -33,7 +33,16 @@ HEAD = ("run", "column", "time_s", "data", "model", "residual_over_noise")
 
 
 def write(fit: Fit, directory: Path, figures: bool = True) -> None:
-    """Write a fit to `directory`; results of an earlier fit in the folder are replaced.
+    """Write a fit to a folder: fit.json, the fitted medium, residuals.csv and figures.
+
+    Parameters
+    ----------
+    fit : Fit
+        The fit.
+    directory : Path
+        The folder. Results of an earlier fit in it are replaced, by all new files at once.
+    figures : bool, optional
+        Whether figures are drawn, after the other files are saved.
 
     Raises
     ------

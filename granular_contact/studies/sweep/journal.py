@@ -49,7 +49,22 @@ class Row:
 
     @staticmethod
     def of(line: bytes) -> Row:
-        """The row of a complete line."""
+        """The row of a complete line of a journal.
+
+        Parameters
+        ----------
+        line : bytes
+            A line as `line` returns it.
+
+        Returns
+        -------
+        Row
+
+        Raises
+        ------
+        ValueError
+            The line is no complete JSON.
+        """
         return Row(**json.loads(line))
 
 
