@@ -43,15 +43,15 @@ class Shape(ABC):
         share : float
             Factor of the size.
 
-        Raises
-        ------
-        SceneError
-            There would be more than `triangles.MOST_FACETS`.
-
         Returns
         -------
         Facets
             In the frame of the shape.
+
+        Raises
+        ------
+        SceneError
+            There would be more than `triangles.MOST_FACETS`.
         """
         whole = self.corners(np.inf)
         if size is None:
@@ -77,6 +77,11 @@ class Shape(ABC):
         -------
         Facets
             In the frame of the shape.
+
+        Raises
+        ------
+        SceneError
+            There would be more than `triangles.MOST_FACETS`.
         """
         return facets.triangle_facets(self.corners(size.edge))
 
@@ -93,15 +98,15 @@ class Shape(ABC):
         size : float, optional
             Greatest edge (m); by default an eighth of the diagonal.
 
-        Raises
-        ------
-        SceneError
-            There would be more than `triangles.MOST_FACETS`.
-
         Returns
         -------
         (n, 3, 3) array
             Corners (m) in the frame of the shape, counter-clockwise seen from outside.
+
+        Raises
+        ------
+        SceneError
+            There would be more than `triangles.MOST_FACETS`.
         """
 
 

@@ -99,6 +99,11 @@ def fit(problem: Problem, workers: int = 1, progress: Progress | None = None) ->
     progress : callable, optional
         Called with the number of finished starting points and their total number.
 
+    Returns
+    -------
+    Fit
+        Parameters, standard errors, residuals, and warnings about all of these.
+
     Raises
     ------
     SolveError
