@@ -118,13 +118,13 @@ def measure(kind: str, links: int, repeats: int) -> dict[str, Cost]:
         {case: once(scene, case == EMPTY, whole=i == repeats) for case, scene in scenes.items()}
         for i in range(repeats + 1)
     ]
-    costs = {}
+    by_case = {}
     for case in CASES:
         costs = [costs[case] for costs in rounds[1:]]
         least = min(costs, key=lambda cost: cost.solve)
         whole = min(cost.whole for cost in costs)
-        costs[case] = Cost(least.solve, whole, least.steps, least.iterations, least.jacobians)
-    return costs
+        by_case[case] = Cost(least.solve, whole, least.steps, least.iterations, least.jacobians)
+    return by_case
 
 
 Costs = dict[tuple[str, str, int], Cost]
