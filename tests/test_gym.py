@@ -178,6 +178,24 @@ def test_the_hexapod_walks_ahead_with_its_legs_and_not_without() -> None:
     assert list(seen[28:] > 0.5) == [walker[f"{hip.replace('hip', 'leg')}_contact"] > 0.5 for hip in HIPS]
 
 
+def test_an_action_turns_the_leg_whose_angle_is_seen_at_its_place() -> None:
+    """Place k of the action, of the sines, of the rates and of the contacts are of one leg, for both robots."""
+    # Numbers of the trunk, 10 and 5, then sines, cosines and rates of the hips.
+    for name, rates in ((HEXAPOD, slice(22, 28)), (RUNNER, slice(13, 17))):
+        env = gymnasium.make(name, end_time_s=0.5)
+        controls = env.unwrapped.simulation.controls
+        count = env.action_space.shape[0]
+        for k in range(count):
+            env.reset(seed=1)
+            action = np.full(count, -1.0, np.float32)  # held fast
+            action[k] = 1.0
+            seen = env.step(action)[0]
+            turned = env.unwrapped.simulation.observe()
+            fastest = int(np.argmax([abs(turned[control]) for control in controls]))
+            assert fastest == k
+            assert int(np.argmax(np.abs(seen[rates]))) == k
+
+
 def test_what_can_not_be_set_is_told() -> None:
     with pytest.raises(ControlError, match="without a range: hinge_torque_Nm"):
         GranularEnv(

@@ -27,12 +27,12 @@ def scenario(end_time_s: float = 2.0) -> Scenario:
     """The hexapod of configs/hexapod.yaml with motors whose rates are set, and a coarser accuracy for speed."""
     motor = {"type": "external", "rate_rad_s": 0.0, "range": RATES, "rate_gain_Nm_s_per_rad": GAIN, "limit_Nm": LIMIT}
     start = {hip: {"angle_deg": START[tripod]} for hip, tripod in zip(HIPS, TRIPOD, strict=True)}
-    return load("hexapod").scenario.replace(
+    undriven = load("hexapod").scenario.replace({"drives": None, "signals": None})
+    return undriven.replace(
         SETTINGS
         | {
             "solver.end_time_s": end_time_s,
-            "signals": {},
-            "drives": dict.fromkeys(HIPS, motor),
+            "drives": dict.fromkeys(HIPS, motor),  # actions are in the order of HIPS, as is the observation
             "initial.joints": start | {"trunk": {"z_m": HEIGHT}},
         }
     )
@@ -73,9 +73,8 @@ def hexapod_env(*, end_time_s: float = 2.0, **options: Any) -> GranularEnv:
     -------
     GranularEnv
         Its action (6,) sets the rates of the hips: -1 is the least and 1 the greatest of `RATES` (rad/s, right-handed).
-        The hips of the action are in the order of `simulation.controls`; those of the observation (34,), which
-        `observation` makes, in the order of `HIPS`. The reward is the increase of `trunk_x_m`. An episode is terminated
-        when `has_fallen` is true.
+        The hips of the action and of the observation (34,), which `observation` makes, are in the order of `HIPS`. The
+        reward is the increase of `trunk_x_m`. An episode is terminated when `has_fallen` is true.
 
     Raises
     ------
