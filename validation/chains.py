@@ -1,4 +1,4 @@
-"""Chains of hinged links that strike sand, as the studies on speed need them."""
+"""Chains of hinged links that strike sand, for the studies of run time."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from granular_contact.config import load_scenario
 from granular_contact.scene import Scene
 from granular_contact.scene import build as build_scene
 
-LENGTH = 0.2635  # m, the reach of the paper's pendulum
+LENGTH = 0.2635  # m, from pivot to tip of the paper's pendulum
 DIAMETER = 0.00635  # m
 DENSITY = 7700.0  # kg/m3
-STRIPS = 16  # along a chain of that length, at least one on each link
-SOFT = 1e9  # Pa, Young's modulus of the links that bend
+STRIPS = 16  # along a chain of length LENGTH; each link has at least one
+SOFT = 1e9  # Pa, Young's modulus of flexible links
 
 
 def strips(links: int) -> int:
-    """Strips on each link."""
+    """Number of strips on each link."""
     return max(1, STRIPS // links)
 
 
@@ -38,10 +38,10 @@ def chain(
     method: Any = "engine",
     **solver: Any,
 ) -> Scene:
-    """Straight chain on a ground hinge that turns into the sand, as in `granular-contact run`; length (m) of all of it.
+    """Build a straight chain on a ground hinge that rotates into the sand, as `granular-contact run` does.
 
-    immersed: share of the chain that is in the sand already at the start; 0: its tip touches. solver: keys of the
-    config's `solver`.
+    length: of the whole chain, m; immersed: share of the chain that is in the sand at the start, 0: the tip touches;
+    solver: keys of the config's section `solver`.
     """
     link: dict[str, Any] = {"length_m": length / links, "diameter_m": DIAMETER, "density_kg_m3": DENSITY}
     if flexible:
@@ -63,7 +63,7 @@ def chain(
 
 
 def _sunk(scene: Scene, immersed: float) -> Scene:
-    """The scene with its surface higher up, which a config refuses: there a run starts above the sand."""
+    """Scene with a higher surface; a config can't have it, as its runs must start above the sand."""
     assert scene.bed is not None
     profile = scene.bed.profile.copy()
     profile[:, 1] *= 1.0 - immersed

@@ -1,7 +1,8 @@
-"""Ropes, strips and wires that fall, curl and are thrown, rods that vibrate: the error by elements, and what is told.
+"""Falling, curling and thrown ropes, strips and wires, and vibrating rods: error by elements and its estimate.
 
-The reference has three times as many elements as the finest. The error is the greatest distance of any place along the
-axis that is the middle of an element, or the tip, over the path of the run or the deflection, as the estimate counts.
+The reference has three times as many elements as the finest run. The error is the greatest distance of the middle of
+any element, or of the tip, from the reference. It is divided by the scale of the estimate: the path length or the
+deflection.
 """
 
 from __future__ import annotations
@@ -29,7 +30,11 @@ HUB = {"type": "rigid", "mass_kg": 0.2, "inertia_kg_m2": dict.fromkeys(("xx", "y
 
 @dataclass(frozen=True)
 class Run:
-    """Times (n,) s, places (k, n, 3) m along the axis, the tip last; what errors count against (m), estimate, told."""
+    """Results of a run.
+
+    time (n,) s; places (k, n, 3) m: middles of the elements and the tip, which is last; scale: length that errors are
+    relative to, m; estimate: of the relative error; told: whether the run warned.
+    """
 
     time: Vector
     places: Vector
@@ -43,27 +48,30 @@ def _link(sides: Config, modulus: float, elements: int) -> Config:
     return {"type": "link", **sides, "density_kg_m3": 1200, "flexible": flexible}
 
 
-def _config(bodies: Config, joints: Config, end: float, **more: Any) -> Config:
+def _config(bodies: Config, joints: Config, end: float, **keys: Any) -> Config:
     model = {"in_space": True, "name": "curls", "bodies": bodies, "joints": joints}
-    return {"model": model, "solver": {"end_time_s": end, "accuracy": 1e-3, "rest_time_s": None}, **more}
+    return {"model": model, "solver": {"end_time_s": end, "accuracy": 1e-3, "rest_time_s": None}, **keys}
 
 
 def falling(link: Config, end: float, height: float | None = None) -> Config:
-    """Clamped to a wall, it is let go from the horizontal; height (m): above sand."""
+    """Config of a link that is clamped to a wall and released in the horizontal position; height: above sand, m."""
     wall = {"type": "weld", "parent": "ground", "child": "link", "rpy_deg": [20, 0, 0]}
     sand = {} if height is None else {"medium": "play_sand", "surface_height_m": -height}
     return _config({"link": link}, {"wall": wall}, end, **sand)
 
 
 def thrown(link: Config, end: float) -> Config:
-    """It flies over sand, spinning about two axes, and falls on it."""
+    """Config of a link that flies over sand, spins about two axes, and falls on the sand."""
     start = {"z_m": 0.1, "vx_m_s": 1.0, "spin_rad_s": [0, 8, 3]}
-    more = {"medium": "play_sand", "surface_height_m": 0.0, "initial": {"joints": {"flight": start}}}
-    return _config({"link": link}, {"flight": {"type": "free", "parent": "ground", "child": "link"}}, end, **more)
+    scene = {"medium": "play_sand", "surface_height_m": 0.0, "initial": {"joints": {"flight": start}}}
+    return _config({"link": link}, {"flight": {"type": "free", "parent": "ground", "child": "link"}}, end, **scene)
 
 
 def swept(link: Config, end: float) -> Config:
-    """A hub turns it through 200 deg in 0.25 s about an inclined axis, and stops; a rope curls behind and overtakes."""
+    """Config of a link on a hub that rotates by 200 deg in 0.25 s about an inclined axis, and stops.
+
+    A rope curls behind the hub and overtakes it.
+    """
     joints = {
         "turn": {"type": "hinge", "parent": "ground", "child": "hub", "axis": [0, 1, 0.4]},
         "clamp": {"type": "weld", "parent": "hub", "child": "link"},
@@ -90,13 +98,13 @@ CASES: dict[str, Callable[[int], Config]] = {
 
 
 def found(config: Config) -> Run:
-    """A run."""
+    """Run a config."""
     kept: list[Run] = []
 
     def inspect(system: Any, trajectory: Any) -> None:
         motion = SpatialKinematics(system, trajectory)
         bent = motion.beams["link"]
-        beam, bend = bent.beam, max(float(np.abs(one).max()) for one in motion.bends()["link"])
+        beam, bend = bent.beam, max(float(np.abs(angles).max()) for angles in motion.bends()["link"])
         body, origin, axes = beam.tip
         middles = [motion.position(name, at)[0] for name, at, _ in beam.pieces[1:-1]]
         places = np.array([*middles, motion.position(body, origin + axes[:, 0] * beam.length)[0]])
@@ -105,35 +113,42 @@ def found(config: Config) -> Run:
 
     scenario = load(config).scenario
     results = run(build(scenario), scenario, inspect=inspect)
-    one = kept[0]
-    return Run(one.time, one.places, one.scale, one.estimate, any("too few elements" in w for w in results.warnings))
-
-
-def error(one: Run, fine: Run) -> float:
-    """Greatest distance between places along the link in two runs; the fine one has a multiple of the elements."""
-    every = len(fine.places) // len(one.places)
-    t = np.linspace(0.0, min(one.time[-1], fine.time[-1]), 600)
-    here, there = (
-        np.array([[np.interp(t, r.time, axis) for axis in place.T] for place in places])
-        for r, places in ((one, one.places), (fine, fine.places[every - 1 :: every]))
+    base = kept[0]
+    return Run(
+        base.time, base.places, base.scale, base.estimate, any("too few elements" in w for w in results.warnings)
     )
-    return float(np.linalg.norm(here - there, axis=1).max()) / one.scale
+
+
+def error(coarse: Run, fine: Run) -> float:
+    """Relative error of a run: greatest distance of a place along the link from that in a finer run.
+
+    The finer run has an odd multiple of the elements.
+    """
+    every = len(fine.places) // len(coarse.places)
+    t = np.linspace(0.0, min(coarse.time[-1], fine.time[-1]), 600)
+    computed, reference = (
+        np.array([[np.interp(t, r.time, axis) for axis in place.T] for place in places])
+        for r, places in ((coarse, coarse.places), (fine, fine.places[every - 1 :: every]))
+    )
+    return float(np.linalg.norm(computed - reference, axis=1).max()) / coarse.scale
 
 
 def curled(counts: list[int], names: list[str]) -> tuple[str, float, tuple[float, float]]:
-    """Table of links that curl and vibrate, the greatest error without a warning, and the least and the greatest of
-    estimates, over the error.
+    """Run links that curl or vibrate with these numbers of elements.
+
+    Returns the table, the greatest error of a run without a warning, and the least and greatest ratio of estimate to
+    error.
     """
     rows, silent, ratios = [], 0.0, []
     for name in names:
         fine = found(CASES[name](3 * counts[-1]))
         for count in counts:
-            one = found(CASES[name](count))
-            off = error(one, fine)
-            ratios.append(one.estimate / off)
-            told = "too few elements" if one.told else "nothing"
-            rows.append([name, count, f"{off:.1e}", f"{one.estimate:.1e}", f"{ratios[-1]:.2f}", told])
-            silent = max(silent, 0.0 if one.told else off)
-    words = "Links that curl or vibrate: error of the axis by the elements, over the path, and its estimate."
+            coarse = found(CASES[name](count))
+            error_of_run = error(coarse, fine)
+            ratios.append(coarse.estimate / error_of_run)
+            warning = "too few elements" if coarse.told else "nothing"
+            rows.append([name, count, f"{error_of_run:.1e}", f"{coarse.estimate:.1e}", f"{ratios[-1]:.2f}", warning])
+            silent = max(silent, 0.0 if coarse.told else error_of_run)
+    caption = "Links that curl or vibrate: error of the axis by the elements, over the path, and its estimate."
     header = ["link", "elements", "error", "estimated", "over the error", "told"]
-    return f"{words}\n\n{markdown(header, rows)}", silent, (min(ratios), max(ratios))
+    return f"{caption}\n\n{markdown(header, rows)}", silent, (min(ratios), max(ratios))

@@ -84,7 +84,7 @@ def study(quick: bool) -> Outcome:
     if not quick:
         draw(every)
     for name, runs in every.items():
-        rows += [[name, *one[:2], f"{one[2]:.3%}", f"{one[3]:.3f}"] for one in runs]
+        rows += [[name, *entry[:2], f"{entry[2]:.3%}", f"{entry[3]:.3f}"] for entry in runs]
         off = {float(setting): far for way, setting, far, _ in runs if way == "accuracy"}
         detail = ", ".join(f"{far:.2%} at {accuracy:g}" for accuracy, far in off.items())
         kept = all(far <= WITHIN * accuracy for accuracy, far in off.items())

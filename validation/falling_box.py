@@ -1,4 +1,4 @@
-"""A box that is thrown into sand, by Exudyn and by MuJoCo: of `two_engines.py` and of the tests."""
+"""A box that is thrown into sand, by Exudyn and by MuJoCo, for `two_engines.py` and for tests."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ GRAVITY = 9.81
 
 @dataclass(frozen=True)
 class FallingBox:
-    """A box and how it is thrown: sides (m), height of its middle (m), velocity (m/s) and angular velocity (rad/s)."""
+    """A box and its initial state: sides (m), height of its centre (m), velocity (m/s), angular velocity (rad/s)."""
 
     sides: tuple[float, float, float]
     height: float
@@ -30,11 +30,11 @@ class FallingBox:
     density: float = 2700.0
 
     def in_medium(self, medium: Any) -> FallingBox:
-        """The same in another medium."""
+        """Same box in another medium."""
         return replace(self, medium=medium)
 
     def by_exudyn(self, seconds: float, steps: int) -> Array:
-        """Place (3,) m of its middle after so many steps."""
+        """Position (3,) m of the centre after a time (s), by a number of steps of Exudyn."""
         mbs = exu.SystemContainer().AddSystem()
         body = mbs.CreateRigidBody(
             inertia=InertiaCuboid(self.density, self.sides),
@@ -58,7 +58,7 @@ class FallingBox:
         return np.asarray(mbs.GetObjectOutputBody(body, exu.OutputVariableType.Position, [0.0, 0.0, 0.0]))
 
     def by_mujoco(self, seconds: float, step: float) -> Array:
-        """The same at a step (s)."""
+        """Position (3,) m of the centre after a time (s), by MuJoCo with a step (s)."""
         half = " ".join(str(0.5 * side) for side in self.sides)
         model = mujoco.MjModel.from_xml_string(
             f'<mujoco><option timestep="{step}" gravity="0 0 -{GRAVITY}"/><worldbody><body pos="0 0 {self.height}">'
@@ -76,5 +76,5 @@ class FallingBox:
 
 
 def order(steps: Any, errors: Any) -> float:
-    """Slope of errors over steps."""
+    """Order of convergence: slope of the log of the errors over the log of the steps."""
     return float(np.polyfit(np.log(steps), np.log(errors), 1)[0])

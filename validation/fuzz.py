@@ -1,11 +1,11 @@
-"""Random scenarios and damaged files: whatever comes in, a fault in a sentence or an honest run comes out.
+"""Random scenarios and damaged files: every input must give an error message or a run with honest results.
 
     python validation/fuzz.py --count 10000                     # a night's worth
     python validation/fuzz.py --first 4711 --count 1 --keep offenders
 
-A case is a seed (validation/fuzzing/cases.py). Cases run in processes of their own, so that one that crashes or hangs
-is counted and not the end. The files of every offender, with what happened, are kept in the folder --keep; the exit
-code is 1 if there was one.
+A seed determines a case (validation/fuzzing/cases.py). Cases run in their own processes, so that a case that crashes or
+hangs is counted and does not stop the others. The files of every offender and a description of what happened are kept
+in the folder --keep. The exit code is 1 if there is an offender.
 """
 
 from __future__ import annotations
@@ -31,44 +31,46 @@ from validation.fuzzing import cases
 from validation.fuzzing.judgement import LIMIT, Outcome, judge
 from validation.tables import machine
 
-MEMORY = 4 << 30  # bytes of a process; a case that wants more is an offender, and may not take the machine with it
-PATIENCE = 10.0  # times the limit of processor time, on a machine that has other things to do
+MEMORY = (
+    4 << 30
+)  # bytes, limit of a process: a case that needs more is an offender, and must not bring down the machine
+PATIENCE = 10.0  # wall-clock time until a case is killed, over its limit of processor time, for a busy machine
 _processes = get_context("spawn")
 
 
 def work(line: Connection) -> None:
-    """Judge the seeds that come down a line until None comes."""
+    """Judge the seeds that are received through a pipe, until None is received."""
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
-    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # what libraries print about odd input is no result
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # hides what libraries print about odd input
     os.dup2(1, 2)
     while (seed := line.recv()) is not None:
         line.send(judge_seed(seed))
 
 
 def judge_seed(seed: int) -> Outcome:
-    """Outcome of one case in this process."""
+    """Judge one case in this process."""
     with tempfile.TemporaryDirectory() as folder:
         return judge(cases.write(seed, Path(folder)))
 
 
 class Judge:
-    """A process that judges cases; another takes its place if it dies or does not answer."""
+    """A process that judges cases; a new process replaces it if it dies or does not answer."""
 
     def __init__(self) -> None:
         self._process: Any = None
 
     def __call__(self, seed: int) -> Outcome:
-        """Outcome of a seed."""
+        """Judge the case of a seed."""
         if self._process is None or not self._process.is_alive():
-            self._line, other = _processes.Pipe()
-            self._process = _processes.Process(target=work, args=(other,), daemon=True)
+            self._line, remote = _processes.Pipe()
+            self._process = _processes.Process(target=work, args=(remote,), daemon=True)
             self._process.start()
-            other.close()
+            remote.close()
         self._line.send(seed)
         try:
             if self._line.poll(PATIENCE * LIMIT):
                 outcome: Outcome = self._line.recv()
-                if outcome.kind == "late":  # what it was torn out of may be half done
+                if outcome.kind == "late":  # the interrupted libraries may be in a broken state
                     self._end()
                 return outcome
             self._end()
@@ -88,22 +90,22 @@ def outcomes(seeds: Iterable[int], processes: int) -> Iterator[tuple[int, Outcom
     with ThreadPoolExecutor(processes) as pool:
         while batch := list(islice(seeds, 8 * processes)):
             shares = [batch[i::processes] for i in range(processes)]
-            found = dict(
+            by_seed = dict(
                 pair
                 for share in pool.map(lambda j, s: [(seed, j(seed)) for seed in s], judges, shares)
                 for pair in share
             )
-            yield from ((seed, found[seed]) for seed in batch)
+            yield from ((seed, by_seed[seed]) for seed in batch)
 
 
 def table(count: Counter[tuple[str, str]]) -> str:
-    """Outcomes by the kind of case, in Markdown."""
+    """Table of the number of outcomes by kind of case, in Markdown."""
     kinds = sorted({kind for kind, _ in count})
-    rows = sorted({what for _, what in count}, key=lambda what: -sum(count[kind, what] for kind in kinds))
+    rows = sorted({outcome for _, outcome in count}, key=lambda outcome: -sum(count[kind, outcome] for kind in kinds))
     lines = [f"| outcome | {' | '.join(kinds)} | all |", f"|---|{'---:|' * (len(kinds) + 1)}"]
-    for what in rows:
-        numbers = [count[kind, what] for kind in kinds]
-        lines.append(f"| {what} | {' | '.join(map(str, numbers))} | {sum(numbers)} |")
+    for outcome in rows:
+        numbers = [count[kind, outcome] for kind in kinds]
+        lines.append(f"| {outcome} | {' | '.join(map(str, numbers))} | {sum(numbers)} |")
     return "\n".join(lines)
 
 

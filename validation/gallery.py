@@ -1,8 +1,8 @@
-"""The gallery: every config in configs/ run, a picture and a number of each, which the tests hold.
+"""Gallery of the configs: runs every config in configs/ and writes a picture and a key number, which tests check.
 
     python validation/gallery.py
 
-writes configs/README.md and figures/gallery_*.png. A new config needs nothing but to be there.
+writes configs/README.md and figures/gallery_*.png. A new config is included without further changes.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from granular_contact.run import run
 from granular_contact.scene import build
 
 CONFIGS, FIGURES, PAGE = HERE.parent / "configs", HERE / "figures", HERE.parent / "configs" / "README.md"
-# Key numbers of a summary, the most telling first: key, what it is called, factor, unit.
+# Key numbers of a summary, the most important first: key, name, factor, unit.
 NUMBERS = (
     ("wheel.sinkage_m", "sinkage", 1e3, "mm"),
     ("forward_speed_m_s", "forward speed", 1.0, "m/s"),
@@ -34,8 +34,8 @@ NUMBERS = (
     ("max_depth_m", "largest depth", 1e3, "mm"),
     ("energy.final_J", "energy at the end", 1e3, "mJ"),
 )
-STAYS = 0.01  # m/s: what is slower does not get ahead
-EDITORS = "# yaml-language-server:"  # begins the line for editors, which is no comment on the config
+STAYS = 0.01  # m/s; below this speed a mechanism counts as standing still
+EDITORS = "# yaml-language-server:"  # start of the line for editors, which does not describe the config
 PANELS, WIDTH, FRAMES = 4, 1200, 151  # of a picture
 COLUMNS = 3  # of the page
 INTRODUCTION = """# Configs
@@ -60,7 +60,7 @@ stands in [validation](../docs/studies/gaits.md)."""
 
 @dataclass(frozen=True)
 class Entry:
-    """A config of one run: its name, what its comment says first, whether in space, what came of it."""
+    """A config of one run: its name, first sentence of its comment (words), whether it is in space, and its results."""
 
     name: str
     words: str
@@ -69,17 +69,17 @@ class Entry:
 
     @property
     def number(self) -> str:
-        """The key number, as it stands in the table."""
+        """Key number as a cell of the table."""
         return number(self.results.summary)
 
 
 def names(is_kind: Callable[[Path], bool]) -> list[str]:
-    """Names of the configs of one run, or of sweeps, or of searches."""
+    """Names of the configs of a kind: one run, sweeps, searches or fits."""
     return [path.stem for path in sorted(CONFIGS.glob("*.yaml")) if is_kind(path)]
 
 
 def number(summary: dict[str, Any]) -> str:
-    """The most telling number of a run, in words."""
+    """Most important number of a run, with its name and unit."""
     energy = {f"energy.{key}": value for key, value in summary.get("energy", {}).items()}
     flat = summary | energy | {f"wheel.{key}": value for key, value in summary.get("wheel", {}).items()}
     if abs(flat.get("forward_speed_m_s") or 0.0) < STAYS:
@@ -89,7 +89,7 @@ def number(summary: dict[str, Any]) -> str:
 
 
 def entry(name: str, frames: int = 0, overrides: Sequence[str] = ()) -> Entry:
-    """Run a config, with some of its keys changed."""
+    """Run a config with overrides; return its entry."""
     path = CONFIGS / f"{name}.yaml"
     scenario = config.load(path, overrides).scenario
     results = run(build(scenario), scenario, most_frames=frames)
@@ -97,23 +97,23 @@ def entry(name: str, frames: int = 0, overrides: Sequence[str] = ()) -> Entry:
 
 
 def cases(name: str, every: int = 1) -> str:
-    """Run a sweep, or one in so many of its cases, and say how many came to an end, as it stands in the table."""
+    """Run a sweep, or every n-th of its cases, and count the cases that reached their end, as a cell of the table."""
     sweep = config.load_sweep(CONFIGS / f"{name}.yaml", probe=build)
-    done = 0
+    count = 0
     chosen = sweep.cases[::every]
     for case in chosen:
         scenario = sweep.scenario(case)
-        done += run(build(scenario), scenario).status.code in ("rest", "end_time")
-    return f"{done} of {len(chosen)} cases came to an end"
+        count += run(build(scenario), scenario).status.code in ("rest", "end_time")
+    return f"{count} of {len(chosen)} cases came to an end"
 
 
 def runs(name: str) -> str:
-    """How many runs a search takes, as it stands in the table."""
+    """Number of runs of a search, as a cell of the table."""
     return f"{config.load_optimise(CONFIGS / f'{name}.yaml', probe=build).file.evaluations} runs"
 
 
 def rows(name: str) -> str:
-    """How many measured rows a fit takes, as it stands in the table."""
+    """Number of measured rows of a fit, as a cell of the table."""
     from granular_contact.studies.fit import load_specification, prepare
 
     problem = prepare(load_specification(CONFIGS / f"{name}.yaml"))
@@ -121,38 +121,38 @@ def rows(name: str) -> str:
 
 
 def comment(path: Path) -> str:
-    """The first sentence of the comment that a file begins with."""
+    """First sentence of the comment at the start of a file."""
     text = path.read_text(encoding="utf-8").splitlines()
     lines = itertools.takewhile(
         lambda line: line.startswith("#"), (line for line in text if not line.startswith(EDITORS))
     )
-    words = " ".join(line.lstrip("#").strip() for line in lines)
-    return re.split(r"(?<=\.) ", words)[0]
+    joined = " ".join(line.lstrip("#").strip() for line in lines)
+    return re.split(r"(?<=\.) ", joined)[0]
 
 
-def draw(one: Entry) -> Path:
-    """Write the picture of a config as a PNG of few colours; its path."""
+def draw(example: Entry) -> Path:
+    """Write the picture of a config as a PNG of few colours; return its path."""
     from validation.stills import write_strip
 
-    path = FIGURES / f"gallery_{one.name}.png"
-    write_strip(one.results, path, PANELS, WIDTH)
+    path = FIGURES / f"gallery_{example.name}.png"
+    write_strip(example.results, path, PANELS, WIDTH)
     return path
 
 
 def grid(cells: Sequence[tuple[str, str, str, Path]]) -> str:
-    """Markdown of a few small pictures in a row; below each its config, what it is, and its number."""
-    shown = [
-        f"[![{words}]({link})]({link})<br>**[{name}]({name}.yaml)**: {words}<br>{found}"
-        for name, words, found, path in cells
+    """Markdown of rows of small pictures; below each picture its config, the description and the key number."""
+    pictures = [
+        f"[![{words}]({link})]({link})<br>**[{name}]({name}.yaml)**: {words}<br>{result}"
+        for name, words, result, path in cells
         for link in [f"../{path.relative_to(HERE.parent).as_posix()}"]
     ]
-    shown += [""] * (-len(shown) % COLUMNS)
+    pictures += [""] * (-len(pictures) % COLUMNS)
     lines = [f"|{' |' * COLUMNS}", f"|{' --- |' * COLUMNS}"]
-    lines += [f"| {' | '.join(shown[i : i + COLUMNS])} |" for i in range(0, len(shown), COLUMNS)]
+    lines += [f"| {' | '.join(pictures[i : i + COLUMNS])} |" for i in range(0, len(pictures), COLUMNS)]
     return "\n".join(lines) + "\n"
 
 
-# Of sweeps and fits the figures of their studies.
+# Figures of the studies of sweeps and fits.
 PICTURES = {
     "paper_cases": "paper_cases_stopping",
     "sensitivity": "sensitivity_six",
@@ -162,28 +162,31 @@ PICTURES = {
 
 
 def table(rows: list[tuple[str, str, str]]) -> str:
-    """Markdown of configs, what they are, and their numbers."""
+    """Markdown table of configs, descriptions and numbers."""
     lines = ["| config | what happens | number |", "| --- | --- | --- |"]
-    lines += [f"| [{name}]({name}.yaml) | {words} | {found} |" for name, words, found in rows]
+    lines += [f"| [{name}]({name}.yaml) | {words} | {result} |" for name, words, result in rows]
     return "\n".join(lines) + "\n"
 
 
 def of_kind(is_kind: Callable[[Path], bool], count: Callable[[str], str]) -> list[tuple[str, str, str]]:
-    """Configs of a kind: name, what it does, its number."""
+    """Configs of a kind: name, description and number."""
     return [(name, comment(CONFIGS / f"{name}.yaml"), count(name)) for name in names(is_kind)]
 
 
 def with_studies(kind: list[tuple[str, str, str]]) -> str:
-    """The grid of sweeps or fits, with the figures of their studies."""
-    return grid([(*one, FIGURES / f"{PICTURES[one[0]]}.png") for one in kind])
+    """Grid of sweeps or fits, with the figures of their studies."""
+    return grid([(*cell, FIGURES / f"{PICTURES[cell[0]]}.png") for cell in kind])
 
 
 def main() -> None:
-    """Write page and pictures."""
+    """Write the page and the pictures."""
     entries = [entry(name, FRAMES) for name in names(config.is_run)]
-    space = [one for one in entries if one.in_space]
-    plane = [one for one in entries if not one.in_space]
-    runs_of = [grid([(one.name, one.words, one.number, draw(one)) for one in kind]) for kind in (space, plane)]
+    space = [example for example in entries if example.in_space]
+    plane = [example for example in entries if not example.in_space]
+    runs_of = [
+        grid([(example.name, example.words, example.number, draw(example)) for example in kind])
+        for kind in (space, plane)
+    ]
     parts = [
         INTRODUCTION,
         f"## In space\n\n{runs_of[0]}",

@@ -1,11 +1,11 @@
-"""How large the package is, and how much of it a run needs.
+"""Size of the package in lines of code, and the lines of the functions that a run enters.
 
     python validation/house.py [--files 15] [--small] [--run configs/pendulum.yaml]
 
-A line of code is one that is neither blank nor part of a comment or a docstring (of an attribute, too). Printed are
-the rooms (folders) with their files and lines, the longest files, functions of more than ten arguments, and the lines
-of the functions that a run enters. Compiled functions are counted only with `NUMBA_DISABLE_JIT=1`.
-`--small` lists files below 75 lines that one other module imports.
+A line of code is a line that is neither blank nor part of a comment or a docstring (also of an attribute). The script
+prints the rooms (folders) with their files and lines, the longest files, functions with more than ten arguments, and
+the lines of the functions that a run enters. Compiled functions count only with `NUMBA_DISABLE_JIT=1`.
+`--small` lists files below 75 lines that only one other module imports.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ _NO_CODE = {tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, to
 
 @dataclass(frozen=True)
 class File:
-    """A file of the package: its numbers of lines that hold code, and its functions of too many arguments."""
+    """A file of the package: numbers of its lines of code, and its functions with too many arguments."""
 
     path: Path
     code: frozenset[int]
@@ -49,7 +49,7 @@ class File:
 
     @property
     def room(self) -> str:
-        """Its folder, two levels below the package at the most."""
+        """Folder of the file, to at most two levels below the package."""
         return "/".join(self.path.relative_to(PACKAGE).parts[:-1][:2]) or "."
 
 
@@ -67,7 +67,7 @@ def code_lines(source: str) -> frozenset[int]:
 
 
 def many_arguments(source: str) -> Iterator[tuple[str, int]]:
-    """Functions with more arguments than `MOST_ARGUMENTS`, and how many."""
+    """Names of functions with more than `MOST_ARGUMENTS` arguments, and their number of arguments."""
     for node in ast.walk(ast.parse(source)):
         if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
             count = len(node.args.posonlyargs) + len(node.args.args) + len(node.args.kwonlyargs)
@@ -77,17 +77,17 @@ def many_arguments(source: str) -> Iterator[tuple[str, int]]:
 
 def files() -> list[File]:
     """All Python files of the package."""
-    found = []
+    listed = []
     for path in sorted(PACKAGE.rglob("*.py")):
         source = path.read_text(encoding="utf-8")
-        found.append(File(path, code_lines(source), tuple(many_arguments(source))))
-    return found
+        listed.append(File(path, code_lines(source), tuple(many_arguments(source))))
+    return listed
 
 
 def entered(action: Callable[[], object]) -> list[CodeType]:
-    """Functions of the package that are entered while an action runs, bodies of modules and classes left out."""
+    """Functions of the package that are entered while an action runs, without bodies of modules and classes."""
     seen: set[CodeType] = set()
-    own = str(PACKAGE) + os.sep
+    package = str(PACKAGE) + os.sep
 
     def note(frame: FrameType, event: str, _: object) -> None:
         if event == "call":
@@ -98,11 +98,11 @@ def entered(action: Callable[[], object]) -> list[CodeType]:
         action()
     finally:
         sys.setprofile(None)
-    return [code for code in seen if code.co_filename.startswith(own) and code.co_flags & 0x2]  # CO_NEWLOCALS
+    return [code for code in seen if code.co_filename.startswith(package) and code.co_flags & 0x2]  # CO_NEWLOCALS
 
 
 def lines_of(codes: list[CodeType], code_of: dict[str, frozenset[int]]) -> int:
-    """Lines of code of functions, each line once."""
+    """Number of lines of code in functions, each line counted once."""
     lines = set()
     for code in codes:
         numbers = [line for *_, line in code.co_lines() if line]
@@ -111,23 +111,23 @@ def lines_of(codes: list[CodeType], code_of: dict[str, frozenset[int]]) -> int:
 
 
 def readers(house: list[File]) -> dict[Path, set[Path]]:
-    """Which modules of the package import each of its modules."""
+    """Modules of the package that import a module, by path of the module."""
     names = {".".join(f.path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__"): f.path for f in house}
-    found: dict[Path, set[Path]] = {f.path: set() for f in house}
+    importers: dict[Path, set[Path]] = {f.path: set() for f in house}
     for file in house:
         base = file.path.relative_to(ROOT).parts[:-1]
         for node in ast.walk(ast.parse(file.path.read_text(encoding="utf-8"))):
             if isinstance(node, ast.ImportFrom):
                 stem = list(base[: len(base) - node.level + 1]) if node.level else []
                 module = ".".join([*stem, *([node.module] if node.module else [])])
-                for name in [module, *(f"{module}.{one.name}" for one in node.names)]:
+                for name in [module, *(f"{module}.{alias.name}" for alias in node.names)]:
                     if name in names and names[name] != file.path:
-                        found[names[name]].add(file.path)
-    return found
+                        importers[names[name]].add(file.path)
+    return importers
 
 
 def small_with_one_reader(house: list[File]) -> list[tuple[File, Path]]:
-    """Files below `SMALL` lines that one other module imports, and that module."""
+    """Files below `SMALL` lines that only one other module imports, and that module."""
     by_path = readers(house)
     small = [f for f in house if len(f.path.read_text("utf-8").splitlines()) < SMALL and len(by_path[f.path]) == 1]
     return [(f, next(iter(by_path[f.path]))) for f in small if f.path.name != "__init__.py"]
@@ -143,7 +143,7 @@ def rooms(house: list[File]) -> str:
 
 
 def of_run(config: str, house: list[File]) -> str:
-    """What a run from the command line enters."""
+    """Sentence with the number of functions and lines that a run from the command line enters."""
     from granular_contact.cli import main
 
     with tempfile.TemporaryDirectory() as folder, contextlib.redirect_stdout(io.StringIO()):
@@ -153,7 +153,7 @@ def of_run(config: str, house: list[File]) -> str:
 
 
 def main() -> None:
-    """Print it."""
+    """Print all tables."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--files", type=int, default=15, help="how many of the longest files to print")
     parser.add_argument("--small", action="store_true", help="list small files with one reader")

@@ -1,12 +1,13 @@
-"""Whether the tests notice small changes of the code: mutants of what decides, of joints, observers and kernels.
+"""Mutation testing: whether the tests notice small changes of decisions, joints, observers and kernels.
 
-    pip install cosmic-ray                      # makes the changes; only this script needs it
+    pip install cosmic-ray                      # makes the mutants; only this script needs it
     python validation/mutants.py                # 60 mutants, some ten minutes of an idle core
     python validation/mutants.py --count 12 --area joints --seed 2
 
-Each mutant is one change of one place (an operator, a comparison, a number, a condition), drawn from all places of the
-files of an area; the tests of its file run on a copy of the project until one fails. A mutant that none notices is
-printed with its line. Compiled code is kept from mutant to mutant but for the changed module and what inlines it.
+Each mutant is one change at one place (an operator, a comparison, a number, a condition), drawn from all places in the
+files of an area. The tests of the changed file run on a copy of the project until one test fails. A mutant that no test
+notices is printed with its line. Compiled code is reused from mutant to mutant, except for the changed module and the
+modules that inline it.
 """
 
 from __future__ import annotations
@@ -32,8 +33,8 @@ from granular_contact.jit import compiled_sources
 ROOT = Path(__file__).parents[1]
 PLACE = Path(tempfile.gettempdir()) / "granular-contact-mutants"
 COPIED = ("granular_contact", "tests", "models", "configs", "examples", "validation", "pyproject.toml")
-LONGEST = 900.0  # s: a mutant that runs longer hangs, which is noticed
-# Files whose places are changed, by area, each with the tests that have to notice.
+LONGEST = 900.0  # s; a mutant that runs longer hangs and counts as noticed
+# Files to change by area, each with the tests that must notice a change.
 _JOINTS = "tests/multibody/test_powers.py", "tests/multibody/test_joints.py", "tests/multibody/test_coordinates.py"
 _TREES = (
     "tests/minimal/test_tree_kernels.py",
@@ -152,7 +153,7 @@ AREAS: dict[str, dict[str, tuple[str, ...]]] = {
         "sand/space/round_shapes.py": ("tests/space/test_shapes_in_space.py", "tests/space/test_scene_in_space.py"),
     },
 }
-# Of the operators those that change what is computed.
+# Operators of cosmic-ray that change what is computed.
 OPERATORS = re.compile(
     r"core/(ReplaceBinaryOperator_(Add|Sub|Mul|Div)_(Add|Sub|Mul|Div)$|ReplaceComparisonOperator_(Lt|LtE|Gt|GtE|Eq|NotEq)_"
     r"(Lt|LtE|Gt|GtE|Eq|NotEq)$|ReplaceUnaryOperator_USub_UAdd|ReplaceUnaryOperator_Delete_Not|NumberReplacer|AddNot"
@@ -162,7 +163,11 @@ OPERATORS = re.compile(
 
 @dataclass(frozen=True)
 class Mutant:
-    """One change: the area and the file (below the package) of its place, what is done there, and which place."""
+    """One change of the code.
+
+    file: path below the package; operator: of cosmic-ray; occurrence: number of the place among those where the
+    operator applies.
+    """
 
     area: str
     file: str
@@ -170,7 +175,7 @@ class Mutant:
     occurrence: int
 
     def code(self) -> str | None:
-        """The changed file."""
+        """Source of the changed file."""
         from cosmic_ray.mutating import MutationVisitor
         from cosmic_ray.plugins import get_operator
 
@@ -179,14 +184,14 @@ class Mutant:
         return code
 
     def lines(self) -> str:
-        """The line before and after."""
+        """Changed line before and after."""
         source = (ROOT / "granular_contact" / self.file).read_text(encoding="utf-8")
         changes = difflib.unified_diff(source.splitlines(), (self.code() or "").splitlines(), n=0, lineterm="")
         return "\n".join(line for line in list(changes)[2:])
 
 
 def places(area: str) -> Iterator[Mutant]:
-    """All mutants of the files of an area."""
+    """Generate all mutants of the files of an area."""
     from cosmic_ray.ast import ast_nodes, get_ast
     from cosmic_ray.plugins import get_operator, operator_names
 
@@ -200,43 +205,46 @@ def places(area: str) -> Iterator[Mutant]:
 
 
 def drawn(areas: list[str], count: int, seed: int) -> list[Mutant]:
-    """So many mutants, from each area as many; a place is drawn before what is done there."""
-    found: list[Mutant] = []
+    """Draw `count` mutants, equally many from each area.
+
+    File and kind of operator are drawn first, with weights by their number of places, then one of their mutants.
+    """
+    mutants: list[Mutant] = []
     for i, area in enumerate(areas):
         share = count // len(areas) + (i < count % len(areas))
         kinds: dict[str, list[Mutant]] = {}
-        for one in places(area):
-            kinds.setdefault(f"{one.file} {one.operator.partition('_')[0]}", []).append(one)
-        dice, left = random.Random(f"{seed} {area}"), [*kinds.values()]
-        weights = [len({one.occurrence for one in ones}) for ones in left]
+        for mutant in places(area):
+            kinds.setdefault(f"{mutant.file} {mutant.operator.partition('_')[0]}", []).append(mutant)
+        rng, groups = random.Random(f"{seed} {area}"), [*kinds.values()]
+        weights = [len({mutant.occurrence for mutant in group}) for group in groups]
         chosen: dict[Mutant, None] = {}
-        while len(chosen) < min(share, sum(map(len, left))):
-            chosen[dice.choice(dice.choices(left, weights)[0])] = None
-        found += chosen
-    return found
+        while len(chosen) < min(share, sum(map(len, groups))):
+            chosen[rng.choice(rng.choices(groups, weights)[0])] = None
+        mutants += chosen
+    return mutants
 
 
 def stale(file: str) -> set[str]:
-    """Names of the modules whose compiled code may hold code of a file: its own, and those that use it by any way.
+    """Names of modules whose compiled code can contain code of a file: the file's module and all that depend on it.
 
-    Laws are joined to the kernels when they are first used, so that what a law uses may be in all of them.
+    Laws are inlined into the kernels at first use, so that code that a law uses can be in all kernels.
     """
     texts = {(path.parent.name, path.stem): path.read_text(encoding="utf-8") for path in compiled_sources()}
-    found = {("kernels", Path(file).stem)}
+    modules = {("kernels", Path(file).stem)}
     while True:
-        names = "|".join(sorted(name for _, name in found))
+        names = "|".join(sorted(name for _, name in modules))
         use = re.compile(rf"^from .*\b({names})\b|\bkernels\.({names})\b", re.M)
-        more = found | {place for place, text in texts.items() if use.search(text)}
-        if any(room == "laws" for room, _ in more):
+        dependents = modules | {place for place, text in texts.items() if use.search(text)}
+        if any(room == "laws" for room, _ in dependents):
             return {name for _, name in texts}
-        if more == found:
-            return {name for _, name in found}
-        found = more
+        if dependents == modules:
+            return {name for _, name in modules}
+        modules = dependents
 
 
 def tests_notice(tests: Iterable[str], cache: Path) -> bool:
-    """Whether one of the tests fails on the copy."""
-    # Code that was compiled elsewhere would be of the unchanged file, so that the copy has a place of its own.
+    """Whether one of the tests fails on the copy of the project."""
+    # The copy has its own cache, since code compiled elsewhere is that of the unchanged file.
     environment = os.environ | {"PYTHONPATH": str(PLACE), "NUMBA_CACHE_DIR": str(cache), "PYTHONDONTWRITEBYTECODE": "1"}
     command = [sys.executable, "-m", "pytest", "-p", "no:xdist", "-o", "addopts=", "-x", "-q", *tests]
     try:
@@ -247,13 +255,13 @@ def tests_notice(tests: Iterable[str], cache: Path) -> bool:
 
 
 def is_noticed(mutant: Mutant) -> bool:
-    """Run the tests on a copy with this change."""
-    file, kept, cache = PLACE / "granular_contact" / mutant.file, PLACE / "cache", PLACE / "cache_of_mutant"
+    """Whether the tests of the file fail on a copy of the project with this change."""
+    file, original, cache = PLACE / "granular_contact" / mutant.file, PLACE / "cache", PLACE / "cache_of_mutant"
     before, stamp = file.read_text(encoding="utf-8"), file.stat()
     shutil.rmtree(cache, ignore_errors=True)
     old = stale(mutant.file) if "kernels/" in mutant.file else set()
     shutil.copytree(
-        kept,
+        original,
         cache,
         copy_function=os.link,
         ignore=lambda _, names: [name for name in names if name.partition(".")[0] in old and ".nb" in name],
@@ -263,11 +271,11 @@ def is_noticed(mutant: Mutant) -> bool:
         return tests_notice(AREAS[mutant.area][mutant.file], cache)
     finally:
         file.write_text(before, encoding="utf-8")
-        os.utime(file, ns=(stamp.st_atime_ns, stamp.st_mtime_ns))  # or its compiled code would be too old
+        os.utime(file, ns=(stamp.st_atime_ns, stamp.st_mtime_ns))  # else its compiled code counts as outdated
 
 
 def copied() -> None:
-    """A fresh copy of the project beside the compiled code of the last time."""
+    """Copy the project anew, and keep the compiled code of the last time."""
     for name in COPIED:
         target = PLACE / name
         if target.is_dir():
@@ -280,7 +288,7 @@ def copied() -> None:
 
 
 def main() -> int:
-    """Print which mutants survive, and a table; 1 when the tests fail on the unchanged code."""
+    """Print the mutants that survive and a table; return 1 if the tests fail on the unchanged code, else 0."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--count", type=int, default=60)
     parser.add_argument("--seed", type=int, default=1)
@@ -307,10 +315,10 @@ def main() -> int:
 
 
 def _rows(killed: dict[str, list[bool]]) -> str:
-    total = [one for ones in killed.values() for one in ones]
+    total = [noticed for results in killed.values() for noticed in results]
     return "\n".join(
-        f"| {name} | {len(ones)} | {sum(ones)} ({100 * sum(ones) / max(len(ones), 1):.0f} %) |"
-        for name, ones in {**killed, "all": total}.items()
+        f"| {name} | {len(results)} | {sum(results)} ({100 * sum(results) / max(len(results), 1):.0f} %) |"
+        for name, results in {**killed, "all": total}.items()
     )
 
 

@@ -1,9 +1,9 @@
-"""The obvious way to put sand into Exudyn: one Python load function per quadrature point. For comparison only.
+"""The simplest implementation of sand in Exudyn: one Python load function per quadrature point. For comparison only.
 
-Each point carries a force load whose user function asks the engine for the point's position, velocity and direction and
-evaluates the Lee-Marghitu law there. The engine calls every one of them in every residual. `VectorPoint` is written as
-one writes it first, in small NumPy vectors; `FloatPoint` is what is left when it has been made fast: plain floats, and
-a return at once above the surface.
+Each point has a force load. Its user function gets the position, velocity and direction of the point from the engine
+and evaluates the Lee-Marghitu law there. The engine calls all of these functions in every residual. `VectorPoint` is
+the simplest form, with small NumPy vectors; `FloatPoint` is optimised: it uses plain floats and returns at once above
+the surface.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ class FloatPoint:
 
 
 class VectorPoint(FloatPoint):
-    """The same in NumPy vectors, without a thought of speed."""
+    """The same with NumPy vectors, not optimised."""
 
     def force(self, mbs: Any, t: float, load: Any) -> list[float]:  # noqa: ARG002
         """Force (N) on the point, the law times its share of the length."""
@@ -95,7 +95,7 @@ class VectorPoint(FloatPoint):
 
 
 def add_points(system: System, kind: type[FloatPoint]) -> list[FloatPoint]:
-    """Load every cable element of an assembled system at three Gauss points; assembles anew."""
+    """Add loads at three Gauss points of every cable element of an assembled system, and assemble it again."""
     points = []
     for handle in system.links.values():
         length = handle.link.length / handle.link.elements

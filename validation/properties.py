@@ -1,17 +1,23 @@
-"""What must hold of every scene, on random ones: symmetry, convergence, energy, and that a silent answer is right.
+"""Properties that every scene must have, tested on random scenes: symmetry, convergence, energy, right silent answers.
 
     python validation/properties.py [--quick] [--count 1000] [--seed 0] [--jobs 2] [--store FOLDER] [--keep FOLDER]
 
-A scene is a seed (validation/random_scenes): a mechanism of every kind, with drives, in a medium of every law, on a
-bed, solved in every way. It goes through the loader of the command line, and is run as it is; mirrored in x; a
-kilometre away; with its parts in another order; with half the step; with a quarter to a sixteenth of it; with a quarter
-of the step (a smaller part where that is too long), eight times the strips and four times the elements (in space: half
-the step, and facets of a third); and with chosen steps where they were fixed, or the other way round. Finer runs, and
-images in space, have the strips or facets that the run itself chose, or shares of them. A run is **silent** when it
-ends well without a warning about its own accuracy. Differences are greatest distances of any body (with its turn times
-its reach) over the way of whatever moves most; infinite where an image does not end. --store keeps what came of every
-scene in a file, and runs those alone that have none yet: for a study that is stopped and goes on, or several at once.
---keep writes every scene that offends as a config. `properties_in_space.py` does the same in space.
+A seed determines a scene (validation/random_scenes). The scenes have all kinds of mechanisms and drives, media of all
+laws, beds, and all methods of solution. The loader of the command line reads each scene. It runs unchanged and in these
+forms:
+
+- mirrored in x; a kilometre away; with its parts in another order (its *images*);
+- with half the step, and with a quarter to a sixteenth of the step;
+- with a quarter of the step (less if that is too long), eight times the strips and four times the elements; in space
+  with half the step and facets of a third of the size;
+- with adaptive steps if they were fixed, and the other way round.
+
+Finer runs, and images in space, have the strips or facets that the first run chose, or multiples of them. A run is
+**silent** if it ends well without a warning about its own accuracy. A difference is the greatest distance of any body
+(rotations times the radius of the body) over the path length of the part that moves most; it is infinite if an image
+does not end well. --store keeps the result of every scene in a file, and runs only scenes without a file; so a study
+can be interrupted and continued, or run several times at once. --keep writes every scene that breaks a property as a
+config. `properties_in_space.py` does the same in space.
 """
 
 from __future__ import annotations
@@ -47,21 +53,23 @@ from validation.study import Claim, Outcome
 from validation.tables import machine, markdown
 
 COUNT, QUICK, SEED = 1000, 8, 0
-SHARE = 0.2  # of the time of a scene, in the quick form
-SILENT = 1e-2  # of the way: what a run without a warning may be off by
+SHARE = 0.2  # simulated share of the end time of a scene in the quick form
+SILENT = 1e-2  # relative error allowed in a run without a warning
 BALANCE = 1e-3
-# Of the way: images; or the accuracy for which steps are chosen; or, where round-off grows as the motion diverges, what
-# steps do.
+# Relative difference allowed between images; or, if larger, the accuracy of adaptive steps, or the error of the steps,
+# as round-off grows like that error where the motion diverges.
 ALIKE = 1e-4
 STRIPS, ELEMENTS = 8, 4
-FACETS = 1.0 / 3.0  # of their size
+FACETS = 1.0 / 3.0  # factor on the size of facets in finer runs
 
 
 @dataclass(frozen=True)
 class Found:
-    """What came of a scene; differences are of the way, NaN where there is none.
+    """Results of a scene; differences are relative to the path length, NaN if there is none.
 
-    steps, space: from the finer runs; images: by name; numbers: of summaries at fixed and chosen steps, and the worst.
+    steps, half: difference from runs with shorter steps; space: from the run with finer strips, elements or facets;
+    images: from each image, by name; numbers: greatest difference of the summaries at fixed and adaptive steps, and its
+    key; other_warned: whether the run with the other kind of steps warned; seconds: processor time of all runs.
     """
 
     seed: int
@@ -84,25 +92,27 @@ class Found:
 
     @property
     def silent(self) -> bool:
-        """Whether it claims to be right."""
+        """Whether the run ended well without a warning about its accuracy."""
         return self.end in GOOD and not self.warnings
 
     @property
     def alike(self) -> float:
-        """How far an image of it may be off."""
+        """Difference allowed between the scene and an image."""
         return max(ALIKE, self.accuracy, _finite(self.steps), _finite(self.half))
 
     @property
     def cause(self) -> str:
-        """What most of the error is of."""
+        """Main source of the error."""
         return "steps" if not self.space > 2.0 * self.steps else "strips and elements"
 
 
 @dataclass(frozen=True)
 class World:
-    """Scenes of the plane or of space. divided: that image with so many times shorter steps, and finer in space.
+    """Functions and limits for scenes in the plane or in space.
 
-    shorter: how many times, of that image at first; most_steps: of the reference for steps; wall: s, for any run.
+    divided: makes a config with finer strips, elements or facets, and with steps shorter by a factor; shorter: the
+    first factor to try; most_steps: limit on the steps of the reference for steps; wall: limit on the wall-clock time
+    of any run, s.
     """
 
     draw: Callable[[int, Path], Drawn]
@@ -135,7 +145,7 @@ WORLDS = {
             "parts in another order": images.reordered,
         },
         lambda tree, factor: images_in_space.finer(images.finer(tree, factor), FACETS),
-        shorter=2.0,  # facets of a third are nine times as many
+        shorter=2.0,  # not 4, as there are nine times as many facets
         most_steps=4_000,
         wall=120.0,
     ),
@@ -143,7 +153,7 @@ WORLDS = {
 
 
 def look(seed: int, quick: bool = False, world: str = "plane") -> Found:
-    """Draw a scene, and run it in all its forms; in a process of a pool. quick: only its beginning."""
+    """Draw a scene and run it in all its forms, in a process of a pool; quick: only the beginning of the scene."""
     began = time.process_time()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -156,7 +166,7 @@ def look(seed: int, quick: bool = False, world: str = "plane") -> Found:
 
 
 def look_or_read(seed: int, quick: bool = False, store: Path | None = None, world: str = "plane") -> Found:
-    """As `look`, once for each store: later what was found is read."""
+    """Same as `look`, but read the result from the store if it is there, and write it there if not."""
     if store is None:
         return look(seed, quick, world)
     path = store / f"{world}_{seed}{'_quick' * quick}.json"
@@ -164,9 +174,9 @@ def look_or_read(seed: int, quick: bool = False, store: Path | None = None, worl
         read = json.loads(path.read_text(encoding="utf-8"))
         return Found(**{key: tuple(value) if isinstance(value, list) else value for key, value in read.items()})
     found = look(seed, quick, world)
-    whole = path.with_suffix(f".{os.getpid()}")  # a file is there as a whole, or not at all
-    whole.write_text(json.dumps(vars(found)), encoding="utf-8")
-    whole.replace(path)
+    part = path.with_suffix(f".{os.getpid()}")  # renamed below, so that no process reads a part of a file
+    part.write_text(json.dumps(vars(found)), encoding="utf-8")
+    part.replace(path)
     return found
 
 
@@ -175,10 +185,10 @@ def _judged(drawn: Drawn, folder: Path, share: float, world: World) -> Found:
     tree = drawn.tree | {"solver": solver | {"max_wall_s": world.wall, "end_time_s": share * solver["end_time_s"]}}
     try:
         scene = build(load_scenario(write(tree, folder)))
-        results, kept = solve_and_keep(tree, folder)
+        results, refined = solve_and_keep(tree, folder)
     except GranularContactError as error:
         return Found(drawn.seed, drawn.kind, drawn.solver, _law(tree), "refused", str(error).splitlines()[0])
-    found: dict[str, Any] = {
+    values: dict[str, Any] = {
         "seed": drawn.seed, "kind": drawn.kind, "solver": drawn.solver, "law": _law(tree),
         "end": results.status.code, "message": results.status.message, "warnings": _doubts(results),
         "finite": bool(np.isfinite(results.table).all()),
@@ -186,36 +196,36 @@ def _judged(drawn: Drawn, folder: Path, share: float, world: World) -> Found:
         "accuracy": scene.solver.accuracy or 0.0,
     }  # fmt: skip
     if results.status.code not in GOOD:
-        return Found(**found)
+        return Found(**values)
     own = track(results, tree, scene.least_path)
-    again = _Again(own, folder, scene.least_path)
-    same = kept if scene.in_space else tree  # strips in the plane are chosen alike, from those of the config on
-    found["images"] = {
-        name: again.off(image, same, name == "mirror image", ends=math.inf) for name, image in world.images.items()
+    forms = _Forms(own, folder, scene.least_path)
+    base = refined if scene.in_space else tree  # in the plane an image chooses the same strips as the run
+    values["images"] = {
+        name: forms.off(image, base, name == "mirror image", ends=math.inf) for name, image in world.images.items()
     }
-    found["half"] = again.off(lambda one: images.finer(one, 2.0), kept, silent=True)
+    values["half"] = forms.off(lambda one: images.finer(one, 2.0), refined, silent=True)
     steps = tree["solver"]["end_time_s"] / tree["solver"].get("step_s", images.STEP)
     most = min(16.0, max(4.0, 2.0 ** math.floor(math.log2(world.most_steps / steps))))
-    found["steps"] = again.off(lambda one: images.finer(one, most), kept)
-    for factor in (world.shorter, most):  # a reference with steps that are too long itself tells nothing of strips
+    values["steps"] = forms.off(lambda one: images.finer(one, most), refined)
+    for factor in (world.shorter, most):  # a reference with too long steps does not show the error of strips
         finer = partial(world.divided, factor=factor)
-        # (Of a body that has 200 000 facets there are none of a third of their size.)
-        found["space"] = again.off(finer, kept, silent=factor < most, refused=math.nan)
-        if math.isfinite(found["space"]):
+        # Refused without a fault: a body that has 200 000 facets can't have facets of a third of the size.
+        values["space"] = forms.off(finer, refined, silent=factor < most, refused=math.nan)
+        if math.isfinite(values["space"]):
             break
-    if (other := again.run(images.chosen, tree)) is not None and other.status.code in GOOD:
-        found["numbers"] = summaries_apart(
+    if (other := forms.run(images.chosen, tree)) is not None and other.status.code in GOOD:
+        values["numbers"] = summaries_apart(
             results, other, own, max(scene.length, 1e-3), scene.mass * abs(scene.gravity)
         )
-        found["other_warned"] = bool(_doubts(other))
-    return Found(**found)
+        values["other_warned"] = bool(_doubts(other))
+    return Found(**values)
 
 
 def _law(tree: Any) -> str:
     media = tree["medium"]
     return "+".join(
-        one if isinstance(one, str) else one.get("law", one.get("from"))
-        for one in (media if isinstance(media, list) else [media])
+        medium if isinstance(medium, str) else medium.get("law", medium.get("from"))
+        for medium in (media if isinstance(media, list) else [media])
     )
 
 
@@ -224,15 +234,15 @@ def _doubts(results: Any) -> tuple[str, ...]:
 
 
 @dataclass(frozen=True)
-class _Again:
-    """Runs of a scene in other forms, against its own track."""
+class _Forms:
+    """Runs of other forms of a scene, compared with the track of the scene itself."""
 
     own: Track
     folder: Path
     least_path: float
 
     def run(self, image: images.Image, tree: Any) -> Any:
-        """Results of a form; None where there is none."""
+        """Run a form of the scene; None if the scene has no such form."""
         try:
             return solve(image(tree), self.folder)
         except images.NoImage:
@@ -247,10 +257,10 @@ class _Again:
         ends: float = math.nan,
         refused: float = math.inf,
     ) -> float:
-        """How far the scene is from this form of it.
+        """Run a form of the scene and return its difference from the scene; NaN if there is no such form.
 
-        silent: only where the form carries no warning; ends, refused: what it is where the form does not end well, or
-        is refused.
+        silent: return NaN if the run of the form has a warning; ends, refused: value to return if the run does not end
+        well, or if the form is refused.
         """
         try:
             results = self.run(image, tree)
@@ -271,18 +281,21 @@ def every(
     store: Path | None = None,
     world: str = "plane",
 ) -> list[Found]:
-    """All scenes, on so many processes of one thread each; store: folder of what is known of them."""
-    found = []
+    """Results of all scenes, run on `jobs` processes of one thread each.
+
+    told: called with each result as soon as it is known; store: folder with known results.
+    """
+    results = []
     if store is not None:
         store.mkdir(parents=True, exist_ok=True)
     with local_processes(jobs) as pool:
-        for one in pool.map(look_or_read, *zip(*((seed, quick, store, world) for seed in seeds), strict=True)):
-            told(one)
-            found.append(one)
-    return found
+        for result in pool.map(look_or_read, *zip(*((seed, quick, store, world) for seed in seeds), strict=True)):
+            told(result)
+            results.append(result)
+    return results
 
 
-# ---- what it shows ----
+# ---- tables and claims ----
 
 
 def _share(value: float) -> str:
@@ -294,31 +307,31 @@ def _greatest(values: Sequence[float]) -> float:
 
 
 def silent_table(found: Sequence[Found], by: Callable[[Found], str], of: str) -> str:
-    """Silent errors of one cause (`steps` or `space`) by some property of the scenes."""
+    """Table of the silent errors of one cause (`of`: "steps" or "space"), grouped by a property of the scenes."""
     rows = []
-    for name in [*sorted({by(one) for one in found}), "all"]:
-        mine = [one for one in found if name in (by(one), "all")]
-        silent = [one for one in mine if one.silent]
-        off = [getattr(one, of) for one in silent]
+    for name in [*sorted({by(scene) for scene in found}), "all"]:
+        group = [scene for scene in found if name in (by(scene), "all")]
+        silent = [scene for scene in group if scene.silent]
+        off = [getattr(scene, of) for scene in silent]
         judged = [value for value in off if math.isfinite(value)]
         middle = _share(float(np.median(judged))) if judged else "-"
         counts = [sum(value > limit for value in judged) for limit in (5e-3, SILENT)]
-        rows.append([name, len(mine), len(silent), len(judged), middle, *counts, _share(_greatest(judged))])
+        rows.append([name, len(group), len(silent), len(judged), middle, *counts, _share(_greatest(judged))])
     head = ["", "scenes", "silent", "judged", "median", "above 0.5 %", "above 1 %", "greatest"]
     return markdown(head, rows)
 
 
 def property_table(found: Sequence[Found]) -> str:
-    """Images, half the step, fixed against chosen steps, and energy."""
+    """Table of the differences of images, half the step, and fixed from adaptive steps, and of the energy balance."""
     rows = []
     for name in _images(found):
-        off = [one.images[name] for one in found if math.isfinite(one.images.get(name, math.nan))]
+        off = [scene.images[name] for scene in found if math.isfinite(scene.images.get(name, math.nan))]
         rows.append([name, len(off), *_spread(off)])
     for name, off in (
-        ("half the step", [one.half for one in found if one.silent]),
-        ("summaries at fixed and chosen steps", [one.numbers[0] for one in found if _both_silent(one)]),
-        ("energy imbalance, silent", [one.imbalance for one in found if one.silent]),
-        ("energy imbalance, warned", [one.imbalance for one in found if one.end in GOOD and one.warnings]),
+        ("half the step", [scene.half for scene in found if scene.silent]),
+        ("summaries at fixed and chosen steps", [scene.numbers[0] for scene in found if _both_silent(scene)]),
+        ("energy imbalance, silent", [scene.imbalance for scene in found if scene.silent]),
+        ("energy imbalance, warned", [scene.imbalance for scene in found if scene.end in GOOD and scene.warnings]),
     ):
         known = [value for value in off if math.isfinite(value)]
         rows.append([name, len(known), *_spread(known)])
@@ -326,52 +339,56 @@ def property_table(found: Sequence[Found]) -> str:
 
 
 def _images(found: Sequence[Found]) -> list[str]:
-    return list(dict.fromkeys(name for one in found for name in one.images))
+    return list(dict.fromkeys(name for scene in found for name in scene.images))
 
 
 def _spread(values: Sequence[float]) -> list[str]:
     return [f"{value:.1e}" for value in np.quantile(values, (0.5, 0.9, 1.0))] if values else ["-"] * 3
 
 
-def _both_silent(one: Found) -> bool:
-    return one.silent and not one.other_warned
+def _both_silent(scene: Found) -> bool:
+    return scene.silent and not scene.other_warned
 
 
 def offenders(found: Sequence[Found]) -> dict[str, list[Found]]:
-    """Scenes that break a property, by claim."""
+    """Scenes that break a property, by name of the claim."""
     broken = {
-        "every number is finite": [one for one in found if not one.finite],
+        "every number is finite": [scene for scene in found if not scene.finite],
         "every run ends, or says what to change": [
-            one for one in found if one.end not in (*GOOD, "refused") and not _explained(one)
+            scene for scene in found if scene.end not in (*GOOD, "refused") and not _explained(scene)
         ],
-        "no run fails": [one for one in found if one.end == "failed"],
+        "no run fails": [scene for scene in found if scene.end == "failed"],
     }
     for name in _images(found):
-        broken[name] = [one for one in found if one.silent and one.images.get(name, 0.0) > one.alike]
+        broken[name] = [scene for scene in found if scene.silent and scene.images.get(name, 0.0) > scene.alike]
     return broken | {
-        "half the step is within 1 % without a warning": [one for one in found if one.silent and one.half > SILENT],
+        "half the step is within 1 % without a warning": [
+            scene for scene in found if scene.silent and scene.half > SILENT
+        ],
         "summaries at fixed and chosen steps are within 2 %, or four times the accuracy": [
-            one for one in found if _both_silent(one) and one.numbers[0] > max(2.0 * SILENT, 4.0 * one.accuracy)
+            scene
+            for scene in found
+            if _both_silent(scene) and scene.numbers[0] > max(2.0 * SILENT, 4.0 * scene.accuracy)
         ],
         "an energy imbalance above 1e-3 is never silent": [
-            one for one in found if one.silent and one.imbalance > BALANCE
+            scene for scene in found if scene.silent and scene.imbalance > BALANCE
         ],
-        "no silent error of steps above 1 %": [one for one in found if one.silent and one.steps > SILENT],
+        "no silent error of steps above 1 %": [scene for scene in found if scene.silent and scene.steps > SILENT],
         "no silent error of strips and elements above 1 %": [
-            one for one in found if one.silent and one.space > SILENT and one.cause != "steps"
+            scene for scene in found if scene.silent and scene.space > SILENT and scene.cause != "steps"
         ],
     }
 
 
-def _explained(one: Found) -> bool:
-    return one.end == "failed" and any(word in one.message for word in ("take a", "needs", "allowed"))
+def _explained(scene: Found) -> bool:
+    return scene.end == "failed" and any(word in scene.message for word in ("take a", "needs", "allowed"))
 
 
 def worst(found: Sequence[Found], most: int = 12) -> str:
-    """The scenes with the largest silent errors."""
-    off = [one for one in found if one.silent and max(_finite(one.steps), _finite(one.space)) > 5e-3]
-    off.sort(key=lambda one: -max(_finite(one.steps), _finite(one.space)))
-    rows = [[one.seed, one.kind, one.solver, one.law, one.cause, _share(one.steps), _share(one.space)] for one in off]
+    """Table of the scenes with the largest silent errors."""
+    off = [scene for scene in found if scene.silent and max(_finite(scene.steps), _finite(scene.space)) > 5e-3]
+    off.sort(key=lambda scene: -max(_finite(scene.steps), _finite(scene.space)))
+    rows = [[s.seed, s.kind, s.solver, s.law, s.cause, _share(s.steps), _share(s.space)] for s in off]
     return markdown(["seed", "kind", "solver", "law", "cause", "steps", "strips and steps"], rows[:most])
 
 
@@ -381,55 +398,55 @@ def _finite(value: float) -> float:
 
 def outcome(found: Sequence[Found], of: str = "properties") -> Outcome:
     """Tables and claims of a study."""
-    ends = Counter(one.end if one.end not in GOOD else "silent" if one.silent else "warned" for one in found)
-    said = ", ".join(f"{count} {end}" for end, count in ends.most_common())
-    parts = [f"{len(found)} scenes: {said}."]
+    ends = Counter(scene.end if scene.end not in GOOD else "silent" if scene.silent else "warned" for scene in found)
+    listed = ", ".join(f"{count} {end}" for end, count in ends.most_common())
+    parts = [f"{len(found)} scenes: {listed}."]
     parts += ["Symmetry, convergence, energy.", property_table(found)]
     parts += [
         "Silent errors of the steps, by the kind of mechanism.",
-        silent_table(found, lambda one: one.kind, "steps"),
+        silent_table(found, lambda scene: scene.kind, "steps"),
     ]
     parts += [
         "The same against a quarter of the step, 8 times the strips and 4 times the elements; in space half the step, "
         "and facets of a third."
     ]
-    parts += [silent_table(found, lambda one: one.kind, "space")]
-    parts += ["The same by solver.", silent_table(found, lambda one: one.solver, "space")]
+    parts += [silent_table(found, lambda scene: scene.kind, "space")]
+    parts += ["The same by solver.", silent_table(found, lambda scene: scene.solver, "space")]
     parts += ["The largest silent errors.", worst(found)]
     broken = offenders(found)
-    made = [Claim(f"{of}.{name}", not bad, _told(name, bad, found)) for name, bad in broken.items()]
-    return Outcome("\n\n".join(parts), tuple(made))
+    claims = [Claim(f"{of}.{name}", not bad, _detail(name, bad, found)) for name, bad in broken.items()]
+    return Outcome("\n\n".join(parts), tuple(claims))
 
 
-def _told(name: str, bad: Sequence[Found], found: Sequence[Found]) -> str:
-    seeds = f" (seeds {', '.join(str(one.seed) for one in bad[:8])}{', ...' * (len(bad) > 8)})" if bad else ""
-    keys = Counter(one.numbers[1] for one in bad) if name.startswith("summaries") else Counter()
+def _detail(name: str, bad: Sequence[Found], found: Sequence[Found]) -> str:
+    seeds = f" (seeds {', '.join(str(scene.seed) for scene in bad[:8])}{', ...' * (len(bad) > 8)})" if bad else ""
+    keys = Counter(scene.numbers[1] for scene in bad) if name.startswith("summaries") else Counter()
     most = f"; most {', '.join(f'{key} {count}' for key, count in keys.most_common(4))}" if keys else ""
     return f"{len(bad)} of {len(found)} scenes break it{seeds}{most}"
 
 
 def keep(found: Sequence[Found], target: Path, world: str = "plane") -> None:
-    """Write the scenes that offend, each with what it broke, into folders named by their seeds."""
-    said: dict[int, list[str]] = {}
+    """Write each scene that breaks a property into a folder named by its seed, with the names of the properties."""
+    broken: dict[int, list[str]] = {}
     for name, bad in offenders(found).items():
-        for one in bad:
-            said.setdefault(one.seed, []).append(name)
-    for seed, names in said.items():
+        for scene in bad:
+            broken.setdefault(scene.seed, []).append(name)
+    for seed, names in broken.items():
         folder = target / str(seed)
         shutil.rmtree(folder, ignore_errors=True)
         folder.mkdir(parents=True)
         write(WORLDS[world].draw(seed, folder).tree, folder)
-        one = next(one for one in found if one.seed == seed)
-        (folder / "found.txt").write_text("\n".join([*names, str(one)]) + "\n", encoding="utf-8")
+        offender = next(scene for scene in found if scene.seed == seed)
+        (folder / "found.txt").write_text("\n".join([*names, str(offender)]) + "\n", encoding="utf-8")
 
 
 def study(quick: bool = False) -> Outcome:
-    """All scenes, or the first few."""
+    """Run all scenes; quick: the beginnings of the first ones."""
     return outcome(every(range(SEED, SEED + (QUICK if quick else COUNT)), cores(), quick))
 
 
 def main(arguments: Sequence[str] | None = None, world: str = "plane", of: str = "properties") -> int:
-    """As a script; 0 when every claim held."""
+    """Run the study as a script; return 0 if all claims hold, else 1."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--quick", action="store_true", help=f"the beginnings of {QUICK} scenes")
     parser.add_argument("--count", type=int, help=f"scenes, {COUNT} unless given")
@@ -441,21 +458,27 @@ def main(arguments: Sequence[str] | None = None, world: str = "plane", of: str =
     count = chosen.count or (QUICK if chosen.quick else COUNT)
     began = time.perf_counter()
     found = every(range(chosen.seed, chosen.seed + count), chosen.jobs, chosen.quick, _progress, chosen.store, world)
-    made = outcome(found, of)
-    spent = f"{time.perf_counter() - began:.0f} s, {sum(one.seconds for one in found):.0f} s of processor time"
-    print(f"{machine('exudyn', 'numba')}; {spent}\n\n{made.text}\n")
-    for claim in made.claims:
+    result = outcome(found, of)
+    spent = f"{time.perf_counter() - began:.0f} s, {sum(scene.seconds for scene in found):.0f} s of processor time"
+    print(f"{machine('exudyn', 'numba')}; {spent}\n\n{result.text}\n")
+    for claim in result.claims:
         print(claim)
     if chosen.keep is not None:
         keep(found, chosen.keep, world)
-    return 0 if all(claim.held for claim in made.claims) else 1
+    return 0 if all(claim.held for claim in result.claims) else 1
 
 
-def _progress(one: Found) -> None:
-    line = [f"{one.seed:5d} {one.kind:18s} {one.solver:22s} {one.law[:24]:24s} {one.end:9s} {len(one.warnings)} w"]
-    line += [f"E {one.imbalance:.1e} steps {one.steps:.1e} half {one.half:.1e} space {one.space:.1e}"]
-    line += [" ".join(f"{value:.0e}" for value in one.images.values()), f"{one.numbers[0]:.1e} {one.seconds:.1f} s"]
-    print("  ".join(line), one.message if one.end not in GOOD else "", file=sys.stderr, flush=True)
+def _progress(scene: Found) -> None:
+    line = [
+        f"{scene.seed:5d} {scene.kind:18s} {scene.solver:22s} {scene.law[:24]:24s} {scene.end:9s} "
+        f"{len(scene.warnings)} w"
+    ]
+    line += [f"E {scene.imbalance:.1e} steps {scene.steps:.1e} half {scene.half:.1e} space {scene.space:.1e}"]
+    line += [
+        " ".join(f"{value:.0e}" for value in scene.images.values()),
+        f"{scene.numbers[0]:.1e} {scene.seconds:.1f} s",
+    ]
+    print("  ".join(line), scene.message if scene.end not in GOOD else "", file=sys.stderr, flush=True)
 
 
 if __name__ == "__main__":

@@ -1,10 +1,10 @@
-"""What must hold of every scene in space, on random ones: as `properties`, and turned about the vertical.
+"""Properties that every scene in space must have, on random scenes: as in `properties`, and rotation about a vertical.
 
     python validation/properties_in_space.py [--quick] [--count 1000] [--seed 0] [--jobs 2] [--store DIR] [--keep DIR]
 
-Scenes of `random_scenes.in_space`: bodies of every shape, meshes, chains on hinges and balls, sliders, legs, wheels,
-with drives, in laws of surfaces, bars and balls, on beds that are level, sloped, a map of heights, layered or with a
-floor. Finer in space are facets of a third of the size that the run chose.
+The scenes of `random_scenes.in_space` have bodies of every shape, meshes, chains on hinges and ball joints, sliders,
+legs and wheels, with drives; laws of surfaces, bars and balls; and beds that are level, sloped, given by a height map,
+layered or with a floor. The finer run has facets of a third of the size that the first run chose.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ NAME = "properties_in_space"
 
 
 def study(quick: bool = False) -> Outcome:
-    """All scenes, or the first few."""
+    """Run all scenes; quick: the beginnings of the first ones."""
     return outcome(every(range(QUICK if quick else COUNT), cores(), quick, world="space"), NAME)
 
 

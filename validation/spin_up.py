@@ -1,15 +1,16 @@
-"""A beam whose root is turned faster and faster: the spin-up manoeuvre of Kane, Ryan and Banerjee (1987).
+"""Spin-up manoeuvre of Kane, Ryan and Banerjee (1987): a beam whose root is rotated at a growing rate.
 
-Numbers of Simo and Vu-Quoc (1986), "On the dynamics of flexible beams under large overall motions", part II: 10 m long,
-E I = 1.4e4 N m2, 1.2 kg/m, rho I = 6e-4 kg m, turned about one end by psi(t) = 0.4 (t^2 / 2 + (tau / 2 pi)^2
-(cos(2 pi t / tau) - 1)) rad until tau = 15 s, and at 6 rad/s from then on. A theory without the stiffening by the
-centrifugal force has the beam leave for ever, which is what made the manoeuvre known.
+The data are those of Simo and Vu-Quoc (1986), "On the dynamics of flexible beams under large overall motions", part II:
+length 10 m, E I = 1.4e4 N m2, 1.2 kg/m, rho I = 6e-4 kg m. The beam is rotated about one end by psi(t) = 0.4 (t^2 / 2 +
+(tau / 2 pi)^2 (cos(2 pi t / tau) - 1)) rad until tau = 15 s, and at 6 rad/s from then on. In a theory without
+centrifugal stiffening the deflection grows without bound, which is why the manoeuvre is a known test.
 
-The reference is the linear theory with that stiffening: with the deflection w(x, t) across the turning axis,
+The reference is the linear theory with centrifugal stiffening for the deflection w(x, t) from the rotating axis,
 
     mu (w'' + psi'' x - psi'^2 w) + E I w_xxxx - (T w_x)_x = 0,    T = mu psi'^2 (L^2 - x^2) / 2,
 
-by Galerkin's method with six modes of a cantilever. Its error is the square of the slope, 0.09^2 at the most.
+solved by Galerkin's method with six modes of a cantilever. Its relative error is of the order of the slope squared, at
+most 0.09^2.
 """
 
 from __future__ import annotations
@@ -29,12 +30,12 @@ ROOTS = (1.87510407, 4.69409113, 7.85475744, 10.99554073, 14.13716839, 17.278759
 def angle(t: Vector) -> Vector:
     """Angle psi (rad) of the root at times (n,) s."""
     early = np.minimum(t, TAU)
-    found = 0.4 * (0.5 * early**2 + (TAU / (2.0 * np.pi)) ** 2 * (np.cos(2.0 * np.pi * early / TAU) - 1.0))
-    return np.asarray(found + 6.0 * (t - early))
+    turned = 0.4 * (0.5 * early**2 + (TAU / (2.0 * np.pi)) ** 2 * (np.cos(2.0 * np.pi * early / TAU) - 1.0))
+    return np.asarray(turned + 6.0 * (t - early))
 
 
 def theory(t: Vector) -> Vector:
-    """Deflection (n,) m of the tip across the turning axis of the root."""
+    """Deflection (n,) m of the tip from the rotating axis of the root, by the linear theory."""
     from scipy.integrate import solve_ivp
 
     x = np.linspace(0.0, LENGTH, 4001)
@@ -47,19 +48,19 @@ def theory(t: Vector) -> Vector:
     centrifugal = LINE * (S * weigh * 0.5 * (LENGTH**2 - x**2)) @ S.T - mass
     lever, n = LINE * (W * weigh) @ x, len(ROOTS)
 
-    def rates(now: float, y: Vector) -> Vector:
-        spinning = now < TAU
-        rate = 0.4 * (now - TAU / (2.0 * np.pi) * np.sin(2.0 * np.pi * now / TAU)) if spinning else 6.0
-        gain = 0.4 * (1.0 - np.cos(2.0 * np.pi * now / TAU)) if spinning else 0.0
+    def rates(time: float, y: Vector) -> Vector:
+        spinning = time < TAU
+        rate = 0.4 * (time - TAU / (2.0 * np.pi) * np.sin(2.0 * np.pi * time / TAU)) if spinning else 6.0
+        gain = 0.4 * (1.0 - np.cos(2.0 * np.pi * time / TAU)) if spinning else 0.0
         pull = -(stiff + rate**2 * centrifugal) @ y[:n] - gain * lever
         return np.concatenate([y[n:], np.linalg.solve(mass, pull)])
 
-    found = solve_ivp(rates, (0.0, END), np.zeros(2 * n), t_eval=t, method="LSODA", rtol=1e-9, atol=1e-11)
-    return np.asarray(found.y[:n].T @ W[:, -1])
+    solution = solve_ivp(rates, (0.0, END), np.zeros(2 * n), t_eval=t, method="LSODA", rtol=1e-9, atol=1e-11)
+    return np.asarray(solution.y[:n].T @ W[:, -1])
 
 
 def _mode(root: float, x: Vector) -> tuple[Vector, Vector]:
-    """Mode of a cantilever and its slope (1/m) at places x (n,) m."""
+    """Mode of a cantilever and its slope (1/m) at positions x (n,) m."""
     k, s = root / LENGTH, root * x / LENGTH
     ratio = (np.cosh(root) + np.cos(root)) / (np.sinh(root) + np.sin(root))
     shape = np.cosh(s) - np.cos(s) - ratio * (np.sinh(s) - np.sin(s))
@@ -67,7 +68,7 @@ def _mode(root: float, x: Vector) -> tuple[Vector, Vector]:
 
 
 def config(elements: int) -> dict[str, Any]:
-    """The manoeuvre as a config in space, without gravity."""
+    """Config of the manoeuvre in space, without gravity."""
     diameter = 4.0 * RADIUS_OF_GYRATION
     flexible = {"bending_stiffness_N_m2": BENDING, "elements": elements}
     section = {"diameter_m": diameter, "density_kg_m3": LINE / (0.25 * np.pi * diameter**2)}
@@ -84,17 +85,17 @@ def config(elements: int) -> dict[str, Any]:
 
 
 def spun_up(elements: int) -> tuple[Vector, Vector, float]:
-    """Times (n,) s, deflection (n,) m of the tip and seconds, by rigid elements with springs."""
-    found = simulate(load(config(elements)))
-    return found["time_s"], found["beam_deflection_y_m"], float(found.summary["cost"]["solve_s"])
+    """Times (n,) s, deflection (n,) m of the tip and solve time (s), by rigid elements with springs."""
+    results = simulate(load(config(elements)))
+    return results["time_s"], results["beam_deflection_y_m"], float(results.summary["cost"]["solve_s"])
 
 
 def rows(counts: list[int]) -> list[tuple[int, float, float, float]]:
-    """By number of elements: greatest deflection (m), greatest difference from the theory (of that), seconds."""
+    """Number of elements, greatest deflection (m), greatest relative difference from the theory, and solve time (s)."""
     t = np.linspace(0.0, END, 1801)
-    exact, made = theory(t), []
+    exact, table = theory(t), []
     for count in counts:
         time, bent, seconds = spun_up(count)
         off = float(np.abs(np.interp(t, time, bent) - exact).max() / np.abs(exact).max())
-        made.append((count, float(np.abs(bent).max()), off, seconds))
-    return made
+        table.append((count, float(np.abs(bent).max()), off, seconds))
+    return table

@@ -1,13 +1,13 @@
-"""What happens at the edges: a matrix of runs from gentle to absurd, each against a finer one of its own.
+"""Robustness at extreme values: a matrix of runs from gentle to absurd, each compared with its own finer run.
 
     python validation/stability.py [--quick]
 
-Difference: greatest distance of the tip's path from that of the same scene with a quarter of the step (an accuracy of
-1e-5 where steps are chosen) and, where the structure is varied, more elements; over the length of that path, which
-counts as a hundredth of the mechanism at least. Every run has max_wall_s, so that none can hang unseen. A run is
-accepted when it ends at rest or at its end time without a warning about its own accuracy; warnings of what lies outside
-the range that the sand was measured in are no such warnings. The full form also runs every config at ten times its step
-against itself.
+The difference of a run is the greatest distance of the tip's path from that of the same scene with a quarter of the
+step (with adaptive steps: an accuracy of 1e-5) and, where the structure is varied, more elements. It is divided by the
+length of that path, which counts as at least a hundredth of the mechanism's size. Every run has `max_wall_s`, so that
+no run can hang unnoticed. A run is accepted if it ends at rest or at its end time without a warning about its own
+accuracy; warnings that the sand was not measured in this range are not of this kind. The full form also compares every
+config with the same config at ten times its step.
 """
 
 from __future__ import annotations
@@ -39,16 +39,16 @@ from validation.tables import markdown
 
 CONFIGS, FIGURES = HERE.parent / "configs", HERE / "figures"
 FINER = 4.0
-LIMIT = {False: 20.0, True: 6.0}  # s of the clock, by quick
+LIMIT = {False: 20.0, True: 6.0}  # wall-clock limit of a run, s; by `quick`
 OF_RANGES = ("outside the range", "the floor was", "wall of the container", "without moving a grain")
 GOOD = ("rest", "end_time")
-ACCEPTED, BALANCE = 0.02, 1e-2  # what a run without a warning may differ by, and its energy imbalance
+ACCEPTED, BALANCE = 0.02, 1e-2  # difference and energy imbalance allowed in a run without a warning
 STIFFEST, PAPER = ("EI and EA, 64 elements", "1e6"), ("EI and EA, 64 elements", "1e0")
 
 
 @dataclass(frozen=True)
 class Found:
-    """What came of a case; NaN for what it has not. drift (m): of the tip over the last half of a rest."""
+    """Results of a case; NaN for values that it does not have. drift: of the tip in the last half of a rest, m."""
 
     case: Case
     status: str
@@ -62,25 +62,27 @@ class Found:
 
     @property
     def accepted(self) -> bool:
-        """Whether it claims to be right."""
+        """Whether the run ended well without a warning about its accuracy."""
         return self.status in GOOD and not self.warnings
 
     @property
     def seconds(self) -> float:
-        """Time of the solve (s)."""
+        """Solve time (s)."""
         return math.nan if self.cost is None else float(self.cost["solve_s"])
 
 
 def simulate(case: Case, finer: bool, limit: float) -> Any:
-    """Results of a case, or of its reference."""
+    """Run a case, or its reference (`finer`); limit: wall-clock time, s."""
     step = case.step / FINER if finer else case.step
-    more = (f"solver.end_time_s={case.until}", f"solver.step_s={step:.9g}", f"solver.max_wall_s={limit}")
+    overrides = (f"solver.end_time_s={case.until}", f"solver.step_s={step:.9g}", f"solver.max_wall_s={limit}")
     if case.until > 1.0:
-        more = (*more, "solver.rest_time_s=null")
-    own = case.overrides
+        overrides = (*overrides, "solver.rest_time_s=null")
+    of_case = case.overrides
     if finer:
-        own = tuple("solver.accuracy=1e-5" if one.startswith("solver.accuracy") else one for one in own) + case.finer
-    scenario = load_scenario(CONFIGS / f"{case.config}.yaml", [*more, *own])
+        of_case = (
+            tuple("solver.accuracy=1e-5" if key.startswith("solver.accuracy") else key for key in of_case) + case.finer
+        )
+    scenario = load_scenario(CONFIGS / f"{case.config}.yaml", [*overrides, *of_case])
     return run(build(scenario), scenario)
 
 
@@ -90,7 +92,7 @@ def look(case: Case, quick: bool) -> Found:
         results = simulate(case, False, LIMIT[quick])
     except GranularContactError as error:
         return Found(case, "refused", str(error).splitlines()[0])
-    found = Found(
+    outcome = Found(
         case,
         results.status.code,
         results.status.message,
@@ -100,20 +102,20 @@ def look(case: Case, quick: bool) -> Found:
         drift=_drift(results),
         finite=bool(np.isfinite(results.table).all()),
     )
-    if found.status not in GOOD:
-        return found
+    if outcome.status not in GOOD:
+        return outcome
     try:
         reference = simulate(case, True, 2.0 * LIMIT[quick])
     except GranularContactError:
-        return found
+        return outcome
     if reference.status.code not in GOOD:
-        return found
-    return Found(**{**vars(found), "difference": difference(results, reference)})
+        return outcome
+    return Found(**{**vars(outcome), "difference": difference(results, reference)})
 
 
 @dataclass(frozen=True)
 class Coarse:
-    """A config at ten times its step (s), against itself."""
+    """Comparison of a config with itself at ten times its step (s)."""
 
     config: str
     step: float
@@ -124,29 +126,40 @@ class Coarse:
 
 
 def ten_times(path: Path) -> Coarse:
-    """Run a config, and again at ten times its step; where that is chosen, at ten times the usual one."""
-    own = load_scenario(path)
-    step = 10.0 * steps(own).step_s
+    """Run a config, and again at ten times its fixed step; for adaptive steps at ten times the usual step."""
+    shipped = load_scenario(path)
+    step = 10.0 * steps(shipped).step_s
     wide = load_scenario(path, [f"solver.step_s={step:.9g}", "solver.accuracy=null"])
-    fine, results = (run(build(scenario), scenario) for scenario in (own, wide))
+    fine, results = (run(build(scenario), scenario) for scenario in (shipped, wide))
     imbalance = results.summary["energy"]["imbalance_relative"]
     return Coarse(path.stem, step, results.status.code, results.warnings, imbalance, difference(results, fine))
 
 
-def coarse_table(found: Sequence[Coarse]) -> str:
-    """A row a config."""
+def coarse_table(results: Sequence[Coarse]) -> str:
+    """Table with a row for each config."""
     rows = [
-        [one.config, f"{one.step:g}", one.status, len(one.warnings), f"{one.imbalance:.1e}", f"{one.difference:.2%}"]
-        for one in found
+        [
+            result.config,
+            f"{result.step:g}",
+            result.status,
+            len(result.warnings),
+            f"{result.imbalance:.1e}",
+            f"{result.difference:.2%}",
+        ]
+        for result in results
     ]
     return markdown(["config", "step s", "end", "warnings", "imbalance", "difference"], rows)
 
 
-def coarse_claim(found: Sequence[Coarse]) -> Claim:
-    """Within 5 % with a warning, and within what a run without one may differ by."""
-    bad = [one for one in found if not one.difference <= (0.05 if one.warnings else ACCEPTED) and one.status in GOOD]
-    worst = max(found, key=lambda one: one.difference)
-    quiet = max((one.difference for one in found if not one.warnings), default=0.0)
+def coarse_claim(results: Sequence[Coarse]) -> Claim:
+    """Claim that differences are at most 5 % with a warning, and at most ACCEPTED without one."""
+    bad = [
+        result
+        for result in results
+        if not result.difference <= (0.05 if result.warnings else ACCEPTED) and result.status in GOOD
+    ]
+    worst = max(results, key=lambda result: result.difference)
+    quiet = max((result.difference for result in results if not result.warnings), default=0.0)
     return Claim(
         "stability.every config at ten times its step is within 5 %, or 2 % without a warning",
         not bad,
@@ -159,18 +172,18 @@ def _tip(results: Any) -> np.ndarray:
 
 
 def difference(results: Any, reference: Any) -> float:
-    """Greatest distance of two paths of the tip at the same times, over the length of the second."""
+    """Greatest distance between the tips of two runs at the same times, over the path length in the second run."""
     path, other = _tip(results), _tip(reference)
     end = min(results["time_s"][-1], reference["time_s"][-1])
-    known = results["time_s"] <= end * (1.0 + 1e-12)
-    at = np.column_stack([np.interp(results["time_s"][known], reference["time_s"], axis) for axis in other.T])
+    common = results["time_s"] <= end * (1.0 + 1e-12)
+    at = np.column_stack([np.interp(results["time_s"][common], reference["time_s"], axis) for axis in other.T])
     way = float(np.linalg.norm(np.diff(other, axis=0), axis=1).sum())
     size = float(np.linalg.norm(other[0]))
-    return float(np.linalg.norm(path[known] - at, axis=1).max()) / max(way, 1e-2 * size)
+    return float(np.linalg.norm(path[common] - at, axis=1).max()) / max(way, 1e-2 * size)
 
 
 def _drift(results: Any) -> float:
-    """How far the tip moves in the second half of a run that ends at rest or lies for long (m)."""
+    """Displacement (m) of the tip in the second half of a run of at least 1 s; NaN for other runs."""
     if results.status.code not in GOOD or results["time_s"][-1] < 1.0:
         return math.nan
     path = _tip(results)[results["time_s"] > 0.5 * results["time_s"][-1]]
@@ -178,43 +191,51 @@ def _drift(results: Any) -> float:
 
 
 def every(wanted: Sequence[Case], quick: bool) -> list[Found]:
-    """All cases, on all cores."""
+    """Run all cases on all cores."""
     with local_processes(cores()) as pool:
         return list(pool.map(look, wanted, [quick] * len(wanted)))
 
 
-# ---- what it shows ----
+# ---- tables and claims ----
 
 
 def _number(value: float, form: str = ".1e") -> str:
     return "-" if math.isnan(value) else format(value, form)
 
 
-def table(found: Sequence[Found]) -> str:
-    """One line per run."""
+def table(results: Sequence[Found]) -> str:
+    """Table with a row for each run."""
     rows = []
-    for one in found:
-        cost = one.cost or {}
+    for result in results:
+        cost = result.cost or {}
         repeated = sum(cost.get(key, 0) for key in ("full_newton", "shortened_steps", "refused_steps"))
-        what = one.status + (", warned" if one.warnings and one.status in GOOD else "")
+        end = result.status + (", warned" if result.warnings and result.status in GOOD else "")
         counts = [cost.get("steps", "-"), cost.get("newton_iterations", "-"), repeated if cost else "-"]
-        rest = [_number(one.imbalance), _number(one.drift), _number(one.difference), _number(1e3 * one.seconds, ".0f")]
-        rows.append([one.case.factor, one.case.value, what, *counts, *rest])
+        numbers = [
+            _number(result.imbalance),
+            _number(result.drift),
+            _number(result.difference),
+            _number(1e3 * result.seconds, ".0f"),
+        ]
+        rows.append([result.case.factor, result.case.value, end, *counts, *numbers])
     head = ["factor", "value", "end", "steps", "iterations", "repeated", "imbalance", "drift m", "difference", "ms"]
     return markdown(head, rows)
 
 
-def summary(found: Sequence[Found]) -> str:
-    """Ends by factor."""
+def summary(results: Sequence[Found]) -> str:
+    """Table of how the runs ended, by factor."""
     rows = []
-    for factor in dict.fromkeys(one.case.factor for one in found):
-        mine = [one for one in found if one.case.factor == factor]
-        ends = Counter("accepted" if one.accepted else "warned" if one.status in GOOD else one.status for one in mine)
-        worst = max(
-            (one.difference for one in mine if one.accepted and not math.isnan(one.difference)), default=math.nan
+    for factor in dict.fromkeys(result.case.factor for result in results):
+        group = [result for result in results if result.case.factor == factor]
+        ends = Counter(
+            "accepted" if result.accepted else "warned" if result.status in GOOD else result.status for result in group
         )
-        balance = max((one.imbalance for one in mine if one.accepted), default=math.nan)
-        rows.append([factor, len(mine), *(ends.get(k, 0) or "" for k in ENDS), _number(worst), _number(balance)])
+        worst = max(
+            (result.difference for result in group if result.accepted and not math.isnan(result.difference)),
+            default=math.nan,
+        )
+        balance = max((result.imbalance for result in group if result.accepted), default=math.nan)
+        rows.append([factor, len(group), *(ends.get(k, 0) or "" for k in ENDS), _number(worst), _number(balance)])
     head = ["factor", "runs", *ENDS, "largest difference without a warning", "largest imbalance without a warning"]
     return markdown(head, rows)
 
@@ -222,30 +243,38 @@ def summary(found: Sequence[Found]) -> str:
 ENDS = ("accepted", "warned", "failed", "refused", "time_limit")
 
 
-def unexplained(found: Sequence[Found]) -> list[Found]:
-    """Failures and ends by the time limit without a sentence that says what to change."""
-    said = ("take a smaller", "take a larger", "allowed", "no rest", "needs", "can")
-    return [one for one in found if one.status not in GOOD and not any(word in one.message for word in said)]
+def unexplained(results: Sequence[Found]) -> list[Found]:
+    """Runs that failed or hit the time limit without a sentence that says what to change."""
+    advice = ("take a smaller", "take a larger", "allowed", "no rest", "needs", "can")
+    return [
+        result for result in results if result.status not in GOOD and not any(word in result.message for word in advice)
+    ]
 
 
-def claims(found: Sequence[Found], seconds: float, quick: bool) -> tuple[Claim, ...]:
-    """What must hold of the matrix."""
-    accepted = [one for one in found if one.accepted]
-    off = [one for one in accepted if one.imbalance > BALANCE]
-    wrong = [one for one in accepted if one.difference > ACCEPTED]
-    worst = max((one.difference for one in accepted if not math.isnan(one.difference)), default=math.nan)
-    lost = unexplained(found)
-    by = {(one.case.factor, one.case.value): one for one in found}
-    coarse = [one for one in found if one.case.factor == "step" and one.case.step >= 2e-3]
-    silent = [one for one in coarse if one.accepted or (one.case.step <= 2e-3 and not one.difference <= 0.05)]
+def claims(results: Sequence[Found], seconds: float, quick: bool) -> tuple[Claim, ...]:
+    """Claims on the matrix of runs; seconds: wall-clock time of the whole matrix."""
+    accepted = [result for result in results if result.accepted]
+    unbalanced = [result for result in accepted if result.imbalance > BALANCE]
+    wrong = [result for result in accepted if result.difference > ACCEPTED]
+    worst = max((result.difference for result in accepted if not math.isnan(result.difference)), default=math.nan)
+    lost = unexplained(results)
+    by_name = {(result.case.factor, result.case.value): result for result in results}
+    coarse = [result for result in results if result.case.factor == "step" and result.case.step >= 2e-3]
+    silent = [
+        result for result in coarse if result.accepted or (result.case.step <= 2e-3 and not result.difference <= 0.05)
+    ]
     limit = 120.0 if quick else 1200.0
-    made = [
-        Claim("stability.no NaN", all(one.finite for one in found), f"{len(found)} runs, every number of every table"),
-        Claim("stability.no hang, no unexplained failure", not lost, f"{_names(lost)} of {len(found)}"),
+    statements = [
+        Claim(
+            "stability.no NaN",
+            all(result.finite for result in results),
+            f"{len(results)} runs, every number of every table",
+        ),
+        Claim("stability.no hang, no unexplained failure", not lost, f"{_names(lost)} of {len(results)}"),
         Claim(
             "stability.energy balance of runs without a warning",
-            not off,
-            f"{len(accepted)} runs, {_names(off)} above {BALANCE:g}",
+            not unbalanced,
+            f"{len(accepted)} runs, {_names(unbalanced)} above {BALANCE:g}",
         ),
         Claim(
             "stability.difference of runs without a warning",
@@ -255,20 +284,22 @@ def claims(found: Sequence[Found], seconds: float, quick: bool) -> tuple[Claim, 
         Claim(
             "stability.steps ten times too large warn, and are within 5 %",
             not silent,
-            "; ".join(f"{one.case.value}: {one.difference:.2%}" for one in coarse),
+            "; ".join(f"{result.case.value}: {result.difference:.2%}" for result in coarse),
         ),
         Claim("stability.time of the matrix", seconds < limit, f"{seconds:.0f} s (asked: {limit:.0f})"),
     ]
-    if STIFFEST in by and PAPER in by:
-        ratio = by[STIFFEST].seconds / by[PAPER].seconds
-        made.append(Claim("stability.stiffest beam at most 3 times the paper's", ratio <= 3.0, f"{ratio:.1f} times"))
-    return tuple(made)
+    if STIFFEST in by_name and PAPER in by_name:
+        ratio = by_name[STIFFEST].seconds / by_name[PAPER].seconds
+        statements.append(
+            Claim("stability.stiffest beam at most 3 times the paper's", ratio <= 3.0, f"{ratio:.1f} times")
+        )
+    return tuple(statements)
 
 
-def _names(found: Sequence[Found]) -> str:
-    if not found:
+def _names(results: Sequence[Found]) -> str:
+    if not results:
         return "none"
-    return f"{len(found)} ({'; '.join(f'{one.case.factor} {one.case.value}: {one.status}' for one in found)})"
+    return f"{len(results)} ({'; '.join(f'{r.case.factor} {r.case.value}: {r.status}' for r in results)})"
 
 
 def _draw(found: Sequence[Found], places: Sequence[tuple[str, float, float, Case]]) -> None:
@@ -278,28 +309,28 @@ def _draw(found: Sequence[Found], places: Sequence[tuple[str, float, float, Case
 
     from granular_contact.report.figures.style import DOUBLE, DPI, style
 
-    by = {one.case: one for one in found}
+    by_case = {r.case: r for r in found}
     with style():
         figure = Figure(figsize=(DOUBLE / 25.4, 82 / 25.4), layout="constrained")
-        shown = None
+        image = None
         for axes, name, label in zip(
             figure.subplots(1, 2),
             ("speed", "stiffness"),
             ("impact speed (rad/s)", "EI and EA (times the paper's)"),
             strict=True,
         ):
-            mine = [(x, y, by[case]) for which, x, y, case in places if which == name]
-            xs, ys = sorted({x for x, _, _ in mine}), sorted({y for _, y, _ in mine})
+            group = [(x, y, by_case[case]) for which, x, y, case in places if which == name]
+            xs, ys = sorted({x for x, _, _ in group}), sorted({y for _, y, _ in group})
             values = np.full((len(ys), len(xs)), np.nan)
-            for x, y, one in mine:
+            for x, y, r in group:
                 i, j = ys.index(y), xs.index(x)
-                values[i, j] = one.difference
+                values[i, j] = r.difference
                 mark = (
                     ""
-                    if one.accepted
+                    if r.accepted
                     else "w"
-                    if one.status in GOOD
-                    else {"failed": "F", "refused": "R"}.get(one.status, "T")
+                    if r.status in GOOD
+                    else {"failed": "F", "refused": "R"}.get(r.status, "T")
                 )
                 axes.text(
                     j,
@@ -308,9 +339,9 @@ def _draw(found: Sequence[Found], places: Sequence[tuple[str, float, float, Case
                     ha="center",
                     va="center",
                     fontsize=7,
-                    color="white" if one.difference > 0.02 else "black",
+                    color="white" if r.difference > 0.02 else "black",
                 )
-            shown = axes.imshow(
+            image = axes.imshow(
                 np.maximum(values, 1e-6), norm=LogNorm(1e-5, 1.0), cmap="cividis_r", origin="lower", aspect="auto"
             )
             axes.set_xticks(range(len(xs)), [f"{x:g}" for x in xs], rotation=45)
@@ -318,37 +349,37 @@ def _draw(found: Sequence[Found], places: Sequence[tuple[str, float, float, Case
             axes.set_xlabel(label)
             axes.set_ylabel("step (s)")
             axes.grid(visible=False)
-        figure.colorbar(shown, ax=figure.axes, label="difference from a finer run over path length")
+        figure.colorbar(image, ax=figure.axes, label="difference from a finer run over path length")
         FIGURES.mkdir(exist_ok=True)
         FigureCanvasAgg(figure).print_figure(FIGURES / "stability_maps.png", dpi=DPI)
 
 
 def study(quick: bool) -> Outcome:
-    """Run the matrix, or its quick form."""
+    """Run the matrix or its quick form; unless quick draw the maps and run every config at ten times its step."""
     began = time.perf_counter()
     places = [] if quick else heat()
     wanted = [case for case in cases() if case.quick or not quick]
-    found = every([*wanted, *(place[3] for place in places)], quick)
+    results = every([*wanted, *(place[3] for place in places)], quick)
     seconds = time.perf_counter() - began
     if places:
-        _draw(found, places)
-    times = [one.seconds for one in found if not math.isnan(one.seconds)]
-    ended = [one for one in found if one.status not in GOOD]
+        _draw(results, places)
+    times = [result.seconds for result in results if not math.isnan(result.seconds)]
+    ended = [result for result in results if result.status not in GOOD]
     text = [
-        f"{len(found)} runs and their references, median solve {1e3 * statistics.median(times):.0f} ms.",
+        f"{len(results)} runs and their references, median solve {1e3 * statistics.median(times):.0f} ms.",
         "Ends by factor (accepted: no warning about accuracy):",
-        summary(found),
+        summary(results),
         "Runs that did not end well, in their own words:",
-        *(f"- {one.case.factor}, {one.case.value}: {one.status}: {one.message}" for one in ended),
+        *(f"- {result.case.factor}, {result.case.value}: {result.status}: {result.message}" for result in ended),
         "All runs:",
-        table(found[: len(wanted)]),
+        table(results[: len(wanted)]),
     ]
-    made = claims(found, seconds, quick)
+    statements = claims(results, seconds, quick)
     if not quick:
         coarse = [ten_times(path) for path in sorted(CONFIGS.glob("*.yaml")) if is_run(path)]
         text += ["Every config at ten times its step:", coarse_table(coarse)]
-        made += (coarse_claim(coarse),)
-    return Outcome("\n\n".join(text), made)
+        statements += (coarse_claim(coarse),)
+    return Outcome("\n\n".join(text), statements)
 
 
 if __name__ == "__main__":
