@@ -1,12 +1,13 @@
-"""What part of its processor time a sweep or a search spends on anything but its runs.
+"""Share of the processor time of a sweep or a search that is not spent on its runs.
 
     python validation/bookkeeping.py [--quick]
 
-Two workers and the process that deals out the work, of pendulums by finite elements (the shortest runs that engines
-are needed for) and of runners. Each run tells the processor time of building its scene and solving it; all other time
-of the three processes is bookkeeping: reading and checking its scenario, choosing what to run, handing it over, rows,
-journal. Processor time does not depend on who else uses the machine. Starting Python is left out: workers count from
-their first run on. `waiting` is what workers stand idle at the end of generations, where nobody else uses the cores.
+The processes are two workers and the parent that distributes the work. The runs are pendulums by finite elements (the
+shortest runs that need the engine) and runners. Each run records the processor time of building its scene and solving
+it. All other processor time of the three processes is bookkeeping: reading and checking scenarios, selecting runs,
+communication, rows, journal. Processor time does not depend on other users of the machine. Starting Python is not
+counted: workers count from their first run on. `waiting` is the share of the time in which workers are idle at the end
+of generations, on a machine without other users.
 """
 
 from __future__ import annotations
@@ -47,7 +48,7 @@ COUNTS = {"pendulum": 300, "runner": 60}
 
 @dataclass(frozen=True)
 class Spent:
-    """Seconds: processor time of the runs, of the workers from their first run on, of this process; waiting share."""
+    """Processor time (s) of the runs, of the workers after their first run, and of the parent; waiting: idle share."""
 
     runs: float
     workers: float
@@ -61,7 +62,7 @@ class Spent:
 
 
 def timed(scenario: Scenario) -> Results:
-    """A run that tells its times."""
+    """Run a scenario; its summary also has its times and the process."""
     cpu, clock = time.process_time(), time.time()
     results = run(build(scenario))
     ended = time.process_time()
@@ -70,32 +71,32 @@ def timed(scenario: Scenario) -> Results:
 
 
 def spent(rows: list[Row], parent: float) -> Spent:
-    """The times of rows; the first run of each worker, which loads and compiles, counts for none."""
+    """Sum the times of rows, without the first run of each worker, which loads and compiles code."""
     by_worker: dict[int, list[dict[str, float]]] = {}
     for row in rows:
         told = {key: row.summary[f"timed.{key}"] for key in ("pid", "cpu", "ended", "begin", "end")}
         by_worker.setdefault(int(told["pid"]), []).append(told)
     runs = workers = wall = busy = 0.0
-    for found in by_worker.values():
-        first, *others = sorted(found, key=lambda one: one["ended"])
-        runs += sum(one["cpu"] for one in others)
-        workers += others[-1]["ended"] - first["ended"]
-        wall += others[-1]["end"] - first["end"]
-        busy += sum(one["end"] - one["begin"] for one in others)
+    for timings in by_worker.values():
+        first, *later = sorted(timings, key=lambda timing: timing["ended"])
+        runs += sum(timing["cpu"] for timing in later)
+        workers += later[-1]["ended"] - first["ended"]
+        wall += later[-1]["end"] - first["end"]
+        busy += sum(timing["end"] - timing["begin"] for timing in later)
     return Spent(runs, workers, parent, 1.0 - busy / wall)
 
 
 def text(name: str) -> str:
-    """What sweep and search files have in common."""
+    """Common first lines of the sweep file and the search file of a scene."""
     config, changes, *_ = SCENES[name]
     held = ", ".join(f"{key}: {value}" for key, value in changes.items())
     return f"config: {ROOT / 'configs' / config}\nset: {{{held}}}\n"
 
 
 def by_sweep(name: str, count: int, folder: Path) -> Spent:
-    """A latin hypercube."""
-    _, _, one, ends, other, others = SCENES[name]
-    ranges = f"{{{one}: {list(ends)}, {other}: {list(others)}}}"
+    """Run a sweep by Latin hypercube sampling."""
+    _, _, first, ends, second, second_ends = SCENES[name]
+    ranges = f"{{{first}: {list(ends)}, {second}: {list(second_ends)}}}"
     path = folder / "sweep.yaml"
     path.write_text(f"{text(name)}sample: {{method: latin_hypercube, count: {count}, ranges: {ranges}}}\n")
     loaded = load_sweep(path)
@@ -106,34 +107,34 @@ def by_sweep(name: str, count: int, folder: Path) -> Spent:
 
 
 def by_search(name: str, count: int, folder: Path) -> Spent:
-    """A search by cma."""
-    _, _, one, ends, other, others = SCENES[name]
-    importlib.import_module("cma")  # starting Python is left out
+    """Run a search by CMA-ES."""
+    _, _, first, ends, second, second_ends = SCENES[name]
+    importlib.import_module("cma")  # imported here, as starting Python is not counted
     path = folder / "search.yaml"
-    parameters = f"parameters: {{{one}: {list(ends)}, {other}: {list(others)}}}\n"
+    parameters = f"parameters: {{{first}: {list(ends)}, {second}: {list(second_ends)}}}\n"
     path.write_text(f"{text(name)}{parameters}objective: {{maximise: max_depth_m}}\nevaluations: {count}\n")
     study = load_optimise(path, probe=build)
     with sweeps.WorkerPool(WORKERS) as pool:
         begin = time.process_time()
         outcome = search(study, pool, journal=Journal(folder), function=timed)
-        return spent([one.row for one in outcome.runs], time.process_time() - begin)
+        return spent([done.row for done in outcome.runs], time.process_time() - begin)
 
 
 def study(quick: bool) -> Outcome:
-    """Share of the processor time that is not spent on runs; quick: a quarter of the runs."""
+    """Measure the share of processor time that is not spent on runs; quick: a quarter of the runs."""
     share, rows, claims = 4 if quick else 1, [], []
     for kind, measure in (("sweep", by_sweep), ("search", by_search)):
         for name, count in COUNTS.items():
             with tempfile.TemporaryDirectory() as folder:
-                found = measure(name, count // share, Path(folder))
-            told = f"{100 * found.lost:.1f} % of the processor time (below {100 * MOST:g})"
-            claims.append(Claim(f"bookkeeping.{kind} of {name}", found.lost < MOST, told))
+                times = measure(name, count // share, Path(folder))
+            detail = f"{100 * times.lost:.1f} % of the processor time (below {100 * MOST:g})"
+            claims.append(Claim(f"bookkeeping.{kind} of {name}", times.lost < MOST, detail))
             numbers = (
                 count // share,
-                f"{1e3 * found.runs / (count // share):.1f}",
-                f"{found.workers - found.runs:.2f}",
+                f"{1e3 * times.runs / (count // share):.1f}",
+                f"{times.workers - times.runs:.2f}",
             )
-            shares = f"{found.parent:.2f}", f"{100 * found.lost:.1f}", f"{100 * found.waiting:.1f}"
+            shares = f"{times.parent:.2f}", f"{100 * times.lost:.1f}", f"{100 * times.waiting:.1f}"
             rows.append([kind, name, *numbers, *shares])
     head = (
         "",

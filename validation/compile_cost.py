@@ -1,15 +1,15 @@
-"""What compiling costs: the first run in an installation, and each further law and kind of shape.
+"""CPU time of compiling: in the first run of an installation, and for each further law and kind of shape.
 
     python validation/compile_cost.py [--quick]
 
-Scenes run one after another, each in a process of its own, from an empty cache of compiled kernels on; so a scene
-compiles what those before it did not. Counted are the CPU time of numba's compilations, without the imports before and
-the run after, and the functions compiled, those that others need among them. The first scenes are of round bars in the
-plane; then come other laws, shapes and scenes in space. *further law* is a shape that a scene before it had, with
-another law.
+Scenes run one after another, each in its own process, starting with an empty cache of compiled kernels. So each scene
+compiles only the functions that earlier scenes did not need. The table has the CPU time of numba's compilations,
+without imports and run, and the number of compiled functions, including those that other functions call. The first
+scenes have round bars in the plane; other laws, shapes and scenes in space follow. *further law* means a shape of an
+earlier scene with another law.
 
-The bounds are 25 CPU s for the first run, 8 for each further law or shape, and 10 for the first robot in space, which
-brings a method of solution with it. A processor's clock decides on them, too: where it has two speeds, say which.
+Bounds: 25 CPU s for the first run, 8 for each further law or shape, and 10 for the first robot in space, which needs a
+further method of solution. The times also depend on the clock rate of the processor: if it varies, state it.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from validation.tables import markdown
 
 FIRST, FURTHER, ROBOT = 25.0, 8.0, 10.0  # CPU s
 IN_SPACE = "robot in space, rft3d"
-# What is new in a scene, its config, what is set in it.
+# New part of a scene, its config, overrides.
 SCENES: tuple[tuple[str, str, tuple[str, ...]], ...] = (
     ("first run: round bar that bends, lee_marghitu", "pendulum", ()),
     ("rigid links, free in the plane", "free_link", ()),
@@ -75,7 +75,7 @@ print(json.dumps([found.spent, found.number]))
 
 
 def measure(cache: str, config: str, overrides: tuple[str, ...]) -> tuple[float, int]:
-    """CPU time (s) of compiling what a scene needs and a cache has not, and how many functions that are."""
+    """CPU time (s) of compiling the functions that a scene needs and the cache lacks, and their number."""
     path = os.pathsep.join(filter(None, [str(HERE.parent), os.environ.get("PYTHONPATH", "")]))
     line = [sys.executable, "-c", CHILD, str(HERE.parent / "configs" / f"{config}.yaml"), *overrides]
     environment = {**os.environ, "PYTHONPATH": path, "NUMBA_CACHE_DIR": cache}
@@ -85,7 +85,7 @@ def measure(cache: str, config: str, overrides: tuple[str, ...]) -> tuple[float,
 
 
 def study(quick: bool) -> Outcome:
-    """Run the scenes in turn, in one cache that is empty at first."""
+    """Run the scenes one after another with one cache, which is empty at first."""
     rows, seconds = [], []
     with tempfile.TemporaryDirectory() as cache:
         for i, (new, config, overrides) in enumerate(SCENES):

@@ -1,10 +1,10 @@
-"""What steering costs: the same run in one go, in pauses of 1 ms, and stepped with controls and observations.
+"""Processor time of stepwise control: the same run without pauses, with pauses of 1 ms, and with controls.
 
     python validation/control_cost.py [--quick]
 
-Processor time for each millisecond of a short run, the least of many repeats in turn: other programs on the machine
-can only add to it. The difference from the run in one go is what steering adds: going in and out of the engine,
-checking controls, keeping what may be observed.
+The table has the processor time for each millisecond of a short run, the least of many repeats in turn, since other
+programs on the machine can only add to it. The difference from the run without pauses is the cost of control: entering
+and leaving the engine, checking controls, and storing the data for observations.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ CASES = {
 
 
 def in_one_go(scenario: Scenario) -> Callable[[], float]:
-    """Processor time (s) of a run without a pause."""
+    """Function that makes a run without pauses and returns its processor time (s)."""
 
     def run() -> float:
         solving = begin(build(scenario)).solving
@@ -48,7 +48,7 @@ def in_one_go(scenario: Scenario) -> Callable[[], float]:
 
 
 def paused(simulation: Simulation) -> Callable[[], float]:
-    """Processor time (s) of the same run with pauses, in which nothing is done."""
+    """Function that makes the same run with pauses, in which nothing is done, and returns its processor time (s)."""
 
     def run() -> float:
         simulation.reset()
@@ -63,7 +63,7 @@ def paused(simulation: Simulation) -> Callable[[], float]:
 
 
 def stepped(simulation: Simulation) -> Callable[[], float]:
-    """Processor time (s) of the same run by steps, with controls set and everything observed."""
+    """Function that makes the same run in steps, with all controls and observations; returns its processor time (s)."""
     zeros = {name: 60.0 if name.endswith("_deg") else 0.0 for name in simulation.controls}
 
     def run() -> float:
@@ -77,18 +77,18 @@ def stepped(simulation: Simulation) -> Callable[[], float]:
 
 
 def study(quick: bool = False) -> Outcome:
-    """Table of what a millisecond costs."""
+    """Measure the processor time for each millisecond of several scenes."""
     rows, added = [], []
     for name, (config, changes) in CASES.items():
         scenario = load(CONFIGS / f"{config}.yaml").scenario.replace(
             {"solver.end_time_s": END, "solver.rest_time_s": None, **changes}
         )
         simulation = Simulation(scenario)
-        ways = [in_one_go(scenario), paused(simulation), stepped(simulation)]
-        times = [[way() for way in ways] for _ in range(30 if quick else 150)]
-        per_step = [1e6 * min(one) * PAUSE / END for one in zip(*times, strict=True)]
+        runs = [in_one_go(scenario), paused(simulation), stepped(simulation)]
+        times = [[run() for run in runs] for _ in range(30 if quick else 150)]
+        per_step = [1e6 * min(column) * PAUSE / END for column in zip(*times, strict=True)]
         added.append(per_step[2] - per_step[0])
-        rows.append([name, *(f"{one:.0f}" for one in per_step), f"{added[-1]:.0f}"])
+        rows.append([name, *(f"{value:.0f}" for value in per_step), f"{added[-1]:.0f}"])
     table = markdown(["scene", "in one go us", "with pauses us", "steps us", "steering adds us"], rows)
     claim = Claim("control_cost.a step of 1 ms adds less than 50 us", max(added) < 1e6 * BOUND, f"{max(added):.0f} us")
     return Outcome(table, (claim,))

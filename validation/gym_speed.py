@@ -1,14 +1,13 @@
-"""How fast environments are: seconds of walking for each second of the clock, in one process and in two.
+"""Speed of the environments: simulated seconds for each second of wall-clock time, in one process and in two.
 
     python validation/gym_speed.py [--quick]
 
-Runner (in the plane) and hexapod (in space) walk with their motors at 0.6 of their range, episode after episode of 2 s,
-50 steps a second. One process and two
-are measured in turn, in many rounds, and so are programs without any of this project, which tell what two processes
-gain on this machine (`validation/peers/side_by_side.py`).
+Runner (in the plane) and hexapod (in space) walk with their motors at 0.6 of their range, in episodes of 2 s with 50
+steps a second. One process and two are measured in turn, in many rounds. Programs without any code of this project are
+measured in the same rounds; they show the gain of two processes on this machine (`validation/peers/side_by_side.py`).
 
-The best round counts: what else goes on, on the machine or on the host that lends it, makes a round slower and never
-faster. How much that is, the medians show, and the share of the cores that other programs took.
+The best round counts, since other programs on the machine, or on the host of a virtual machine, only make a round
+slower. The medians, and the share of the cores that other programs took, show how much slower.
 """
 
 from __future__ import annotations
@@ -37,20 +36,23 @@ from validation.tables import markdown
 
 END, ACTION = 2.0, 0.2
 WALKING, IN_SPACE = "runner, times real time", "hexapod, times real time"
-LEAST, SCALES = {WALKING: 5.0, IN_SPACE: 15.0}, 1.9  # times real time in one process; of the runner's in two
+LEAST, SCALES = (
+    {WALKING: 5.0, IN_SPACE: 15.0},
+    1.9,
+)  # least speed in one process, relative to real time; least gain of the runner in two processes
 _ENVS: dict[str, GranularEnv] = {}
 
 
 @dataclass(frozen=True)
 class Round:
-    """How much was done in a second of the clock; share of all cores that other programs took meanwhile."""
+    """Work done in a second of wall-clock time, and share of all cores that other programs took."""
 
     speed: float
     others: float
 
 
 def walk(name: str, make: Callable[..., GranularEnv]) -> float:
-    """One episode; the processor time (s) that it took."""
+    """Run one episode and return its processor time (s)."""
     if name not in _ENVS:
         _ENVS[name] = make(end_time_s=END)
     env = _ENVS[name]
@@ -71,12 +73,12 @@ WORKS: dict[str, tuple[Callable[[], float], float]] = {
 
 
 def done(name: str) -> float:
-    """A program's work, once; the processor time (s) that it took."""
+    """Do the work of a program once and return its processor time (s)."""
     return WORKS[name][0]()
 
 
 def busy() -> float:
-    """Seconds that all cores have been at work for any program; not a number where nothing tells."""
+    """Busy time (s) of all cores for all programs since boot; NaN if the system does not tell it."""
     try:
         user, nice, system, _, _, hard, soft, stolen, *_ = map(int, Path("/proc/stat").read_text().split()[1:11])
     except (OSError, ValueError):
@@ -85,7 +87,7 @@ def busy() -> float:
 
 
 def measured(name: str, pool: Any, tasks: int, processes: int) -> Round:
-    """One round of a program."""
+    """Measure one round of a program."""
     began, own, before = time.perf_counter(), time.process_time(), busy()
     spent = pool.map(done, [name] * (tasks * processes), chunksize=1)
     wall, own, taken = time.perf_counter() - began, time.process_time() - own + sum(spent), busy() - before
@@ -93,28 +95,30 @@ def measured(name: str, pool: Any, tasks: int, processes: int) -> Round:
 
 
 def study(quick: bool = False) -> Outcome:
-    """Speeds of one process and of two, beside those of other programs."""
+    """Measure the speeds of one and two processes, and those of other programs."""
     rounds, tasks = (6, 2) if quick else (40, 3)
     pools = {processes: multiprocessing.get_context("spawn").Pool(processes) for processes in (1, 2)}
-    found: dict[tuple[str, int], list[Round]] = {(name, processes): [] for name in WORKS for processes in pools}
+    measured_rounds: dict[tuple[str, int], list[Round]] = {
+        (name, processes): [] for name in WORKS for processes in pools
+    }
     for name in WORKS:
         for processes, pool in pools.items():
-            pool.map(done, [name] * (2 * processes), chunksize=1)  # builds, and loads what is compiled
+            pool.map(done, [name] * (2 * processes), chunksize=1)  # builds the models and loads compiled code
     for _ in range(rounds):
         for name in WORKS:
             for processes, pool in pools.items():
-                found[name, processes].append(measured(name, pool, tasks, processes))
+                measured_rounds[name, processes].append(measured(name, pool, tasks, processes))
     for pool in pools.values():
         pool.close()
-    speeds = {which: np.array([one.speed for one in held]) for which, held in found.items()}
+    speeds = {which: np.array([r.speed for r in repeated]) for which, repeated in measured_rounds.items()}
     rows = []
     for name in WORKS:
         one, two = speeds[name, 1], speeds[name, 2]
         cells = [one.max(), two.max(), two.max() / one.max(), np.median(one), np.median(two)]
         rows.append([name, *(f"{number:.{2 if number < 3.0 else 1}f}" for number in cells)])
     head = ["a second, best of all rounds", "one", "two", "gain", "median of one", "of two"]
-    others = 100.0 * np.median([one.others for held in found.values() for one in held])
-    words = f"{rounds} rounds, in which other programs took {others:.0f} % of the cores (median)"
+    others = 100.0 * np.median([r.others for repeated in measured_rounds.values() for r in repeated])
+    note = f"{rounds} rounds, in which other programs took {others:.0f} % of the cores (median)"
     gain, claims = speeds[WALKING, 2].max() / speeds[WALKING, 1].max(), list[Claim]()
     for name, least in LEAST.items():
         robot, fast = name.partition(",")[0], speeds[name, 1].max()
@@ -122,7 +126,7 @@ def study(quick: bool = False) -> Outcome:
             Claim(f"gym_speed.{robot} at least {least:g} times real time", fast >= least, f"{fast:.1f} times")
         )
     claims.append(Claim("gym_speed.two are 1.9 times as fast as one", gain >= SCALES, f"{gain:.2f} times"))
-    return Outcome(f"{markdown(head, rows)}\n\n{words}", tuple(claims))
+    return Outcome(f"{markdown(head, rows)}\n\n{note}", tuple(claims))
 
 
 if __name__ == "__main__":

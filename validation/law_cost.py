@@ -1,10 +1,10 @@
-"""What a load call costs by law, and whether lee_marghitu costs what it did.
+"""Run time of a load call by law, and a bound on that of lee_marghitu.
 
     python validation/law_cost.py
 
-One call of the kernels that the engine calls for a run: force, and force with tangent as at a Newton step, on a line of
-16 strips (a ball for the scalar laws) that pierces the surface. The laws take turns; each number is the least of many
-rounds, as noise only adds.
+The script times one call of the kernels that the engine calls in a run: force, and force with tangent as in a Newton
+step. The load is a line of 16 strips (a ball for the scalar laws) that pierces the surface. The laws take turns; each
+number is the least of many rounds, since noise can only add to a time.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ MOST = 1.5
 
 
 def calls(medium: Law) -> tuple[Callable[[], None], Callable[[], None]]:
-    """A force call, and a tangent call, on a rigid body in a medium."""
+    """Functions that make a force call and a tangent call on a rigid body in a medium."""
     run = np.zeros(1, LINE)
     run["width"], run["mass"] = 0.00635, 0.07
     ((geometry, _),) = kinematics.curved_stations(np.array([[-0.1, 0.0], [0.1, 0.0]]), np.zeros(1), STRIPS)
@@ -65,28 +65,28 @@ def calls(medium: Law) -> tuple[Callable[[], None], Callable[[], None]]:
         force(addresses, q, v, out)
 
     def tangents() -> None:
-        assert arrays  # kept alive: kernels read them by their addresses
+        assert arrays  # keeps the arrays alive, which kernels read by address
         tangent(addresses, q, v, 1.0, 1.0, triplets)
 
     return forces, tangents
 
 
-def least(ways: dict[str, Callable[[], None]], rounds: int = ROUNDS) -> dict[str, float]:
-    """Least time of a call (s) of each way, in turns after a warm-up."""
-    for way in ways.values():
-        way()
-    best = dict.fromkeys(ways, float("inf"))
+def least(calls_by_name: dict[str, Callable[[], None]], rounds: int = ROUNDS) -> dict[str, float]:
+    """Least time (s) of each call by name; the calls take turns after a warm-up."""
+    for call in calls_by_name.values():
+        call()
+    best = dict.fromkeys(calls_by_name, float("inf"))
     for _ in range(rounds):
-        for name, way in ways.items():
+        for name, call in calls_by_name.items():
             began = time.perf_counter()
             for _ in range(CALLS):
-                way()
+                call()
             best[name] = min(best[name], (time.perf_counter() - began) / CALLS)
     return best
 
 
 def main() -> int:
-    """Print the table; 0 when every law keeps its bound, else 1."""
+    """Print the table; return 0 if every law keeps its bound, else 1."""
     media = {"lee_marghitu": preset("play_sand")} | {medium.name: medium for medium in every_medium()}
     both = {name: calls(medium) for name, medium in media.items()}
     force = least({name: pair[0] for name, pair in both.items()})

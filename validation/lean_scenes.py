@@ -1,10 +1,10 @@
-"""What a scene costs that needs less: start-up, run time and memory, each in a process of its own.
+"""Start-up time, run time and memory of scenes that need only parts of the package, each in its own process.
 
     python validation/lean_scenes.py
 
-From the interpreter on: reading the config and building the system is start-up; the solve is that of 40 ms (200 steps).
-Memory is the largest resident set of the process. The median of several processes, run in turn, after one that is not
-counted and fills the caches of compiled kernels.
+Start-up begins with the interpreter and includes reading the config and building the system; the solve is that of 40 ms
+(200 steps). Memory is the largest resident set of the process. Numbers are medians of several processes that run in
+turn, after one process that does not count and fills the cache of compiled kernels.
 """
 
 from __future__ import annotations
@@ -49,23 +49,23 @@ print(json.dumps([whole - solve, solve, memory, parts, cost["newton_iterations"]
 
 
 def measure(config: str, overrides: tuple[str, ...]) -> list[object]:
-    """Start-up and solve (s), memory (kB), packages imported, Newton iterations, calls of the load; of one process."""
+    """Measure one process: start-up and solve (s), memory (kB), imported packages, Newton iterations, load calls."""
     line = [sys.executable, "-c", CHILD, str(HERE.parent / "configs" / f"{config}.yaml"), *overrides]
     path = os.pathsep.join(filter(None, [str(HERE.parent), os.environ.get("PYTHONPATH", "")]))
     done = subprocess.run(line, capture_output=True, text=True, check=True, env={**os.environ, "PYTHONPATH": path})
-    found: list[object] = json.loads(done.stdout)
-    return found
+    numbers: list[object] = json.loads(done.stdout)
+    return numbers
 
 
 def study(quick: bool) -> Outcome:
-    """Measure all scenes, in turn."""
+    """Measure all scenes in turn."""
     rounds = 3 if quick else 9
     kept: dict[str, list[list[object]]] = {name: [] for name, *_ in SCENES}
     for i in range(rounds + 1):
         for name, config, overrides in SCENES:
-            found = measure(config, overrides)
+            measured = measure(config, overrides)
             if i > 0:
-                kept[name].append(found)
+                kept[name].append(measured)
     middle = {
         name: [statistics.median(float(str(run[k])) for run in runs) for k in (0, 1, 2, 4, 5)]
         for name, runs in kept.items()

@@ -1,10 +1,10 @@
-"""What it costs to load a robot of many facets: from its URDF and STL files to a system ready to run.
+"""CPU time of loading a robot with many facets: from its URDF and STL files to a system ready to run.
 
     python validation/robot_loading.py
 
-A chain of eight links of about 13 000 triangles each, with facets no larger than the triangles, all in sand of 3D-RFT.
-CPU time in a fresh process, with compiled kernels in the cache; the least of three processes, as noise only adds.
-The bound set for all of it, with imports: 3 s.
+The robot is a chain of eight links of about 13 000 triangles each, with facets as large as the triangles, all in sand
+of 3D-RFT. CPU times are those in a fresh process with compiled kernels in the cache, the least of three processes,
+since noise can only add to a time. Bound for everything, with imports: 3 s.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ RUN = {"medium": "rft3d_sand", "initial": {"joints": {"link_0": {"z_m": 0.1}}}, 
 
 
 def write_robot(folder: Path) -> int:
-    """Write the robot, of one sphere a link; the number of its triangles."""
+    """Write the robot, with a sphere for each link; return the number of its triangles."""
     from granular_contact import Sphere
 
     corners = Sphere(0.15).corners(SIZE)
@@ -48,7 +48,7 @@ def write_robot(folder: Path) -> int:
 
 
 def load_once(urdf: str) -> dict[str, float]:
-    """CPU seconds of each stage in this process."""
+    """CPU time (s) of each stage in this process."""
     marks = {"": 0.0, "Python and numpy": time.process_time()}
     from granular_contact import config, scene
     from granular_contact.engines.exudyn.build_in_space import build
@@ -56,25 +56,25 @@ def load_once(urdf: str) -> dict[str, float]:
     marks["importing the package"] = time.process_time()
     loaded = config.load({**RUN, "model": {"urdf": urdf, "facet_size_m": 1.0}})
     marks["load: XML to a checked config"] = time.process_time()
-    made = scene.build(loaded)
+    built = scene.build(loaded)
     marks["build: meshes read and checked, mass, poses"] = time.process_time()
-    build(made)  # type: ignore[arg-type]
+    build(built)  # type: ignore[arg-type]
     marks["ready: facets and clusters, joints, the engine's system"] = time.process_time()
     names = list(marks)
     return {name: marks[name] - marks[before] for before, name in pairwise(names)}
 
 
 def in_fresh_processes(urdf: str) -> dict[str, float]:
-    """The least CPU seconds of each stage."""
-    found = []
-    for _ in range(PROCESSES + 1):  # the first warms the caches
+    """Least CPU time (s) of each stage over the processes."""
+    repeats = []
+    for _ in range(PROCESSES + 1):  # the first process fills the caches
         done = subprocess.run([sys.executable, __file__, urdf], capture_output=True, text=True, check=True)
-        found.append(json.loads(done.stdout))
-    return {name: min(one[name] for one in found[1:]) for name in found[0]}
+        repeats.append(json.loads(done.stdout))
+    return {name: min(times[name] for times in repeats[1:]) for name in repeats[0]}
 
 
 def main() -> int:
-    """Print the table; 0 when the bound is kept, else 1."""
+    """Print the table; return 0 if the bound is kept, else 1."""
     with tempfile.TemporaryDirectory() as folder:
         number = write_robot(Path(folder))
         costs = in_fresh_processes(str(Path(folder, "chain.urdf")))

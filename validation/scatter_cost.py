@@ -1,10 +1,10 @@
-"""What the scatter of grains costs: a run with and without it; an ensemble of 200 pendulums; a wheel's sweep over slip.
+"""Run time of the scatter of grains: runs with and without it, an ensemble of 200 pendulums, a wheel's sweep over slip.
 
     python validation/scatter_cost.py [--quick]
 
-Runs are compared by their processor time, with and without in turn, the least of the repeats. The commands are run as a
-user runs them, on two workers, and timed by the clock, with all the processor time that their processes take beside
-it: half of that is the least that two cores could do it in, whoever else uses them.
+Runs with and without scatter take turns and are compared by processor time, the least of the repeats. The commands run
+as a user runs them, on two workers. The table has their wall-clock time and the processor time of all their processes;
+half of the latter is the least possible time on two idle cores.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from validation.tables import markdown
 CONFIGS = ROOT / "configs"
 SCATTER = {"relative": 0.15, "length_m": 0.003}
 RUNS = {"pendulum": {}, "wheel": {"solver.end_time_s": 1.0}, "dropped": {"solver.end_time_s": 0.2}}
-MOST = 1.15  # times the run without scatter
+MOST = 1.15  # run time allowed, relative to the run without scatter
 WORDS = "medium.scatter={relative: 0.15, length_m: 0.003}"
 COMMANDS = {
     "ensemble of 200 pendulums": (["ensemble", "pendulum.yaml", "--count", "200", "--set", WORDS], 10.0),
@@ -39,7 +39,7 @@ LOOK_SECONDS = 0.2
 
 
 def solve(name: str, scatters: bool) -> float:
-    """Processor time (s) of a solve, from its first step on."""
+    """Processor time (s) of the steps of a solve."""
     changes = RUNS[name] | ({"medium.scatter": SCATTER} if scatters else {})
     solving = begin(build(load(CONFIGS / f"{name}.yaml").scenario.replace(changes))).solving
     began = time.process_time()
@@ -48,27 +48,27 @@ def solve(name: str, scatters: bool) -> float:
 
 
 def runs(repeats: int) -> tuple[list[list[str]], list[Claim]]:
-    """Each run without and with scatter, in turn."""
+    """Time each run without and with scatter, in turn; return rows and claims."""
     rows, claims = [], []
     for name in RUNS:
         times = [(solve(name, False), solve(name, True)) for _ in range(repeats + 1)][1:]
         without, scattered = (min(column) for column in zip(*times, strict=True))
         rows.append([name, f"{1e3 * without:.0f}", f"{1e3 * scattered:.0f}", f"{scattered / without:.2f}"])
         held = scattered <= MOST * without
-        words = f"{scattered / without:.2f} times"
-        claims.append(Claim(f"scatter_cost.{name}: scatter costs at most 0.15 of a run", held, words))
+        detail = f"{scattered / without:.2f} times"
+        claims.append(Claim(f"scatter_cost.{name}: scatter costs at most 0.15 of a run", held, detail))
     return rows, claims
 
 
 class Watch(threading.Thread):
-    """Sums up the processor time (s) of all processes below one, for as long as they live."""
+    """Thread that sums up the processor time (s) of all descendants of a process while they live."""
 
     def __init__(self, root: int) -> None:
         super().__init__(daemon=True)
         self.root, self.seen, self.over = root, dict[int, float](), threading.Event()
 
     def run(self) -> None:
-        """Look again and again."""
+        """Read the processor times at regular intervals."""
         while not self.over.wait(LOOK_SECONDS):
             self._look()
 
@@ -77,7 +77,7 @@ class Watch(threading.Thread):
         for folder in Path("/proc").glob("[0-9]*"):
             try:
                 fields = (folder / "stat").read_text(encoding="ascii").rpartition(")")[2].split()
-            except OSError:  # it has ended
+            except OSError:  # the process has ended
                 continue
             parents[int(folder.name)] = int(fields[1])
             spent[int(folder.name)] = (int(fields[11]) + int(fields[12])) / TICK
@@ -88,17 +88,26 @@ class Watch(threading.Thread):
         self.seen |= {pid: spent[pid] for pid in below if pid in spent}
 
 
-def timed(words: list[str]) -> tuple[float, float]:
-    """Seconds by the clock, and of processors, of a command on two workers."""
+def timed(command: list[str]) -> tuple[float, float]:
+    """Wall-clock time and processor time (s) of a command on two workers."""
     with tempfile.TemporaryDirectory() as folder:
-        arguments = [words[0], str(CONFIGS / words[1]), *words[2:], "--workers", "2", "--quiet", "--out", f"{folder}/o"]
+        arguments = [
+            command[0],
+            str(CONFIGS / command[1]),
+            *command[2:],
+            "--workers",
+            "2",
+            "--quiet",
+            "--out",
+            f"{folder}/o",
+        ]
         environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])}
         began = time.perf_counter()
         process = subprocess.Popen([sys.executable, "-m", "granular_contact", *arguments], env=environment)
         watch = Watch(process.pid)
         watch.start()
         if process.wait() != 0:
-            raise RuntimeError(f"{words} failed")
+            raise RuntimeError(f"{command} failed")
         clock = time.perf_counter() - began
         watch.over.set()
         watch.join()
@@ -106,19 +115,19 @@ def timed(words: list[str]) -> tuple[float, float]:
 
 
 def commands() -> tuple[list[list[str]], list[Claim]]:
-    """Both commands, the second time each, as the first may compile."""
+    """Time both commands, each in its second run, as the first one may compile; return rows and claims."""
     rows, claims = [], []
-    for name, (words, most) in COMMANDS.items():
-        timed(words if "--count" not in words else [*words[:3], "4", *words[4:]])
-        clock, processors = timed(words)
-        rows.append([name, f"{clock:.1f}", f"{processors:.1f}", f"{processors / 2:.1f}", f"{most:g}"])
-        said = f"{clock:.1f} s by the clock, {processors / 2:.1f} s if two cores had nothing else to do"
-        claims.append(Claim(f"scatter_cost.{name} takes less than {most:g} s", clock < most, said))
+    for name, (arguments, limit) in COMMANDS.items():
+        timed(arguments if "--count" not in arguments else [*arguments[:3], "4", *arguments[4:]])
+        clock, processors = timed(arguments)
+        rows.append([name, f"{clock:.1f}", f"{processors:.1f}", f"{processors / 2:.1f}", f"{limit:g}"])
+        detail = f"{clock:.1f} s by the clock, {processors / 2:.1f} s if two cores had nothing else to do"
+        claims.append(Claim(f"scatter_cost.{name} takes less than {limit:g} s", clock < limit, detail))
     return rows, claims
 
 
 def study(quick: bool = False) -> Outcome:
-    """What runs cost, and unless quick the commands."""
+    """Time the runs, and unless quick the commands."""
     rows, claims = runs(5 if quick else 15)
     text = markdown(["run", "without ms", "with scatter ms", "ratio"], rows)
     if not quick:

@@ -1,14 +1,15 @@
-"""What the load in space costs: by facet, by body out of reach, and to load and build a large mesh.
+"""CPU time of the load in space: of a facet, of a body out of reach, and of loading and building a large mesh.
 
     python validation/space_cost.py
 
-CPU time of one call of the kernels that the engine calls, by facet; the least of many rounds, as noise only adds. A
-sphere of some 5 000 facets moves down and turns, wholly immersed with all bristles at their yield; of its facets
-either those that lead or those that trail are kept. For comparison a strip of the plane, with the same law, is timed
-in the same run: ratios do not depend on what else the machine does. Loading is reading an STL file of 100 000
-triangles, checking it, and building its facets and clusters.
+The script measures the CPU time a facet of one call of the kernels that the engine calls, the least of many rounds,
+since noise can only add to a time. A sphere of some 5 000 facets moves down and rotates, fully immersed, with all
+bristles at yield; it has only its leading or only its trailing facets. A strip of the plane with the same law is timed
+in the same run for comparison, since ratios do not depend on the load of the machine. Loading means reading an STL file
+of 100 000 triangles, checking it, and building its facets and clusters.
 
-The bounds: 120 ns a leading facet with 3D-RFT and its bristle, 10 ns one above the surface, 3 s for the large mesh.
+Bounds: 120 ns for a leading facet with 3D-RFT and its bristle, 10 ns for a facet above the surface, 3 s for the large
+mesh.
 """
 
 from __future__ import annotations
@@ -46,7 +47,7 @@ MEDIA: dict[str, Law] = {"rft3d": Rft3d(1600.0, 0.5, 0.3), "drft": Drft(density=
 
 
 def least(call: Callable[..., object], *arguments: Any, calls: int = CALLS) -> float:
-    """CPU time (s) of one call: the least of the rounds, after a warm-up."""
+    """CPU time (s) of one call: least over the rounds, after a warm-up."""
     call(*arguments)
     times = []
     for _ in range(ROUNDS):
@@ -58,15 +59,18 @@ def least(call: Callable[..., object], *arguments: Any, calls: int = CALLS) -> f
 
 
 def sphere(medium: Law, leading: bool | None, height: float = -0.5) -> tuple[SpatialLoad, np.ndarray, int]:
-    """Load on the facets of a sphere that lead, that trail, or all of them; its place, and the number of facets."""
+    """Load of a sphere, its coordinates, and its number of facets.
+
+    leading: keep the leading (True) or the trailing (False) facets; None: all. height: of the centre, m.
+    """
     load = SpatialLoad(medium, 0.0)
     load.add_shape(BODY, Sphere(0.2), facet_size=0.012)
-    one = load.lines[0]
-    rows = one.rows
+    line = load.lines[0]
+    rows = line.rows
     if leading is not None:
         ahead = rows[:, 4:7] @ SPEED[:3] > 0.05 * np.linalg.norm(SPEED[:3])
         rows = np.ascontiguousarray(rows[ahead if leading else ~ahead])
-    load.lines[0] = replace(one, rows=rows, clusters=clusters_of(rows[:, :3], rows[:, 3], half_sides(rows)))
+    load.lines[0] = replace(line, rows=rows, clusters=clusters_of(rows[:, :3], rows[:, 3], half_sides(rows)))
     q = np.array([0.0, 0.0, height, *STILL])
     load.start(q)
     for i in range(3):
@@ -88,33 +92,36 @@ def strip_ns(medium: Law) -> float:
 
 
 def anew(load: SpatialLoad, q: np.ndarray) -> Callable[..., object]:
-    """The force in two places in turn, a picometre apart: where it was asked for last, it is kept."""
+    """Function that computes the force at two coordinates in turn, a picometre apart.
+
+    The load keeps the force at the last coordinates and would not compute it again.
+    """
     places = itertools.cycle([q, q + np.array([0.0, 0.0, 1e-12, 0.0, 0.0, 0.0, 0.0])])
     return lambda *arguments: load.force(next(places), *arguments)
 
 
 def facet_rows() -> list[tuple[str, str, float]]:
-    """Law, what is measured, and ns a facet."""
-    found, out = [("rft3d", STRIP, strip_ns(MEDIA["rft3d"]))], np.zeros(7)
+    """Rows of law, measured case, and CPU time a facet (ns)."""
+    rows, out = [("rft3d", STRIP, strip_ns(MEDIA["rft3d"]))], np.zeros(7)
     for name, medium in MEDIA.items():
         load, q, number = sphere(medium, True)
-        found.append((name, "leads", 1e9 * least(anew(load, q), SPEED, out) / number))
+        rows.append((name, "leads", 1e9 * least(anew(load, q), SPEED, out) / number))
     medium = MEDIA["rft3d"]
     load, q, number = sphere(medium, True)
-    found.append(("rft3d", "leads, tangent", 1e9 * least(load.tangent, q, SPEED, 1.0, 1.0, calls=2) / number))
-    found.append(("rft3d", "leads, end of a step", 1e9 * least(load.accept, 1.0, q, SPEED) / number))
+    rows.append(("rft3d", "leads, tangent", 1e9 * least(load.tangent, q, SPEED, 1.0, 1.0, calls=2) / number))
+    rows.append(("rft3d", "leads, end of a step", 1e9 * least(load.accept, 1.0, q, SPEED) / number))
     load, q, number = sphere(medium, False)
-    found.append(("rft3d", "trails", 1e9 * least(anew(load, q), SPEED, out) / number))
+    rows.append(("rft3d", "trails", 1e9 * least(anew(load, q), SPEED, out) / number))
     load, q, number = sphere(medium, None, 0.15)
-    found.append(("rft3d", ABOVE_IT, 1e9 * least(anew(load, q), SPEED, out) / number))
+    rows.append(("rft3d", ABOVE_IT, 1e9 * least(anew(load, q), SPEED, out) / number))
     load, q, number = sphere(medium, None, 1.0)
     load.update_active(1e-3)
     far = 1e9 * least(anew(load, q), SPEED, out, calls=1000)
-    return [*found, ("rft3d", f"out of reach, all {number} together", far)]
+    return [*rows, ("rft3d", f"out of reach, all {number} together", far)]
 
 
 def loading() -> dict[str, float]:
-    """CPU seconds to read a mesh of 100 000 triangles, to build its load, and to start."""
+    """CPU time (s) of reading a mesh of 100 000 triangles, of building its load, and of starting it."""
     corners = Sphere(0.3).corners(0.0042)
     load = SpatialLoad(MEDIA["rft3d"], 0.0)
     with tempfile.TemporaryDirectory() as folder:
@@ -141,7 +148,7 @@ def _write_stl(path: Path, corners: np.ndarray) -> None:
 
 
 def study(quick: bool) -> Outcome:  # noqa: ARG001  # one form
-    """Time per facet, and of a large mesh."""
+    """Measure the time a facet, and the time of a large mesh."""
     rows, costs = facet_rows(), loading()
     number = costs.pop("triangles")
     costs["together"] = sum(costs.values())

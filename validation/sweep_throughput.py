@@ -1,22 +1,24 @@
-"""How many impacts a second a sweep runs, what two cores gain over one, and whether its memory grows.
+"""Throughput of sweeps in impacts a second, gain of two workers over one, and growth of memory.
 
     python validation/sweep_throughput.py [--quick] [--together] [--alone] [--beside CHECKOUT]
 
-The whole command, as a user runs it: 10 000 impacts of a rigid pendulum and of the source's single-mode one, 1 000 of
-the finite-element one, by Latin hypercube over four inputs. One worker and two in turn, best of the repeats each, so
-that a machine that others use for a while counts less.
+The whole command is measured as a user runs it: 10 000 impacts of a rigid pendulum and of the source's single-mode
+pendulum, and 1 000 impacts of the finite-element pendulum, by Latin hypercube over four inputs. Runs with one and with
+two workers take turns, and the best of the repeats counts, to reduce the effect of other programs on the machine.
 
-Efficiency is the time on one worker over twice that on two. `whole` has starting, reading, checking and writing in it,
-`running` is from the first rows to the last. `by CPU` does not depend on who else uses the cores: CPU seconds that one
-worker takes for the rows, over those that two workers and the parent, which shares the cores with them, take together.
+Efficiency is the time with one worker over twice the time with two. `whole` includes starting, reading, checking and
+writing; `running` is the time from the first rows to the last. `by CPU` does not depend on other users of the cores: it
+is the CPU time of one worker for the rows, over the CPU time of two workers and the parent, which shares the cores with
+them.
 
-Another table has the same impacts of reduced models in this process, by CPU time: each alone with whole results, each
-alone with its key numbers, and integrated together by one compiled call; on one thread and on two. --together prints
-only this table. A loop of additions, timed in between, tells how fast the machine was: the last column counts in it.
+Another table has the same impacts of reduced models in this process, by CPU time: each run alone with whole results,
+each alone with its key numbers, and all integrated together by one compiled call; on one thread and on two. --together
+prints only this table. A loop of additions is timed in between to measure the speed of the machine; the last column is
+in units of this loop.
 
---alone prints the parts of one run in a warm process. --beside prints the sweeps of another checkout of this
-repository in turn with those of this one, on two workers: how many times as many runs for the same CPU time, with
-starting, checking and writing.
+--alone prints the parts of one run in a warm process. --beside compares the sweeps of another checkout of this
+repository with those of this one, in turn, on two workers: the ratio of runs for the same CPU time, including starting,
+checking and writing.
 """
 
 from __future__ import annotations
@@ -62,13 +64,17 @@ RANGES = """
     initial.impact_angle_deg: [22, 60]
 """
 LOOK_SECONDS = 0.05
-WORTH = 0.95  # of twice the runs of one worker, asked of two
+WORTH = 0.95  # least efficiency of two workers
 TICK = os.sysconf("SC_CLK_TCK")
 
 
 @dataclass(frozen=True)
 class Look:
-    """What is seen at one time: seconds since the start, bytes of rows, CPU s of parent and workers, parent's MB."""
+    """Sample at one time.
+
+    time: since the start, s; rows: bytes of rows in the journal; parent, workers: CPU time, s; memory: of the parent,
+    MB.
+    """
 
     time: float
     rows: int
@@ -79,9 +85,11 @@ class Look:
 
 @dataclass(frozen=True)
 class Timing:
-    """One sweep: seconds in all; from the first rows to the last, wall and CPU; parent's MB at a fifth, and most.
+    """Times of a sweep.
 
-    cpu: CPU seconds of parent and workers in all.
+    whole: wall-clock time of the command, s; cpu: CPU time of parent and workers, s; running, parent, workers:
+    wall-clock time and CPU times from the first rows to the last, s; memory: of the parent after a fifth of the rows,
+    and at most, MB.
     """
 
     whole: float
@@ -93,7 +101,7 @@ class Timing:
 
 
 def sweep_file(method: str, count: int, folder: Path, root: Path = ROOT) -> Path:
-    """A sweep of so many impacts, by a config of a checkout; method: as a config has it, or a name of METHODS."""
+    """Write a sweep of `count` impacts for the config of a checkout; method: as in a config, or a name of METHODS."""
     path = folder / "many.yaml"
     sample = f"sample:\n  method: latin_hypercube\n  count: {count}\n  ranges:{RANGES}"
     path.write_text(
@@ -103,15 +111,15 @@ def sweep_file(method: str, count: int, folder: Path, root: Path = ROOT) -> Path
 
 
 def run(method: str, count: int, workers: int, root: Path = ROOT) -> tuple[Timing, int]:
-    """Time the command of a checkout from outside; with the number of cases that have not failed."""
+    """Time the command of a checkout in a process; return the times and the number of cases that did not fail."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         path = sweep_file(method, count, folder, root)
-        words = ["sweep", str(path), "--out", str(folder / "out"), "--workers", str(workers), "--quiet"]
+        arguments = ["sweep", str(path), "--out", str(folder / "out"), "--workers", str(workers), "--quiet"]
         environment = os.environ | {"PYTHONPATH": f"{root}{os.pathsep}{os.environ.get('PYTHONPATH', '')}"}
         begin = time.perf_counter()
         with subprocess.Popen(
-            [sys.executable, "-m", "granular_contact", *words], env=environment, cwd=folder
+            [sys.executable, "-m", "granular_contact", *arguments], env=environment, cwd=folder
         ) as process:
             timing = watch(process, folder / "out.part" / "journal", begin)
         with (folder / "out" / "table.csv").open(encoding="utf-8", newline="") as file:
@@ -120,21 +128,21 @@ def run(method: str, count: int, workers: int, root: Path = ROOT) -> tuple[Timin
 
 
 def watch(process: subprocess.Popen[bytes], journal: Path, begin: float) -> Timing:
-    """Look at the command, and at the bytes in its journal, until it is gone."""
-    seen: list[Look] = []
+    """Sample the command and the bytes in its journal until the command ends."""
+    samples: list[Look] = []
     while process.poll() is None:
         time.sleep(LOOK_SECONDS)
         try:
             size = sum(path.stat().st_size for path in journal.glob("*.jsonl"))
-            # Below the command stands the server of the workers, and they below that.
+            # The child of the command is the server of the workers; the workers are its children.
             workers = [w for server in children(process.pid) for w in children(server)]
             cpu = sum(map(cpu_seconds, workers))
             now = time.perf_counter() - begin
-            seen.append(Look(now, size, cpu_seconds(process.pid), cpu, memory(process.pid)))
-        except OSError:  # gone in between
+            samples.append(Look(now, size, cpu_seconds(process.pid), cpu, memory(process.pid)))
+        except OSError:  # the process has ended meanwhile
             continue
     whole = time.perf_counter() - begin
-    rows = [look for look in seen if look.rows > 0] or seen[-1:]  # of very few cases none may be seen
+    rows = [look for look in samples if look.rows > 0] or samples[-1:]  # with very few cases no sample may have rows
     most = max(look.rows for look in rows)
     first, last = rows[0], next(look for look in rows if look.rows == most)
     early = next(look for look in rows if look.rows >= most / 5)
@@ -160,14 +168,14 @@ def memory(process: int) -> float:
 
 
 def measure(method: str, count: int, repeats: int) -> tuple[list[str], float]:
-    """A row of the table, and the efficiency of the running sweep."""
-    run(method, 2, 1)  # compiles, where nothing is compiled yet
+    """Row of the table, and the efficiency of the running sweep."""
+    run(method, 2, 1)  # compiles the kernels if they are not in the cache
     timings: dict[int, list[Timing]] = {1: [], 2: []}
     good = count
     for _ in range(repeats):
-        for workers, found in timings.items():
+        for workers, repeated in timings.items():
             timing, fine = run(method, count, workers)
-            found.append(timing)
+            repeated.append(timing)
             good = min(good, fine)
     one, two = (
         {
@@ -211,15 +219,15 @@ HEAD = (
 
 
 def measure_beside(method: str, count: int, repeats: int, other: Path) -> list[list[str]]:
-    """Rows of the table with another checkout, in turn."""
-    roots, found = {"before": other, "now": ROOT}, dict[str, list[Timing]]()
+    """Rows of the table that compares this checkout with another one, run in turn."""
+    roots, timings_by_name = {"before": other, "now": ROOT}, dict[str, list[Timing]]()
     for root in roots.values():
         run(method, 2, 1, root)
     for _ in range(repeats):
         for name, root in roots.items():
-            found.setdefault(name, []).append(run(method, count, 2, root)[0])
-    cpu = {name: min(timing.cpu for timing in timings) for name, timings in found.items()}
-    least = {name: min(timing.whole for timing in timings) for name, timings in found.items()}
+            timings_by_name.setdefault(name, []).append(run(method, count, 2, root)[0])
+    cpu = {name: min(timing.cpu for timing in timings) for name, timings in timings_by_name.items()}
+    least = {name: min(timing.whole for timing in timings) for name, timings in timings_by_name.items()}
     return [
         [method, name, str(count), f"{least[name]:.1f}", f"{count / least[name]:.0f}", f"{1e3 * cpu[name] / count:.2f}",
          f"{cpu['before'] / cpu[name]:.2f}"]
@@ -241,31 +249,31 @@ REDUCED = {
     "rigid, true sign": "{reduced: {modes: 0}}",
     "single mode, elastoplastic": "{reduced: {modes: 1}}",
 }
-CHUNK = 64  # runs that go together
+CHUNK = 64  # runs that are integrated together
 
 
 def whole(sweep: Sweep, cases: list[Case]) -> None:
-    """Each alone, from the config to all that results hold."""
+    """Run each case alone, from the config to the whole results."""
     for case in cases:
         run_whole(build_checked(sweep.scenario(case)))
 
 
 def key_numbers(sweep: Sweep, cases: list[Case]) -> None:
-    """Each alone, with what a row of a sweep holds; a scene is built from the last."""
+    """Run each case alone to the key numbers of a row of a sweep; each scene is built from the previous one."""
     builder = Builder()
     for case in cases:
         summary_of(builder(sweep.scenario(case)))
 
 
 def together(sweep: Sweep, cases: list[Case], threads: int = 1) -> None:
-    """The same, marched together, as a worker of a sweep does it."""
+    """Compute the key numbers of cases that are integrated together, as a worker of a sweep does."""
     builder = Builder(sweep.base)
 
-    def some(first: int) -> None:
+    def chunk(first: int) -> None:
         summaries_of([builder(sweep.scenario(case)) for case in cases[first : first + CHUNK]])
 
     with ThreadPoolExecutor(threads) as pool:
-        list(pool.map(some, range(0, len(cases), CHUNK)))
+        list(pool.map(chunk, range(0, len(cases), CHUNK)))
 
 
 WAYS: dict[str, Callable[[Sweep, list[Case]], None]] = {
@@ -284,18 +292,18 @@ ALONE = {
 
 
 def of_one_run(repeats: int) -> list[list[str]]:
-    """CPU ms of the parts of one run alone in a warm process, of the round that was the fastest by the loop."""
-    found = []
+    """CPU time (ms) of the parts of one run alone in a warm process, in the fastest round relative to the loop."""
+    rows = []
     for name, (config, method) in ALONE.items():
         rounds = [_parts(config, method) for _ in range(repeats + 1)][1:]
-        parts, least = min(rounds, key=lambda one: sum(one[0]) / one[1])
+        parts, least = min(rounds, key=lambda timing: sum(timing[0]) / timing[1])
         cells = [f"{1e3 * part:.2f}" for part in (*parts, sum(parts))]
-        found.append([name, *cells, f"{sum(parts) / least:.2f}"])
-    return found
+        rows.append([name, *cells, f"{sum(parts) / least:.2f}"])
+    return rows
 
 
 def _parts(config: str, method: Any) -> tuple[list[float], float]:
-    """CPU seconds of config, scene, start, march, observation and results of a run, and of the loop before it."""
+    """CPU time (s) of config, scene, start, march, observation and results of a run, and of the loop before it."""
     begin_loop, at = loop(), [time.process_time()]
 
     def passed(value: Any) -> Any:
@@ -305,8 +313,8 @@ def _parts(config: str, method: Any) -> tuple[list[float], float]:
     scenario = passed(load(config, method=method).scenario)
     begun = passed(begin(passed(build_checked(scenario))))
     begun.solving.advance()
-    seen = passed(begun.observe(passed(begun.solving.trajectory())))
-    passed(results(seen, scenario_to_dict(scenario)))
+    observed = passed(begun.observe(passed(begun.solving.trajectory())))
+    passed(results(observed, scenario_to_dict(scenario)))
     return [later - earlier for earlier, later in pairwise(at)], begin_loop
 
 
@@ -314,7 +322,7 @@ HEAD_ALONE = ("run", "config", "scene", "start", "march", "observation", "result
 
 
 def loop() -> float:
-    """CPU seconds of a loop of 100 000 additions: how fast the machine is now."""
+    """CPU time (s) of a loop of 100 000 additions, as a measure of the present speed of the machine."""
     begin, total = time.process_time(), 0
     for i in range(100_000):
         total += i * i
@@ -322,8 +330,8 @@ def loop() -> float:
 
 
 def in_this_process(count: int, repeats: int) -> list[list[str]]:
-    """Rows of the second table: least CPU and wall time of several rounds, in each of which all ways take turns."""
-    found = []
+    """Rows of the table of runs in this process: least CPU and wall times of rounds in which all methods take turns."""
+    rows = []
     for name, method in REDUCED.items():
         with tempfile.TemporaryDirectory() as folder:
             sweep = load_sweep(sweep_file(method, count, Path(folder)))
@@ -338,29 +346,29 @@ def in_this_process(count: int, repeats: int) -> list[list[str]]:
                 loops.append(loop())
         least = {way: [min(column) / count for column in zip(*times, strict=True)] for way, times in spent.items()}
         first = least[next(iter(WAYS))][0]
-        found += [
+        rows += [
             [name, way, f"{1e3 * cpu:.2f}", f"{first / cpu:.2f}", f"{1.0 / clock:.0f}", f"{cpu / min(loops):.2f}"]
             for way, (cpu, clock) in least.items()
         ]
-    return found
+    return rows
 
 
 HEAD_TOGETHER = ("runs", "how", "CPU ms a run", "times as many for the same CPU", "per s, wall", "loops a run")
 
 
 def study(quick: bool, repeats: int = 3) -> Outcome:
-    """Runs a second of one worker and of two; quick: a tenth of the impacts, once."""
+    """Measure the runs a second of one and of two workers; quick: a tenth of the impacts, once."""
     share, repeats = (10, 1) if quick else (1, repeats)
     together = in_this_process(64 if quick else 256, repeats)
-    found = {method: measure(method, count // share, repeats) for method, count in COUNTS.items()}
+    measured = {method: measure(method, count // share, repeats) for method, count in COUNTS.items()}
     text = (
         f"Least of {repeats} rounds after a warm-up.\n\nRuns of one process, by processor time:\n\n"
         f"{markdown(HEAD_TOGETHER, together)}\n\nThe whole command:\n\n"
-        f"{markdown(HEAD, [cells for cells, _ in found.values()])}"
+        f"{markdown(HEAD, [cells for cells, _ in measured.values()])}"
     )
     claims = [
         Claim(f"sweep_throughput.{method}", gain >= WORTH, f"{gain:.2f} of twice one worker (at least {WORTH:g})")
-        for method, (_, gain) in found.items()
+        for method, (_, gain) in measured.items()
     ]
     return Outcome(text, tuple(claims))
 

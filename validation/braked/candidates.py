@@ -1,7 +1,7 @@
-"""Candidates for what 3D-RFT on a level surface lacks; their equations are those of docs/studies/braked_wheel.md.
+"""Candidate effects that 3D-RFT on a level surface lacks; docs/studies/braked_wheel.md has their equations.
 
-Each is a set of effects with a strength from 0 (the level surface) to 1. Numbers are those of the sand (density and
-angle) and at most one from a plate; choices without a source are marked [ours].
+A candidate is a set of effects with a strength from 0 (the level surface) to 1. Its parameters are those of the sand
+(density and friction angle) and at most one number from a plate; choices without a source are marked [ours].
 """
 
 from __future__ import annotations
@@ -18,23 +18,23 @@ from validation.measurements.cmu import Rolling, table
 Vector = NDArray[np.float64]
 
 TRAVEL = (
-    0.5  # m, from the touch of the sand to the mean, at the least (raw files of the data); a heap is gathered so far
+    0.5  # m, least travel from touch to the mean of the measurement (raw files of the data), which gathers the heap
 )
-EXPONENT = 1.4  # of pressure over depth: the middle of 1.25 to 1.55, as the issue has it [ours]
-COHESION = 1000.0  # Pa, by the authors of the data, set by hand to their runs of wheels
-PLATE = 0.06  # m, the plate that the one number is taken from
+EXPONENT = 1.4  # power of pressure over depth: middle of the range 1.25 to 1.55 [ours]
+COHESION = 1000.0  # Pa, set by hand by the authors of the data for their runs of wheels
+PLATE = 0.06  # m, diameter of the plate that gives the one number
 AHEAD, BASE = stress(np.array([[1.0, 0.0], [0.0, -1.0]]), np.array([[1.0, 0.0], [1.0, 0.0]]))  # dragged along x
 
 
 @dataclass(frozen=True)
 class Effects:
-    """What a candidate adds.
+    """Effects of a candidate.
 
-    floor: of the rut at the wheel's lowest point, over the sinkage; by_slip: the floor times |slip|; heap: "", "plane"
-    (all that was swept over TRAVEL) or "sides" (as high as it can be before it flows off); tilted: the surface falls
-    from the heap to the floor, else the heap lifts all of it; wedge: "", "rft", "plane", "crescents" or "godwin";
-    cohesion: Pa; growth: "", "depth" or "size"; sides: "", "rest" or "passive", the earth pressure on both sides;
-    slip_sinkage: the factor of Lyasko instead of a balance; strength: 0 to 1.
+    floor: depth of the rut at the wheel's lowest point over the sinkage; by_slip: multiply the floor by |slip|; heap:
+    "", "plane" (all sand swept over TRAVEL) or "sides" (limited by the flow to the sides); tilted: the surface falls
+    from the heap to the floor, otherwise the heap raises the whole surface; wedge: "", "rft", "plane", "crescents" or
+    "godwin"; cohesion: Pa; growth: of pressure, "", "depth" or "size"; sides: earth pressure on both sides, "", "rest"
+    or "passive"; slip_sinkage: Lyasko's factor instead of a balance of forces; strength: 0 to 1.
     """
 
     floor: float = 0.0
@@ -83,11 +83,12 @@ CANDIDATES = {
 
 
 def passive(width: float, depth: float, kind: str, cohesion: float = 0.0) -> float:
-    """Force (N) on an upright face of a width and depth (m) that is pushed ahead, with the friction of sand on sand.
+    """Passive force (N) on an upright face of a width and depth (m), pushed ahead, with friction of sand on sand.
 
-    N_gamma and N_c of a plane wedge (McKyes), the failure plane where the force is least. Both sides fail, too, by
-    "crescents", 1 + 2 r / (3 b) times as much for the weight and 1 + r / b for cohesion (McKyes and Ali), before the
-    least is taken; or by "godwin", 1 + (d / b) (m - (m - 1) / 3) times the least, m = r / d (Godwin and Spoor).
+    N_gamma and N_c are those of a plane wedge (McKyes) with the failure plane of least force. Failure at both sides is
+    included by `kind`: "crescents" multiplies the force of weight by 1 + 2 r / (3 b) and that of cohesion by 1 + r / b
+    before the minimum (McKyes and Ali); "godwin" multiplies the least force by 1 + (d / b) (m - (m - 1) / 3), m = r / d
+    (Godwin and Spoor).
     """
     if depth <= 0.0:
         return 0.0
@@ -108,7 +109,7 @@ def passive(width: float, depth: float, kind: str, cohesion: float = 0.0) -> flo
 
 @cache
 def length_of(growth: str) -> float:
-    """The one number (m): z0 or D0 of a growth, by least squares of the logarithm of the pressures under PLATE."""
+    """Length z0 or D0 (m) of a growth, fitted by least squares to the logarithm of the pressures under PLATE."""
     rows = table("plates_large_box")
     rows = rows[rows["diameter_mm"] == 1e3 * PLATE]
     z = 1e-3 * rows["depth_mm"]
@@ -121,12 +122,12 @@ def length_of(growth: str) -> float:
 
 
 def size_of(area: float) -> float:
-    """Diameter (m) of the round plate of an area (m2)."""
+    """Diameter (m) of the round plate with an area (m2)."""
     return float(np.sqrt(4.0 * area / np.pi))
 
 
 def grown(effects: Effects, depth: Vector, size: float) -> Vector:
-    """Depth g (m), or what takes its place where pressure grows faster; size: D (m) of the contact."""
+    """Effective depth g (n,) m: the depth (n,) m, or a function of it with growth; size: D of the contact, m."""
     z = np.maximum(depth, 0.0)
     if not effects.growth:
         return z
@@ -137,7 +138,7 @@ def grown(effects: Effects, depth: Vector, size: float) -> Vector:
 
 
 def side_pressure(effects: Effects) -> float:
-    """Friction of the sides over the depth (Pa/m)."""
+    """Friction stress on the sides over the depth (Pa/m)."""
     sine = SAND.mu / np.hypot(1.0, SAND.mu)
     ratio = 1.0 - sine if effects.sides == "rest" else (1.0 + sine) / (1.0 - sine)
     return float(effects.strength * SAND.mu * ratio * SAND.weight)
@@ -153,78 +154,78 @@ class Model:
 
     @property
     def swept(self) -> float:
-        """chi: how much of its way the lowest point slides forward, 1 of a locked wheel, 0 of one that rolls."""
+        """Share chi of its travel that the lowest point slides forward: 1 for a locked wheel, 0 for rolling."""
         return max(0.0, 1.0 - self.rim.ratio) * self.effects.strength
 
     def heap(self, sinkage: float) -> float:
-        """Height (m) of the heap before the wheel."""
+        """Height (m) of the heap in front of the wheel."""
         phi, chi = SAND.mu, self.swept
         if self.effects.heap == "plane":
             return float(np.sqrt(2.0 * phi * chi * max(0.0, sinkage) * TRAVEL))
         return chi * phi * self.rim.width / 4.0 if self.effects.heap == "sides" else 0.0
 
     def grown(self, depth: Vector, sinkage: float) -> Vector:
-        """Depth g (m) of the points of a rim, whose contact is its front."""
+        """Effective depth g (n,) m of points of the rim; the size of the contact is that of the rim's front."""
         return grown(self.effects, depth, size_of(self.rim.width * max(1e-4, self.rim.front(sinkage))))
 
     def on_rim(self, sinkage: float) -> Vector:
-        """(Fx, Fz) N of the rim below the surface of the candidate."""
-        one = self.effects
+        """Force (Fx, Fz) N on the rim below the candidate's surface."""
+        effects = self.effects
         high = self.heap(sinkage)
-        floor = one.strength * one.floor * sinkage * (abs(self.slip) if one.by_slip else 1.0)
+        floor = effects.strength * effects.floor * sinkage * (abs(self.slip) if effects.by_slip else 1.0)
         front = self.rim.front(sinkage + high)
 
         def effective(x: Vector, z: Vector) -> Vector:
-            low = -floor if one.tilted else high
+            low = -floor if effects.tilted else high
             surface = low + (high - low) * np.minimum(1.0, x / max(front, 1e-9))
             return self.grown(surface - z, sinkage)
 
-        found = self.rim.force(sinkage, effective)
-        if one.sides:
-            found = found + side_pressure(one) * self.rim.sides(sinkage)
-        return found
+        force = self.rim.force(sinkage, effective)
+        if effects.sides:
+            force = force + side_pressure(effects) * self.rim.sides(sinkage)
+        return force
 
     def on_wedge(self, sinkage: float) -> Vector:
-        """(Fx, Fz) N of a wedge that fills the space before the rim down to its lowest point, and of its base."""
-        one, width, high = self.effects, self.rim.width, self.heap(sinkage)
+        """Force (Fx, Fz) N on a wedge that fills the space in front of the rim to its lowest point, and on its base."""
+        effects, width, high = self.effects, self.rim.width, self.heap(sinkage)
         length, depth = self.rim.front(sinkage), sinkage + high
-        if one.wedge == "rft":
+        if effects.wedge == "rft":
             z = np.linspace(0.0, depth, 41)
             g = np.trapezoid(self.grown(z, sinkage), z)
             face = width * g * AHEAD
         else:
             phi = np.arctan(SAND.mu)
-            force = passive(width, depth, one.wedge, one.cohesion)
+            force = passive(width, depth, effects.wedge, effects.cohesion)
             face = force * np.array([-np.cos(phi), np.sin(phi)])
         g = float(self.grown(np.array([depth]), sinkage)[0])
         base = width * length * g * BASE
         return face + base - np.array([0.0, SAND.weight * width * self.area(sinkage, length)])
 
     def area(self, sinkage: float, length: float) -> float:
-        """Between the rim, its front contact and its lowest point (m2), of which the wedge is."""
+        """Area (m2) of the wedge's section, between the rim, its front contact and its lowest point."""
         radius = self.rim.radius
         angle = float(np.arccos(max(-1.0, 1.0 - sinkage / radius)))
         under = radius * length - 0.5 * (radius**2 * angle + length * (radius - sinkage))  # below the rim, from bottom
         return max(0.0, under)
 
     def force(self, sinkage: float) -> Vector:
-        """(Fx, Fz) N; a share chi of the contact is the wedge's [ours]."""
+        """Force (Fx, Fz) N on the wheel; a share chi of the contact is that of the wedge [ours]."""
         if not self.effects.wedge:
             return self.on_rim(sinkage)
         chi = self.swept
         return (1.0 - chi) * self.on_rim(sinkage) + (chi * self.on_wedge(sinkage) if chi > 0.0 else 0.0)
 
 
-def solve(effects: Effects, one: Rolling, bound: tuple[float, float]) -> tuple[float, float]:
+def solve(effects: Effects, measured: Rolling, bound: tuple[float, float]) -> tuple[float, float]:
     """Sinkage (m) and Fx (N) of a wheel (radius, width) at a measured slip and load."""
-    model = Model(effects, rim(*bound, one.rim / one.forward), one.slip)
+    model = Model(effects, rim(*bound, measured.rim / measured.forward), measured.slip)
     if not effects.slip_sinkage:
-        return balance(model.force, one.load)
+        return balance(model.force, measured.load)
     rolling = Model(effects, rim(*bound, 1.0), 0.0)
-    at_rest, _ = balance(rolling.force, one.load)
-    own, _ = balance(model.force, one.load)
-    i = min(1.0, abs(one.slip))
+    at_rest, _ = balance(rolling.force, measured.load)
+    by_balance, _ = balance(model.force, measured.load)
+    i = min(1.0, abs(measured.slip))
     lyasko = at_rest * (1.0 + i) / (1.0 - 0.5 * i)
-    sinkage = own + effects.strength * (lyasko - own)
+    sinkage = by_balance + effects.strength * (lyasko - by_balance)
     force = model.force(sinkage)
-    return sinkage, float(force[0] * one.load / force[1])
+    return sinkage, float(force[0] * measured.load / force[1])

@@ -1,4 +1,4 @@
-"""A seed -> the files of one case."""
+"""Files of a fuzzing case, determined by its seed."""
 
 from __future__ import annotations
 
@@ -22,26 +22,26 @@ RUN = "run.yaml"
 
 
 def kind_of(seed: int) -> str:
-    """What sort of case a seed is."""
+    """Kind of the case that a seed determines."""
     return Random(seed).choices(_KINDS, _WEIGHTS)[0]
 
 
 def write(seed: int, folder: Path) -> Path:
-    """Write the files of a case into an empty folder; returns its config.
+    """Write the files of a case into an empty folder; return the path of its config.
 
-    drawn: a scenario at random; rescaled: one with numbers of the wrong size; damaged: one that was mutated; config,
-    model, preset: a file that is shipped, mutated, and a run that uses it.
+    Kinds of cases: drawn, a random scenario; rescaled, a random scenario with numbers of a wrong magnitude; damaged, a
+    mutated random scenario; config, model and preset: a run that uses a mutated copy of a shipped file.
     """
     rng = Random(seed)
     kind = rng.choices(_KINDS, _WEIGHTS)[0]
     text = {"config": _config, "model": _model, "preset": _preset}.get(kind, _drawn)(rng, kind, folder)
-    # A lone surrogate can't be written as UTF-8, and is no character of a file.
+    # A lone surrogate can't be encoded in UTF-8, so no file has one.
     (folder / RUN).write_text(text, encoding="utf-8", errors="replace")
     return folder / RUN
 
 
 def keep(folder: Path, target: Path) -> None:
-    """Copy the files of an offender."""
+    """Copy the files of an offender to a target folder."""
     shutil.copytree(folder, target, dirs_exist_ok=True)
 
 
@@ -55,7 +55,7 @@ def _drawn(rng: Random, kind: str, _: Path) -> str:
 
 def _config(rng: Random, _: str, folder: Path) -> str:
     chosen = rng.choice(CONFIGS)
-    for path in CONFIGS:  # which a sweep names
+    for path in CONFIGS:  # a sweep refers to them
         shutil.copy(path, folder)
     return damaged(rng, chosen.read_text(encoding="utf-8"))
 

@@ -1,4 +1,4 @@
-"""What came of one case: refused in sentences, run to an honest end, or an offence."""
+"""Judgement of one case: refused with an error message, run to an honest end, or an offence."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ from granular_contact.run import run
 from granular_contact.scene import Scene, build
 from granular_contact.scene.types import Reduced
 
-LIMIT = 60.0  # s of processor time, some of which may go into compiling the kernels that a scene needs
-WALL = 10.0  # s, `solver.max_wall_s` of every run: an honest answer may take for ever, but not longer than it is let
+LIMIT = 60.0  # s of processor time, including compilation of the kernels that a scene needs
+WALL = 10.0  # s, `solver.max_wall_s` of every run: a run may be long, but must keep this limit
 MOST_STEPS, MOST_PARTS = 40, 64
 OFFENCES = ("traceback", "not finite", "unsaid", "late", "died", "bad sentence")
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """kind: what the table counts, of OFFENCES where it is one; detail: a line, or a traceback."""
+    """Outcome of a case: kind, one of OFFENCES if the outcome is an offence; detail: a line or a traceback."""
 
     kind: str
     detail: str = ""
@@ -37,30 +37,30 @@ class Outcome:
 
     @property
     def offends(self) -> bool:
-        """Whether this may not happen."""
+        """Whether the outcome is an offence."""
         return self.kind in OFFENCES
 
 
 class _Late(BaseException):
-    """No handler of a library takes it."""
+    """Raised at the limit of processor time; a BaseException, so that no library handles it."""
 
 
 def judge(path: Path) -> Outcome:
-    """Load, build and run a config, and look at what came of it."""
+    """Load, build and run a config, and judge the outcome."""
     began = time.process_time()
     try:
         with _limited(LIMIT):
             outcome = _outcome(path)
     except (Exception, _Late):
-        # The engine wraps what is raised in a call of it, also that time is up.
-        said = traceback.format_exc()
-        outcome = Outcome("late" if _Late.__name__ in said else "traceback", said[-4000:])
+        # The engine wraps every exception that is raised in one of its calls, also `_Late`.
+        trace = traceback.format_exc()
+        outcome = Outcome("late" if _Late.__name__ in trace else "traceback", trace[-4000:])
     return replace(outcome, seconds=time.process_time() - began)
 
 
 @contextmanager
 def _limited(seconds: float) -> Iterator[None]:
-    """Raise `_Late` in the main thread once so much processor time was used."""
+    """Raise `_Late` in the main thread as soon as the block has used this much processor time."""
 
     def late(*_: Any) -> None:
         raise _Late
@@ -118,7 +118,7 @@ def _numbers(name: str, value: Any) -> Iterator[tuple[str, float]]:
 
 
 def _honesty(scene: Scene, results: Results) -> Outcome:
-    """Whether a run says what it is: finite numbers, a sentence, a warning where the energy is off."""
+    """Outcome of a run: honest if all numbers are finite, it ends with a sentence, and warns if the energy is off."""
     status = results.status
     if not _is_a_line(status.message):
         return Outcome("bad sentence", status.message)

@@ -1,4 +1,4 @@
-"""Media at random: every law of the schema with admissible coefficients, and the presets."""
+"""Random media: every law of the schema with admissible coefficients, and the presets."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ Tree = dict[str, Any]
 
 
 def _family(takes: frozenset[str]) -> str:
-    """Shapes that a law is drawn for."""
+    """Family of shapes for which a law is drawn."""
     return "ball" if "ball" in takes else "plate" if "flat" in takes else "bar"
 
 
 FAMILIES = {
-    family: tuple(tag for tag, one in catalogue.LAWS.items() if _family(one.takes) == family)
+    family: tuple(tag for tag, law in catalogue.LAWS.items() if _family(law.takes) == family)
     for family in ("bar", "plate", "ball")
 }
 PRESETS = {
@@ -29,7 +29,7 @@ PRESETS = {
 
 
 def media_for(rng: Random, family: str) -> Any:
-    """A preset, a law, or a list of several."""
+    """Draw a preset, a law, or a list of several."""
     if rng.random() < 0.15:
         return rng.choice(PRESETS[family])
     if rng.random() < 0.1:
@@ -38,13 +38,13 @@ def media_for(rng: Random, family: str) -> Any:
 
 
 def law(rng: Random, family: str) -> Tree:
-    """One law for a family of shapes."""
+    """Draw one law for a family of shapes."""
     name = rng.choice(FAMILIES[family])
     return {"law": name} | numbers(rng, name)
 
 
 def numbers(rng: Random, tag: str) -> Tree:
-    """Coefficients of a law; of one without a line below those that it needs, within its bounds."""
+    """Draw coefficients of a law; for laws without a line below: the required ones, within their bounds."""
     if tag in LAWS:
         return LAWS[tag](rng)
     schema = catalogue.LAWS[tag].model_json_schema()
@@ -52,14 +52,14 @@ def numbers(rng: Random, tag: str) -> Tree:
 
 
 def _within(rng: Random, bounds: Tree) -> float:
-    """A number within the bounds of a schema; where these are open, over five decades."""
+    """Draw a number within the bounds of a schema; over five decades if the bounds are open."""
     low = float(bounds.get("minimum", bounds.get("exclusiveMinimum", 0.0)))
     high = bounds.get("maximum", bounds.get("exclusiveMaximum"))
     return low + 10.0 ** rng.uniform(-2, 3) if high is None else low + (high - low) * rng.uniform(0.05, 0.95)
 
 
 def _some(rng: Random, high: float) -> float:
-    """A coefficient from 0, which is drawn at times, over five decades to `high`."""
+    """Draw a coefficient over five decades up to `high`, and sometimes 0."""
     return 0.0 if rng.random() < 0.1 else high * 10.0 ** rng.uniform(-5, 0)
 
 
@@ -72,27 +72,30 @@ def _density(rng: Random) -> Tree:
 
 
 def _lee_marghitu(rng: Random) -> Tree:
-    more = {"withdrawing": _vertical(rng)} if rng.random() < 0.5 else {}
-    return _density(rng) | {"eta_d": _some(rng, 30), "eta_h": _some(rng, 30), "plunging": _vertical(rng)} | more
+    optional = {"withdrawing": _vertical(rng)} if rng.random() < 0.5 else {}
+    return _density(rng) | {"eta_d": _some(rng, 30), "eta_h": _some(rng, 30), "plunging": _vertical(rng)} | optional
 
 
 def _rft(rng: Random) -> Tree:
-    """The generic set, scaled: not every set of coefficients resists in every direction."""
+    """Draw a scaled generic set, as not every set of coefficients resists in every direction."""
     return {"zeta": rng.uniform(0.05, 3.0)}
 
 
 def _shear(rng: Random) -> Tree:
-    more = {
+    optional = {
         "cohesion_Pa": _some(rng, 1e4),
         "shear_deformation_modulus_m": _some(rng, 0.1),
         "plate_width_m": rng.uniform(0.01, 0.2),
     }
-    some = {key: value for key, value in more.items() if rng.random() < 0.5}
-    return {"exponent": rng.uniform(0.5, 2.5), "friction_angle_deg": rng.choice((0.0, rng.uniform(0.0, 60.0)))} | some
+    selected = {key: value for key, value in optional.items() if rng.random() < 0.5}
+    return {
+        "exponent": rng.uniform(0.5, 2.5),
+        "friction_angle_deg": rng.choice((0.0, rng.uniform(0.0, 60.0))),
+    } | selected
 
 
 def _table(rng: Random) -> Tree:
-    """Resistance against the motion, at random between depths and angles, and some of it to its side."""
+    """Draw a table over depth and angle: resistance against the motion, and a smaller force across it."""
     depth = sorted({round(rng.uniform(0.001, 0.2), 4) for _ in range(rng.randint(1, 3))})
     beta = [-90.0, *sorted({float(rng.randint(-80, 80)) for _ in range(rng.randint(0, 3))}), 90.0]
     gamma = [-90.0, *sorted({float(rng.randint(-80, 80)) for _ in range(rng.randint(1, 4))}), 90.0]
@@ -106,7 +109,7 @@ def _table(rng: Random) -> Tree:
     return {"depth_m": depth, "beta_deg": beta, "gamma_deg": gamma, "stress_x_Pa": of_x, "stress_z_Pa": of_z}
 
 
-# Laws whose numbers are drawn otherwise than within their bounds.
+# Laws with their own functions for drawing coefficients.
 LAWS: dict[str, Callable[[Random], Tree]] = {
     "lee_marghitu": _lee_marghitu,
     "albert": lambda rng: _density(rng) | {"eta_h": _some(rng, 30)},

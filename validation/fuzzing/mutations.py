@@ -1,4 +1,4 @@
-"""Damage at random to YAML: to its tree (keys, types, magnitudes, sizes) and to its text (characters, lines)."""
+"""Random damage to YAML: to its tree (keys, types, magnitudes, sizes) and to its text (characters, lines)."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ NUMBERS = (0, -1, 1e308, -1e308, 1e-308, 5e-324, float("nan"), float("inf"), flo
 
 
 def damaged(rng: Random, text: str, times: int | None = None) -> str:
-    """`text` after one to four mutations, of its tree as long as it has one, or of its characters."""
+    """Return `text` after one to four mutations of its tree, as long as it can be parsed, or of its characters."""
     for _ in range(times or rng.choice((1, 1, 1, 2, 3, 4))):
         text = _by_text(rng, text) if rng.random() < 0.3 else _by_tree(rng, text)
     return text
 
 
 def rescaled(rng: Random, tree: Any, times: int) -> Any:
-    """`tree` with some of its numbers replaced by ones of another size, up to 12 decades off."""
+    """Return `tree` with some of its numbers changed in magnitude, by up to 12 decades."""
     tree = copy.deepcopy(tree)
     places = [(holder, key) for holder, key in _places(tree) if type(holder[key]) is float]
     for holder, key in rng.sample(places, min(times, len(places))):
@@ -34,7 +34,7 @@ def rescaled(rng: Random, tree: Any, times: int) -> Any:
 
 
 def _by_text(rng: Random, text: str) -> str:
-    """A stretch of characters, or one line, replaced by something else."""
+    """Replace some adjacent characters, or one line, by something else."""
     piece = rng.choice(PIECES)
     if rng.random() < 0.5:
         lines = text.splitlines(keepends=True) or [""]
@@ -56,18 +56,18 @@ def _by_tree(rng: Random, text: str) -> str:
     _MUTATIONS[rng.randrange(len(_MUTATIONS))](rng, holder, key)
     try:
         return str(yaml.safe_dump(tree, allow_unicode=rng.random() < 0.5, sort_keys=False, width=120))
-    except RecursionError:  # deeper than PyYAML can write
+    except RecursionError:  # the tree is deeper than PyYAML can write
         return _by_text(rng, text)
 
 
 def _places(node: Any) -> Iterator[tuple[Any, Any]]:
-    """Every value in a tree by its holder and its key or index; holders that are shared once each."""
-    seen, waiting = set(), [node]
+    """Generate the holder and the key or index of every value in a tree; a shared holder is visited once."""
+    visited, waiting = set(), [node]
     while waiting:
         holder = waiting.pop()
-        if not isinstance(holder, dict | list) or id(holder) in seen:
+        if not isinstance(holder, dict | list) or id(holder) in visited:
             continue
-        seen.add(id(holder))
+        visited.add(id(holder))
         for key in list(holder) if isinstance(holder, dict) else range(len(holder)):
             yield holder, key
             waiting.append(holder[key])
@@ -99,13 +99,23 @@ def _number(rng: Random, holder: Any, key: Any) -> None:
 
 def _kind(rng: Random, holder: Any, key: Any) -> None:
     held = holder[key]
-    others: tuple[Any, ...] = (None, True, [], {}, [held], {"type": held}, str(held), rng.choice(WORDS), [0.0, 0.0])
-    holder[key] = rng.choice(others)
+    replacements: tuple[Any, ...] = (
+        None,
+        True,
+        [],
+        {},
+        [held],
+        {"type": held},
+        str(held),
+        rng.choice(WORDS),
+        [0.0, 0.0],
+    )
+    holder[key] = rng.choice(replacements)
 
 
 def _swap(rng: Random, holder: Any, key: Any) -> None:
-    other = rng.choice(list(holder) if isinstance(holder, dict) else range(len(holder)))
-    holder[key], holder[other] = holder[other], holder[key]
+    second = rng.choice(list(holder) if isinstance(holder, dict) else range(len(holder)))
+    holder[key], holder[second] = holder[second], holder[key]
 
 
 def _long(rng: Random, holder: Any, key: Any) -> None:

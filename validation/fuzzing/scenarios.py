@@ -1,6 +1,6 @@
-"""Complete scenarios at random: mechanisms, media, beds, drives and settings that mostly fit together.
+"""Complete random scenarios: mechanisms, media, beds, drives and settings that mostly fit together.
 
-Everything is drawn from a `random.Random`, so that a seed is a case.
+Everything is drawn from a `random.Random`, so that a seed determines a case.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ Tree = dict[str, Any]
 
 
 def scenario(rng: Random) -> Tree:
-    """A whole config as plain YAML types; most of them run, the rest has a fault somewhere."""
+    """Draw a whole config as plain YAML types; most configs run, the others have a fault."""
     family = rng.choice(("bar", "bar", "plate", "plate", "ball", "vacuum"))
     template = rng.choices((_tree, _pendulum, _chain, _loop), (10, 4, 2, 1))[0]
     drawn = template(rng, family)
@@ -44,7 +44,7 @@ def scenario(rng: Random) -> Tree:
 
 
 def size(rng: Random, low: float = 0.02, high: float = 0.4) -> float:
-    """A length (m), evenly on a scale of logarithms."""
+    """Draw a length (m), uniformly on a logarithmic scale."""
     return math.exp(rng.uniform(math.log(low), math.log(high)))
 
 
@@ -72,7 +72,7 @@ def _bed(rng: Random, family: str) -> Tree:
     elif rng.random() < 0.4:
         x = sorted(rng.uniform(-0.5, 0.5) for _ in range(rng.randint(2, 6)))
         y = [-rng.uniform(0.0, 1.0)]
-        for before, at in pairwise(x):  # 60 degrees are allowed
+        for before, at in pairwise(x):  # slopes of up to 60 degrees are allowed
             y.append(y[-1] + (at - before) * rng.uniform(-1.7, 1.7))
         bed["profile_m"] = [list(corner) for corner in zip(x, y, strict=True)]
     if rng.random() < 0.5:
@@ -114,7 +114,7 @@ def _shape(rng: Random, family: str) -> Tree:
         shape |= {"points_m": [_point(rng) for _ in range(rng.randint(2, 6))]} | _section(rng, family)
     elif kind == "polygon":
         corners = [_point(rng) for _ in range(rng.randint(3, 6))]
-        if rng.random() < 0.9:  # around the middle, so that no sides cross
+        if rng.random() < 0.9:  # by angle around the middle, so that no sides cross
             corners.sort(key=lambda corner: math.atan2(corner[1], corner[0]))
         shape |= {"points_m": corners, "width_m": size(rng)}
     else:
@@ -161,44 +161,47 @@ def _body(rng: Random, family: str) -> Tree:
 
 
 def _in_hinge(rng: Random) -> Tree:
-    """Springs, dampers, stops and friction of a hinge."""
-    more: Tree = {}
+    """Draw springs, dampers, stops and friction of a hinge."""
+    forces: Tree = {}
     if rng.random() < 0.3:
-        more["spring"] = {"stiffness_Nm_per_rad": 10.0 ** rng.uniform(-3, 3), "rest_deg": rng.uniform(-90, 90)}
+        forces["spring"] = {"stiffness_Nm_per_rad": 10.0 ** rng.uniform(-3, 3), "rest_deg": rng.uniform(-90, 90)}
     if rng.random() < 0.3:
-        more["damping_Nm_s_per_rad"] = 10.0 ** rng.uniform(-5, 1)
+        forces["damping_Nm_s_per_rad"] = 10.0 ** rng.uniform(-5, 1)
     if rng.random() < 0.2:
         lower = rng.uniform(-180, 90)
-        more["stops"] = {"lower_deg": lower, "upper_deg": lower + rng.uniform(0.1, 180)}
-        more["stops"] |= {"stiffness_Nm_per_rad": 10.0 ** rng.uniform(0, 4), "dissipation_s_per_rad": rng.uniform(0, 1)}
+        forces["stops"] = {"lower_deg": lower, "upper_deg": lower + rng.uniform(0.1, 180)}
+        forces["stops"] |= {
+            "stiffness_Nm_per_rad": 10.0 ** rng.uniform(0, 4),
+            "dissipation_s_per_rad": rng.uniform(0, 1),
+        }
     if rng.random() < 0.2:
-        more["friction"] = {"torque_Nm": 10.0 ** rng.uniform(-4, 1), "slip_deg": 10.0 ** rng.uniform(-4, 1)}
-    return more
+        forces["friction"] = {"torque_Nm": 10.0 ** rng.uniform(-4, 1), "slip_deg": 10.0 ** rng.uniform(-4, 1)}
+    return forces
 
 
 def _in_slider(rng: Random) -> Tree:
-    more: Tree = {}
+    forces: Tree = {}
     if rng.random() < 0.3:
-        more["spring"] = {"stiffness_N_per_m": 10.0 ** rng.uniform(0, 6), "rest_m": rng.uniform(-0.2, 0.2)}
+        forces["spring"] = {"stiffness_N_per_m": 10.0 ** rng.uniform(0, 6), "rest_m": rng.uniform(-0.2, 0.2)}
     if rng.random() < 0.3:
-        more["damping_N_s_per_m"] = 10.0 ** rng.uniform(-3, 3)
+        forces["damping_N_s_per_m"] = 10.0 ** rng.uniform(-3, 3)
     if rng.random() < 0.2:
-        more["stops"] = {"lower_m": -rng.uniform(0, 0.2), "upper_m": rng.uniform(0.001, 0.2)}
-        more["stops"] |= {"stiffness_N_per_m": 10.0 ** rng.uniform(2, 6)}
+        forces["stops"] = {"lower_m": -rng.uniform(0, 0.2), "upper_m": rng.uniform(0.001, 0.2)}
+        forces["stops"] |= {"stiffness_N_per_m": 10.0 ** rng.uniform(2, 6)}
     if rng.random() < 0.2:
-        more["friction"] = {"force_N": 10.0 ** rng.uniform(-3, 2), "slip_m": 10.0 ** rng.uniform(-6, -2)}
-    return more
+        forces["friction"] = {"force_N": 10.0 ** rng.uniform(-3, 2), "slip_m": 10.0 ** rng.uniform(-6, -2)}
+    return forces
 
 
 def _seat(rng: Random, body: Tree | None) -> list[float]:
-    """Where a joint sits on a parent: at an end of what bends, else anywhere."""
+    """Draw the point of a joint on its parent: an end of a flexible body, otherwise any point."""
     if body is not None and body["type"] == "link":
         return [body["length_m"] if rng.random() < 0.8 else 0.0, 0.0]
     return _point(rng) if rng.random() < 0.5 else [0.0, 0.0]
 
 
 def _tree(rng: Random, family: str) -> Tree:
-    """Bodies on joints of all kinds."""
+    """Draw bodies on joints of all kinds."""
     bodies: Tree = {}
     joints: Tree = {}
     starts: Tree = {}
@@ -248,7 +251,7 @@ def _drive(rng: Random, kind: str) -> Tree | None:
     target = _signal(rng, 60.0, clock=True) if turns else _signal(rng, 0.05)
     if form == "motion":
         jumps = isinstance(target, dict) and target.get("interpolation") == "linear"
-        smooth = {"smooth_s": 0.02} if jumps else {}  # without it rates may not jump
+        smooth = {"smooth_s": 0.02} if jumps else {}  # without it jumps of rates are refused
         return {"type": "motion", "angle_deg" if turns else "position_m": target} | smooth
     drive: Tree = {"type": "pd" if turns else "pd_slider"}
     gains = ("gain_Nm_per_rad", "rate_gain_Nm_s_per_rad") if turns else ("gain_N_per_m", "speed_gain_N_s_per_m")
@@ -296,7 +299,7 @@ def _strike(rng: Random) -> Tree:
 
 
 def _pendulum(rng: Random, family: str) -> Tree:
-    """A hub on a ground hinge with a welded link: what the reduced model is for."""
+    """Draw a hub on a ground hinge with a welded link, the system of the reduced model."""
     hub = {"type": "rigid", "density_kg_m3": 7700.0, "shapes": [_shape(rng, family)]}
     link = _link(rng, family, bends=0.7)
     joints = {
@@ -320,7 +323,7 @@ def _chain(rng: Random, _: str) -> Tree:
 
 
 def _loop(rng: Random, _: str) -> Tree:
-    """Two parallel cranks with a coupler between their tips."""
+    """Draw two parallel cranks with a coupler between their tips."""
     section = {"type": "link", "diameter_m": 0.01, "density_kg_m3": 7700.0}
     crank, coupler, angle = section | {"length_m": size(rng)}, section | {"length_m": size(rng)}, rng.uniform(5, 175)
     base, tip = [coupler["length_m"], 0.0], [crank["length_m"], 0.0]

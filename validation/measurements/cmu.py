@@ -1,4 +1,4 @@
-"""Plates and a wheel in dry sand (configs/cmu, MIT licence): tables, models, and what they predict."""
+"""Plates and a wheel in dry sand (configs/cmu, MIT licence): measured tables, models, and their predictions."""
 
 from __future__ import annotations
 
@@ -29,39 +29,39 @@ Vector = NDArray[np.float64]
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 TABLES = CONFIGS / "cmu"
-# Radius and width of the wheel: in the authors' code, and in their meshes.
+# Radius and width of the wheel (m) as stated in the authors' code, and in their meshes.
 BOUNDS = {"58 mm x 50 mm": (0.058, 0.050), "62.5 mm x 60 mm": (0.0625, 0.060)}
-DEEPEST = 0.11  # m, in which the sinkage of the wheel is looked for
+DEEPEST = 0.11  # m, upper bound of the wheel's sinkage
 CHORDS = 96
 SHEAR_MODULUS = 0.021  # m, set by hand by the authors
 
 
 def table(name: str) -> Any:
-    """Columns of a table, by name."""
+    """Read a table of measurements; columns by name."""
     return np.genfromtxt(TABLES / f"{name}.csv", delimiter=",", names=True)
 
 
 @cache
 def fitted(parameters: str = "", medium: str = "") -> dict[str, tuple[float, float]]:
-    """Values and standard errors by key, from the plate of 60 mm and nothing else.
+    """Fit coefficients to the plate of 60 mm; values and standard errors by key.
 
-    Of the shipped fit file, or of one like it with another medium and its parameters.
+    parameters, medium: replace those of the shipped fit file; empty: the shipped file is used.
     """
     text = (CONFIGS / "fit_cmu_plates.yaml").read_text(encoding="utf-8")
     if medium:
         text = f"parameters: {parameters}\nset: {{medium: {medium}}}\n{text[text.index('force_test:') :]}"
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "fit.yaml"
-        for key in ("config: ", "data: "):  # paths are relative to the file
+        for key in ("config: ", "data: "):  # paths in the file are relative to it
             text = text.replace(key, f"{key}{CONFIGS}/")
         path.write_text(text, encoding="utf-8")
-        found = fit(prepare(load_specification(path)))
-    return {one.parameter.label: (one.value, one.error) for one in found.uncertainty.estimates}
+        result = fit(prepare(load_specification(path)))
+    return {e.parameter.label: (e.value, e.error) for e in result.uncertainty.estimates}
 
 
 @cache
 def models() -> dict[str, Law]:
-    """Media by what they rest on."""
+    """Media by a name that says where their coefficients come from."""
     zeta, _ = fitted("[medium.zeta]", "rft_generic")["medium.zeta"]
     return {
         "3D-RFT, nothing fitted": preset("cmu_dry_sand"),
@@ -75,7 +75,7 @@ def models() -> dict[str, Law]:
 
 @cache
 def plate(diameter: float) -> SteadyBody:
-    """Square plate with the area of a round one of this diameter (m)."""
+    """Square plate with the area of a round plate of this diameter (m)."""
     side = diameter * np.sqrt(np.pi) / 2
     shape = "model.bodies.plate.shapes.0"
     sets = [f"{shape}.start_m=[{-side / 2}, 0]", f"{shape}.end_m=[{side / 2}, 0]", f"{shape}.width_m={side}"]
@@ -91,7 +91,7 @@ def plate_pressure(medium: Law, depth: Vector, size: float) -> Vector:
 
 @cache
 def wheel(bound: str) -> SteadyBody:
-    """The wheel with its radius and width."""
+    """The wheel with one of its stated sizes (a name of BOUNDS)."""
     radius, width = BOUNDS[bound]
     shape = f"{{type: disc, diameter_m: {2 * radius}, thickness_m: {width}}}"
     body = f"wheel: {{type: rigid, density_kg_m3: 1000, shapes: [{shape}]}}"
@@ -103,7 +103,7 @@ def wheel(bound: str) -> SteadyBody:
 
 
 def pressed_wheel(medium: Law, bound: str, depth: Vector) -> Vector:
-    """Force (N) on the wheel that is pressed in without turning, at depths (n,) m."""
+    """Force (n,) N on the wheel that is pressed in without rotation, at depths (n,) m."""
     down = np.tile([0.0, -0.005], (len(depth), 1))
     return wheel(bound).force(depth, down, np.zeros(len(depth)), [Layer(medium)])[:, 1]
 
@@ -113,9 +113,9 @@ def pressed_wheel(medium: Law, bound: str, depth: Vector) -> Vector:
 
 @dataclass(frozen=True)
 class Rolling:
-    """A wheel at a slip: forward force (N) and sinkage (m), means and standard deviations over trials.
+    """Measurement of the wheel at a slip: forward force (N) and sinkage (m), means and standard deviations over trials.
 
-    load: mean vertical force (N); forward, rim: speeds (m/s); within: scatter of the force within a run (N).
+    load: mean vertical force, N; forward, rim: speeds of axle and rim, m/s; within: scatter of the force in a run, N.
     """
 
     slip: float
@@ -131,11 +131,11 @@ class Rolling:
 
 @cache
 def rolling() -> tuple[Rolling, ...]:
-    """Measurements, by slip."""
+    """Measurements in the order of slip."""
     rows = table("wheel_smooth_straight")
-    found = []
+    measurements = []
     for group in np.split(rows, np.flatnonzero(np.abs(np.diff(rows["slip"])) > 0.05) + 1):
-        found.append(
+        measurements.append(
             Rolling(
                 slip=float(group["slip"].mean()),
                 forward=1e-3 * float(group["forward_speed_mm_s"].mean()),
@@ -148,40 +148,40 @@ def rolling() -> tuple[Rolling, ...]:
                 within=float(group["sd_Fx_N"].mean()),
             )
         )
-    return tuple(found)
+    return tuple(measurements)
 
 
 @cache
 def rolled(medium: Law, bound: str) -> tuple[tuple[float, float], ...]:
     """Sinkage (m) at which the wheel bears its measured load, and forward force (N) there, for each slip."""
-    return tuple(_balance(medium, bound, one) for one in rolling())
+    return tuple(_balance(medium, bound, measured) for measured in rolling())
 
 
-def _balance(medium: Law, bound: str, one: Rolling) -> tuple[float, float]:
+def _balance(medium: Law, bound: str, measured: Rolling) -> tuple[float, float]:
     def force(depth: float) -> Vector:
         if medium.needs_path_length:
-            return _with_history(medium, bound, one, depth)
-        speed, rate = np.array([[one.forward, 0.0]]), np.array([-one.rim / BOUNDS[bound][0]])
+            return _with_history(medium, bound, measured, depth)
+        speed, rate = np.array([[measured.forward, 0.0]]), np.array([-measured.rim / BOUNDS[bound][0]])
         return wheel(bound).force(np.array([depth]), speed, rate, [Layer(medium)])[0]
 
-    if force(DEEPEST)[1] < one.load:
+    if force(DEEPEST)[1] < measured.load:
         return np.nan, np.nan
-    depth = float(brentq(lambda z: force(z)[1] - one.load, 1e-4, DEEPEST, xtol=1e-6))
+    depth = float(brentq(lambda z: force(z)[1] - measured.load, 1e-4, DEEPEST, xtol=1e-6))
     return depth, float(force(depth)[0])
 
 
-def _with_history(medium: Law, bound: str, one: Rolling, depth: float) -> Vector:
-    """Forces x, y (N) on the wheel after it has rolled for 0.12 m, or turned once, at a depth (m)."""
+def _with_history(medium: Law, bound: str, measured: Rolling, depth: float) -> Vector:
+    """Forces x, y (N) on the wheel at a depth (m), after it has rolled for 0.12 m or turned once."""
     radius, width = BOUNDS[bound]
     angles = np.linspace(0.0, 2.0 * np.pi, CHORDS + 1)[:-1]
     circle = radius * np.column_stack([np.cos(angles), np.sin(angles)])
     load = GranularLoad(medium, 0.0, static=STEADY)
     load.add(outline(Body("wheel", [0, 1, 2]), circle, width, turns=np.full(CHORDS, 2 * np.pi / CHORDS), strips=CHORDS))
-    rate = -one.rim / radius
-    end = max(0.12 / max(one.forward, one.rim), 2.0 * np.pi / abs(rate) if rate else 0.0)
-    end = min(end, 0.12 / one.forward)
+    rate = -measured.rim / radius
+    end = max(0.12 / max(measured.forward, measured.rim), 2.0 * np.pi / abs(rate) if rate else 0.0)
+    end = min(end, 0.12 / measured.forward)
     steps = 400
-    v, q = np.array([one.forward, 0.0, rate]), np.array([0.0, radius - depth, 0.0])
+    v, q = np.array([measured.forward, 0.0, rate]), np.array([0.0, radius - depth, 0.0])
     load.start(q)
     for i in range(steps + 1):
         load.accept(i * end / steps, q + v * (i * end / steps), v)
@@ -189,5 +189,5 @@ def _with_history(medium: Law, bound: str, one: Rolling, depth: float) -> Vector
 
 
 def relative(model: Sequence[float] | Vector, data: Sequence[float] | Vector) -> Vector:
-    """Error over the measurement (n,)."""
+    """Relative errors (n,) of a model."""
     return np.asarray(model) / np.asarray(data) - 1.0

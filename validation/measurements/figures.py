@@ -1,4 +1,4 @@
-"""Figures of measured sand: data with their scatter, and each model."""
+"""Figures of the measurements with their scatter, and of the models."""
 
 from __future__ import annotations
 
@@ -28,18 +28,18 @@ CAPTIONS = {
 
 
 def plates(models: dict[str, Law]) -> None:
-    """Two plates and the wheel pressed in, (a) to (c)."""
+    """Draw both plates and the pressed wheel, (a) to (c)."""
     table = cmu.table("plates_large_box")
     with style():
         figure = blank(DOUBLE, 66.0, layout="constrained")
         axes = figure.subplots(1, 3)
         for panel, size, letter in zip(axes[:2], (60, 80), "ab", strict=True):
-            own = table["diameter_mm"] == size
-            depth = np.linspace(0.0, 1.03e-3 * table["depth_mm"][own].max(), 60)
+            same_size = table["diameter_mm"] == size
+            depth = np.linspace(0.0, 1.03e-3 * table["depth_mm"][same_size].max(), 60)
             for i, medium in enumerate(models.values()):
                 pressure = 1e-3 * cmu.plate_pressure(medium, depth, size)
                 panel.plot(1e3 * depth, pressure, color=PALETTE[i], linestyle=DASHES[i])
-            rows = table[own]
+            rows = table[same_size]
             panel.errorbar(rows["depth_mm"], rows["pressure_kPa"], rows["sd_kPa"], fmt="o", color=INK, capsize=2)
             title = f"({letter}) plate of {size} mm" + (", two of them fitted" if size == 60 else ", predicted")
             panel.set(xlabel="depth (mm)", ylabel="pressure (kPa)", xlim=(0, None), ylim=(0, None))
@@ -64,15 +64,15 @@ def _pressed(panel: Axes, models: dict[str, Law]) -> None:
 
 
 def rolling(media: dict[str, Law]) -> None:
-    """Forward force and sinkage over slip, bands from one stated size of the wheel to the other."""
+    """Draw forward force and sinkage over slip; bands span the results of both stated sizes of the wheel."""
     data = cmu.rolling()
     slip = np.array([x.slip for x in data])
     with style():
         figure = blank(DOUBLE, 74.0, layout="constrained")
         left, right = figure.subplots(1, 2)
         for i, (name, medium) in enumerate(media.items()):
-            found = np.array([cmu.rolled(medium, bound) for bound in cmu.BOUNDS])
-            for panel, values in ((left, found[:, :, 1]), (right, 1e3 * found[:, :, 0])):
+            computed = np.array([cmu.rolled(medium, bound) for bound in cmu.BOUNDS])
+            for panel, values in ((left, computed[:, :, 1]), (right, 1e3 * computed[:, :, 0])):
                 panel.fill_between(slip, *values, color=PALETTE[i], alpha=0.2, linewidth=0)
                 panel.plot(slip, values.mean(axis=0), color=PALETTE[i], linestyle=DASHES[i], label=name)
         force, within = np.array([(x.force, x.within) for x in data]).T
@@ -89,7 +89,7 @@ def rolling(media: dict[str, Law]) -> None:
 
 
 def ball(found: others.Ball) -> None:
-    """Depth against total drop distance, and stopping time against impact speed."""
+    """Draw depth over total drop distance, and stopping time over impact speed."""
     heights, speed = others.HEIGHTS, np.sqrt(2.0 * others.G * others.HEIGHTS)
     with style():
         figure = blank(DOUBLE, 62.0, layout="constrained")
@@ -114,7 +114,7 @@ def ball(found: others.Ball) -> None:
 
 
 def drag(medium: Law) -> None:
-    """Drag of the plate by the formula of its source, and by the preset."""
+    """Draw the drag of the plate by the formula of its source and by the preset."""
     speed = np.linspace(0.04, 0.64, 60)
     with style():
         figure = blank(SINGLE, 66.0, layout="constrained")
@@ -122,8 +122,8 @@ def drag(medium: Law) -> None:
         for i, depth in enumerate(others.DEPTHS):
             label = f"drft, {1e3 * depth:.0f} mm deep"
             axes.plot(speed, others.dragged(medium, depth, speed), color=PALETTE[i], linestyle=DASHES[i], label=label)
-            words = "formula of the source" if i == 0 else None
-            axes.plot(others.SPEEDS, others.source(depth, others.SPEEDS), "o", color=INK, label=words)
+            label_of_source = "formula of the source" if i == 0 else None
+            axes.plot(others.SPEEDS, others.source(depth, others.SPEEDS), "o", color=INK, label=label_of_source)
         axes.set(xlabel="speed (m/s)", ylabel="drag of one metre of width (N)", ylim=(0, None))
         axes.legend(loc="lower right", ncols=2)
         _save(figure, "drag")

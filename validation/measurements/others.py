@@ -1,7 +1,7 @@
-"""What is known in numbers of a dropped ball and of a dragged plate: constants and formulas of their sources.
+"""Constants and formulas of the sources for a dropped ball and a dragged plate.
 
-The measured points of both did not reach us. What can be compared is said with each: the scaling and the ratio that
-other papers of the same laboratory state in their abstracts, and the source's own formula at another depth.
+We do not have the measured points of either source. Instead, models are compared with a scaling and a ratio that other
+papers of the same laboratory state in their abstracts, and with the source's own formula at another depth.
 """
 
 from __future__ import annotations
@@ -37,12 +37,12 @@ D1, D1_ERROR = 0.087, 0.007  # m
 # other sizes and densities. Ambroso, Kamien and Durian 2005 (cond-mat/0503454): stopping time over depth and speed,
 # wooden spheres in glass beads.
 EXPONENT, TIME_RATIO = 1.0 / 3.0, 3.0
-HEIGHTS = np.array([0.01, 0.03, 0.1, 0.3, 1.0])  # m, of the drop
+HEIGHTS = np.array([0.01, 0.03, 0.1, 0.3, 1.0])  # m, drop heights
 
 
 @dataclass(frozen=True)
 class Ball:
-    """Drops from HEIGHTS (n,): depths (m) and stopping times (s), by the engine and the ends of their bands (2, n)."""
+    """Drops from HEIGHTS (n,): depths (m) and stopping times (s) by the engine, and bounds of their bands (2, n)."""
 
     depth: Vector
     time: Vector
@@ -52,7 +52,7 @@ class Ball:
 
 @cache
 def balls(step: float) -> Ball:
-    """The ball by the preset, in the engine, and the band of the constants' stated errors."""
+    """Simulate the ball with the preset in the engine, and compute the band of the constants' stated errors."""
     medium = preset("glass_beads_katsuragi_durian")
     assert isinstance(medium, KatsuragiDurian)
     runs = np.array([drop(medium, np.sqrt(2.0 * G * height), step, 0.15, MASS).stop for height in HEIGHTS])
@@ -62,18 +62,18 @@ def balls(step: float) -> Ball:
         for j in (-1, 1)
     ]
     times, depths = np.moveaxis(np.array(corners), 2, 0)
-    ends = [np.array([one.min(axis=0), one.max(axis=0)]) for one in (depths, times)]
+    ends = [np.array([values.min(axis=0), values.max(axis=0)]) for values in (depths, times)]
     return Ball(runs[:, 1], runs[:, 0], ends[0], ends[1])
 
 
 def stop(speed: float, k_over_m: float, d1: float) -> tuple[float, float]:
-    """Time (s) and depth (m) at which the equation of the source comes to its first stop."""
+    """Time (s) and depth (m) of the first stop by the source's equation of motion."""
 
     def at_rest(_: float, y: Vector) -> float:
         return float(y[1])
 
     at_rest.terminal, at_rest.direction = True, -1  # type: ignore[attr-defined]
-    found = solve_ivp(
+    solution = solve_ivp(
         lambda _, y: (y[1], G - k_over_m * y[0] - y[1] * abs(y[1]) / d1),
         (0.0, 1.0),
         (0.0, speed),
@@ -81,7 +81,7 @@ def stop(speed: float, k_over_m: float, d1: float) -> tuple[float, float]:
         rtol=1e-9,
         atol=1e-12,
     )
-    return float(found.t[-1]), float(found.y[0, -1])
+    return float(solution.t[-1]), float(solution.y[0, -1])
 
 
 # ---- Agarwal, Karsai, Goldman and Kamrin 2021: a plate dragged at a depth ----
@@ -97,13 +97,13 @@ PLATE = [
 
 
 def source(depth: float, speed: Vector) -> Vector:
-    """Drag (N) by the formula of the source, of the middle at a depth (m), at speeds (n,) m/s."""
+    """Drag (n,) N by the formula of the source, with the plate's middle at a depth (m), at speeds (n,) m/s."""
     return K * depth + LAMBDA * DENSITY * HIGH * WIDE * speed**2
 
 
 @cache
 def plate_coefficients() -> dict[str, tuple[float, float]]:
-    """Coefficients zeta and lambda with their errors, from the least depth alone."""
+    """Fit zeta and lambda to the least depth alone; values and standard errors by key."""
     with tempfile.TemporaryDirectory() as folder:
         rows = [f"{v},{f}" for v, f in zip(SPEEDS, source(DEPTHS[0], SPEEDS), strict=True)]
         (Path(folder) / "drag.csv").write_text("\n".join(["speed_m_s,force_N", *rows]) + "\n", encoding="utf-8")
@@ -114,12 +114,12 @@ def plate_coefficients() -> dict[str, tuple[float, float]]:
         text += f"runs: [{{config: {CONFIGS / 'dragged_plate.yaml'}, data: drag.csv}}]\n"
         path = Path(folder) / "fit.yaml"
         path.write_text(text, encoding="utf-8")
-        found = fit(prepare(load_specification(path)))
-    return {one.parameter.label: (one.value, one.error) for one in found.uncertainty.estimates}
+        result = fit(prepare(load_specification(path)))
+    return {e.parameter.label: (e.value, e.error) for e in result.uncertainty.estimates}
 
 
 def dragged(medium: Law, depth: float, speed: Vector) -> Vector:
-    """Drag (N) on the plate, its middle at a depth (m), at speeds (n,) m/s."""
+    """Drag (n,) N on the plate with its middle at a depth (m), at speeds (n,) m/s."""
     body = SteadyBody(build(load_scenario(CONFIGS / "dragged_plate.yaml", PLATE)))
     velocity = np.column_stack([speed, np.zeros(len(speed))])
     lowest = np.full(len(speed), depth + HIGH / 2)

@@ -1,1 +1,1 @@
-"""Random scenes that a user might write, for `properties.py`; their mirror images, shifts and finer runs."""
+"""Random scenes as users might write them, for `properties.py`; their mirror images, shifts and finer runs."""

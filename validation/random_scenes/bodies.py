@@ -1,4 +1,4 @@
-"""Bodies and what they move in, at random, of the sizes of a table-top experiment."""
+"""Random bodies and media, of the sizes of a table-top experiment."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from validation.fuzzing.media import PRESETS, law
 
 Tree = dict[str, Any]
 DENSITIES = (7700.0, 2700.0, 1200.0)
-# What fits a law; `links` are round or flat bars.
+# Shapes for each family of laws; `links` are round or flat bars.
 SHAPES = {
     "bar": ("link", "cylinder", "arc", "polyline"),
     "plate": ("link", "cylinder", "arc", "polyline", "plate", "disc", "polygon", "foot"),
@@ -20,7 +20,7 @@ STIFFNESS = (2e11, 7e10, 3e9, 3e8)  # Pa
 
 
 def media(rng: Random, family: str) -> Any:
-    """A preset, mostly, or laws with coefficients at random."""
+    """Draw media: mostly a preset, otherwise laws with random coefficients."""
     if rng.random() < 0.55:
         name = rng.choice(PRESETS[family])
         return name if name != "glass_beads_katsuragi_durian" else {"from": name}
@@ -28,32 +28,32 @@ def media(rng: Random, family: str) -> Any:
 
 
 def section(rng: Random, family: str) -> Tree:
-    """Of a bar: round, or flat where the law takes plates."""
+    """Draw the section of a bar: round, or flat if the law takes plates."""
     if family == "plate" and rng.random() < 0.5:
         return {"width_m": rng.uniform(0.015, 0.06), "thickness_m": rng.uniform(0.002, 0.006)}
     return {"diameter_m": rng.uniform(0.004, 0.014)}
 
 
 def link(rng: Random, family: str, bends: float = 0.0, length: float | None = None) -> Tree:
-    """A straight link; bends: the probability that it does."""
-    made: Tree = {"type": "link", "length_m": length or rng.uniform(0.08, 0.35), "density_kg_m3": rng.choice(DENSITIES)}
-    made |= section(rng, family)
+    """Draw a straight link; bends: probability that it is flexible."""
+    body: Tree = {"type": "link", "length_m": length or rng.uniform(0.08, 0.35), "density_kg_m3": rng.choice(DENSITIES)}
+    body |= section(rng, family)
     if rng.random() < bends:
         flexible: Tree = {"youngs_modulus_Pa": rng.choice(STIFFNESS)}
         if rng.random() < 0.3:
             flexible["elements"] = rng.choice((2, 3, 8))
         if rng.random() < 0.3:
             flexible["bending_damping_N_m2_s"] = 10.0 ** rng.uniform(-5, -3)
-        made["flexible"] = flexible
-    return made
+        body["flexible"] = flexible
+    return body
 
 
 def rigid(rng: Random, family: str, kind: str | None = None) -> Tree:
-    """A rigid body of one shape or two, of a density or of a given mass."""
-    kind = kind or rng.choice([one for one in SHAPES[family] if one != "link"])
+    """Draw a rigid body of one shape or two, with a density or a given mass."""
+    kind = kind or rng.choice([name for name in SHAPES[family] if name != "link"])
     shapes = [shape(rng, family, kind)]
     if rng.random() < 0.2:
-        shapes.append(shape(rng, family, rng.choice([one for one in SHAPES[family] if one != "link"])))
+        shapes.append(shape(rng, family, rng.choice([name for name in SHAPES[family] if name != "link"])))
     if rng.random() < 0.8:
         return {"type": "rigid", "density_kg_m3": rng.choice(DENSITIES), "shapes": shapes}
     mass = rng.uniform(0.05, 1.0)
@@ -64,14 +64,14 @@ def rigid(rng: Random, family: str, kind: str | None = None) -> Tree:
 
 
 def shape(rng: Random, family: str, kind: str) -> Tree:
-    """One shape about the origin of its body."""
+    """Draw one shape about the origin of its body."""
     size = rng.uniform(0.03, 0.12)
     if kind in ("cylinder", "plate"):
         heading = rng.uniform(0.0, math.pi)
         end = [size * math.cos(heading), size * math.sin(heading)]
-        made: Tree = {"type": kind, "start_m": [-end[0], -end[1]], "end_m": end}
+        config: Tree = {"type": kind, "start_m": [-end[0], -end[1]], "end_m": end}
         flat = {"width_m": rng.uniform(0.02, 0.08), "thickness_m": rng.uniform(0.002, 0.006)}
-        return made | (flat if kind == "plate" else {"diameter_m": rng.uniform(0.005, 0.014)})
+        return config | (flat if kind == "plate" else {"diameter_m": rng.uniform(0.005, 0.014)})
     if kind == "arc":
         start = rng.uniform(-180.0, 180.0)
         return {

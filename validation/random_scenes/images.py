@@ -1,4 +1,4 @@
-"""The same scene seen otherwise: mirrored in x, moved away, with its parts in another order, computed more finely."""
+"""Other forms of the same scene: mirrored in x, moved away, with its parts in another order, computed more finely."""
 
 from __future__ import annotations
 
@@ -12,20 +12,20 @@ from granular_contact.config.schema.scenario import Load
 Tree = dict[str, Any]
 GROUND = "ground"
 AWAY = (800.0, 600.0)  # m
-STEP = 2e-4  # s, of runs that name none
+STEP = 2e-4  # s, step of runs that name none
 
 
 class NoImage(Exception):
-    """The scene can't be put so: a clock that only turns one way, or nothing to put in another order."""
+    """The scene has no such form: it has a clock that runs in one direction only, or no parts to reorder."""
 
 
 # ---- mirror image in x ----
-# A frame at the angle a goes to pi - a with its y axis turned over: points (x, y) of a body go to (x, -y), angles
-# between bodies change their sign, and those on the ground go to 180 degrees minus themselves.
+# The mirror image of a frame at the angle a has the angle pi - a and a reversed y axis. So points (x, y) of a body
+# become (x, -y), angles between bodies change their sign, and an angle a to the ground becomes 180 degrees - a.
 
 
 def mirrored(tree: Tree) -> Tree:
-    """The mirror image; raises NoImage."""
+    """Mirror image of a scene; raises NoImage."""
     tree = copy.deepcopy(tree)
     model = tree["model"]
     for body in model["bodies"].values():
@@ -102,14 +102,14 @@ def _mirror_drive(drive: Tree, turn: float, shared: Tree, files: Tree) -> None:
 
 
 def _own(signal: Any, shared: Tree) -> Any:
-    """A signal that is written out where it was shared (sines only)."""
+    """Signal of a drive, with a shared signal (sines only) written out."""
     if not isinstance(signal, dict) or signal["type"] != "shared":
         return signal
     return shared[signal["name"]] | {"phase_deg": signal.get("phase_deg", 0.0)}
 
 
 def _opposite(signal: Any, offset: float, files: Tree) -> Any:
-    """`offset` minus a signal."""
+    """Signal with the value `offset` minus a signal."""
     if not isinstance(signal, dict):
         return offset - signal
     kind, signal = signal["type"], dict(signal)
@@ -138,7 +138,7 @@ def _mirror_bed(bed: Tree) -> None:
 
 
 def shifted(tree: Tree) -> Tree:
-    """All of it 1 km away."""
+    """Scene moved by 1 km."""
     tree = copy.deepcopy(tree)
     x, y = AWAY
     joints = tree["model"]["joints"] | tree["model"].get("closures", {})
@@ -151,7 +151,7 @@ def shifted(tree: Tree) -> Tree:
         bed["height_m"] += y - x * math.tan(math.radians(bed.get("slope_deg", 0.0)))
     if "profile_m" in bed:
         bed["profile_m"] = [[a + x, b + y] for a, b in bed["profile_m"]]
-    if "depth_m" in bed:  # is measured at x = 0
+    if "depth_m" in bed:  # the depth is that at x = 0
         bed["depth_m"] -= x * math.tan(math.radians(bed.get("slope_deg", 0.0)))
         if bed["depth_m"] <= 0.0 or "profile_m" in bed:
             raise NoImage("the floor hangs on the surface at x = 0")
@@ -159,7 +159,7 @@ def shifted(tree: Tree) -> Tree:
 
 
 def reordered(tree: Tree) -> Tree:
-    """Bodies, joints, drives and the shapes of a body from the last to the first; raises NoImage."""
+    """Scene with bodies, joints, drives and the shapes of each body in reverse order; raises NoImage."""
     tree = copy.deepcopy(tree)
     model = tree["model"]
     if len(model["bodies"]) == 1 and all(len(body.get("shapes", [])) < 2 for body in model["bodies"].values()):
@@ -182,9 +182,9 @@ def is_reduced(tree: Tree) -> bool:
 
 
 def finer(tree: Tree, factor: float) -> Tree:
-    """Steps (or the errors that are allowed for them) divided by a factor, at fixed steps where they were chosen.
+    """Scene with fixed steps: its step, or STEP if it names none, divided by a factor.
 
-    At chosen steps the error goes down with the accuracy.
+    A reduced model gets a relative tolerance of 1e-6 over the square of the factor instead.
     """
     tree = copy.deepcopy(tree)
     solver = tree["solver"]
@@ -197,7 +197,7 @@ def finer(tree: Tree, factor: float) -> Tree:
 
 
 def chosen(tree: Tree) -> Tree:
-    """With steps chosen where they were fixed, and the other way round; raises NoImage."""
+    """Scene with adaptive steps if they were fixed, and the other way round; raises NoImage."""
     tree = copy.deepcopy(tree)
     if is_reduced(tree):
         raise NoImage("a reduced model chooses its steps by itself")
@@ -209,7 +209,7 @@ def chosen(tree: Tree) -> Tree:
 
 
 def divided(tree: Tree, strips: int, elements: int) -> Tree:
-    """So many times the strips and the elements."""
+    """Scene with the numbers of strips and elements multiplied by factors."""
     tree = copy.deepcopy(tree)
     load, usual = tree["load"], Load()
     for key, share, most in (("strips_per_rigid_part", strips, 1024), ("strips_per_element", strips // elements, 64)):
