@@ -1,4 +1,4 @@
-"""As `images`, in space: mirrored in the x-z plane, turned about the vertical, moved away."""
+"""Other forms of a scene in space, as in `images`: mirrored in the x-z plane, rotated about a vertical, moved away."""
 
 from __future__ import annotations
 
@@ -12,13 +12,16 @@ from granular_contact.geometry import rotations
 from validation.random_scenes.images import GROUND, NoImage, Tree
 
 AWAY = (800.0, 600.0, 300.0)  # m
-TURN = 40.0  # deg about the vertical; of scenes with a map of heights 90
-POLAR, AXIAL = np.array([1.0, -1.0, 1.0]), np.array([-1.0, 1.0, -1.0])  # in a mirror: vectors, and rotations about them
+TURN = 40.0  # deg, rotation about the vertical; 90 for scenes with a height map
+POLAR, AXIAL = (
+    np.array([1.0, -1.0, 1.0]),
+    np.array([-1.0, 1.0, -1.0]),
+)  # signs in a mirror image of polar and axial vectors
 PLACES = ("center_m", "start_m", "end_m", "center_of_mass_m", "parent_point_m", "child_point_m")
 
 
 def mirrored(tree: Tree) -> Tree:
-    """The mirror image: every frame is mirrored, so that bodies of their own shapes lie in it as before."""
+    """Mirror image of a scene: every frame is mirrored, so that symmetric shapes keep their place in the frame."""
     tree = copy.deepcopy(tree)
     model = tree["model"]
     for body in model["bodies"].values():
@@ -44,8 +47,11 @@ def mirrored(tree: Tree) -> Tree:
     if "slope_direction_deg" in bed:
         bed["slope_direction_deg"] *= -1.0
     if "height_map" in bed:
-        one, values = bed["height_map"], _heights(tree)
-        one["corner_m"] = [one["corner_m"][0], -one["corner_m"][1] - one["cell_m"] * (len(values) - 1)]
+        height_map, values = bed["height_map"], _heights(tree)
+        height_map["corner_m"] = [
+            height_map["corner_m"][0],
+            -height_map["corner_m"][1] - height_map["cell_m"] * (len(values) - 1),
+        ]
         _lay(tree, values[::-1])
     return tree
 
@@ -54,16 +60,16 @@ def _times(point: list[float], factors: Any) -> list[float]:
     return [a * float(b) for a, b in zip(point, factors, strict=True)]
 
 
-def _mirror(one: Tree) -> None:
-    """Places and orientations of a body, a shape, a joint or a start."""
+def _mirror(part: Tree) -> None:
+    """Mirror the positions and orientations of a body, a shape, a joint or a start."""
     for key in PLACES:
-        if key in one:
-            one[key] = _times(one[key], POLAR)
-    if "quaternion" in one:
-        w, *axis = one["quaternion"]
-        one["quaternion"] = [w, *_times(axis, AXIAL)]
-    if "rpy_deg" in one:
-        one["rpy_deg"] = _times(one["rpy_deg"], AXIAL)
+        if key in part:
+            part[key] = _times(part[key], POLAR)
+    if "quaternion" in part:
+        w, *axis = part["quaternion"]
+        part["quaternion"] = [w, *_times(axis, AXIAL)]
+    if "rpy_deg" in part:
+        part["rpy_deg"] = _times(part["rpy_deg"], AXIAL)
 
 
 def _heights(tree: Tree) -> list[list[str]]:
@@ -75,7 +81,7 @@ def _lay(tree: Tree, values: list[list[str]]) -> None:
 
 
 def turned(tree: Tree) -> Tree:
-    """All of it turned about the vertical through the origin, counter-clockwise seen from above."""
+    """Scene rotated about the vertical through the origin, counter-clockwise seen from above."""
     tree = copy.deepcopy(tree)
     angle = 90.0 if "height_map" in tree["bed"] else TURN
     tree["aside"] = tree.get("aside", {}) | {"turned_deg": angle}
@@ -100,24 +106,24 @@ def turned(tree: Tree) -> Tree:
     if "slope_direction_deg" in bed:
         bed["slope_direction_deg"] += angle
     if "height_map" in bed:
-        one, values = bed["height_map"], _heights(tree)
-        x, y = one["corner_m"]
-        one["corner_m"] = [-y - one["cell_m"] * (len(values) - 1), x]
+        height_map, values = bed["height_map"], _heights(tree)
+        x, y = height_map["corner_m"]
+        height_map["corner_m"] = [-y - height_map["cell_m"] * (len(values) - 1), x]
         _lay(tree, [[row[i] for row in values[::-1]] for i in range(len(values[0]))])
     return tree
 
 
-def _turn(one: Tree, R: Any) -> None:
-    own = np.eye(3)
-    if "rpy_deg" in one:
-        own = rotations.of_rpy(np.radians(one.pop("rpy_deg")))
-    if "quaternion" in one:
-        own = rotations.of_quaternion(one["quaternion"])
-    one["quaternion"] = rotations.quaternion_of(R @ own).tolist()
+def _turn(part: Tree, R: Any) -> None:
+    orientation = np.eye(3)
+    if "rpy_deg" in part:
+        orientation = rotations.of_rpy(np.radians(part.pop("rpy_deg")))
+    if "quaternion" in part:
+        orientation = rotations.of_quaternion(part["quaternion"])
+    part["quaternion"] = rotations.quaternion_of(R @ orientation).tolist()
 
 
 def shifted(tree: Tree) -> Tree:
-    """All of it 1 km away; raises NoImage."""
+    """Scene moved by 1 km; raises NoImage."""
     tree = copy.deepcopy(tree)
     bed = tree["bed"]
     if "depth_m" in bed and ("slope_deg" in bed or "height_map" in bed):
@@ -132,12 +138,12 @@ def shifted(tree: Tree) -> Tree:
         along = AWAY[0] * math.cos(toward) + AWAY[1] * math.sin(toward)
         bed["height_m"] -= along * math.tan(math.radians(bed["slope_deg"]))
     if "height_map" in bed:
-        one = bed["height_map"]
-        one["corner_m"] = [a + b for a, b in zip(one["corner_m"], AWAY, strict=False)]
+        height_map = bed["height_map"]
+        height_map["corner_m"] = [a + b for a, b in zip(height_map["corner_m"], AWAY, strict=False)]
     return tree
 
 
 def finer(tree: Tree, share: float) -> Tree:
-    """With facets of a share of the size that `scenes.solve_and_keep` has noted."""
+    """Scene with facets of a fraction of the size that `scenes.solve_and_keep` has recorded."""
     aside = tree["aside"]
     return tree | {"aside": aside | {"facets": {body: share * size for body, size in aside["facets"].items()}}}

@@ -1,4 +1,4 @@
-"""A seed -> a scene in space: every shape, meshes, hinges, balls, sliders, legs, drives; slopes, maps, layers."""
+"""Random scene in space by its seed: all shapes, meshes, hinges, balls, sliders, legs, drives; slopes, maps, layers."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ from validation.random_scenes.scenes import Drawn, fitting, touching, write
 from validation.random_scenes.signals import hinge_drive, signal, slider_drive
 
 Tree = dict[str, Any]
-Made = tuple[Tree, Tree]  # model (bodies, joints) and initial.joints; drives and files go into the scene
+Made = tuple[Tree, Tree]  # model (bodies, joints) and initial.joints; drives and files are added to the scene
 GROUND = "ground"
 SOLIDS = ("box", "sphere", "cylinder", "capsule", "cone", "plate", "arc", "polygon", "wheel")
 
 
 def draw(seed: int, folder: Path) -> Drawn:
-    """As `scenes.draw`, in space."""
+    """Draw the scene of a seed in space, as `scenes.draw` does in the plane."""
     return fitting(seed, folder, _drawn)
 
 
@@ -49,7 +49,7 @@ def _drawn(seed: int, rng: Random, folder: Path) -> Drawn:
 
 
 def _solver(rng: Random, tree: Tree) -> str:
-    """Steps of 0.2 ms, by default, or by an accuracy; by minimal coordinates unless the engine is drawn."""
+    """Draw the solver: steps of 0.2 ms, default steps or an accuracy; minimal coordinates or the engine."""
     if rng.random() < 0.3:
         tree["method"] = "engine"
     form = rng.random()
@@ -63,7 +63,7 @@ def _solver(rng: Random, tree: Tree) -> str:
 
 
 def _lay(rng: Random, tree: Tree, family: str, folder: Path) -> None:
-    """Give the scene its bed: as high as it touches, or somewhat lower; level, sloped or by a map of heights."""
+    """Add a bed to the scene that touches it or is somewhat lower; level, sloped or with a height map."""
     bed: Tree = {}
     form = rng.random()
     if form < 0.3:
@@ -80,7 +80,7 @@ def _lay(rng: Random, tree: Tree, family: str, folder: Path) -> None:
 
 
 def _map(rng: Random, tree: Tree) -> Tree:
-    """A map of 8 x 10 heights (m) of 50 mm, with rises of up to some 15 degrees."""
+    """Draw a map of 8 x 10 heights (m) with cells of 50 mm and slopes of up to some 15 degrees."""
     values = [[f"{rng.uniform(0.0, 0.012):.5f}" for _ in range(10)] for _ in range(8)]
     tree.setdefault("files", {})["map.csv"] = "\n".join(",".join(row) for row in values)
     return {"file": "map.csv", "cell_m": 0.05, "corner_m": [-0.22, -0.17]}
@@ -90,21 +90,21 @@ def _map(rng: Random, tree: Tree) -> Tree:
 
 
 def turn(rng: Random) -> list[float]:
-    """A random orientation as w, x, y, z."""
+    """Draw an orientation as a quaternion w, x, y, z."""
     return [rng.gauss(0.0, 1.0) for _ in range(4)]
 
 
 def vector(rng: Random, size: float) -> list[float]:
-    """Three numbers up to a size."""
+    """Draw three numbers of at most a size."""
     return [rng.uniform(-size, size) for _ in range(3)]
 
 
 def shape(rng: Random, kind: str) -> Tree:
-    """A shape of a kind about the origin of its body, of some 30 to 120 mm."""
+    """Draw a shape of a kind about the origin of its body, with a size of some 30 to 120 mm."""
     size, thick = rng.uniform(0.03, 0.12), rng.uniform(0.002, 0.006)
     sides = [size, rng.uniform(0.3, 1.0) * size, rng.uniform(0.15, 1.0) * size]
     corners = [[0.5 * size * math.cos(a), 0.5 * size * math.sin(a)] for a in (0.3, 1.9, 3.0, rng.uniform(3.8, 5.5))]
-    made: Tree = {
+    keys: Tree = {
         "box": {"size_m": sides},
         "sphere": {"diameter_m": 0.6 * size},
         "cylinder": {"diameter_m": sides[1], "length_m": size},
@@ -117,16 +117,16 @@ def shape(rng: Random, kind: str) -> Tree:
         "wheel": {"radius_m": 0.5 * size, "width_m": 0.5 * sides[1]},
     }[kind]
     if kind == "wheel" and rng.random() < 0.4:
-        made["grousers"] = {"count": rng.randint(6, 12), "height_m": 0.1 * size}
-    return {"type": kind, **made}
+        keys["grousers"] = {"count": rng.randint(6, 12), "height_m": 0.1 * size}
+    return {"type": kind, **keys}
 
 
 def rigid(rng: Random, kinds: tuple[str, ...] = SOLIDS, count: int = 1) -> Tree:
-    """A rigid body of so many shapes, turned and beside its origin."""
+    """Draw a rigid body of `count` shapes, rotated and away from its origin."""
     shapes = [shape(rng, rng.choice(kinds)) for _ in range(count)]
-    for one in shapes:
+    for placed in shapes:
         if rng.random() < 0.5 or count > 1:
-            one |= {"center_m": vector(rng, 0.03), "quaternion": turn(rng)}
+            placed |= {"center_m": vector(rng, 0.03), "quaternion": turn(rng)}
     body: Tree = {"type": "rigid", "shapes": shapes}
     if rng.random() < 0.8:
         return body | {"density_kg_m3": rng.uniform(600.0, 4000.0)}
@@ -136,38 +136,38 @@ def rigid(rng: Random, kinds: tuple[str, ...] = SOLIDS, count: int = 1) -> Tree:
 
 
 def link(rng: Random, flat: bool) -> Tree:
-    """A rigid link along x, round or flat."""
-    made: Tree = {"type": "link", "length_m": rng.uniform(0.05, 0.18), "density_kg_m3": rng.uniform(1000.0, 8000.0)}
+    """Draw a rigid link along x, round or flat."""
+    body: Tree = {"type": "link", "length_m": rng.uniform(0.05, 0.18), "density_kg_m3": rng.uniform(1000.0, 8000.0)}
     if flat:
-        return made | {"width_m": rng.uniform(0.015, 0.05), "thickness_m": rng.uniform(0.003, 0.008)}
-    return made | {"diameter_m": rng.uniform(0.006, 0.02)}
+        return body | {"width_m": rng.uniform(0.015, 0.05), "thickness_m": rng.uniform(0.003, 0.008)}
+    return body | {"diameter_m": rng.uniform(0.006, 0.02)}
 
 
 def bar(rng: Random) -> Tree:
-    """A thin round bar, straight or bent."""
+    """Draw a thin round bar, straight or bent."""
     corners = [[-0.05, 0.0, 0.0], vector(rng, 0.03), [0.06, 0.0, 0.01]]
-    one = {"type": "bar", "points_m": corners[:: rng.choice((1, 2))], "diameter_m": rng.uniform(0.004, 0.012)}
-    return {"type": "rigid", "density_kg_m3": rng.choice((7700.0, 2700.0)), "shapes": [one]}
+    shape_of_bar = {"type": "bar", "points_m": corners[:: rng.choice((1, 2))], "diameter_m": rng.uniform(0.004, 0.012)}
+    return {"type": "rigid", "density_kg_m3": rng.choice((7700.0, 2700.0)), "shapes": [shape_of_bar]}
 
 
 # ---- mechanisms ----
 
 
 def free(rng: Random) -> Tree:
-    """Start of a body that falls, flies and turns."""
+    """Draw the initial state of a free body that falls and rotates."""
     start: Tree = {"quaternion": turn(rng)}
     start |= {key: rng.uniform(-0.8, 0.8) for key in ("vx_m_s", "vy_m_s")} | {"vz_m_s": -rng.uniform(0.0, 1.5)}
     return start | {"spin_rad_s": rng.choice(([0.0, 0.0, 0.0], vector(rng, 8.0)))}
 
 
 def thrown(rng: Random, body: Tree) -> Made:
-    """One body that flies free."""
+    """One free body."""
     joints = {"root": {"type": "free", "parent": GROUND, "child": "body"}}
     return {"bodies": {"body": body}, "joints": joints}, {"root": free(rng)}
 
 
 def thrown_mesh(rng: Random, scene: Tree) -> Made:
-    """A lump of 80 triangles, from a file."""
+    """A free lump of 80 triangles, from a file."""
     points, faces = _sphere()
     axes = np.array([rng.uniform(0.015, 0.05) for _ in range(3)])
     place = np.array(points) * axes * np.array([[1.0 + rng.uniform(-0.08, 0.08)] for _ in points])
@@ -179,7 +179,7 @@ def thrown_mesh(rng: Random, scene: Tree) -> Made:
 
 
 def _sphere() -> tuple[list[Any], list[tuple[int, int, int]]]:
-    """Points and triangles of a sphere of radius 1: an octahedron, each triangle cut into four, twice."""
+    """Points and triangles of a unit sphere: an octahedron whose triangles are divided into four, twice."""
     points = [np.array(p, float) for p in ((1, 0, 0), (0, 1, 0), (-1, 0, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1))]
     faces = [(k, (k + 1) % 4, 4) for k in range(4)] + [((k + 1) % 4, k, 5) for k in range(4)]
     for _ in range(2):
@@ -199,7 +199,7 @@ def _sphere() -> tuple[list[Any], list[tuple[int, int, int]]]:
 
 
 def hung(rng: Random, scene: Tree) -> Made:
-    """A body on a hinge or a ball joint beside it, driven at times."""
+    """A body on a hinge or a ball joint beside it, sometimes with a drive."""
     joint: Tree = {"type": rng.choice(("hinge", "hinge", "ball")), "parent": GROUND, "child": "body"}
     joint |= {"child_point_m": vector(rng, 0.08), "quaternion": turn(rng), "damping_Nm_s_per_rad": 1e-4}
     model = {"bodies": {"body": rigid(rng)}, "joints": {"pivot": joint}}
@@ -223,7 +223,7 @@ def pressed(rng: Random, scene: Tree) -> Made:
 
 
 def chain(rng: Random, scene: Tree, flat: bool = True) -> Made:
-    """Two to four links on hinges, with a drive at times, or ball joints; free, or hung."""
+    """Two to four links on hinges, sometimes with a drive, or on ball joints; floating or hanging."""
     count = rng.randint(2, 4)
     bodies = {f"link_{i}": link(rng, flat and rng.random() < 0.5) for i in range(count)}
     joints: Tree = {"root": {"type": "free", "parent": GROUND, "child": "link_0"}}
@@ -270,7 +270,7 @@ def legged(rng: Random, scene: Tree) -> Made:
 
 
 def rolling(rng: Random, scene: Tree) -> Made:
-    """A wheel on a hub that flies free, turned by a drive."""
+    """A wheel on a free hub, rotated by a drive."""
     bodies = {"hub": {"type": "rigid", "mass_kg": 0.5, "inertia_kg_m2": {"xx": 1e-3, "yy": 1e-3, "zz": 1e-3}}}
     bodies["wheel"] = {"type": "rigid", "density_kg_m3": 1000.0, "shapes": [shape(rng, "wheel")]}
     joints: Tree = {"root": {"type": "free", "parent": GROUND, "child": "hub"}}

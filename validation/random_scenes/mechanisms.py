@@ -1,4 +1,4 @@
-"""Mechanisms at random, each with its start and its drives: one function a kind."""
+"""Random mechanisms with their initial states and drives: one function for each kind."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from validation.random_scenes.bodies import link, rigid
 from validation.random_scenes.signals import hinge_drive, signal, slider_drive
 
 Tree = dict[str, Any]
-Made = tuple[Tree, Tree]  # model (bodies, joints, closures) and initial.joints; drives go into the scene
+Made = tuple[Tree, Tree]  # model (bodies, joints, closures) and initial.joints; drives are added to the scene
 
 
 def _free(rng: Random, spin: float = 5.0) -> Tree:
@@ -26,7 +26,7 @@ def _free(rng: Random, spin: float = 5.0) -> Tree:
 
 
 def _direction(angle: float) -> list[float]:
-    """Direction at an angle (deg) counter-clockwise from the x axis, along an axis to the last digit."""
+    """Direction at an angle (deg) counter-clockwise from the x axis, exact along an axis."""
     turned = math.radians(angle)
     return [round(math.cos(turned), 15), round(math.sin(turned), 15)]
 
@@ -74,26 +74,26 @@ def ball(rng: Random, family: str, _: Tree) -> Made:
 
 
 def _in_hinge(rng: Random, scale: float, home: float) -> Tree:
-    """Springs, dampers, stops and friction, for moments of about `scale` (N m)."""
-    more: Tree = {}
+    """Draw springs, dampers, stops and friction for moments of about `scale` (N m)."""
+    forces: Tree = {}
     if rng.random() < 0.3:
-        more["spring"] = {"stiffness_Nm_per_rad": scale * 10.0 ** rng.uniform(0, 1), "rest_deg": home}
+        forces["spring"] = {"stiffness_Nm_per_rad": scale * 10.0 ** rng.uniform(0, 1), "rest_deg": home}
     if rng.random() < 0.3:
-        more["damping_Nm_s_per_rad"] = scale * 10.0 ** rng.uniform(-2.5, -1)
+        forces["damping_Nm_s_per_rad"] = scale * 10.0 ** rng.uniform(-2.5, -1)
     if rng.random() < 0.2:
         span = {"lower_deg": home - rng.uniform(2.0, 40.0), "upper_deg": home + rng.uniform(2.0, 40.0)}
         dissipation = rng.choice((0.0, rng.uniform(0.05, 0.5)))
-        more["stops"] = span | {
+        forces["stops"] = span | {
             "stiffness_Nm_per_rad": scale * 10.0 ** rng.uniform(1, 2),
             "dissipation_s_per_rad": dissipation,
         }
     if rng.random() < 0.2:
-        more["friction"] = {"torque_Nm": scale * rng.uniform(0.05, 0.5), "slip_deg": 10.0 ** rng.uniform(-2, 0)}
-    return more
+        forces["friction"] = {"torque_Nm": scale * rng.uniform(0.05, 0.5), "slip_deg": 10.0 ** rng.uniform(-2, 0)}
+    return forces
 
 
 def _moment(body: Tree) -> float:
-    """About the moment of a link's weight about its root (N m)."""
+    """Estimate of the moment (N m) of a link's weight about its root."""
     area = 0.25 * math.pi * body["diameter_m"] ** 2 if "diameter_m" in body else body["width_m"] * body["thickness_m"]
     return 9.81 * 0.5 * float(body["density_kg_m3"] * area * body["length_m"] ** 2)
 
@@ -105,15 +105,15 @@ def _hung(rng: Random, body: Tree, seat: list[float] | None = None) -> Made:
 
 
 def pendulum(rng: Random, family: str, _: Tree) -> Made:
-    """A rigid or flexible link on a hinge, free but for springs and stops."""
+    """A rigid or flexible link on a hinge without a drive, with springs and stops."""
     body = link(rng, family, bends=0.4)
-    made = _hung(rng, body)
-    made[0]["joints"]["pivot"] |= _in_hinge(rng, _moment(body), made[1]["pivot"]["angle_deg"])
-    return made
+    mechanism = _hung(rng, body)
+    mechanism[0]["joints"]["pivot"] |= _in_hinge(rng, _moment(body), mechanism[1]["pivot"]["angle_deg"])
+    return mechanism
 
 
 def plain_pendulum(rng: Random, family: str, scene: Tree) -> Made:
-    """A hub with a welded link, by a reduced model at times."""
+    """A hub with a welded link, sometimes solved by a reduced model."""
     body = link(rng, family, bends=0.5)
     hub = {"type": "disc", "diameter_m": 0.03, "thickness_m": 0.03, "in_sand": False}
     bodies = {"hub": {"type": "rigid", "density_kg_m3": 7700.0, "shapes": [hub]}, "body": body}
@@ -130,13 +130,13 @@ def plain_pendulum(rng: Random, family: str, scene: Tree) -> Made:
 
 
 def hinged_solid(rng: Random, family: str, _: Tree) -> Made:
-    """A solid or a bent bar that hangs on a hinge beside it."""
+    """A solid or a bent bar on a hinge beside it."""
     kinds = ("disc", "polygon", "foot", "arc") if family == "plate" else ("arc", "polyline")
     return _hung(rng, rigid(rng, family, rng.choice(kinds)), [-rng.uniform(0.05, 0.15), 0.0])
 
 
 def chain(rng: Random, family: str, scene: Tree) -> Made:
-    """Links on hinges one behind the other, hung up; by the engine if nothing is in the hinges, at times."""
+    """A hanging chain of links on hinges; without forces in the hinges sometimes solved by the engine."""
     count = rng.randint(2, 5)
     plain = rng.random() < 0.5
     bodies, joints, starts = {}, {}, {}
@@ -154,7 +154,7 @@ def chain(rng: Random, family: str, scene: Tree) -> Made:
 
 
 def swimmer(rng: Random, family: str, scene: Tree) -> Made:
-    """Links on driven hinges that no joint holds."""
+    """A floating chain of links on driven hinges."""
     count, wave = rng.randint(2, 4), rng.uniform(0.5, 4.0)
     same = link(rng, family, length=rng.uniform(0.06, 0.14))
     bodies, joints, drives = {}, {}, {}
@@ -180,7 +180,7 @@ def swimmer(rng: Random, family: str, scene: Tree) -> Made:
 
 
 def driven_pendulum(rng: Random, family: str, scene: Tree) -> Made:
-    """A link or a leg that a drive turns about a fixed axle."""
+    """A link or a leg that a drive rotates about a fixed axle."""
     if family == "plate" and rng.random() < 0.4:
         body = rigid(rng, family, rng.choice(("arc", "polygon", "disc")))
         seat, scale = [rng.uniform(-0.04, 0.04), 0.0], 0.1
@@ -188,14 +188,14 @@ def driven_pendulum(rng: Random, family: str, scene: Tree) -> Made:
         body, seat = link(rng, family, bends=0.3), None
         scale = _moment(body)
     home = rng.uniform(20.0, 80.0)
-    made = _hung(rng, body, seat)
-    made[0]["joints"]["pivot"] |= {"home_deg": home}
+    mechanism = _hung(rng, body, seat)
+    mechanism[0]["joints"]["pivot"] |= {"home_deg": home}
     scene["drives"] = {"pivot": hinge_drive(rng, scene, home, scale, clock=True)}
-    return made[0], {}
+    return mechanism[0], {}
 
 
 def rail(rng: Random, family: str, scene: Tree) -> Made:
-    """A body below a slider on the ground, driven or falling."""
+    """A body on a slider to the ground, driven or falling."""
     body = rigid(rng, family) if rng.random() < 0.6 else link(rng, family, bends=0.2)
     axis = rng.choice((0.0, -90.0, 90.0, rng.uniform(-90.0, 90.0)))
     joint: Tree = {"type": "slider", "parent": "ground", "child": "body", "axis": _direction(axis)}
@@ -219,7 +219,7 @@ def rail(rng: Random, family: str, scene: Tree) -> Made:
 
 
 def leg(rng: Random, family: str, scene: Tree) -> Made:
-    """A leg of two links with a foot, under a hip on an upright rail or on a free trunk."""
+    """A leg of two links with a foot, on a hip on an upright slider or on a free trunk."""
     length = rng.uniform(0.05, 0.1)
     hip = {"type": "rigid", "mass_kg": rng.uniform(0.1, 0.5), "inertia_kg_m2": 1e-4, "shapes": []}
     bodies = {"hip": hip, "thigh": link(rng, family, length=length), "shank": link(rng, family, length=length)}
@@ -287,7 +287,7 @@ def loop(rng: Random, family: str, scene: Tree) -> Made:
 
 
 Kind = Callable[[Random, str, Tree], Made]
-# Kind -> how often, and the families of laws that it may meet.
+# Weight of each kind, and the families of laws that it can have.
 KINDS: dict[str, tuple[Kind, float, tuple[str, ...]]] = {
     "free rod": (free_rod, 3, ("bar", "plate")),
     "free flexible rod": (free_flexible_rod, 2, ("bar", "plate")),

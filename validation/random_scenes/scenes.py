@@ -1,4 +1,4 @@
-"""A seed -> a scene: mechanism, medium, bed, load and solver as a tree of plain YAML, and its files."""
+"""Random scene by its seed: mechanism, medium, bed, load and solver as a dict of plain YAML types, and its files."""
 
 from __future__ import annotations
 
@@ -33,8 +33,10 @@ TIMES, SEEDS = 8, 1_000_003
 
 @dataclass(frozen=True)
 class Drawn:
-    """A scene. kind: of mechanism; solver: its steps, and by what they are taken; tree: with `files`, of images also
-    with `aside`, what no config has.
+    """A random scene.
+
+    kind: of the mechanism; solver: kind of steps and method of solution; tree: config, with the further keys `files`
+    and, for images, `aside`, which no config has.
     """
 
     seed: int
@@ -44,20 +46,20 @@ class Drawn:
 
 
 def draw(seed: int, folder: Path) -> Drawn:
-    """The scene of a seed, with an explicit surface; `folder` is written to, to find where the mechanism touches.
+    """Draw the scene of a seed, with an explicit surface; draw again if the parts do not fit together.
 
-    Draws again what does not fit together.
+    Files are written to `folder` to find the height at which the mechanism touches the surface.
 
     Raises
     ------
     GranularContactError
-        Nothing fitted.
+        No draw fitted together.
     """
     return fitting(seed, folder, _drawn)
 
 
 def fitting(seed: int, folder: Path, make: Callable[[int, Random, Path], Drawn]) -> Drawn:
-    """What is made of a seed, drawn again until it fits together; errors as of `draw`."""
+    """Draw with `make` from a seed until the parts fit together; errors as those of `draw`."""
     for attempt in range(TIMES - 1):
         with suppress(GranularContactError):
             return make(seed, Random(seed + SEEDS * attempt), folder)
@@ -84,19 +86,19 @@ def _drawn(seed: int, rng: Random, folder: Path) -> Drawn:
 
 
 def _solver(rng: Random, tree: Tree) -> str:
-    """Its steps; fixed ones are mostly those that are usual."""
+    """Draw the kind of steps; fixed steps mostly have the usual size."""
     if is_reduced(tree):
         return "reduced"
     if rng.random() < 0.3:
         tree["solver"]["accuracy"] = rng.choice((1e-2, 1e-3, 1e-3))
         return "chosen steps"
-    # Given, or a driven mechanism's steps would be chosen.
+    # The step is given explicitly, since a driven mechanism has adaptive steps by default.
     tree["solver"]["step_s"] = 10.0 ** rng.uniform(-4.0, -3.0) if rng.random() < 0.3 else STEP
     return "fixed steps"
 
 
 def _load(rng: Random, family: str, scene: Tree) -> Tree:
-    """Mostly the default."""
+    """Draw settings of the load, mostly the default."""
     load: Tree = {}
     if rng.random() < 0.15 and not is_reduced(scene):
         load["friction"] = {"type": "smooth", "reference_speed_m_s": 10.0 ** rng.uniform(-3, -1.5)}
@@ -108,13 +110,13 @@ def _load(rng: Random, family: str, scene: Tree) -> Tree:
 
 
 def _refine_media(tree: Tree) -> None:
-    """Give the one preset that lacks a number its number."""
+    """Add the required number to the one preset that lacks it."""
     if isinstance(tree["medium"], dict) and "from" in tree["medium"]:
         tree["medium"]["stiffness_N_m"] = 60.0
 
 
 def _lay(rng: Random, tree: Tree, family: str, buried: float, folder: Path) -> None:
-    """Give the scene its bed: where it touches, or lower, with a slope, a profile, layers or a floor."""
+    """Add a bed to the scene, at the height of touch or lower, with a slope, a profile, layers or a floor."""
     plain = is_reduced(tree)
     bed: Tree = {}
     form = rng.random()
@@ -138,7 +140,7 @@ def _lay(rng: Random, tree: Tree, family: str, buried: float, folder: Path) -> N
 
 
 def touching(tree: Tree, folder: Path) -> float:
-    """Height at x = 0 of the surface that the mechanism touches at its start (m); in space of the zero of a map."""
+    """Height (m) at x = 0 of the surface that the mechanism touches at its start; with a height map: of its zero."""
     scene = build(load_scenario(write(tree | {"output": {"figures": False}}, folder)))
     bed: Any = scene.bed
     height = float(bed.origin if scene.in_space else bed.height(0.0))
@@ -146,7 +148,7 @@ def touching(tree: Tree, folder: Path) -> float:
 
 
 def write(tree: Tree, folder: Path) -> Path:
-    """Write a scene and its files into a folder; returns its config."""
+    """Write a scene and its files into a folder; return the path of the config."""
     tree = copy.deepcopy(tree)
     tree.pop("aside", None)
     for name, columns in tree.pop("files", {}).items():
@@ -163,7 +165,7 @@ def write(tree: Tree, folder: Path) -> Path:
 
 
 def solve(tree: Tree, folder: Path) -> Any:
-    """Results of a scene, through the loader of the command line; `aside` may give the sizes of its facets."""
+    """Run a scene through the loader of the command line; `aside` may contain the sizes of its facets."""
     scene: Any = build(load_scenario(write(tree, folder)))
     shares = tree.get("aside", {}).get("facets")
     if shares is None:
@@ -175,19 +177,19 @@ def solve(tree: Tree, folder: Path) -> Any:
 
 
 def solve_and_keep(tree: Tree, folder: Path) -> tuple[Any, Tree]:
-    """Results of a scene, and the scene with the strips or facets that its run has chosen."""
-    found: list[Any] = []
-    done = run(build(load_scenario(write(tree, folder))), inspect=lambda system, _: found.append(system.scene))
-    if not found:  # a reduced model
+    """Run a scene; return the results, and the scene with the strips or facets that the run chose."""
+    scenes: list[Any] = []
+    done = run(build(load_scenario(write(tree, folder))), inspect=lambda system, _: scenes.append(system.scene))
+    if not scenes:  # a reduced model
         return done, tree
-    if not found[0].in_space:
+    if not scenes[0].in_space:
         strips = {f"strips_{key}": number for key, number in done.summary.get("strips", {}).items()}
         return done, tree | {"load": tree["load"] | strips}
-    usual, chosen = _size_asked(found[0]), found[0].facet_shares
-    shares = {body.name: usual * chosen.get(body.name, 1.0) for body in found[0].rigid}
+    usual, chosen = _size_asked(scenes[0]), scenes[0].facet_shares
+    shares = {body.name: usual * chosen.get(body.name, 1.0) for body in scenes[0].rigid}
     return done, tree | {"aside": tree.get("aside", {}) | {"facets": shares}}
 
 
 def _size_asked(scene: Any) -> float:
-    """Size of the facets that the accuracy of a scene asks for, over that where none is asked for."""
+    """Facet size for the accuracy of a scene, over the facet size without an accuracy."""
     return size_for_accuracy(1.0, scene.solver.named).edge / size_for_accuracy(1.0, None).edge

@@ -1,4 +1,4 @@
-"""Drives and what they follow, at random: every drive and every signal of the schema."""
+"""Random drives and signals: every drive and every signal of the schema."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ SIGNAL_FILE = "signal.csv"
 
 
 def signal(rng: Random, scene: Tree, middle: float, scale: float, kind: str) -> Any:
-    """A signal of a kind about a middle value; one from a file, or shared, is added to the scene."""
+    """Draw a signal of a kind about a middle value; shared signals and files of signals are added to the scene."""
     low, high = middle - scale * rng.uniform(0.2, 1.0), middle + scale * rng.uniform(0.2, 1.0)
     if kind == "sine":
         amplitude, frequency = 0.5 * (high - low), rng.uniform(0.5, 8.0)
@@ -35,7 +35,7 @@ def signal(rng: Random, scene: Tree, middle: float, scale: float, kind: str) -> 
 
 
 def hinge_drive(rng: Random, scene: Tree, home: float, scale: float, clock: bool = False) -> Tree:
-    """A drive of a hinge that is at home (deg), in a mechanism whose weight has a moment of about `scale` (N m)."""
+    """Draw a drive of a hinge that starts at `home` (deg); scale: moment of the mechanism's weight, N m."""
     form = rng.choice(("torque", "motion", "motion", "angle", "angle", "rate"))
     if form == "torque":
         return {"type": "torque", "torque_Nm": _load(rng, scene, scale)}
@@ -52,7 +52,7 @@ def hinge_drive(rng: Random, scene: Tree, home: float, scale: float, clock: bool
 
 
 def slider_drive(rng: Random, scene: Tree, weight: float) -> Tree:
-    """A drive of a slider that is at zero, in a mechanism of a weight (N)."""
+    """Draw a drive of a slider that starts at zero; weight: of the mechanism, N."""
     form = rng.choice(("force", "motion", "position", "speed"))
     if form == "force":
         return {"type": "force", "force_N": _load(rng, scene, weight)}

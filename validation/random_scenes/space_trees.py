@@ -7,7 +7,10 @@ from typing import Any
 import numpy as np
 
 SHAPES = ("box", "sphere", "rod")
-FIRST, KINDS = ("free", "hinge", "ball"), ("hinge", "ball", "slider")  # joints on the ground, and others
+FIRST, KINDS = (
+    ("free", "hinge", "ball"),
+    ("hinge", "ball", "slider"),
+)  # kinds of the joint on the ground, and of other joints
 
 
 def shape(rng: np.random.Generator) -> dict[str, Any]:
@@ -19,20 +22,20 @@ def shape(rng: np.random.Generator) -> dict[str, Any]:
 
 
 def law(rng: np.random.Generator, kind: str) -> dict[str, Any]:
-    """What acts in a joint, so that none of them swings for ever."""
+    """Draw the forces in a joint; all joints have damping, so that no joint swings for ever."""
     if kind == "slider":
         spring = {"stiffness_N_per_m": rng.uniform(50.0, 300.0), "rest_m": 0.0}
         return {"spring": spring, "damping_N_s_per_m": rng.uniform(0.05, 0.5)}
-    found: dict[str, Any] = {"damping_Nm_s_per_rad": rng.uniform(1e-4, 2e-3)}
+    forces: dict[str, Any] = {"damping_Nm_s_per_rad": rng.uniform(1e-4, 2e-3)}
     choice = rng.integers(4)
     if choice == 0:
-        found["spring"] = {"stiffness_Nm_per_rad": rng.uniform(0.05, 0.5)}
+        forces["spring"] = {"stiffness_Nm_per_rad": rng.uniform(0.05, 0.5)}
     elif choice == 1:
-        found["stops"] = {"upper_deg": 40, "stiffness_Nm_per_rad": 10, "dissipation_s_per_rad": 0.1}
-        found["stops"] |= {"lower_deg": -30} if kind == "hinge" else {}
+        forces["stops"] = {"upper_deg": 40, "stiffness_Nm_per_rad": 10, "dissipation_s_per_rad": 0.1}
+        forces["stops"] |= {"lower_deg": -30} if kind == "hinge" else {}
     elif choice == 2 and kind == "hinge":
-        found["friction"] = {"torque_Nm": rng.uniform(1e-3, 2e-2)}
-    return found
+        forces["friction"] = {"torque_Nm": rng.uniform(1e-3, 2e-2)}
+    return forces
 
 
 def start(rng: np.random.Generator, kind: str) -> dict[str, Any]:
@@ -40,17 +43,17 @@ def start(rng: np.random.Generator, kind: str) -> dict[str, Any]:
         return {"angle_deg": rng.uniform(-25, 25), "rate_rad_s": rng.uniform(-5, 5)}
     if kind == "slider":
         return {"position_m": 0.0, "speed_m_s": rng.uniform(-0.2, 0.2)}
-    found: dict[str, Any] = {"spin_rad_s": rng.uniform(-6, 6, 3).tolist()}
+    state: dict[str, Any] = {"spin_rad_s": rng.uniform(-6, 6, 3).tolist()}
     if kind == "free":
         place = dict(
             zip(("z_m", "vx_m_s", "vy_m_s", "vz_m_s"), rng.uniform([0.1, -1, -1, -2], [0.16, 1, 1, 0]), strict=True)
         )
-        found |= {"rpy_deg": rng.uniform(-180, 180, 3).tolist()} | {key: float(one) for key, one in place.items()}
-    return found
+        state |= {"rpy_deg": rng.uniform(-180, 180, 3).tolist()} | {key: float(value) for key, value in place.items()}
+    return state
 
 
 def random_tree(seed: int) -> dict[str, Any]:
-    """A config of up to five bodies on joints of all kinds; of some hinges the motion is prescribed."""
+    """Config of a random tree of up to five bodies on joints of all kinds; some hinges have a prescribed motion."""
     rng = np.random.default_rng(seed)
     bodies, joints, starts, drives = {}, {}, {}, {}
     for i in range(rng.integers(1, 6)):

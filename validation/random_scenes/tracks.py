@@ -1,4 +1,4 @@
-"""How far two runs of a scene are apart: of what moves, and of the numbers of their summaries."""
+"""Differences between two runs of a scene: of the motion of all bodies, and of the numbers of the summaries."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ Vector = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Track:
-    """Motion since the start of all that moves.
+    """Motion of all bodies since the start.
 
-    time (n,) s; place (n, k) m: displacements in x and y of every body, and its turn times how far it reaches, in space
-    of its centre and of the ends of its axes, that long, from there; rate (n, k) m/s; signs (k,): of the mirror image;
-    way: of whatever moves most (m).
+    time (n,) s; place (n, k) m: in the plane the displacements in x and y of every body and its rotation times its
+    radius, in space the displacements of its centre, and of the ends of its axes relative to the centre, with axes as
+    long as the radius; rate (n, k) m/s; signs (k,): factors of the mirror image; way: longest path length, m.
     """
 
     time: Vector
@@ -33,7 +33,7 @@ class Track:
 
 
 def track(results: Any, tree: Tree, least_path: float) -> Track:
-    """Track of a run; least_path (m) counts as a way at the least."""
+    """Track of a run; least_path: lower limit of the path length, m."""
     if tree["model"].get("in_space"):
         return _in_space(results, tree, least_path)
     columns = [*_bodies(results, tree)] or [*_pivot(results, tree)]
@@ -45,7 +45,7 @@ def track(results: Any, tree: Tree, least_path: float) -> Track:
 
 
 def _in_space(results: Any, tree: Tree, least_path: float) -> Track:
-    """Of a run in space, turned back about the vertical by what `images_in_space.turned` noted."""
+    """Track of a run in space, rotated back about the vertical by the angle that `images_in_space.turned` recorded."""
     back = rotations.of_rpy([0.0, 0.0, -math.radians(tree.get("aside", {}).get("turned_deg", 0.0))])
     points, rates, way = [], [], least_path
     for name, body in sorted(tree["model"]["bodies"].items()):
@@ -57,11 +57,11 @@ def _in_space(results: Any, tree: Tree, least_path: float) -> Track:
                 ("spin_x_rad_s", "spin_y_rad_s", "spin_z_rad_s"),
             )
         )
-        rpy = np.radians(np.column_stack([results[f"{name}_{one}_deg"] for one in ("roll", "pitch", "yaw")]))
-        axes = reach(body) * np.array([back @ rotations.of_rpy(one) for one in rpy])
+        rpy = np.radians(np.column_stack([results[f"{name}_{angle}_deg"] for angle in ("roll", "pitch", "yaw")]))
+        axes = reach(body) * np.array([back @ rotations.of_rpy(angles) for angles in rpy])
         arms = [axes[:, :, i] for i in range(3)]
         ends = [place, *(place + arm for arm in arms)]
-        way = max(way, *(float(np.linalg.norm(np.diff(one, axis=0), axis=1).sum()) for one in ends))
+        way = max(way, *(float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum()) for path in ends))
         points += [place, *arms]
         rates += [velocity, *(np.cross(spin, arm) for arm in arms)]
     place = np.column_stack(points)
@@ -73,7 +73,7 @@ def _in_space(results: Any, tree: Tree, least_path: float) -> Track:
 def _bodies(results: Any, tree: Tree) -> Iterator[tuple[Vector, Vector, float]]:
     names = {column.name for column in results.columns}
     for name, body in sorted(tree["model"]["bodies"].items()):
-        turn = next((one for one in (f"{name}_orientation_deg", f"{name}_angle_deg") if one in names), None)
+        turn = next((column for column in (f"{name}_orientation_deg", f"{name}_angle_deg") if column in names), None)
         if f"{name}_x_m" not in names or turn is None:
             continue
         lever = reach(body)
@@ -88,7 +88,7 @@ def _pivot(results: Any, tree: Tree) -> Iterator[tuple[Vector, Vector, float]]:
 
 
 def reach(body: Tree) -> float:
-    """How far a body goes from its origin (m), about."""
+    """Estimate of the radius (m) of a body about its origin."""
     if body["type"] == "link":
         return float(body["length_m"])
     most = 0.01
@@ -100,17 +100,17 @@ def reach(body: Tree) -> float:
     return most
 
 
-def apart(one: Track, other: Track, mirror: bool = False) -> float:
-    """Greatest distance of two runs at the instants of the first, over the way of the second."""
-    end = min(one.time[-1], other.time[-1])
-    known = one.time <= end * (1.0 + 1e-12)
-    at = _between(other, one.time[known])
-    place = one.place[known] * (one.signs if mirror else 1.0)
+def apart(first: Track, other: Track, mirror: bool = False) -> float:
+    """Greatest difference of two tracks at the instants of the first, over the path length of the second."""
+    end = min(first.time[-1], other.time[-1])
+    common = first.time <= end * (1.0 + 1e-12)
+    at = _between(other, first.time[common])
+    place = first.place[common] * (first.signs if mirror else 1.0)
     return float(np.abs(place - at).max()) / other.way
 
 
 def _between(track: Track, at: Vector) -> Vector:
-    """Places at other instants, by cubics that have the rates."""
+    """Positions at other instants by cubic Hermite interpolation."""
     time = track.time
     if len(time) == len(at) and np.array_equal(time, at):
         return track.place
@@ -126,7 +126,7 @@ LEFT_OUT = ("cost", "versions", "warnings", "name", "message", "status", "static
 
 
 def numbers(summary: Tree, prefix: str = "") -> Iterator[tuple[str, float]]:
-    """Numbers of a summary by their dotted keys, without those about the run itself."""
+    """Generate the numbers of a summary with their dotted keys, without those about the run itself."""
     for key, value in summary.items():
         if key in LEFT_OUT or key.startswith("imbalance"):
             continue
@@ -136,19 +136,20 @@ def numbers(summary: Tree, prefix: str = "") -> Iterator[tuple[str, float]]:
             yield f"{prefix}{key}", float(value)
 
 
-def summaries_apart(one: Any, other: Any, own: Track, size: float, weight: float) -> tuple[float, str]:
-    """Greatest difference of two summaries, over what such a number can be at most in the run; with its key.
+def summaries_apart(first: Any, other: Any, own: Track, size: float, weight: float) -> tuple[float, str]:
+    """Greatest difference of two summaries, each number relative to its scale in the run; and the key of that number.
 
-    own: the track of the first; size (m) of what turns; weight (N): gravity and motion exchange at least its work over
-    the way. A cost of transport is as uncertain as the work and the distance that it is the ratio of. Pull and slip of
-    a wheel may be about nothing: beside the weight, and 1. An instant is told by what happens: where it is another one,
-    it is off by no more than what moves between the two. That of a maximum is left out: two peaks may be equally high;
-    so are facets, which each run chooses by itself.
+    own: track of the first run; size: length of the rotating parts, m; weight: N. The scale of energies is at least the
+    work of the weight over the path length. The scale of a cost of transport follows from those of the work and the
+    distance of which it is the ratio. Pull and slip of a wheel can be near zero: their scales are the weight, and 1.
+    Instants are compared by the motion between them: the difference is at most the relative distance that a body moves
+    from one instant to the other. Instants of maxima are skipped, as two peaks can be equally high; so are facets,
+    which each run chooses by itself.
     """
-    mine, theirs = dict(numbers(one.summary)), dict(numbers(other.summary))
-    end = max(float(one["time_s"][-1]), float(other["time_s"][-1]))
-    energy = max([weight * own.way, *(abs(value) for key, value in mine.items() if key.endswith("_J"))])
-    distance = max(1e-9 * own.way, abs(mine.get("forward_speed_m_s", 0.0)) * end)
+    of_first, of_second = dict(numbers(first.summary)), dict(numbers(other.summary))
+    end = max(float(first["time_s"][-1]), float(other["time_s"][-1]))
+    energy = max([weight * own.way, *(abs(value) for key, value in of_first.items() if key.endswith("_J"))])
+    distance = max(1e-9 * own.way, abs(of_first.get("forward_speed_m_s", 0.0)) * end)
     scales = {
         "cost_of_transport": energy / (weight * distance) * max(1.0, own.way / distance),
         "_J": energy,
@@ -160,23 +161,23 @@ def summaries_apart(one: Any, other: Any, own: Track, size: float, weight: float
         "_s": end,
     }
     worst = 0.0, ""
-    for key in mine.keys() & theirs.keys():
+    for key in of_first.keys() & of_second.keys():
         if key.startswith("facets.") or (key.startswith("max_") and key.endswith("time_s")):
             continue
         scale = next((value for tail, value in scales.items() if key.endswith(tail)), 0.0)
-        itself = not scale or "largest_" in key  # a peak may be many times what energy over time makes in the mean
-        if key.startswith("wheel.") and not scale:  # forces beside the weight, slip and ratios beside 1
+        itself = not scale or "largest_" in key  # a peak can be many times the mean, which is energy over time
+        if key.startswith("wheel.") and not scale:  # scale of forces: the weight; of slip and ratios: 1
             scale = weight if key.endswith("_N") else 1.0
-        scale = max(scale, abs(theirs[key]) if itself else 0.0, 1e-300)
-        off = abs(mine[key] - theirs[key]) / scale
+        scale = max(scale, abs(of_second[key]) if itself else 0.0, 1e-300)
+        off = abs(of_first[key] - of_second[key]) / scale
         if key.endswith("time_s"):
-            off = min(off, moved(own, mine[key], theirs[key]))
+            off = min(off, moved(own, of_first[key], of_second[key]))
         worst = max(worst, (off, key))
     return worst
 
 
 def moved(track: Track, begin: float, end: float) -> float:
-    """Greatest distance of anything between two instants (s), over the way."""
+    """Greatest displacement of a body between two instants (s), over the path length."""
     instants = np.clip([begin, end], track.time[0], track.time[-1])
     first, last = _between(track, instants)
     return float(np.abs(last - first).max()) / track.way

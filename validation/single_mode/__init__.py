@@ -1,1 +1,1 @@
-"""The parts of the study `single_mode_vs_fe.py`."""
+"""Parts of the study `single_mode_vs_fe.py`."""

@@ -1,4 +1,4 @@
-"""Impacts of the paper's link and of its kin, run by every model."""
+"""Impacts of the paper's link and of links with other properties, run by every model."""
 
 from __future__ import annotations
 
@@ -26,15 +26,15 @@ from granular_contact.studies import sweep
 CONFIG = Path(__file__).parents[2] / "configs" / "pendulum.yaml"
 ELEMENTS = "model.bodies.link.flexible.elements"
 EI, DENSITY, LENGTH, DIAMETER = 15.1642, 7700.0, 0.23876, 0.00635  # N m2, kg/m3, m, m
-HUB = 0.009525 + 0.01524  # m, from the pivot to the link's root
+HUB = 0.009525 + 0.01524  # m, distance of the link's root from the pivot
 
-# Modes of each reduced model, elements and steps per rigid stopping time of each beam; the last is the reference.
+# Modes of each reduced model; elements, and steps in a rigid stopping time, of each beam. The last is the reference.
 MODES = {"rigid": 0, "one": 1, "two": 2, "five": 5}
 BEAMS = {"coarse": (16, 400), "fine": (32, 800)}
 QUICK_BEAMS = {"coarse": (4, 200), "fine": (8, 400)}
-SPANS = (3.0, 12.0)  # times the rigid stopping time: where a run ends, and where it ends if it had not stopped by then
-# Times the steps that a run should take; modes that diverge in a fast spin, as nothing stiffens them, take ever smaller
-# ones.
+SPANS = (3.0, 12.0)  # end of a run over the rigid stopping time; the second if it does not stop before the first
+# Limit on the steps of a run over their expected number. Modes without centrifugal stiffening diverge in a fast spin,
+# and then the steps become ever smaller.
 MOST_STEPS = 20
 MEASURES = ("stopping time", "travel", "deflection")
 BOTH = MEASURES[:2]
@@ -42,7 +42,7 @@ BOTH = MEASURES[:2]
 
 @dataclass(frozen=True)
 class Case:
-    """One impact: ratios to the paper's EI, density and length; speed rad/s, angle deg."""
+    """One impact: ratios to the paper's EI, density and length; impact speed, rad/s; impact angle, deg."""
 
     family: str
     stiffness: float = 1.0
@@ -53,7 +53,7 @@ class Case:
 
     @property
     def values(self) -> dict[str, Any]:
-        """The config's values."""
+        """Overrides of the config."""
         link = "model.bodies.link"
         return {
             f"{link}.flexible.bending_stiffness_N_m2": self.stiffness * EI,
@@ -65,7 +65,7 @@ class Case:
 
 
 def design(quick: bool) -> list[Case]:
-    """The cases: EI and speed at 31 degrees, then lines in density, length and angle at two stiffnesses."""
+    """All cases: a grid of EI and speed at 31 degrees, and lines in density, length and angle at two stiffnesses."""
     if quick:
         grid = [Case("EI, speed", k) for k in (1e-2, 1.0, 1e2)]
         lines = [Case("density", 1e-2, density=5.0), Case("angle", 1e-2, angle=61.5)]
@@ -83,7 +83,7 @@ def design(quick: bool) -> list[Case]:
 
 
 def simulate(scenario: Scenario) -> Results:
-    """One run, with what else the study reads of it in the summary: values up to the stop."""
+    """Run a scenario; its summary also has the values up to the stop that the study needs."""
     solver, reduced = scenario.solver, scenario.method.reduced is not None
     each = 4096 if reduced else 64  # steps between two calls of the progress
     left = MOST_STEPS * solver.end_time_s / solver.step_s / each + 4
@@ -105,7 +105,7 @@ def simulate(scenario: Scenario) -> Results:
 
 
 def rows(cases: dict[str, dict[str, Any]]) -> dict[str, dict[str, Any]]:
-    """Summaries of named cases on all cores."""
+    """Run named cases on all cores; summaries by name."""
     if not cases:
         return {}
     with tempfile.TemporaryDirectory() as folder:
@@ -116,15 +116,15 @@ def rows(cases: dict[str, dict[str, Any]]) -> dict[str, dict[str, Any]]:
 
 
 def method(modes: int) -> dict[str, Any]:
-    """A reduced model; its strips follow from the elements."""
+    """Overrides for a reduced model with a number of modes; its strips follow from the elements."""
     return {"method": {"reduced": {"modes": modes, "static": "elastoplastic"}}, ELEMENTS: 32}
 
 
 @dataclass(frozen=True)
 class Point:
-    """What came of a case: summaries by model, and those of the rigid link in the same impact.
+    """Results of a case: summaries by model, also of the rigid link in the same impact.
 
-    None for a number that a model does not have, as it did not stop or failed.
+    A number is None if a model does not have it, because it did not stop or failed.
     """
 
     case: Case
@@ -137,11 +137,11 @@ class Point:
             return None
         if measure == "travel":
             return float(summary["angle_at_stop_deg"] - self.case.angle)
-        found = summary.get({"stopping time": "stopping_time_s", "deflection": "peak_m"}[measure])
-        return None if found is None else float(found)
+        number = summary.get({"stopping time": "stopping_time_s", "deflection": "peak_m"}[measure])
+        return None if number is None else float(number)
 
     def error(self, model: str, measure: str) -> float:
-        """Relative difference from the fine beam; inf where only the model does not stop, nan without a value."""
+        """Relative difference from the fine beam; inf if only the model does not stop, nan without a value."""
         mine, exact = self.value(model, measure), self.value("fine", measure)
         if not exact or (measure == "deflection" and model == "rigid"):
             return math.nan
@@ -149,15 +149,15 @@ class Point:
 
     def doubt(self, measure: str) -> float:
         """Relative difference of the two beams."""
-        found = self.error("coarse", measure)
-        return math.inf if math.isnan(found) else found
+        error = self.error("coarse", measure)
+        return math.inf if math.isnan(error) else error
 
     def known(self, model: str, measure: str) -> bool:
-        """Whether an error stands clear of the beams' own: those agree to 0.2 %, or to a fifth of the error."""
+        """Whether an error is significant: the two beams agree to 0.2 %, or to a fifth of the error."""
         error = self.error(model, measure)
         return not math.isnan(error) and self.doubt(measure) <= max(2e-3, 0.2 * min(error, 1.0))
 
-    # ---- numbers known from the rigid run and the link ----
+    # ---- numbers that follow from the rigid run and the link ----
 
     @cached_property
     def rigid(self) -> dict[str, float]:
@@ -169,7 +169,7 @@ class Point:
 
     @property
     def reach(self) -> float:
-        """From the pivot to the tip (m)."""
+        """Distance from the pivot to the tip (m)."""
         return HUB + self.case.length * LENGTH
 
     @cached_property
@@ -184,7 +184,7 @@ class Point:
 
 
 def points(cases: Sequence[Case], beams: dict[str, tuple[int, int]] = BEAMS) -> list[Point]:
-    """Every case by every model."""
+    """Run every case by every model."""
     impacts = {key: case for case in cases for key in [_impact(case)]}
     first = rows(
         {
@@ -193,17 +193,17 @@ def points(cases: Sequence[Case], beams: dict[str, tuple[int, int]] = BEAMS) -> 
         }
     )
     scale = {name: summary["stopping_time_s"] for name, summary in first.items()}
-    found: list[dict[str, dict[str, Any]]] = [{} for _ in cases]
+    summaries: list[dict[str, dict[str, Any]]] = [{} for _ in cases]
     for span in SPANS:
         asked = {}
         for i, case in enumerate(cases):
-            for name, what in models(scale[_impact(case)], span, beams).items():
-                if found[i].get(name, {}).get("stopping_time_s") is None and not _given_up(found[i].get(name)):
-                    asked[f"c{i}_{name}"] = {**case.values, **what}
+            for name, overrides in models(scale[_impact(case)], span, beams).items():
+                if summaries[i].get(name, {}).get("stopping_time_s") is None and not _given_up(summaries[i].get(name)):
+                    asked[f"c{i}_{name}"] = {**case.values, **overrides}
         for name, summary in rows(asked).items():
             index, kind = name[1:].split("_")
-            found[int(index)][kind] = summary
-    return [Point(case, runs) for case, runs in zip(cases, found, strict=True)]
+            summaries[int(index)][kind] = summary
+    return [Point(case, runs) for case, runs in zip(cases, summaries, strict=True)]
 
 
 def _given_up(summary: dict[str, Any] | None) -> bool:
@@ -216,7 +216,7 @@ def _impact(case: Case) -> str:
 
 
 def models(stop: float, span: float, beams: dict[str, tuple[int, int]]) -> dict[str, dict[str, Any]]:
-    """What selects each model, by its name; stop: stopping time of the rigid link (s)."""
+    """Overrides that select each model, by its name; stop: stopping time of the rigid link, s; span: end over stop."""
     finest = max(steps for _, steps in beams.values())
     end = {"solver.end_time_s": span * stop}
     reduced = {name: {**method(n), **end, "solver.step_s": stop / finest} for name, n in MODES.items()}
@@ -228,7 +228,7 @@ def models(stop: float, span: float, beams: dict[str, tuple[int, int]]) -> dict[
 
 
 def frequencies(case: Case, modes: int) -> NDArray[np.float64]:
-    """Angular frequencies (rad/s) of the link on its hinge, in vacuum, with so many modes."""
+    """Angular frequencies (rad/s) of the link on its hinge, in vacuum, with a number of modes."""
     overrides = [f"{key}={value!r}" for key, value in case.values.items()]
     built = scene.build(load(CONFIG, [*overrides, f"method={{reduced: {{modes: {modes}}}}}"]).scenario)
     assert built.method is not None
@@ -237,14 +237,14 @@ def frequencies(case: Case, modes: int) -> NDArray[np.float64]:
     mass[0, 0] = record["J"]
     mass[0, 1:] = mass[1:, 0] = record["c"][:modes]
     stiffness = np.diag([0.0, *record["k"][:modes]])
-    found: NDArray[np.float64] = np.sqrt(eigh(stiffness, mass, eigvals_only=True)[1:])
-    return found
+    omega: NDArray[np.float64] = np.sqrt(eigh(stiffness, mass, eigvals_only=True)[1:])
+    return omega
 
 
 def shortfall(case: Case, modes: int) -> float:
-    """Tip deflection of the link while a steady force at its tip turns it on its hinge, over that with 20 modes.
+    """Tip deflection under a steady force at the tip of the link on its free hinge, over the deflection with 20 modes.
 
-    Inertia takes the force up along the link, so that little moment is left at the root of a light hub.
+    The inertia along the link balances the force, so that the moment at the root of a light hub is small.
     """
     built = scene.build(
         load(CONFIG, [*(f"{k}={v!r}" for k, v in case.values.items()), "method={reduced: {modes: 20}}"]).scenario

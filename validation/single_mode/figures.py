@@ -23,7 +23,7 @@ from validation.single_mode.numbers import NUMBERS, SATURATED, fit
 
 
 def draw_map(points: Sequence[Point], file: Path) -> None:
-    """Error tiles over EI ratio and speed, by model and measure."""
+    """Draw maps of the error over EI ratio and speed, by model and measure."""
     grid = [p for p in points if p.case.family == "EI, speed"]
     stiffness = sorted({p.case.stiffness for p in grid})
     speeds = sorted({p.case.speed for p in grid})
@@ -65,7 +65,7 @@ NAMES = {"rigid": "rigid", "one": "one mode", "two": "two modes"}
 
 
 def _mark(axis: Axes, x: int, y: int, error: float, known: bool) -> None:
-    """The error in figures, and hatching where the beams leave it in doubt."""
+    """Write the error into a tile, with hatching if the difference of the beams makes it uncertain."""
     if not known:
         axis.add_patch(Rectangle((x - 0.5, y - 0.5), 1, 1, fill=False, hatch="/////", linewidth=0, edgecolor=FAINT))
     text = (
@@ -81,7 +81,7 @@ def _mark(axis: Axes, x: int, y: int, error: float, known: bool) -> None:
 
 
 def _borders(axis: Axes, tiles: NDArray[np.float64]) -> None:
-    """Lines between tiles within a limit and tiles beyond it."""
+    """Draw lines between tiles within a limit and tiles beyond it."""
     for limit, colour in ((0.01, VERMILION), (0.05, SKY)):
         out = ~(tiles <= limit)
         for i, j in np.argwhere(out[:, 1:] != out[:, :-1]):
@@ -94,7 +94,7 @@ MARKERS = {"EI, speed": "o", "density": "s", "length": "^", "angle": "D"}
 
 
 def draw_collapse(points: Sequence[Point], number: str, file: Path) -> None:
-    """Errors against one number, a marker for each family."""
+    """Draw errors over one dimensionless number, with a marker for each family of cases."""
     with style():
         figure = blank(DOUBLE, 75.0, layout="constrained")
         panels = figure.subplots(1, 3, sharex=True, sharey=True)
@@ -145,15 +145,15 @@ CURVES = {"rigid": (FAINT, "-."), "one": (BLUE, "--"), "two": (VERMILION, ":"), 
 
 
 def draw_examples(points: Sequence[Point], file: Path) -> None:
-    """Mean rate of three cases by every model, over the rigid stopping time."""
+    """Draw the mean rate of three cases by every model, over time relative to the rigid stopping time."""
     with style():
         figure = blank(DOUBLE, 60.0, layout="constrained")
         panels = figure.subplots(1, 3, sharex=True, sharey=True)
         for axis, case in zip(panels, EXAMPLES, strict=True):
             stop = next(p for p in points if p.case == case).rigid["T"]
-            what = models(stop, 1.4, {"fine": (16, 400)})
+            by_model = models(stop, 1.4, {"fine": (16, 400)})
             for name, (colour, line) in CURVES.items():
-                values = {**case.values, **what[name]}
+                values = {**case.values, **by_model[name]}
                 overrides = [f"{key}={json.dumps(value)}" for key, value in values.items()]
                 scenario = load(CONFIG, [*overrides, "solver.rest_time_s=null"]).scenario
                 results = run(scene.build(scenario), scenario)

@@ -10,7 +10,7 @@ import numpy as np
 
 from validation.single_mode.cases import EI, LENGTH, Point
 
-# Each is known from the rigid run and the link, but for the one that needs the beam; all grow as the link softens.
+# All numbers but that with the beam follow from the rigid run and the link; all grow as the link becomes softer.
 NUMBERS: dict[str, Callable[[Point], float]] = {
     "F L^2 / EI": lambda p: p.rigid["F"] * (p.case.length * LENGTH) ** 2 / (p.case.stiffness * EI),
     "1 / (w1 T)": lambda p: 1.0 / (p.first * p.rigid["T"]),
@@ -20,13 +20,15 @@ NUMBERS: dict[str, Callable[[Point], float]] = {
     "speed / w1": lambda p: p.case.speed / p.first,
 }
 CHOSEN = "1 / (w1 T)"
-FASTEST = 11.0  # rad/s; the paper went to 9.17, and at 20 the stopping time of its link is off by more
-SATURATED = 0.3  # beyond this error the two motions have little in common, and no power law can hold
+FASTEST = (
+    11.0  # rad/s; the paper's greatest speed is 9.17, and at 20 rad/s the stopping time of its link has a larger error
+)
+SATURATED = 0.3  # above this error the motions have little in common, so that no power law can hold
 
 
 @dataclass(frozen=True)
 class Fit:
-    """error = c N^p by least squares in the logarithms, with R^2 and the number of cases."""
+    """Power law error = c N^p by least squares in the logarithms, with R^2 and the number of cases."""
 
     c: float
     p: float
@@ -34,12 +36,12 @@ class Fit:
     count: int
 
     def threshold(self, error: float) -> float:
-        """N at which the error is this."""
+        """N for an error."""
         return float((error / self.c) ** (1.0 / self.p))
 
 
 def fit(points: Sequence[Point], number: str, model: str, measure: str) -> Fit:
-    """Fit over the cases whose error stands clear of the beams' own and is not saturated."""
+    """Fit over the cases whose error is at least three times the difference of the beams and is not saturated."""
     used = [p for p in points if p.known(model, measure) and 3.0 * p.doubt(measure) < p.error(model, measure)]
     used = [p for p in used if p.error(model, measure) < SATURATED]
     x = np.log([NUMBERS[number](p) for p in used])
@@ -50,12 +52,12 @@ def fit(points: Sequence[Point], number: str, model: str, measure: str) -> Fit:
 
 
 def judged(points: Iterable[Point], model: str, measure: str) -> list[Point]:
-    """Cases that can be told to be within 1 % or not; a model that never stops, where the beam does, is not."""
+    """Cases with a significant error, so that they can be judged; a model that never stops has an infinite error."""
     return [p for p in points if p.known(model, measure)]
 
 
 def misjudged(points: Sequence[Point], number: str, model: str, measure: str, limit: float) -> tuple[int, int, int]:
-    """Cases out of the limit though N says within, cases within though N says out, and how many were judged."""
+    """Numbers of cases beyond the limit that N puts within, of cases within that N puts beyond, and of judged cases."""
     threshold = fit(points, number, model, measure).threshold(limit)
     known = judged(points, model, measure)
     small = [NUMBERS[number](p) < threshold for p in known]

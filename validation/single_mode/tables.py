@@ -1,4 +1,4 @@
-"""Tables of the study."""
+"""Tables of the study `single_mode_vs_fe.py`."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from validation.tables import markdown
 
 
 def percent(points: Point, model: str, measure: str) -> str:
-    """An error in per cent; bracketed where the beams leave it in doubt, a dash where there is none."""
+    """Error in per cent, in brackets if the difference of the beams makes it uncertain; a dash if there is none."""
     error = points.error(model, measure)
     if math.isnan(error):
         return "-"
@@ -34,7 +34,7 @@ def percent(points: Point, model: str, measure: str) -> str:
 
 
 def case_table(points: Sequence[Point]) -> str:
-    """All cases with all errors."""
+    """Table of all cases with all errors."""
     head = ["family", "EI ratio", "rad/s", "deg", "density", "length", "w1 T", "deflection/L"]
     head += [f"{measure[:6]} {model}" for measure in MEASURES for model in ("rigid", "one", "two", "five")]
     rows = []
@@ -47,7 +47,7 @@ def case_table(points: Sequence[Point]) -> str:
 
 
 def count_table(points: Sequence[Point]) -> str:
-    """How many cases each model has within 1 % and 5 %."""
+    """Table of the numbers of cases within 1 % and 5 %, by model."""
     head = ["model", *(f"{measure} within {limit} %" for measure in MEASURES for limit in (1, 5))]
     rows = []
     for model in ("rigid", "one", "two", "five"):
@@ -62,7 +62,7 @@ def count_table(points: Sequence[Point]) -> str:
 
 
 def cause(point: Point, measure: str = "travel") -> str:
-    """What one mode lacks where it is more than 1 % off: more modes, or what no number of modes of this kind gives."""
+    """Cause of an error of one mode above 1 %: too few modes, or geometry, which no number of such modes represents."""
     if not point.known("one", measure):
         return "in doubt"
     one, two, five = (point.error(model, measure) for model in ("one", "two", "five"))
@@ -79,20 +79,20 @@ CAUSES = ("within 1 %", "second mode", "higher modes", "modes and geometry", "ge
 
 
 def cause_table(points: Sequence[Point]) -> str:
-    """Causes against the deflection of the beam."""
+    """Table of the causes by deflection of the beam."""
     edges = [0.0, 1e-3, 1e-2, 3e-2, 1e-1, 3e-1, math.inf]
     name = "peak deflection of the beam / L"
     rows = []
     for low, high in pairwise(edges):
         inside = [p for p in points if low <= NUMBERS[name](p) < high]
-        found = [[cause(p, q) for p in inside] for q in ("travel", "stopping time")]
-        cells = [" / ".join(str(one.count(c)) for one in found) for c in CAUSES]
+        by_measure = [[cause(p, q) for p in inside] for q in ("travel", "stopping time")]
+        cells = [" / ".join(str(causes.count(c)) for causes in by_measure) for c in CAUSES]
         rows.append([f"{low:g} to {high:g}", len(inside), *cells])
     return markdown(["deflection/L", "cases", *CAUSES], rows)
 
 
 def shape_table() -> str:
-    """Frequencies on the hinge and the steady deflection by number of modes, for the paper's link."""
+    """Table of frequencies on the hinge and steady deflection by number of modes, for the paper's link."""
     exact = frequencies(Case("EI"), 20) / (2.0 * math.pi)
     rows = []
     for modes in (1, 2, 3, 5):
@@ -111,19 +111,19 @@ def shape_table() -> str:
 
 
 def axial_table() -> str:
-    """What the beam gives with the paper's axial stiffness, where the modulus makes it as soft as the bending."""
+    """Table of the beam with the paper's axial stiffness, compared with one that scales with the bending stiffness."""
     cases = [Case("EI, speed", 10.0**k) for k in (-4, -3, -2)]
     stiff = EI * 16.0 / DIAMETER**2
     asked = {}
     for i, case in enumerate(cases):
-        what = models(0.0255, SPANS[1], {"fine": BEAMS["coarse"]})["fine"]
-        asked[f"c{i}_soft"] = {**case.values, **what}
+        overrides = models(0.0255, SPANS[1], {"fine": BEAMS["coarse"]})["fine"]
+        asked[f"c{i}_soft"] = {**case.values, **overrides}
         asked[f"c{i}_stiff"] = {**asked[f"c{i}_soft"], "model.bodies.link.flexible.axial_stiffness_N": stiff}
-    found = rows(asked)
+    summaries = rows(asked)
     cells = []
     for i, case in enumerate(cases):
-        soft, other = (Point(case, {"fine": found[f"c{i}_{name}"]}) for name in ("soft", "stiff"))
-        both = [(soft.value("fine", q), other.value("fine", q)) for q in MEASURES]
+        scaled, fixed = (Point(case, {"fine": summaries[f"c{i}_{name}"]}) for name in ("soft", "stiff"))
+        both = [(scaled.value("fine", q), fixed.value("fine", q)) for q in MEASURES]
         cells.append(
             [f"{case.stiffness:g}", *("-" if a is None or b is None else f"{100 * (b / a - 1):+.2f}" for a, b in both)]
         )
@@ -131,17 +131,17 @@ def axial_table() -> str:
 
 
 def worse(points: Sequence[Point]) -> str:
-    """How often one mode is farther off than none."""
+    """Sentence on the number of cases in which one mode has a larger error than the rigid link."""
     counts = []
     for measure in BOTH:
         known = [p for p in points if p.known("one", measure) and p.error("one", measure) > 1e-4]
-        more = sum(p.error("one", measure) > p.error("rigid", measure) for p in known)
-        counts.append(f"{measure}: {more} of {len(known)}")
+        count = sum(p.error("one", measure) > p.error("rigid", measure) for p in known)
+        counts.append(f"{measure}: {count} of {len(known)}")
     return f"One mode is farther off than rigid (errors above 0.01 % only): {', '.join(counts)}."
 
 
 def collapse_table(points: Sequence[Point]) -> str:
-    """R^2 of every number, for every error."""
+    """Table of R^2 by number and error."""
     pairs = [(model, measure) for model in ("rigid", "one", "two") for measure in BOTH]
     pairs += [("one", "deflection"), ("two", "deflection")]
     rows = [[number, *(f"{fit(points, number, *pair).r2:.2f}" for pair in pairs)] for number in NUMBERS]
@@ -150,7 +150,7 @@ def collapse_table(points: Sequence[Point]) -> str:
 
 
 def limit_table(points: Sequence[Point]) -> str:
-    """The law in the chosen number, its limits, and the cases that they misjudge."""
+    """Table of the power law in the chosen number, its thresholds, and the cases that they misjudge."""
     head = ["model", "error in", "c", "p", "N at 1 %", "out though below it", "within though above"]
     head += ["least N out of 1 %", "N at 5 %", "out though below it", "within though above", "cases judged"]
     rows = []
