@@ -1,10 +1,11 @@
-"""The benchmark case that the peers solve: a compound pendulum strikes play sand at 31 degrees and 6.24 rad/s.
+"""Benchmark case for other tools (peers): a compound pendulum strikes play sand at 31 degrees and 6.24 rad/s.
 
-Angles q are measured downwards from the horizontal, so a link of angle q points along (cos q, -sin q) and plunging is a
-growing q. The pivot is the origin, the tip touches the surface at t = 0, y is up. SI units.
+Angles q are measured downwards from the horizontal: a link of angle q points along (cos q, -sin q), and q grows as the
+link plunges. The pivot is the origin, the tip touches the surface at t = 0, y is up. SI units.
 
-The law is the engine's own (`granular_contact.laws.lee_marghitu`), called strip by strip: every tool meets the same
-force, integrated exactly up to the surface. Peers differ in how they model the link and in how they step.
+The law is that of this package (`granular_contact.laws.lee_marghitu`), called strip by strip. So every tool has the
+same force, integrated exactly up to the surface. The peers differ in their models of the link and in their time
+integration.
 """
 
 from __future__ import annotations
@@ -57,7 +58,7 @@ SAND = medium_record(SAND_LAW.record(Elastoplastic(1e-5, 1e-3), GRAVITY))[0]
 
 
 class Path(NamedTuple):
-    """What a peer returns: the tip path, and the wall time of the stepping loop alone."""
+    """Result of a peer: the tip path, and the wall time of the stepping loop alone."""
 
     time: NDArray[np.float64]
     """(n,) sample times, s."""
@@ -68,16 +69,16 @@ class Path(NamedTuple):
 
 
 def segment_inertia(length: float, rotary: bool = True) -> float:
-    """Transverse inertia (kg m^2) of a piece of the link about its centre; `rotary` counts the section's own part."""
+    """Transverse inertia (kg m^2) of a piece of the link about its centre; rotary: include that of the section."""
     return DENSITY * AREA * length * (length**2 / 12.0 + (DIAMETER**2 / 16.0 if rotary else 0.0))
 
 
 @njit
 def sand_on_strip(p0, p1, v0, v1, a0, a1, surface, run, m, f):
-    """Overwrite f (3, 2, 2) with the sand's force terms at the two ends of one strip (N); True if it is immersed.
+    """Write the sand's force terms (N) at both ends of a strip to f (3, 2, 2); return whether the strip is immersed.
 
-    p0, p1 end positions (2,) (m); v0, v1 end velocities (2,) (m/s); a0, a1 anchors (2,) (m) of the bristles there. run,
-    m records of the kernels. Not cached: the cache would miss a change of the law.
+    p0, p1: positions of the ends (2,), m; v0, v1: their velocities (2,), m/s; a0, a1: anchors (2,) of their bristles,
+    m; run, m: records of the kernels. The function is not cached, as the cache would miss a change of the law.
     """
     f[:] = 0.0
     z0, z1 = surface - p0[1], surface - p1[1]
@@ -92,9 +93,9 @@ def sand_on_strip(p0, p1, v0, v1, a0, a1, surface, run, m, f):
 
 @njit
 def follow(points, anchors, surface, m):
-    """Move the anchors (n, 2) m after a step that ended with the stations of a line at points (n, 2 or more) m.
+    """Update the anchors (n, 2) m after a step that ended with the stations of a line at points (n, 2 or more) m.
 
-    At the ends of strips that are immersed they are dragged along, elsewhere they go with their station.
+    The return mapping drags anchors at the ends of immersed strips along; other anchors move with their stations.
     """
     n = points.shape[0]
     for i in range(n):

@@ -1,16 +1,17 @@
-"""The pendulum in PyElastica: the flexible link is a Cosserat rod of the true stiffness, its root a rigid hinged body.
+"""The pendulum in PyElastica: the flexible link is a Cosserat rod with the true stiffness, the root a rigid body.
 
-n elements of length h = LENGTH / (n - 1/2): element 0 is centred on the end of RB2, turns with the root and has its
-node 0 half an element inside it. Bending starts between elements 0 and 1, so the clamp lies where it should and the rod
-converges with h^2; with the usual OneEndFixedBC at the first node it would miss half an element of compliance and
-converge with h. The root (RB1 and RB2) has one coordinate; a constraint class gives it the rate that the torque about
-the pivot of its weight and of the rod's force and couple on node 0 and element 0 asks for, in the step's own order.
+The rod has n elements of length h = LENGTH / (n - 1/2). Element 0 is centred on the end of RB2 and rotates with the
+root; its node 0 is half an element inside RB2. Bending starts between elements 0 and 1, so that the clamp has the right
+position and the rod converges with h^2. With the usual OneEndFixedBC at the first node the rod would lack the
+compliance of half an element and converge with h. The root (RB1 and RB2) has one coordinate. A constraint class
+integrates its rate from the torque about the pivot: that of its weight, and of the rod's force on node 0 and couple on
+element 0, in the order of the time stepper.
 
-Two liberties of an expert, both off by default. `rotary_scale` multiplies the rotary inertia of the elements and takes
-the surplus off the root (selective mass scaling: on a thin rod the shear vibration of an element, not the wave speed,
-limits the step). `exact_inertia` moves an eighth of a nodal mass inwards from the free end, so that the link's weight
-acts where it should, and lets the root take up what the nodal masses lack of the inertia about the pivot; without it
-both are right to h^2 only.
+Two expert options are off by default. `rotary_scale` multiplies the rotary inertia of the elements and subtracts the
+surplus from the root (selective mass scaling: on a thin rod the shear vibration of an element, not the wave speed,
+limits the step). `exact_inertia` moves an eighth of a nodal mass inwards from the free end, so that the weight of the
+link acts at the right position, and adds the missing inertia of the nodal masses about the pivot to the root; without
+it the errors of both are of order h^2.
 """
 
 from __future__ import annotations
@@ -54,16 +55,16 @@ class Pendulum(elastica.BaseSystemCollection, elastica.Constraints, elastica.For
 
 @njit(cache=True)
 def place_root(x, directors, offset):
-    """Node 0 at `offset` (m) from the pivot along the tangent of element 0."""
+    """Place node 0 at `offset` (m) from the pivot along the tangent of element 0."""
     x[0, 0], x[1, 0] = offset * directors[2, 0, 0], offset * directors[2, 1, 0]
 
 
 @njit(cache=True)
 def turn_root(x, v, directors, omega, forces, couples, rate, step, inertia):
-    """One kick of the root: `rate` (1,) is its angular velocity about +z (rad/s), `inertia` about the pivot (kg m^2).
+    """Update the angular velocity of the root in a step, and that of node 0 and element 0.
 
-    forces (3, n + 1) internal, on the nodes (N); couples (3, n) internal, material frame, first axis +z (N m). The
-    root lies along the tangent of element 0.
+    rate (1,): about +z, rad/s; inertia: about the pivot, kg m^2; forces (3, n + 1): internal, on the nodes, N; couples
+    (3, n): internal, in the material frame with +z as first axis, N m. The root lies along the tangent of element 0.
     """
     torque = x[0, 0] * forces[1, 0] - x[1, 0] * forces[0, 0] + couples[0, 0]
     torque -= CLAMP_MASS * GRAVITY * CLAMP_CENTRE * directors[2, 0, 0]
@@ -73,7 +74,7 @@ def turn_root(x, v, directors, omega, forces, couples, rate, step, inertia):
 
 
 class RigidRoot(elastica.ConstraintBase):
-    """Hinged root body as a constraint on node 0 and element 0; `rate` about +z (rad/s), `inertia` (kg m^2)."""
+    """Hinged root body as a constraint on node 0 and element 0; rate: about +z, rad/s; inertia: kg m^2."""
 
     def __init__(self, offset: float, rate: float, step: float, inertia: float, **kwargs):
         super().__init__(**kwargs)
@@ -84,7 +85,7 @@ class RigidRoot(elastica.ConstraintBase):
         place_root(system.position_collection, system.director_collection, self.offset)
 
     def constrain_rates(self, system, time):  # noqa: ARG002
-        """Turn the root, and node 0 and element 0 with it."""
+        """Update the rate of the root, and with it those of node 0 and element 0."""
         turn_root(
             system.position_collection,
             system.velocity_collection,
@@ -100,7 +101,7 @@ class RigidRoot(elastica.ConstraintBase):
 
 @njit
 def weight_and_sand(x, v, mass, anchors, surface, m, forces, f):
-    """Add weight and sand to the nodal forces (3, n + 1) (N), once per step; node 0 belongs to the root."""
+    """Add weight and sand forces to the nodal forces (3, n + 1) N, once in a step; node 0 belongs to the root."""
     follow(x.T, anchors, surface, m)
     for k in range(1, mass.shape[0]):
         forces[1, k] -= GRAVITY * mass[k]
@@ -135,7 +136,7 @@ class WeightAndSand(elastica.NoForces):
 
 
 def stable_step(segments: int, rotary_scale: float = 1.0) -> float:
-    """Largest stable step of PositionVerlet (s), 2 / omega of the fastest vibration of an element, by estimate."""
+    """Estimate of the largest stable step of PositionVerlet (s): 2 / omega of the fastest vibration of an element."""
     h = LENGTH / (segments - 0.5)
     shear = 27.0 / 28.0 * YOUNGS_MODULUS / (2.0 * (1.0 + POISSON))
     rotation = (shear * AREA + 4.0 * YOUNGS_MODULUS * SECOND_MOMENT / h**2) / (DENSITY * SECOND_MOMENT * rotary_scale)
@@ -143,7 +144,7 @@ def stable_step(segments: int, rotary_scale: float = 1.0) -> float:
 
 
 def link(segments: int, rotary_scale: float, exact_inertia: bool) -> elastica.CosseratRod:
-    """Rod at touch, moving as a rigid body."""
+    """Make the rod at touch, in rigid-body motion."""
     h = LENGTH / (segments - 0.5)
     direction = np.array([math.cos(ANGLE), -math.sin(ANGLE), 0.0])
     rod = elastica.CosseratRod.straight_rod(
@@ -168,7 +169,7 @@ def link(segments: int, rotary_scale: float, exact_inertia: bool) -> elastica.Co
 
 
 def missing_inertia(rod: elastica.CosseratRod) -> float:
-    """What nodes and elements outside the root lack of the link's inertia about the pivot, of either sign (kg m^2)."""
+    """Link's inertia about the pivot minus that of nodes and elements outside the root (kg m^2), of either sign."""
     r = np.hypot(rod.position_collection[0], rod.position_collection[1])
     exact = DENSITY * AREA * ((ROOT + LENGTH) ** 3 - ROOT**3) / 3.0 + DENSITY * SECOND_MOMENT * LENGTH
     half = 0.5 * DENSITY * SECOND_MOMENT * rod.rest_lengths[0]
@@ -178,11 +179,13 @@ def missing_inertia(rod: elastica.CosseratRod) -> float:
 def assemble(
     segments: int, step: float, rotary_scale: float, exact_inertia: bool, surface: float
 ) -> tuple[Pendulum, elastica.CosseratRod]:
-    """Pendulum at touch, ready to be stepped with `step` (s), and its rod."""
+    """Assemble the pendulum at touch for steps of `step` (s); return it and its rod."""
     pendulum, rod = Pendulum(), link(segments, rotary_scale, exact_inertia)
     pendulum.append(rod)
     h = rod.rest_lengths[0]
-    inertia = ROOT_INERTIA + 0.5 * DENSITY * SECOND_MOMENT * h  # with the half of element 0 that is link
+    inertia = (
+        ROOT_INERTIA + 0.5 * DENSITY * SECOND_MOMENT * h
+    )  # includes the half of element 0 that belongs to the link
     if exact_inertia:
         inertia += missing_inertia(rod)
     else:
@@ -214,7 +217,7 @@ def run(
     step = np.float64(end_time / samples / substeps)
     stepper = elastica.PositionVerlet()
     model = (segments, step, rotary_scale, exact_inertia, SURFACE if sand else NO_SURFACE)
-    stepper.step(assemble(*model)[0], np.float64(0.0), step)  # compiles whatever is not compiled yet
+    stepper.step(assemble(*model)[0], np.float64(0.0), step)  # compiles functions that are not compiled yet
     pendulum, rod = assemble(*model)
     tips = np.empty((samples + 1, 2))
     tips[0] = rod.position_collection[:2, -1]

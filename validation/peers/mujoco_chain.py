@@ -1,8 +1,8 @@
-"""A chain of rigid links in MuJoCo: the joint angles are its coordinates, the sand is called once per step.
+"""A chain of rigid links in MuJoCo with joint angles as coordinates; the sand is called once a step.
 
-No geoms, contacts or constraints; whatever MuJoCo can leave out is left out. As in `mujoco_pendulum` the sand is one
-compiled function that finds its arrays through a table of addresses, so that a call has one argument and serves as a
-native callback too.
+The model has no geoms, contacts or constraints, and all optional parts of MuJoCo are switched off. As in
+`mujoco_pendulum`, the sand is one compiled function that finds its arrays through a table of addresses, so that it has
+one argument and can also be a native callback.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ _TABLE_ADDRESS = _TABLE.ctypes.data
 
 @njit
 def sand_on_links(table):
-    """Add the generalised sand forces (N m) of the chain's present state, and record the tip once per step.
+    """Add the generalised sand forces (N m) of the chain's present state, and record the tip once a step.
 
-    Velocities are qvel + lead qacc: lead is zero, or half a step for a leapfrog whose qvel stands at half steps.
+    Velocities are qvel + lead qacc, where lead is zero, or half a step for a leapfrog with qvel at half steps.
     """
     n, strips = table[LINKS], table[STRIPS]
     first = table[CALLS] % table[STAGES] == 0
@@ -57,8 +57,8 @@ def sand_on_links(table):
             for end in range(2):
                 for xy in range(2):
                     loads[i + end, xy] += forces[0, end, xy] + forces[1, end, xy] + forces[2, end, xy]
-    # A strip's force on the joint between two links passes through the hinge, so it belongs to either.
-    fx = fy = moment = 0.0  # of everything beyond point j, moment clockwise about it
+    # The share of a strip's force at a hinge acts at the hinge point, so it can be assigned to either link.
+    fx = fy = moment = 0.0  # resultant of all forces beyond point j, moment clockwise about it
     for k in range(n - 1, -1, -1):
         for _ in range(strips):
             fx += loads[j, 0]
@@ -74,7 +74,7 @@ def sand_on_links(table):
 
 @cfunc(types.void(types.voidptr, types.voidptr))
 def _native(model, data):  # noqa: ARG001, MuJoCo prescribes the signature
-    """mjcb_passive without Python: the table's address is a constant of this process."""
+    """Callback mjcb_passive without Python; the address of the table is a constant of this process."""
     sand_on_links(carray(_pointer(_TABLE_ADDRESS), 15, np.int64))
 
 
@@ -108,12 +108,13 @@ def run(
     native: bool = False,
     leapfrog: bool = False,
 ) -> Path:
-    """Tip path of a straight chain of `links` links of `length` (m), each met by the sand in `strips` strips.
+    """Tip path of a straight chain of `links` links of `length` (m), each with `strips` strips in the sand.
 
     start: angle below the horizontal (rad) and rate (rad/s) of the first hinge. native: MuJoCo calls compiled code at
-    every evaluation; else Python calls it once per step, and the force is held over the stages of RK4. leapfrog: read
-    Euler's velocities as half-step ones: start half a step early, and give the sand qvel + step/2 qacc. Beyond its
-    stability limit MuJoCo warns and the path is NaN. One run at a time: callback and table are global.
+    every evaluation; otherwise Python calls it once a step, and the force is constant over the stages of RK4. leapfrog:
+    interpret Euler's velocities as those at half steps, so start half a step earlier, and pass qvel + step/2 qacc to
+    the sand. Beyond its stability limit MuJoCo warns and the path is NaN. Only one run at a time: callback and table
+    are global.
     """
     step = end_time / steps
     model = mujoco.MjModel.from_xml_string(model_xml(masses, inertia, length, step, integrator))

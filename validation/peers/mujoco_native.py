@@ -1,8 +1,8 @@
-"""Steps of `mujoco_scene` without Python: the sand and all of MuJoCo are called by one compiled loop.
+"""Steps of `mujoco_scene` without Python: one compiled loop calls the sand and MuJoCo.
 
-What `MujocoBed.apply` does in a step, with the same kernels in the same order, is compiled into one function, which
-calls MuJoCo's functions in its library. So this is what whoever writes the callback in C gets. One medium, fixed steps,
-implicit integrators.
+The work of `MujocoBed.apply` in a step, with the same kernels in the same order, is compiled into one function, which
+calls MuJoCo's functions in its library. So the run time is that of a callback written in C. Limits: one medium, fixed
+steps, implicit integrators.
 """
 
 from __future__ import annotations
@@ -28,33 +28,33 @@ _LIBRARY = ctypes.CDLL(str(next(Path(mujoco.__file__).parent.glob("libmujoco.so*
 
 
 def _engine(name: str, *more: Any) -> Any:
-    """A function of MuJoCo's library: of model, data, and what is named besides."""
+    """Function of MuJoCo's library that takes model, data, and arguments of the types `more`."""
     function = getattr(_LIBRARY, name)
     return ctypes.CFUNCTYPE(_VOID, _PLACE, _PLACE, *more)(ctypes.cast(function, _PLACE).value)
 
 
 def run(bed: MujocoBed, model: Any, data: Any, controls: Array, states: Array, laws: Laws) -> float:
-    """Make a step for each row of controls (n, drives), fill states (n + 1, nq); processor time of the steps (s)."""
+    """Make a step for each row of controls (n, drives), fill states (n + 1, nq); return the processor time (s)."""
     assert not len(laws.places)
     step = bed.of(data)._step
     (act,), trial = step._force_calls, step._trial
     called = step._begin, act, step._guess, trial.damp, step._correct
-    march = _march(tuple(one.func for one in called))
+    march = _march(tuple(kernel.func for kernel in called))
     trial.shares[:] = -model.opt.timestep, 0.0
     mass = (
         data.qM if not FULL_M_TAKES_DATA else trial.matrix
-    )  # as the last argument of `mj_fullM`, but for the matrix in between
+    )  # old versions of `mj_fullM` take it as their last argument, after the matrix
     given = (
         model._address,
         data._address,
-        tuple(one.args for one in called),
+        tuple(kernel.args for kernel in called),
         step.bed,
         data.ctrl,
         data.qpos,
         trial.state,
     )
     given += (trial.matrix, mass)
-    march(*given, model.opt.timestep, controls[:0], states)  # compiles
+    march(*given, model.opt.timestep, controls[:0], states)  # compiles the loop
     began = time.process_time()
     march(*given, model.opt.timestep, controls, states)
     return time.process_time() - began
@@ -62,7 +62,7 @@ def run(bed: MujocoBed, model: Any, data: Any, controls: Array, states: Array, l
 
 @lru_cache
 def _march(kernels: tuple[Any, ...]) -> Any:
-    """The loop, with these kernels: begin, forces, guess, damping and correct."""
+    """Compile the loop with these kernels: begin, forces, guess, damping and correct."""
     begins, acts, guesses, damps, corrects = kernels
     position, velocity, second = _engine("mj_fwdPosition"), _engine("mj_fwdVelocity"), _engine("mj_step2")
     get, put = (_engine(name, _PLACE, ctypes.c_uint) for name in ("mj_getState", "mj_setState"))

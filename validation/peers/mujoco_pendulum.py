@@ -1,12 +1,12 @@
 """The pendulum in MuJoCo: the flexible link is a chain of rigid segments, joined by hinges with springs.
 
-Hinges stand at the midpoints of n equal elements of length h = LENGTH / n, each with stiffness EI / h: the first half
-element belongs to the root body, the last half element is the free end. Each hinge carries the compliance of the
-element around it, so the chain converges to the clamped beam with h^2. Joint angles are the coordinates; there are no
-geoms, contacts or constraints, and whatever MuJoCo can leave out is left out.
+The hinges are at the midpoints of n equal elements of length h = LENGTH / n, each with stiffness EI / h. The first half
+element belongs to the root body; the last half element is the free end. Each hinge has the compliance of the element
+around it, so that the chain converges to the clamped beam with h^2. Joint angles are the coordinates. The model has no
+geoms, contacts or constraints, and all optional parts of MuJoCo are switched off.
 
 The sand is one numba function of (qpos, qvel): planar kinematics, strip forces, generalised forces by a backward sweep.
-It finds its arrays through a table of addresses, so that a call has one argument and serves as a native callback too.
+It finds its arrays through a table of addresses, so that it has one argument and can also be a native callback.
 """
 
 from __future__ import annotations
@@ -69,9 +69,9 @@ def _array(address, shape):
 
 @njit
 def sand_on_chain(table):
-    """Add the generalised sand forces (N m) of the chain's present state, and record the tip once per step.
+    """Add the generalised sand forces (N m) of the chain's present state, and record the tip once a step.
 
-    Velocities are qvel + lead qacc: lead is zero, or half a step for a leapfrog whose qvel stands at half steps.
+    Velocities are qvel + lead qacc, where lead is zero, or half a step for a leapfrog with qvel at half steps.
     """
     n = table[SPANS]
     first = table[CALLS] % table[STAGES] == 0
@@ -92,7 +92,7 @@ def sand_on_chain(table):
         nodes[k + 1, 2], nodes[k + 1, 3] = nodes[k, 2] + rate * cy, nodes[k, 3] - rate * cx
     if first:
         follow(nodes, anchors, surface, SAND)
-    fx = fy = moment = 0.0  # resultant of everything beyond node k, moment clockwise about it
+    fx = fy = moment = 0.0  # resultant of all forces beyond node k, moment clockwise about it
     for k in range(n - 1, -1, -1):
         if sand_on_strip(
             nodes[k, :2], nodes[k + 1, :2], nodes[k, 2:], nodes[k + 1, 2:],
@@ -114,19 +114,19 @@ def sand_on_chain(table):
 
 @cfunc(types.void(types.voidptr, types.voidptr))
 def _native(model, data):  # noqa: ARG001, MuJoCo prescribes the signature
-    """mjcb_passive without Python: the table's address is a constant of this process."""
+    """Callback mjcb_passive without Python; the address of the table is a constant of this process."""
     sand_on_chain(carray(_pointer(_TABLE_ADDRESS), 14, np.int64))
 
 
 def _from_python(model, data):  # noqa: ARG001, MuJoCo prescribes the signature
-    """mjcb_passive by way of Python."""
+    """Callback mjcb_passive through Python."""
     sand_on_chain(_TABLE)
 
 
 def model_xml(segments: int, step: float, integrator: str, rotary: bool = True) -> str:
-    """MJCF of the pendulum with `segments` elements (0: rigid link), time step in s.
+    """MJCF of the pendulum with `segments` elements (0: rigid link) and a time step (s).
 
-    `rotary` counts the rotary inertia of the section itself.
+    rotary: include the rotary inertia of the section.
     """
     lengths = span_lengths(segments)
     mass = DENSITY * AREA * lengths
@@ -151,7 +151,7 @@ def model_xml(segments: int, step: float, integrator: str, rotary: bool = True) 
 
 
 def span_lengths(segments: int) -> np.ndarray:
-    """Lengths (m) of the rigid spans of the link: one, or half an element, whole ones, half an element."""
+    """Lengths (m) of the rigid spans of the link: a single one, or half an element, whole elements, half an element."""
     if segments == 0:
         return np.array([LENGTH])
     h = LENGTH / segments
@@ -170,11 +170,12 @@ def run(
 ) -> Path:
     """Tip path of the pendulum from touch to `end_time` (s) with a chain of `segments` hinges.
 
-    callback: "step" calls the sand from Python once per step (qfrc_applied, held over the stages of RK4), "stage" lets
-    MuJoCo call Python at every evaluation (mjcb_passive), "native" lets it call compiled code (no Python in the loop).
-    leapfrog: read Euler's velocities as half-step ones: start half a step early, and give the sand qvel + step/2 qacc.
-    rotary: count the rotary inertia of the section. step (s) is adjusted to divide end_time; beyond the stability limit
-    MuJoCo warns and the path is NaN. One run at a time: callbacks and the table of addresses are global.
+    callback: with "step" Python calls the sand once a step (qfrc_applied, constant over the stages of RK4), with
+    "stage" MuJoCo calls Python at every evaluation (mjcb_passive), with "native" MuJoCo calls compiled code without
+    Python. leapfrog: interpret Euler's velocities as those at half steps, so start half a step earlier, and pass qvel +
+    step/2 qacc to the sand. rotary: include the rotary inertia of the section. The step (s) is adjusted to divide
+    end_time; beyond the stability limit MuJoCo warns and the path is NaN. Only one run at a time: callbacks and the
+    table of addresses are global.
     """
     if callback not in CALLBACKS:
         raise ValueError(f"callback {callback!r}: use one of {sorted(CALLBACKS)}")

@@ -1,8 +1,8 @@
-"""A planar scene of rigid bodies in MuJoCo: its bodies, hinges and drives as MJCF, its sand by `MujocoBed`.
+"""A planar scene of rigid bodies in MuJoCo: bodies, hinges and drives as MJCF, sand by `MujocoBed`.
 
-x ahead, z up, y into the plane, so that hinges about +y turn clockwise, as scenes have them. Joint coordinates are
-those of the scene. Linear dampers of hinges are MuJoCo's own; stops, dry friction and springs come from the kernels of
-the engine's runs, once a step (`Laws`).
+x is ahead, z up, y into the plane, so that a positive rotation about +y is clockwise, as in scenes. Joint coordinates
+are those of the scene. MuJoCo computes linear dampers of hinges; stops, dry friction and springs are computed once a
+step by the kernels of the engine's runs (`Laws`).
 """
 
 from __future__ import annotations
@@ -25,12 +25,12 @@ from granular_contact.scene.parts import RigidBody, rotation
 from granular_contact.scene.types import Drive, Joint
 
 Array = NDArray[np.float64]
-SERVO = 200.0, 0.4  # N m/rad, N m s/rad: what stands for a prescribed motion, which MuJoCo does not have
+SERVO = 200.0, 0.4  # N m/rad, N m s/rad: servo in place of a prescribed motion, which MuJoCo does not have
 FREE = '<joint type="slide" axis="1 0 0"/><joint type="slide" axis="0 0 1"/><joint type="hinge" axis="0 1 0"/>'
 
 
 def model_of(scene: Scene, step: float, integrator: str = "implicitfast") -> Any:
-    """Model of a tree of hinges and sliders on the ground or on a body that flies free, with a time step (s)."""
+    """MuJoCo model of a tree of hinges and sliders on the ground or on a floating body, with a time step (s)."""
     children: dict[str | None, list[Joint]] = {}
     for joint in scene.joints:
         children.setdefault(joint.parent, []).append(joint)
@@ -55,12 +55,12 @@ def _body(scene: Scene, joint: Joint, children: dict[str | None, list[Joint]]) -
         degrees = FREE
     elif joint.kind == "slider":
         assert joint.axis is not None
-        along, up = (float(one) for one in joint.axis)
+        along, up = (float(component) for component in joint.axis)
         degrees = f'<joint type="slide" name="{joint.name}" axis="{along!r} 0 {up!r}" ref="{joint.start!r}"/>'
     else:
         place_there = f'pos="{x!r} 0 {z!r}" ref="{joint.start!r}" damping="{_damper(joint)!r}"'
         degrees = f'<joint name="{joint.name}" axis="0 1 0" {place_there}/>'
-    inner = "".join(_body(scene, other, children) for other in children.get(body.name, []))
+    inner = "".join(_body(scene, child, children) for child in children.get(body.name, []))
     inertia = " ".join([repr(body.inertia)] * 3)
     return (
         (
@@ -74,13 +74,13 @@ def _body(scene: Scene, joint: Joint, children: dict[str | None, list[Joint]]) -
 
 
 def _damper(joint: Joint) -> float:
-    """Damping (N m s/rad) of a hinge that has nothing but a damper; others have all they do from `Laws`."""
+    """Damping (N m s/rad) of a hinge that has only a damper; 0 for other joints, whose forces come from `Laws`."""
     law = joint.law
     return law.damping if joint.kind == "hinge" and law.is_linear and law.stiffness == 0.0 else 0.0
 
 
 class Laws:
-    """Springs, stops and dry friction of joints, held over a step; the bristles of friction begin at its anchors."""
+    """Springs, stops and dry friction of joints, with forces constant over a step; anchors: those of the bristles."""
 
     def __init__(self, scene: Scene, model: Any) -> None:
         acting = [joint for joint in scene.joints if not joint.law.is_idle and not _damper(joint)]
@@ -92,7 +92,7 @@ class Laws:
         self.anchors = np.array([joint.start for joint in acting])
 
     def apply(self, data: Any) -> None:
-        """Set the forces of the step from here; the step before is accepted."""
+        """Accept the last step, and set the forces of the next one."""
         if len(self.places):
             act(
                 self.records, self.anchors, data.qpos[self.places], data.qvel[self.rates], self.rates, data.qfrc_applied
@@ -101,7 +101,10 @@ class Laws:
 
 @njit
 def act(joints, anchors, s, rate, places, out):  # type: ignore[no-untyped-def]
-    """Fill out at these places with the forces of joints (k,) at coordinates s (k,), and lead anchors (k,) along."""
+    """Write the forces of joints (k,) to `out` at `places`, and update their anchors (k,).
+
+    s, rate (k,): coordinates and rates of the joints.
+    """
     for k in range(joints.shape[0]):
         if joints[k].friction > 0.0:
             anchors[k] = follow(joints[k], s[k], anchors[k])
@@ -125,18 +128,18 @@ def _gains(drive: Drive) -> tuple[float, float]:
 def controls_of(scene: Scene, times: Array) -> Array:
     """Controls (n, drives) of the model's actuators at times (n,) s."""
     gains = [_gains(drive) for drive in scene.drives]
-    made = [
+    columns = [
         [
             drive.signal.value(t) + rate_gain / gain * drive.signal.rate(t)
             for drive, (gain, rate_gain) in zip(scene.drives, gains, strict=True)
         ]
         for t in times
     ]
-    return np.array(made).reshape(len(times), len(scene.drives))
+    return np.array(columns).reshape(len(times), len(scene.drives))
 
 
 def bed_of(scene: Scene, model: Any, **options: Any) -> MujocoBed:
-    """The scene's bed, with all its bodies in it."""
+    """Bed of the scene with all its bodies."""
     assert scene.bed is not None
     bed = MujocoBed(
         model,
@@ -158,7 +161,7 @@ def bed_of(scene: Scene, model: Any, **options: Any) -> MujocoBed:
 
 
 def start(scene: Scene, model: Any) -> Any:
-    """Data at the start of the scene, with its rates."""
+    """MuJoCo data at the start of the scene, with the rates of its joints."""
     data = mujoco.MjData(model)
     for joint in scene.joints:
         if joint.kind == "free":

@@ -1,8 +1,7 @@
-"""Programs without any of this project, to see what two processes gain over one on a machine.
+"""Programs without code of this project, to measure the gain of two processes over one on a machine.
 
-Each does the same work again and again and tells the processor time (s) that it took. Nearest to the runner's
-environment in what it does is `exudyn_alone`: five bodies, implicit steps, motors and ground in Python, as one writes
-them.
+Each function does a fixed amount of work and returns the processor time (s) that it took. `exudyn_alone` is most
+similar to the runner's environment: five bodies, implicit steps, and motors and ground as simple Python functions.
 """
 
 from __future__ import annotations
@@ -16,15 +15,15 @@ import exudyn as exu
 import numpy as np
 from exudyn import itemInterface as items
 
-NUMBERS = 3_000_000  # that are added up
-CALLS = 40_000  # of each of five functions of NumPy
-STEPS, STEP = 400, 1e-3  # of the engine, s
-PERIODS, SKIP = 600, 5  # of MuJoCo: steps between two looks, as Gymnasium's environments have it
-_HELD: dict[str, Any] = {}  # of a process: models that are built once
+NUMBERS = 3_000_000  # numbers to add
+CALLS = 40_000  # of each of five NumPy functions
+STEPS, STEP = 400, 1e-3  # number and size (s) of the engine's steps
+PERIODS, SKIP = 600, 5  # number of MuJoCo's observations, and steps between them, as in Gymnasium's environments
+_HELD: dict[str, Any] = {}  # models of this process, which are built once
 
 
 def count() -> float:
-    """Add up numbers: no memory to speak of."""
+    """Add numbers, with almost no use of memory."""
     began, total = time.process_time(), 0
     for number in range(NUMBERS):
         total += number
@@ -32,7 +31,7 @@ def count() -> float:
 
 
 def small_arrays() -> float:
-    """Small calls of NumPy."""
+    """Call NumPy functions on small arrays."""
     began, a = time.process_time(), np.linspace(0.0, 1.0, 12)
     for _ in range(CALLS):
         b = a * 0.5
@@ -44,7 +43,7 @@ def small_arrays() -> float:
 
 
 def mujoco_ant() -> float:
-    """The ant of Gymnasium in MuJoCo, with torques that come from what is seen."""
+    """Simulate Gymnasium's ant in MuJoCo, with torques computed from observations."""
     if "ant" not in _HELD:
         import gymnasium
         import mujoco
@@ -56,19 +55,19 @@ def mujoco_ant() -> float:
     mujoco.mj_resetData(model, data)
     began = time.process_time()
     for _ in range(PERIODS):
-        seen = np.concatenate([data.qpos[2:], data.qvel, np.clip(data.cfrc_ext, -1.0, 1.0).ravel()])
-        data.ctrl[:] = np.sin(seen[5:13] + 10.0 * data.time)
+        observation = np.concatenate([data.qpos[2:], data.qvel, np.clip(data.cfrc_ext, -1.0, 1.0).ravel()])
+        data.ctrl[:] = np.sin(observation[5:13] + 10.0 * data.time)
         mujoco.mj_step(model, data, nstep=SKIP)
     return time.process_time() - began
 
 
 def _motor(mbs: Any, t: float, item: int, angle: float, rate: float, *given: float) -> float:  # noqa: ARG001
-    """Torque of a motor that turns a leg."""
+    """Torque of a motor that rotates a leg."""
     return 0.01 * (rate - 10.0) + 0.05 * math.sin(angle)
 
 
 def _ground(mbs: Any, t: float, item: int, q: Any, v: Any) -> Any:  # noqa: ARG001
-    """Forces of the ground on a leg whose coordinates these are."""
+    """Forces of the ground on a leg with coordinates q and velocities v."""
     q, v = np.array(q), np.array(v)
     under = np.maximum(-(q[1] + 0.03 * np.sin(q[2] + np.linspace(0.0, 1.5, 16))), 0.0)
     force = np.array([-5.0 * v[0], 400.0, 0.0]) * under.sum() - np.array([0.0, 2.0, 1e-4]) * v
@@ -76,7 +75,7 @@ def _ground(mbs: Any, t: float, item: int, q: Any, v: Any) -> Any:  # noqa: ARG0
 
 
 def _walker() -> Any:
-    """A trunk on four legs in Exudyn."""
+    """Build a trunk on four legs in Exudyn."""
     system = exu.SystemContainer()
     mbs = system.AddSystem()
     trunk = _body(mbs, 0.05, 0.2)
@@ -108,7 +107,7 @@ def _walker() -> Any:
 
 
 def _body(mbs: Any, height: float, mass: float, x: float = 0.0) -> Any:
-    """A rigid body under gravity."""
+    """Add a rigid body under gravity."""
     start = [x, height, 0.0]
     node = mbs.AddNode(items.NodeRigidBody2D(referenceCoordinates=start))
     body = mbs.AddObject(items.ObjectRigidBody2D(physicsMass=mass, physicsInertia=1e-3 * mass, nodeNumber=node))
@@ -118,7 +117,7 @@ def _body(mbs: Any, height: float, mass: float, x: float = 0.0) -> Any:
 
 
 def exudyn_alone() -> float:
-    """Steps of the engine."""
+    """Make steps of the engine."""
     if "engine" not in _HELD:
         settings = exu.SimulationSettings()
         settings.timeIntegration.numberOfSteps = STEPS
@@ -134,7 +133,7 @@ def exudyn_alone() -> float:
     return time.process_time() - began
 
 
-# What they are called, and how much each does in units of the table.
+# Functions by their name in the table, with their amount of work in units of the table.
 PROGRAMS = {
     "Exudyn alone, s of motion": (exudyn_alone, STEPS * STEP),
     "MuJoCo alone, thousands of steps": (mujoco_ant, 1e-3 * PERIODS * SKIP),
