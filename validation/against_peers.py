@@ -157,9 +157,9 @@ def main(repeats: int = 9) -> int:
     print(markdown(["error at most", *(f"{tool}, ms" for tool in tools)], rows))
     draw(measured, HERE / "figures" / "against_peers.png")
     best = {tool: point.milliseconds for tool, point in cheapest(measured, 12.0).items()}
-    mine = best["granular-contact"]
-    mujoco, expert = mine / best["MuJoCo, Python call per step"], mine / best["MuJoCo, Python call per step, leapfrog"]
-    elastica = best["PyElastica"] / mine
+    own = best["granular-contact"]
+    mujoco, expert = own / best["MuJoCo, Python call per step"], own / best["MuJoCo, Python call per step, leapfrog"]
+    elastica = best["PyElastica"] / own
     print(f"\nAt 12 um we take {mujoco:.2f} times MuJoCo's time with one Python call per step (bound: 1.5),")
     print(f"{expert:.1f} times its time where the user adds the leapfrog trick;")
     print(f"PyElastica takes {elastica:.0f} times ours (bound: 30).")

@@ -66,16 +66,16 @@ def timed(scenario: Scenario) -> Results:
     cpu, clock = time.process_time(), time.time()
     results = run(build(scenario))
     ended = time.process_time()
-    told = {"pid": os.getpid(), "cpu": ended - cpu, "ended": ended, "begin": clock, "end": time.time()}
-    return replace(results, summary=results.summary | {"timed": told})
+    times = {"pid": os.getpid(), "cpu": ended - cpu, "ended": ended, "begin": clock, "end": time.time()}
+    return replace(results, summary=results.summary | {"timed": times})
 
 
 def spent(rows: list[Row], parent: float) -> Spent:
     """Sum the times of rows, without the first run of each worker, which loads and compiles code."""
     by_worker: dict[int, list[dict[str, float]]] = {}
     for row in rows:
-        told = {key: row.summary[f"timed.{key}"] for key in ("pid", "cpu", "ended", "begin", "end")}
-        by_worker.setdefault(int(told["pid"]), []).append(told)
+        times = {key: row.summary[f"timed.{key}"] for key in ("pid", "cpu", "ended", "begin", "end")}
+        by_worker.setdefault(int(times["pid"]), []).append(times)
     runs = workers = wall = busy = 0.0
     for timings in by_worker.values():
         first, *later = sorted(timings, key=lambda timing: timing["ended"])

@@ -94,9 +94,9 @@ def against_package(bound: str) -> float:
     radius, width = cmu.BOUNDS[bound]
     for rolling in (cmu.rolling()[0], cmu.rolling()[6]):
         speed, rate = np.array([[rolling.forward, 0.0]]), np.array([-rolling.rim / radius])
-        theirs = cmu.wheel(bound).force(np.array([0.03]), speed, rate, layer)[0, :2]
+        package = cmu.wheel(bound).force(np.array([0.03]), speed, rate, layer)[0, :2]
         own = rim(radius, width, rolling.rim / rolling.forward).force(0.03, level_surface)
-        worst = max(worst, float(np.max(np.abs(own - theirs)) / np.linalg.norm(theirs)))
+        worst = max(worst, float(np.max(np.abs(own - package)) / np.linalg.norm(package)))
     return worst
 
 

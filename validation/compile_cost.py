@@ -97,12 +97,12 @@ def study(quick: bool) -> Outcome:
     further = {row[0]: spent for row, spent in zip(rows, seconds, strict=True)}
     first, robot = further.pop(SCENES[0][0]), further.pop(IN_SPACE)
     over = [new for new, spent in further.items() if spent > FURTHER]
-    told = f"; over it: {'; '.join(over)}" if over else ""
+    detail = f"; over it: {'; '.join(over)}" if over else ""
     most = max(further.values())
     claims = (
         Claim("compile_cost.first_run", first <= FIRST, f"{first:.1f} CPU s ({FIRST:g} asked)"),
         Claim("compile_cost.first_robot_in_space", robot <= ROBOT, f"{robot:.1f} CPU s ({ROBOT:g} asked)"),
-        Claim("compile_cost.each_further", not over, f"at most {most:.1f} CPU s ({FURTHER:g} asked){told}"),
+        Claim("compile_cost.each_further", not over, f"at most {most:.1f} CPU s ({FURTHER:g} asked){detail}"),
     )
     return Outcome(markdown(["new", "scene", "CPU s", "functions"], rows), claims)
 

@@ -99,7 +99,7 @@ CASES: dict[str, Callable[[int], Config]] = {
 
 def found(config: Config) -> Run:
     """Run a config."""
-    kept: list[Run] = []
+    inspected: list[Run] = []
 
     def inspect(system: Any, trajectory: Any) -> None:
         motion = SpatialKinematics(system, trajectory)
@@ -109,11 +109,11 @@ def found(config: Config) -> Run:
         middles = [motion.position(name, at)[0] for name, at, _ in beam.pieces[1:-1]]
         places = np.array([*middles, motion.position(body, origin + axes[:, 0] * beam.length)[0]])
         scale = max(motion.path_length, motion.scene.least_path, bend)
-        kept[:] = [Run(trajectory.time, places, scale, bent.element_error() / scale, False)]
+        inspected[:] = [Run(trajectory.time, places, scale, bent.element_error() / scale, False)]
 
     scenario = load(config).scenario
     results = run(build(scenario), scenario, inspect=inspect)
-    base = kept[0]
+    base = inspected[0]
     return Run(
         base.time, base.places, base.scale, base.estimate, any("too few elements" in w for w in results.warnings)
     )

@@ -109,8 +109,8 @@ def apart(motion: SpatialKinematics, reference: SpatialKinematics) -> float:
     at = track.time[track.time <= other.time[-1]]
     columns = other.places.reshape(len(other.time), -1).T
     places = np.column_stack([np.interp(at, other.time, column) for column in columns])
-    way = max(reference.path_length, reference.scene.least_path)
-    return float(np.abs(track.places[: len(at)].reshape(len(at), -1) - places).max()) / way
+    length = max(reference.path_length, reference.scene.least_path)
+    return float(np.abs(track.places[: len(at)].reshape(len(at), -1) - places).max()) / length
 
 
 def every(count: int, jobs: int, first: int) -> Iterator[Found]:

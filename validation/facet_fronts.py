@@ -85,7 +85,7 @@ def study(quick: bool) -> Outcome:
         draw(every)
     for name, runs in every.items():
         rows += [[name, *entry[:2], f"{entry[2]:.3%}", f"{entry[3]:.3f}"] for entry in runs]
-        off = {float(setting): far for way, setting, far, _ in runs if way == "accuracy"}
+        off = {float(setting): far for method, setting, far, _ in runs if method == "accuracy"}
         detail = ", ".join(f"{far:.2%} at {accuracy:g}" for accuracy, far in off.items())
         kept = all(far <= WITHIN * accuracy for accuracy, far in off.items())
         claims.append(Claim(f"facet_fronts.{name} keeps its accuracy", kept, detail))

@@ -63,7 +63,7 @@ def searched(path: Path, out: Path, quick: bool) -> Found:
         path.write_text("\n".join([*lines, f"evaluations: {QUICK_RUNS}", ""]), encoding="utf-8")
     command = [sys.executable, "-m", "granular_contact", "optimise", str(path), "--out", str(folder), "--quiet"]
     subprocess.run(command, check=True)
-    told = json.loads((folder / "optimise.json").read_text(encoding="utf-8"))
+    report = json.loads((folder / "optimise.json").read_text(encoding="utf-8"))
     with (folder / "history.csv").open(encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
     start = {key: float(rows[0][key]) for key in OF}
@@ -71,7 +71,7 @@ def searched(path: Path, out: Path, quick: bool) -> Found:
     checks = (_start(folder), load(folder / "best.yaml"))
     checked = [simulate(config.replace(solver=CHECKED, output={"figures": False})).summary for config in checks]
     seconds = sum(float(row["cost.solve_s"] or 0.0) for row in rows)
-    return Found(name, told, {"by hand": (start, checked[0]), "found": (best, checked[1])}, seconds)
+    return Found(name, report, {"by hand": (start, checked[0]), "found": (best, checked[1])}, seconds)
 
 
 def _start(folder: Path) -> Loaded:

@@ -88,10 +88,10 @@ def busy() -> float:
 
 def measured(name: str, pool: Any, tasks: int, processes: int) -> Round:
     """Measure one round of a program."""
-    began, own, before = time.perf_counter(), time.process_time(), busy()
+    began, parent, before = time.perf_counter(), time.process_time(), busy()
     spent = pool.map(done, [name] * (tasks * processes), chunksize=1)
-    wall, own, taken = time.perf_counter() - began, time.process_time() - own + sum(spent), busy() - before
-    return Round(WORKS[name][1] * tasks * processes / wall, (taken - own) / (wall * (os.cpu_count() or 1)))
+    wall, parent, taken = time.perf_counter() - began, time.process_time() - parent + sum(spent), busy() - before
+    return Round(WORKS[name][1] * tasks * processes / wall, (taken - parent) / (wall * (os.cpu_count() or 1)))
 
 
 def study(quick: bool = False) -> Outcome:
@@ -113,8 +113,8 @@ def study(quick: bool = False) -> Outcome:
     speeds = {which: np.array([r.speed for r in repeated]) for which, repeated in measured_rounds.items()}
     rows = []
     for name in WORKS:
-        one, two = speeds[name, 1], speeds[name, 2]
-        cells = [one.max(), two.max(), two.max() / one.max(), np.median(one), np.median(two)]
+        single, double = speeds[name, 1], speeds[name, 2]
+        cells = [single.max(), double.max(), double.max() / single.max(), np.median(single), np.median(double)]
         rows.append([name, *(f"{number:.{2 if number < 3.0 else 1}f}" for number in cells)])
     head = ["a second, best of all rounds", "one", "two", "gain", "median of one", "of two"]
     others = 100.0 * np.median([r.others for repeated in measured_rounds.values() for r in repeated])

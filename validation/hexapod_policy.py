@@ -88,14 +88,14 @@ def study(quick: bool = False) -> Outcome:
         "all motors at half of their rate": lambda *_: np.zeros(6),
         "all motors at their rate": lambda *_: np.ones(6),
     }
-    ways = {name: [walked(act, **sand) for sand in sands.values()] for name, act in gaits.items()}
-    rows = [[name, *(f"{1e3 * way:.0f}" for way in of_gait)] for name, of_gait in ways.items()]
+    distances = {name: [walked(act, **sand) for sand in sands.values()] for name, act in gaits.items()}
+    rows = [[name, *(f"{1e3 * distance:.0f}" for distance in of_gait)] for name, of_gait in distances.items()]
     rows.append(["by hand, followed exactly", f"{1e3 * exact:.0f}", ""])
     table = markdown(["gait", *(f"mm in {END:g} s, {sand}" for sand in sands)], rows)
-    best = ", ".join(f"{1e3 * way:.0f}" for way in history)
+    best = ", ".join(f"{1e3 * distance:.0f}" for distance in history)
     tried = f"{generations * population} episodes in {seconds:.0f} s on {PROCESSES} processes; best so far, mm: {best}"
     numbers = ", ".join(f"{weight:.3f}" for weight in weights)
-    ahead = ways["policy"][0] / max(exact, ways["by hand, by the motors"][0])
+    ahead = distances["policy"][0] / max(exact, distances["by hand, by the motors"][0])
     claim = Claim("hexapod_policy.it walks farther than the gait set by hand", ahead > 1.0, f"{ahead:.2f} times as far")
     return Outcome(f"{table}\n\n{tried}; seed 1\n\nweights: {numbers}", (claim,))
 

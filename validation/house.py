@@ -86,19 +86,19 @@ def files() -> list[File]:
 
 def entered(action: Callable[[], object]) -> list[CodeType]:
     """Functions of the package that are entered while an action runs, without bodies of modules and classes."""
-    seen: set[CodeType] = set()
+    codes: set[CodeType] = set()
     package = str(PACKAGE) + os.sep
 
     def note(frame: FrameType, event: str, _: object) -> None:
         if event == "call":
-            seen.add(frame.f_code)
+            codes.add(frame.f_code)
 
     sys.setprofile(note)
     try:
         action()
     finally:
         sys.setprofile(None)
-    return [code for code in seen if code.co_filename.startswith(package) and code.co_flags & 0x2]  # CO_NEWLOCALS
+    return [code for code in codes if code.co_filename.startswith(package) and code.co_flags & 0x2]  # CO_NEWLOCALS
 
 
 def lines_of(codes: list[CodeType], code_of: dict[str, frozenset[int]]) -> int:

@@ -60,19 +60,19 @@ def measure(config: str, overrides: tuple[str, ...]) -> list[object]:
 def study(quick: bool) -> Outcome:
     """Measure all scenes in turn."""
     rounds = 3 if quick else 9
-    kept: dict[str, list[list[object]]] = {name: [] for name, *_ in SCENES}
+    runs_by_scene: dict[str, list[list[object]]] = {name: [] for name, *_ in SCENES}
     for i in range(rounds + 1):
         for name, config, overrides in SCENES:
             measured = measure(config, overrides)
             if i > 0:
-                kept[name].append(measured)
+                runs_by_scene[name].append(measured)
     middle = {
         name: [statistics.median(float(str(run[k])) for run in runs) for k in (0, 1, 2, 4, 5)]
-        for name, runs in kept.items()
+        for name, runs in runs_by_scene.items()
     }
     first = middle[SCENES[0][0]]
     rows = []
-    for name, runs in kept.items():
+    for name, runs in runs_by_scene.items():
         start, solve, memory, iterations, calls = middle[name]
         ratios = [f"{1e3 * start:.0f} ({start / first[0]:.2f})", f"{1e3 * solve:.1f} ({solve / first[1]:.2f})"]
         per = 1e6 * solve / iterations

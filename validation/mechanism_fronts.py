@@ -178,11 +178,15 @@ def study(quick: bool) -> Outcome:
         assert best is not None  # at least the shipped setting
         near.append((_seconds(shipped) / _seconds(best), name, best.name))
         for level in LEVELS if name in THEIRS else ():
-            own, theirs, native = (fastest(settings, tool, level) for tool in (OURS, MUJOCO, NATIVE))
-            ratios = _ratio(own, theirs), _time_and_name(native) if name in COMPILED else "", _ratio(own, native)
-            levels.append([name, f"{1e2 * level:g}", _time_and_name(own), _time_and_name(theirs), *ratios])
-            if own is not None and theirs is not None and name in ASKED:
-                behind.append((_seconds(own) / _seconds(theirs), name, level))
+            package, peer, native = (fastest(settings, tool, level) for tool in (OURS, MUJOCO, NATIVE))
+            ratios = (
+                _ratio(package, peer),
+                _time_and_name(native) if name in COMPILED else "",
+                _ratio(package, native),
+            )
+            levels.append([name, f"{1e2 * level:g}", _time_and_name(package), _time_and_name(peer), *ratios])
+            if package is not None and peer is not None and name in ASKED:
+                behind.append((_seconds(package) / _seconds(peer), name, level))
     if not quick:
         draw(every)
     head = ["mechanism", "tool", "setting", "steps", "CPU s", "error of path %", "of the end %"]
@@ -218,8 +222,8 @@ def _time_and_name(setting: Setting | None) -> str:
     return "not reached" if setting is None else f"{_seconds(setting):.3f} ({setting.name})"
 
 
-def _ratio(ours: Setting | None, theirs: Setting | None) -> str:
-    return "" if ours is None or theirs is None else f"{_seconds(ours) / _seconds(theirs):.2f}"
+def _ratio(package: Setting | None, peer: Setting | None) -> str:
+    return "" if package is None or peer is None else f"{_seconds(package) / _seconds(peer):.2f}"
 
 
 def draw(every: dict[str, list[Setting]]) -> None:

@@ -158,7 +158,7 @@ def main() -> int:
     rows, facets = hexapod_rows()
     alone, whole = rows[0][1], rows[1][1]
     print(f"{machine('mujoco', 'numba')}; hexapod of {facets} facets, steps of 1 ms\n")
-    table = [[what, f"{us:.1f}", f"{us - alone:.1f}", f"{us / alone:.1f}", f"{1e3 / us:.1f}"] for what, us in rows]
+    table = [[case, f"{us:.1f}", f"{us - alone:.1f}", f"{us / alone:.1f}", f"{1e3 / us:.1f}"] for case, us in rows]
     print(markdown(["", "CPU us a step", "beyond MuJoCo's", "to MuJoCo alone", "times real time"], table))
     walker = min(walker_seconds() for _ in range(4))
     print(f"\nThe walker in the plane, 2 s at steps of 0.2 ms: {walker:.2f} s CPU")

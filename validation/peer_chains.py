@@ -133,14 +133,14 @@ def agreement(links: int, start: tuple[float, float] = STARTS[2]) -> float:
     return distance(minimal(links, FINEST, start), finest)
 
 
-def tables(found: list[Point], sizes: tuple[int, ...]) -> str:
+def tables(measured: list[Point], sizes: tuple[int, ...]) -> str:
     """Table of all settings, and table of the run time of each tool by level."""
-    rows = [[p.links, p.tool, p.setting, f"{p.error:.1f}", f"{p.milliseconds:.2f}"] for p in found]
-    names = list(dict.fromkeys(p.tool for p in found))
+    rows = [[p.links, p.tool, p.setting, f"{p.error:.1f}", f"{p.milliseconds:.2f}"] for p in measured]
+    names = list(dict.fromkeys(p.tool for p in measured))
     short = []
     for level in LEVELS:
         for links in sizes:
-            times = [best(found, links, name, level) for name in names]
+            times = [best(measured, links, name, level) for name in names]
             short.append(
                 [f"{level:g} um", links, *("not reached" if t is None else f"{t.milliseconds:.2f}" for t in times)]
             )
@@ -148,7 +148,7 @@ def tables(found: list[Point], sizes: tuple[int, ...]) -> str:
     return every + "\n\n" + markdown(["error at most", "links", *(f"{name}, ms" for name in names)], short)
 
 
-def ratios(found: list[Point], sizes: tuple[int, ...], other: str = THEIRS) -> dict[tuple[float, int], float]:
+def ratios(measured: list[Point], sizes: tuple[int, ...], other: str = THEIRS) -> dict[tuple[float, int], float]:
     """Run time in minimal coordinates over that of another tool, by level and size.
 
     It is infinite if minimal coordinates do not reach the level.
@@ -156,9 +156,11 @@ def ratios(found: list[Point], sizes: tuple[int, ...], other: str = THEIRS) -> d
     out = {}
     for level in LEVELS:
         for links in sizes:
-            own, theirs = best(found, links, OURS, level), best(found, links, other, level)
-            if theirs is not None:
-                out[level, links] = math.inf if own is None else own.milliseconds / theirs.milliseconds
+            minimal_point, peer_point = best(measured, links, OURS, level), best(measured, links, other, level)
+            if peer_point is not None:
+                out[level, links] = (
+                    math.inf if minimal_point is None else minimal_point.milliseconds / peer_point.milliseconds
+                )
     return out
 
 

@@ -161,8 +161,8 @@ def look(seed: int, quick: bool = False, world: str = "plane") -> Found:
             drawn = WORLDS[world].draw(seed, folder)
         except GranularContactError as error:
             return Found(seed, "-", "-", "-", "refused", str(error).splitlines()[0])
-        found = _judged(drawn, folder, SHARE if quick else 1.0, WORLDS[world])
-    return Found(**{**vars(found), "seconds": time.process_time() - began})
+        result = _judged(drawn, folder, SHARE if quick else 1.0, WORLDS[world])
+    return Found(**{**vars(result), "seconds": time.process_time() - began})
 
 
 def look_or_read(seed: int, quick: bool = False, store: Path | None = None, world: str = "plane") -> Found:
@@ -173,11 +173,11 @@ def look_or_read(seed: int, quick: bool = False, store: Path | None = None, worl
     if path.exists():
         read = json.loads(path.read_text(encoding="utf-8"))
         return Found(**{key: tuple(value) if isinstance(value, list) else value for key, value in read.items()})
-    found = look(seed, quick, world)
+    result = look(seed, quick, world)
     part = path.with_suffix(f".{os.getpid()}")  # renamed below, so that no process reads a part of a file
-    part.write_text(json.dumps(vars(found)), encoding="utf-8")
+    part.write_text(json.dumps(vars(result)), encoding="utf-8")
     part.replace(path)
-    return found
+    return result
 
 
 def _judged(drawn: Drawn, folder: Path, share: float, world: World) -> Found:
@@ -306,11 +306,11 @@ def _greatest(values: Sequence[float]) -> float:
     return max((value for value in values if math.isfinite(value)), default=math.nan)
 
 
-def silent_table(found: Sequence[Found], by: Callable[[Found], str], of: str) -> str:
+def silent_table(scenes: Sequence[Found], by: Callable[[Found], str], of: str) -> str:
     """Table of the silent errors of one cause (`of`: "steps" or "space"), grouped by a property of the scenes."""
     rows = []
-    for name in [*sorted({by(scene) for scene in found}), "all"]:
-        group = [scene for scene in found if name in (by(scene), "all")]
+    for name in [*sorted({by(scene) for scene in scenes}), "all"]:
+        group = [scene for scene in scenes if name in (by(scene), "all")]
         silent = [scene for scene in group if scene.silent]
         off = [getattr(scene, of) for scene in silent]
         judged = [value for value in off if math.isfinite(value)]
@@ -321,25 +321,25 @@ def silent_table(found: Sequence[Found], by: Callable[[Found], str], of: str) ->
     return markdown(head, rows)
 
 
-def property_table(found: Sequence[Found]) -> str:
+def property_table(scenes: Sequence[Found]) -> str:
     """Table of the differences of images, half the step, and fixed from adaptive steps, and of the energy balance."""
     rows = []
-    for name in _images(found):
-        off = [scene.images[name] for scene in found if math.isfinite(scene.images.get(name, math.nan))]
+    for name in _images(scenes):
+        off = [scene.images[name] for scene in scenes if math.isfinite(scene.images.get(name, math.nan))]
         rows.append([name, len(off), *_spread(off)])
     for name, off in (
-        ("half the step", [scene.half for scene in found if scene.silent]),
-        ("summaries at fixed and chosen steps", [scene.numbers[0] for scene in found if _both_silent(scene)]),
-        ("energy imbalance, silent", [scene.imbalance for scene in found if scene.silent]),
-        ("energy imbalance, warned", [scene.imbalance for scene in found if scene.end in GOOD and scene.warnings]),
+        ("half the step", [scene.half for scene in scenes if scene.silent]),
+        ("summaries at fixed and chosen steps", [scene.numbers[0] for scene in scenes if _both_silent(scene)]),
+        ("energy imbalance, silent", [scene.imbalance for scene in scenes if scene.silent]),
+        ("energy imbalance, warned", [scene.imbalance for scene in scenes if scene.end in GOOD and scene.warnings]),
     ):
         known = [value for value in off if math.isfinite(value)]
         rows.append([name, len(known), *_spread(known)])
     return markdown(["property", "scenes", "median", "90 %", "greatest"], rows)
 
 
-def _images(found: Sequence[Found]) -> list[str]:
-    return list(dict.fromkeys(name for scene in found for name in scene.images))
+def _images(scenes: Sequence[Found]) -> list[str]:
+    return list(dict.fromkeys(name for scene in scenes for name in scene.images))
 
 
 def _spread(values: Sequence[float]) -> list[str]:
@@ -350,32 +350,32 @@ def _both_silent(scene: Found) -> bool:
     return scene.silent and not scene.other_warned
 
 
-def offenders(found: Sequence[Found]) -> dict[str, list[Found]]:
+def offenders(scenes: Sequence[Found]) -> dict[str, list[Found]]:
     """Scenes that break a property, by name of the claim."""
     broken = {
-        "every number is finite": [scene for scene in found if not scene.finite],
+        "every number is finite": [scene for scene in scenes if not scene.finite],
         "every run ends, or says what to change": [
-            scene for scene in found if scene.end not in (*GOOD, "refused") and not _explained(scene)
+            scene for scene in scenes if scene.end not in (*GOOD, "refused") and not _explained(scene)
         ],
-        "no run fails": [scene for scene in found if scene.end == "failed"],
+        "no run fails": [scene for scene in scenes if scene.end == "failed"],
     }
-    for name in _images(found):
-        broken[name] = [scene for scene in found if scene.silent and scene.images.get(name, 0.0) > scene.alike]
+    for name in _images(scenes):
+        broken[name] = [scene for scene in scenes if scene.silent and scene.images.get(name, 0.0) > scene.alike]
     return broken | {
         "half the step is within 1 % without a warning": [
-            scene for scene in found if scene.silent and scene.half > SILENT
+            scene for scene in scenes if scene.silent and scene.half > SILENT
         ],
         "summaries at fixed and chosen steps are within 2 %, or four times the accuracy": [
             scene
-            for scene in found
+            for scene in scenes
             if _both_silent(scene) and scene.numbers[0] > max(2.0 * SILENT, 4.0 * scene.accuracy)
         ],
         "an energy imbalance above 1e-3 is never silent": [
-            scene for scene in found if scene.silent and scene.imbalance > BALANCE
+            scene for scene in scenes if scene.silent and scene.imbalance > BALANCE
         ],
-        "no silent error of steps above 1 %": [scene for scene in found if scene.silent and scene.steps > SILENT],
+        "no silent error of steps above 1 %": [scene for scene in scenes if scene.silent and scene.steps > SILENT],
         "no silent error of strips and elements above 1 %": [
-            scene for scene in found if scene.silent and scene.space > SILENT and scene.cause != "steps"
+            scene for scene in scenes if scene.silent and scene.space > SILENT and scene.cause != "steps"
         ],
     }
 
@@ -384,9 +384,9 @@ def _explained(scene: Found) -> bool:
     return scene.end == "failed" and any(word in scene.message for word in ("take a", "needs", "allowed"))
 
 
-def worst(found: Sequence[Found], most: int = 12) -> str:
+def worst(scenes: Sequence[Found], most: int = 12) -> str:
     """Table of the scenes with the largest silent errors."""
-    off = [scene for scene in found if scene.silent and max(_finite(scene.steps), _finite(scene.space)) > 5e-3]
+    off = [scene for scene in scenes if scene.silent and max(_finite(scene.steps), _finite(scene.space)) > 5e-3]
     off.sort(key=lambda scene: -max(_finite(scene.steps), _finite(scene.space)))
     rows = [[s.seed, s.kind, s.solver, s.law, s.cause, _share(s.steps), _share(s.space)] for s in off]
     return markdown(["seed", "kind", "solver", "law", "cause", "steps", "strips and steps"], rows[:most])
@@ -396,39 +396,39 @@ def _finite(value: float) -> float:
     return value if math.isfinite(value) else 0.0
 
 
-def outcome(found: Sequence[Found], of: str = "properties") -> Outcome:
+def outcome(scenes: Sequence[Found], of: str = "properties") -> Outcome:
     """Tables and claims of a study."""
-    ends = Counter(scene.end if scene.end not in GOOD else "silent" if scene.silent else "warned" for scene in found)
+    ends = Counter(scene.end if scene.end not in GOOD else "silent" if scene.silent else "warned" for scene in scenes)
     listed = ", ".join(f"{count} {end}" for end, count in ends.most_common())
-    parts = [f"{len(found)} scenes: {listed}."]
-    parts += ["Symmetry, convergence, energy.", property_table(found)]
+    parts = [f"{len(scenes)} scenes: {listed}."]
+    parts += ["Symmetry, convergence, energy.", property_table(scenes)]
     parts += [
         "Silent errors of the steps, by the kind of mechanism.",
-        silent_table(found, lambda scene: scene.kind, "steps"),
+        silent_table(scenes, lambda scene: scene.kind, "steps"),
     ]
     parts += [
         "The same against a quarter of the step, 8 times the strips and 4 times the elements; in space half the step, "
         "and facets of a third."
     ]
-    parts += [silent_table(found, lambda scene: scene.kind, "space")]
-    parts += ["The same by solver.", silent_table(found, lambda scene: scene.solver, "space")]
-    parts += ["The largest silent errors.", worst(found)]
-    broken = offenders(found)
-    claims = [Claim(f"{of}.{name}", not bad, _detail(name, bad, found)) for name, bad in broken.items()]
+    parts += [silent_table(scenes, lambda scene: scene.kind, "space")]
+    parts += ["The same by solver.", silent_table(scenes, lambda scene: scene.solver, "space")]
+    parts += ["The largest silent errors.", worst(scenes)]
+    broken = offenders(scenes)
+    claims = [Claim(f"{of}.{name}", not bad, _detail(name, bad, scenes)) for name, bad in broken.items()]
     return Outcome("\n\n".join(parts), tuple(claims))
 
 
-def _detail(name: str, bad: Sequence[Found], found: Sequence[Found]) -> str:
+def _detail(name: str, bad: Sequence[Found], scenes: Sequence[Found]) -> str:
     seeds = f" (seeds {', '.join(str(scene.seed) for scene in bad[:8])}{', ...' * (len(bad) > 8)})" if bad else ""
     keys = Counter(scene.numbers[1] for scene in bad) if name.startswith("summaries") else Counter()
     most = f"; most {', '.join(f'{key} {count}' for key, count in keys.most_common(4))}" if keys else ""
-    return f"{len(bad)} of {len(found)} scenes break it{seeds}{most}"
+    return f"{len(bad)} of {len(scenes)} scenes break it{seeds}{most}"
 
 
-def keep(found: Sequence[Found], target: Path, world: str = "plane") -> None:
+def keep(scenes: Sequence[Found], target: Path, world: str = "plane") -> None:
     """Write each scene that breaks a property into a folder named by its seed, with the names of the properties."""
     broken: dict[int, list[str]] = {}
-    for name, bad in offenders(found).items():
+    for name, bad in offenders(scenes).items():
         for scene in bad:
             broken.setdefault(scene.seed, []).append(name)
     for seed, names in broken.items():
@@ -436,7 +436,7 @@ def keep(found: Sequence[Found], target: Path, world: str = "plane") -> None:
         shutil.rmtree(folder, ignore_errors=True)
         folder.mkdir(parents=True)
         write(WORLDS[world].draw(seed, folder).tree, folder)
-        offender = next(scene for scene in found if scene.seed == seed)
+        offender = next(scene for scene in scenes if scene.seed == seed)
         (folder / "found.txt").write_text("\n".join([*names, str(offender)]) + "\n", encoding="utf-8")
 
 
@@ -457,14 +457,14 @@ def main(arguments: Sequence[str] | None = None, world: str = "plane", of: str =
     chosen = parser.parse_args(arguments)
     count = chosen.count or (QUICK if chosen.quick else COUNT)
     began = time.perf_counter()
-    found = every(range(chosen.seed, chosen.seed + count), chosen.jobs, chosen.quick, _progress, chosen.store, world)
-    result = outcome(found, of)
-    spent = f"{time.perf_counter() - began:.0f} s, {sum(scene.seconds for scene in found):.0f} s of processor time"
+    scenes = every(range(chosen.seed, chosen.seed + count), chosen.jobs, chosen.quick, _progress, chosen.store, world)
+    result = outcome(scenes, of)
+    spent = f"{time.perf_counter() - began:.0f} s, {sum(scene.seconds for scene in scenes):.0f} s of processor time"
     print(f"{machine('exudyn', 'numba')}; {spent}\n\n{result.text}\n")
     for claim in result.claims:
         print(claim)
     if chosen.keep is not None:
-        keep(found, chosen.keep, world)
+        keep(scenes, chosen.keep, world)
     return 0 if all(claim.held for claim in result.claims) else 1
 
 

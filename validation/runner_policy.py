@@ -81,14 +81,14 @@ def study(quick: bool = False) -> Outcome:
     weights, history, seconds = policies.evolved(generations, population, score, SIZE)
     exact = simulate(load(CONFIG, [f"solver.end_time_s={END}", "solver.accuracy=1e-2"])).summary["distance_m"]
     sands = {"as trained": {}, "looser, zeta 0.4": {"medium.zeta": 0.4}, "denser, zeta 0.7": {"medium.zeta": 0.7}}
-    ways = {name: [walked(act, **sand) for sand in sands.values()] for name, act in _acts(weights).items()}
-    rows = [[name, *(f"{1e3 * way:.0f}" for way in of_gait)] for name, of_gait in ways.items()]
+    distances = {name: [walked(act, **sand) for sand in sands.values()] for name, act in _acts(weights).items()}
+    rows = [[name, *(f"{1e3 * distance:.0f}" for distance in of_gait)] for name, of_gait in distances.items()]
     rows.append(["by hand, followed exactly", f"{1e3 * exact:.0f}", "", ""])
     table = markdown(["gait", *(f"mm in {END:g} s, {sand}" for sand in sands)], rows)
-    best = ", ".join(f"{1e3 * way:.0f}" for way in history)
+    best = ", ".join(f"{1e3 * distance:.0f}" for distance in history)
     tried = f"{generations * population} episodes in {seconds:.0f} s on {PROCESSES} processes; best so far, mm: {best}"
     numbers = ", ".join(f"{weight:.3f}" for weight in weights)
-    ahead = ways["policy"][0] / max(exact, ways["by hand, by the motors"][0])
+    ahead = distances["policy"][0] / max(exact, distances["by hand, by the motors"][0])
     claim = Claim("runner_policy.it walks farther than the gait set by hand", ahead > 1.0, f"{ahead:.2f} times as far")
     return Outcome(f"{table}\n\n{tried}\n\nweights: {numbers}", (claim,))
 

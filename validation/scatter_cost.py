@@ -131,10 +131,10 @@ def study(quick: bool = False) -> Outcome:
     rows, claims = runs(5 if quick else 15)
     text = markdown(["run", "without ms", "with scatter ms", "ratio"], rows)
     if not quick:
-        told, more = commands()
+        of_commands, more = commands()
         load_average = os.getloadavg()[0]
         text += f"\n\nTwo workers; load average {load_average:.1f}, of which two are these.\n\n"
-        text += markdown(["command", "clock s", "processors s", "half of it", "asked"], told)
+        text += markdown(["command", "clock s", "processors s", "half of it", "asked"], of_commands)
         claims += more
     return Outcome(text, tuple(claims))
 

@@ -38,23 +38,23 @@ def claims(points: Sequence[Point]) -> tuple[Claim, ...]:
     """Claims on the models with few modes, from the points of all cases."""
     every = [p for p in points if p.case.stiffness == p.case.density == p.case.length == 1.0]
     paper = [p for p in every if p.case.speed <= FASTEST]
-    made = []
+    statements = []
     for model, name in (("one", "one mode"), ("rigid", "rigid")):
         worst = max(p.error(model, "travel") for p in every)
         statement = f"{name} within 1 % in travel for the paper's link"
-        made.append(_claim(statement, worst <= 0.01, _at_most(worst, every)))
+        statements.append(_claim(statement, worst <= 0.01, _at_most(worst, every)))
         worst = max(p.error(model, "stopping time") for p in paper)
         statement = f"{name} within 1 % in stopping time for the paper's link up to {FASTEST:g} rad/s"
-        made.append(_claim(statement, worst <= 0.01, _at_most(worst, paper)))
+        statements.append(_claim(statement, worst <= 0.01, _at_most(worst, paper)))
     least = min(p.error("one", "deflection") for p in paper)
     detail = f"{100 * least:.1f} % or more off in {len(paper)} impacts"
-    made.append(
+    statements.append(
         _claim(
             "one mode misses the peak deflection of the paper's link by over 5 % up to 11 rad/s", least > 0.05, detail
         )
     )
     worst = max(p.error("two", "deflection") for p in paper)
-    made.append(
+    statements.append(
         _claim(
             "two modes within 5 % in peak deflection for the paper's link up to 11 rad/s",
             worst <= 0.05,
@@ -64,19 +64,19 @@ def claims(points: Sequence[Point]) -> tuple[Claim, ...]:
     exact = frequencies(Case("EI"), 20)[0]
     one, two = (frequencies(Case("EI"), n)[0] / exact - 1.0 for n in (1, 2))
     detail = f"{100 * one:+.1f} % with one mode, {100 * two:+.2f} % with two"
-    made.append(_claim("one clamped-free mode is over 10 % high in the hinged frequency, two are within 0.5 %",
+    statements.append(_claim("one clamped-free mode is over 10 % high in the hinged frequency, two are within 0.5 %",
                         one > 0.1 and two < 0.005, detail))  # fmt: skip
     f = fit(points, CHOSEN, "one", "travel")
     out, within, known = misjudged(points, CHOSEN, "one", "travel", 0.01)
     detail = f"R2 {f.r2:.2f} over {f.count} cases, {out + within} of {known} misjudged at N = {f.threshold(0.01):.2g}"
-    made.append(_claim(f"{CHOSEN} tells where one mode is within 1 % in travel",
+    statements.append(_claim(f"{CHOSEN} tells where one mode is within 1 % in travel",
                         f.r2 >= 0.8 and out + within <= 0.1 * known, detail))  # fmt: skip
     agree = sum(p.doubt("travel") <= 2e-3 for p in points)
     detail = f"in {agree} of {len(points)} cases"
-    made.append(
+    statements.append(
         _claim("the two beams agree to 0.2 % in travel in four cases of five", agree >= 0.8 * len(points), detail)
     )
-    return tuple(made)
+    return tuple(statements)
 
 
 def _claim(statement: str, held: bool, detail: str) -> Claim:

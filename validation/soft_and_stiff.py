@@ -78,6 +78,6 @@ def _case(factor: float, elements: int, reference: Results) -> Case:
     )
     path_length = float(np.linalg.norm(np.diff(expected, axis=1), axis=0).sum())
     error = float(np.linalg.norm(computed - expected, axis=0).max()) / path_length
-    told = any("too few elements" in warning for warning in results.warnings)
+    warned = any("too few elements" in warning for warning in results.warnings)
     summary: dict[str, Any] = results.summary
-    return Case(factor, elements, error, told, summary["energy"]["imbalance_relative"], summary["cost"]["solve_s"])
+    return Case(factor, elements, error, warned, summary["energy"]["imbalance_relative"], summary["cost"]["solve_s"])

@@ -152,13 +152,13 @@ def study(quick: bool) -> Outcome:  # noqa: ARG001  # one form
     rows, costs = facet_rows(), loading()
     number = costs.pop("triangles")
     costs["together"] = sum(costs.values())
-    table = [[law, what, f"{ns:.3g}", f"{ns / rows[0][2]:.2f}"] for law, what, ns in rows]
+    table = [[law, case, f"{ns:.3g}", f"{ns / rows[0][2]:.2f}"] for law, case, ns in rows]
     text = (
         f"Least of {ROUNDS} rounds after a warm-up.\n\n{markdown(['law', 'facet', 'CPU ns', 'to a strip'], table)}\n\n"
         f"{number:.0f} triangles from an STL file:\n\n"
-        + markdown(["", "CPU s"], [[what, f"{seconds:.2f}"] for what, seconds in costs.items()])
+        + markdown(["", "CPU s"], [[case, f"{seconds:.2f}"] for case, seconds in costs.items()])
     )
-    ns = {what: value for law, what, value in rows if law == "rft3d"}
+    ns = {case: value for law, case, value in rows if law == "rft3d"}
     bounds = (
         ("a leading facet", ns["leads"], LEADING, "ns"),
         ("a facet above the surface", ns[ABOVE_IT], ABOVE, "ns"),

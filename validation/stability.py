@@ -177,9 +177,9 @@ def difference(results: Any, reference: Any) -> float:
     end = min(results["time_s"][-1], reference["time_s"][-1])
     common = results["time_s"] <= end * (1.0 + 1e-12)
     at = np.column_stack([np.interp(results["time_s"][common], reference["time_s"], axis) for axis in other.T])
-    way = float(np.linalg.norm(np.diff(other, axis=0), axis=1).sum())
+    length = float(np.linalg.norm(np.diff(other, axis=0), axis=1).sum())
     size = float(np.linalg.norm(other[0]))
-    return float(np.linalg.norm(path[common] - at, axis=1).max()) / max(way, 1e-2 * size)
+    return float(np.linalg.norm(path[common] - at, axis=1).max()) / max(length, 1e-2 * size)
 
 
 def _drift(results: Any) -> float:
@@ -302,14 +302,14 @@ def _names(results: Sequence[Found]) -> str:
     return f"{len(results)} ({'; '.join(f'{r.case.factor} {r.case.value}: {r.status}' for r in results)})"
 
 
-def _draw(found: Sequence[Found], places: Sequence[tuple[str, float, float, Case]]) -> None:
+def _draw(results: Sequence[Found], places: Sequence[tuple[str, float, float, Case]]) -> None:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.colors import LogNorm
     from matplotlib.figure import Figure
 
     from granular_contact.report.figures.style import DOUBLE, DPI, style
 
-    by_case = {r.case: r for r in found}
+    by_case = {r.case: r for r in results}
     with style():
         figure = Figure(figsize=(DOUBLE / 25.4, 82 / 25.4), layout="constrained")
         image = None

@@ -122,8 +122,8 @@ def places(motion: Kinematics, at: np.ndarray) -> np.ndarray:
 def difference(motion: Kinematics, other: Kinematics) -> float:
     """Greatest distance of any point from a reference motion, relative to the path length of its fastest point."""
     at = np.linspace(0.0, min(motion.trajectory.time[-1], other.trajectory.time[-1]), 1000)
-    way = max(other.path_length, other.scene.least_path)
-    return float(np.abs(places(motion, at) - places(other, at)).max()) / way
+    length = max(other.path_length, other.scene.least_path)
+    return float(np.abs(places(motion, at) - places(other, at)).max()) / length
 
 
 def judge(kind: str, tree: Tree, folder: Path) -> Found | None:

@@ -137,8 +137,8 @@ def judge(case: Case) -> Found:
         strips = results.summary["strips"]["per_rigid_part"]
         chosen.append((error(results, reference), results.summary["cost"]["steps"], strips))
     default = fixed[STRIPS.index(DEFAULT)]
-    told = any("strips" in sentence for sentence in default.warnings)
-    return Found([error(results, reference) for results in fixed], chosen, told)
+    warned = any("strips" in sentence for sentence in default.warnings)
+    return Found([error(results, reference) for results in fixed], chosen, warned)
 
 
 def percent(value: float) -> str:

@@ -177,26 +177,26 @@ def measure(method: str, count: int, repeats: int) -> tuple[list[str], float]:
             timing, fine = run(method, count, workers)
             repeated.append(timing)
             good = min(good, fine)
-    one, two = (
+    single, double = (
         {
             name: min(getattr(timing, name) for timing in timings[n])
             for name in ("whole", "running", "parent", "workers")
         }
         for n in (1, 2)
     )
-    running = one["running"] / (2 * two["running"])
-    by_cpu = one["workers"] / (two["workers"] + two["parent"])
+    running = single["running"] / (2 * double["running"])
+    by_cpu = single["workers"] / (double["workers"] + double["parent"])
     early, most = timings[2][-1].memory
     cells = [
         method,
         f"{good} of {count}",
-        *(f"{way['whole']:.1f}" for way in (one, two)),
-        *(f"{count / way['whole']:.0f}" for way in (one, two)),
-        f"{100 * one['whole'] / (2 * two['whole']):.1f}",
+        *(f"{times['whole']:.1f}" for times in (single, double)),
+        *(f"{count / times['whole']:.0f}" for times in (single, double)),
+        f"{100 * single['whole'] / (2 * double['whole']):.1f}",
         f"{100 * running:.1f}",
         f"{100 * by_cpu:.1f}",
-        f"{1e3 * two['parent'] / count:.3f}",
-        f"{1e3 * two['workers'] / count:.2f}",
+        f"{1e3 * double['parent'] / count:.3f}",
+        f"{1e3 * double['workers'] / count:.2f}",
         f"{early:.0f}, {most:.0f}",
     ]
     return cells, running
@@ -335,20 +335,22 @@ def in_this_process(count: int, repeats: int) -> list[list[str]]:
     for name, method in REDUCED.items():
         with tempfile.TemporaryDirectory() as folder:
             sweep = load_sweep(sweep_file(method, count, Path(folder)))
-        cases, spent, loops = list(sweep.cases), {way: [] for way in WAYS}, [loop()]
-        for way in WAYS.values():
-            way(sweep, cases[:4])
+        cases, spent, loops = list(sweep.cases), {method: [] for method in WAYS}, [loop()]
+        for method in WAYS.values():
+            method(sweep, cases[:4])
         for _ in range(repeats):
-            for way, act in WAYS.items():
+            for method, act in WAYS.items():
                 clock, cpu = time.perf_counter(), time.process_time()
                 act(sweep, cases)
-                spent[way].append((time.process_time() - cpu, time.perf_counter() - clock))
+                spent[method].append((time.process_time() - cpu, time.perf_counter() - clock))
                 loops.append(loop())
-        least = {way: [min(column) / count for column in zip(*times, strict=True)] for way, times in spent.items()}
+        least = {
+            method: [min(column) / count for column in zip(*times, strict=True)] for method, times in spent.items()
+        }
         first = least[next(iter(WAYS))][0]
         rows += [
-            [name, way, f"{1e3 * cpu:.2f}", f"{first / cpu:.2f}", f"{1.0 / clock:.0f}", f"{cpu / min(loops):.2f}"]
-            for way, (cpu, clock) in least.items()
+            [name, method, f"{1e3 * cpu:.2f}", f"{first / cpu:.2f}", f"{1.0 / clock:.0f}", f"{cpu / min(loops):.2f}"]
+            for method, (cpu, clock) in least.items()
         ]
     return rows
 

@@ -88,17 +88,17 @@ def rolling(media: dict[str, Law]) -> None:
         _save(figure, "wheel")
 
 
-def ball(found: others.Ball) -> None:
+def ball(drops: others.Ball) -> None:
     """Draw depth over total drop distance, and stopping time over impact speed."""
     heights, speed = others.HEIGHTS, np.sqrt(2.0 * others.G * others.HEIGHTS)
     with style():
         figure = blank(DOUBLE, 62.0, layout="constrained")
         left, right = figure.subplots(1, 2)
-        total = heights + found.depth
+        total = heights + drops.depth
         band = {"color": PALETTE[0], "alpha": 0.25, "linewidth": 0}
-        left.fill_between(total, *(1e3 * found.depth_band), label="errors of k/m and d1 as stated", **band)
-        left.loglog(total, 1e3 * found.depth, "o-", color=PALETTE[0], label="preset, in the engine")
-        third = 1e3 * found.depth[2] * (total / total[2]) ** others.EXPONENT
+        left.fill_between(total, *(1e3 * drops.depth_band), label="errors of k/m and d1 as stated", **band)
+        left.loglog(total, 1e3 * drops.depth, "o-", color=PALETTE[0], label="preset, in the engine")
+        third = 1e3 * drops.depth[2] * (total / total[2]) ** others.EXPONENT
         left.loglog(total, third, color=INK, linestyle="--", label="slope 1/3 (other spheres, measured)")
         left.set(xlabel="drop height + depth (m)", ylabel="depth (mm)")
         for axis in (left.xaxis, left.yaxis):
@@ -107,8 +107,8 @@ def ball(found: others.Ball) -> None:
         left.set_xticks([0.03, 0.1, 0.3, 1.0])
         left.set_yticks([20, 30, 40, 60, 80])
         left.legend(loc="upper left")
-        right.fill_between(speed, *(1e3 * found.time_band), **band)
-        right.plot(speed, 1e3 * found.time, "o-", color=PALETTE[0])
+        right.fill_between(speed, *(1e3 * drops.time_band), **band)
+        right.plot(speed, 1e3 * drops.time, "o-", color=PALETTE[0])
         right.set(xlabel="impact speed (m/s)", ylabel="stopping time (ms)", ylim=(0, None))
         _save(figure, "ball")
 

@@ -39,15 +39,15 @@ def track(results: Any, tree: Tree, least_path: float) -> Track:
     columns = [*_bodies(results, tree)] or [*_pivot(results, tree)]
     place, rate = (np.column_stack([column[i] for column in columns]) for i in (0, 1))
     place = place - place[0]
-    ways = [float(np.abs(np.diff(place[:, i])).sum()) for i in range(place.shape[1])]
-    bodies = [math.hypot(*ways[i : i + 2]) + sum(ways[i + 2 : i + 3]) for i in range(0, len(ways), 3)]
+    lengths = [float(np.abs(np.diff(place[:, i])).sum()) for i in range(place.shape[1])]
+    bodies = [math.hypot(*lengths[i : i + 2]) + sum(lengths[i + 2 : i + 3]) for i in range(0, len(lengths), 3)]
     return Track(results["time_s"], place, rate, np.array([column[2] for column in columns]), max(least_path, *bodies))
 
 
 def _in_space(results: Any, tree: Tree, least_path: float) -> Track:
     """Track of a run in space, rotated back about the vertical by the angle that `images_in_space.turned` recorded."""
     back = rotations.of_rpy([0.0, 0.0, -math.radians(tree.get("aside", {}).get("turned_deg", 0.0))])
-    points, rates, way = [], [], least_path
+    points, rates, longest = [], [], least_path
     for name, body in sorted(tree["model"]["bodies"].items()):
         place, velocity, spin = (
             np.column_stack([results[f"{name}_{column}"] for column in columns]) @ back.T
@@ -61,13 +61,13 @@ def _in_space(results: Any, tree: Tree, least_path: float) -> Track:
         axes = reach(body) * np.array([back @ rotations.of_rpy(angles) for angles in rpy])
         arms = [axes[:, :, i] for i in range(3)]
         ends = [place, *(place + arm for arm in arms)]
-        way = max(way, *(float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum()) for path in ends))
+        longest = max(longest, *(float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum()) for path in ends))
         points += [place, *arms]
         rates += [velocity, *(np.cross(spin, arm) for arm in arms)]
     place = np.column_stack(points)
     signs = np.array([1.0, -1.0, 1.0])
     mirror = np.tile(np.concatenate([signs, signs, -signs, signs]), len(points) // 4)
-    return Track(results["time_s"], place - place[0], np.column_stack(rates), mirror, way)
+    return Track(results["time_s"], place - place[0], np.column_stack(rates), mirror, longest)
 
 
 def _bodies(results: Any, tree: Tree) -> Iterator[tuple[Vector, Vector, float]]:

@@ -142,10 +142,10 @@ class Point:
 
     def error(self, model: str, measure: str) -> float:
         """Relative difference from the fine beam; inf if only the model does not stop, nan without a value."""
-        mine, exact = self.value(model, measure), self.value("fine", measure)
+        computed, exact = self.value(model, measure), self.value("fine", measure)
         if not exact or (measure == "deflection" and model == "rigid"):
             return math.nan
-        return math.inf if mine is None else abs(mine / exact - 1.0)
+        return math.inf if computed is None else abs(computed / exact - 1.0)
 
     def doubt(self, measure: str) -> float:
         """Relative difference of the two beams."""
