@@ -89,7 +89,7 @@ def solved(scene: Scene) -> tuple[Run, Cost, float]:
 
 
 def _is_prescribed(scene: Scene) -> bool:
-    """Whether every joint follows a motion."""
+    """Whether every joint follows a prescribed motion."""
     moved = {drive.joint for drive in scene.drives if drive.kind == "motion"}
     return {joint.name for joint in scene.joints if joint.kind != "weld"} <= moved
 

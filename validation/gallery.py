@@ -36,8 +36,8 @@ NUMBERS = (
 )
 STAYS = 0.01  # m/s; below this speed a mechanism counts as standing still
 EDITORS = "# yaml-language-server:"  # start of the line for editors, which does not describe the config
-PANELS, WIDTH, FRAMES = 4, 1200, 151  # of a picture
-COLUMNS = 3  # of the page
+PANELS, WIDTH, FRAMES = 4, 1200, 151  # panels of a picture, its width (px), frames of a run
+COLUMNS = 3  # pictures in a row of the page
 INTRODUCTION = """# Configs
 
 Every file here runs as it is, after `granular-contact examples DIR` from an installed package too:

@@ -330,27 +330,27 @@ def loop() -> float:
 
 
 def in_this_process(count: int, repeats: int) -> list[list[str]]:
-    """Rows of the table of runs in this process: least CPU and wall times of rounds in which all methods take turns."""
+    """Rows of the table of runs in this process: least CPU and wall times of rounds in which all variants take turns."""
     rows = []
     for name, method in REDUCED.items():
         with tempfile.TemporaryDirectory() as folder:
             sweep = load_sweep(sweep_file(method, count, Path(folder)))
-        cases, spent, loops = list(sweep.cases), {method: [] for method in WAYS}, [loop()]
-        for method in WAYS.values():
-            method(sweep, cases[:4])
+        cases, spent, loops = list(sweep.cases), {variant: [] for variant in WAYS}, [loop()]
+        for variant in WAYS.values():
+            variant(sweep, cases[:4])
         for _ in range(repeats):
-            for method, act in WAYS.items():
+            for variant, act in WAYS.items():
                 clock, cpu = time.perf_counter(), time.process_time()
                 act(sweep, cases)
-                spent[method].append((time.process_time() - cpu, time.perf_counter() - clock))
+                spent[variant].append((time.process_time() - cpu, time.perf_counter() - clock))
                 loops.append(loop())
         least = {
-            method: [min(column) / count for column in zip(*times, strict=True)] for method, times in spent.items()
+            variant: [min(column) / count for column in zip(*times, strict=True)] for variant, times in spent.items()
         }
         first = least[next(iter(WAYS))][0]
         rows += [
-            [name, method, f"{1e3 * cpu:.2f}", f"{first / cpu:.2f}", f"{1.0 / clock:.0f}", f"{cpu / min(loops):.2f}"]
-            for method, (cpu, clock) in least.items()
+            [name, variant, f"{1e3 * cpu:.2f}", f"{first / cpu:.2f}", f"{1.0 / clock:.0f}", f"{cpu / min(loops):.2f}"]
+            for variant, (cpu, clock) in least.items()
         ]
     return rows
 
