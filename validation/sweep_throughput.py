@@ -330,7 +330,7 @@ def loop() -> float:
 
 
 def in_this_process(count: int, repeats: int) -> list[list[str]]:
-    """Rows of the table of runs in this process: least CPU and wall times of rounds in which all variants take turns."""
+    """Rows of the table of runs in this process: least CPU and wall times of rounds in which the variants alternate."""
     rows = []
     for name, method in REDUCED.items():
         with tempfile.TemporaryDirectory() as folder:
