@@ -73,9 +73,9 @@ def test_a_kilometre_away_the_engine_takes_no_shorter_steps(tmp_path: Path) -> N
 def test_an_image_that_does_not_end_breaks_its_property(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     ended = SimpleNamespace(status=SimpleNamespace(code="time_limit"), warnings=())
     monkeypatch.setattr(study, "solve", lambda *_: ended)
-    again = study._Again(None, tmp_path, 1.0)  # type: ignore[arg-type]
-    assert again.off(dict, {}, ends=np.inf) == np.inf
-    assert np.isnan(again.off(dict, {}))
+    forms = study._Forms(None, tmp_path, 1.0)  # type: ignore[arg-type]
+    assert forms.off(dict, {}, ends=np.inf) == np.inf
+    assert np.isnan(forms.off(dict, {}))
 
 
 @pytest.mark.slow
