@@ -202,6 +202,10 @@ TEXTS = {
                                       "no such column; the nearest, mean_rate_rad_s, is a rate, and only angles"),
     "column not in the file": (("    data:", "    columns: {time_s: t, tip_x_m: tip_x_m}\n    data:"), "fit.yaml", 5,
                                "columns.time_s", "got 't', but"),
+    "scale of an offset": (
+        ("    data:", "    time_offset_s: {from: -0.02, to: 0, scale: linear}\n    data:"),
+        *("fit.yaml", 5, "runs.0.time_offset_s.scale", "unknown key"),
+    ),
     "offset": (("    data:", "    time_offset_s: maybe\n    data:"), "fit.yaml", 5, "runs.0.time_offset_s",
                "allowed is fit, a number"),
     "noise": (("runs:", "noise: {tip_x_m: 0}\nruns:"), "fit.yaml", 3, "noise.tip_x_m", "number above 0"),

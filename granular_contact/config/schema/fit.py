@@ -32,8 +32,8 @@ MOST_RUNS, MOST_STARTS = 1000, 1024
 OFFSET_RANGE = (-0.02, 0.02)  # s, bounds of a clock offset that is fitted without bounds of its own
 
 
-class Bounds(Strict):
-    """Bounds, start and scale of a parameter; each has a default, which follows from the config and the schema."""
+class Interval(Strict):
+    """Bounds of a number that is fitted, and its first estimate."""
 
     low: Annotated[float | None, Field(alias="from")] = None
     """Lower bound, in the unit of the key. null: a fraction of the start, as far as the schema allows."""
@@ -41,9 +41,6 @@ class Bounds(Strict):
     """Upper bound, in the unit of the key. null: a multiple of the start, as far as the schema allows."""
     start: float | None = None
     """First estimate. null: the value in the config."""
-    scale: Literal["log", "linear"] | None = None
-    """Whether the parameter or its logarithm is varied. null: log if the bounds are above 0 and differ by a factor of
-    10 or more, else linear."""
 
     def _faults(self) -> Faults:
         low, high, start = self.low, self.high, self.start
@@ -52,11 +49,25 @@ class Bounds(Strict):
         elif start is not None and ((low is not None and start < low) or (high is not None and start > high)):
             bounds = f"from {'-inf' if low is None else f'{low:g}'} to {'inf' if high is None else f'{high:g}'}"
             yield ("start",), f"got {start:g}, which is not within the bounds {bounds}"
-        elif self.scale == "log" and any(number is not None and number <= 0.0 for number in (low, high, start)):
-            yield ("scale",), "got log, for which bounds and start must be above 0"
 
 
-class ClockBounds(Bounds):
+class Bounds(Interval):
+    """Bounds, start and scale of a parameter; each has a default, which follows from the config and the schema."""
+
+    scale: Literal["log", "linear"] | None = None
+    """Whether the parameter or its logarithm is varied. null: log if the bounds are above 0 and differ by a factor of
+    10 or more, else linear."""
+
+    def _faults(self) -> Faults:
+        faults = list(super()._faults())
+        if not faults and self.scale == "log":
+            numbers = (self.low, self.high, self.start)
+            if any(number is not None and number <= 0.0 for number in numbers):
+                faults.append((("scale",), "got log, for which bounds and start must be above 0"))
+        yield from faults
+
+
+class ClockBounds(Interval):
     """Bounds of an offset that is fitted: of a clock (s), of the zero of depth (m) or of the zero of force (N)."""
 
     low: Annotated[float, Field(alias="from")]
@@ -65,8 +76,6 @@ class ClockBounds(Bounds):
     """Upper bound."""
     start: float | None = None
     """First estimate. null: 0, or the nearer bound if 0 is outside."""
-    scale: Literal["log", "linear"] | None = None
-    """Without effect: offsets are varied on a linear scale."""
 
 
 Parameters = Annotated[
