@@ -8,9 +8,10 @@ on the ground is below the horizontal.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal, TypeVar
 
 import numpy as np
 
@@ -20,7 +21,7 @@ from granular_contact.config.schema import Load as Load
 from granular_contact.config.schema import Minimal as Minimal
 from granular_contact.config.schema import Reduced as Reduced
 from granular_contact.config.schema import Solver as Solver
-from granular_contact.errors import Fault
+from granular_contact.errors import Fault, unknown_name
 from granular_contact.laws.law import Law
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
 from granular_contact.scene.bed import Bed
@@ -31,7 +32,16 @@ from granular_contact.scene.signals import Signal
 from granular_contact.scene.steps import Steps
 from granular_contact.scene.wheel_test import WheelTest
 
+Named = TypeVar("Named", bound=Any)  # a part with a `name`
 FASTEST = 1e8  # m/s or rad/s, of any coordinate: a run that gets this fast has diverged
+
+
+def with_name(parts: Iterable[Named], name: str, noun: str) -> Named:
+    """Return the part with this name; raises KeyError, with similar names, if there is none. noun: for the message."""
+    by_name = {part.name: part for part in parts}
+    if name not in by_name:
+        raise KeyError(unknown_name(noun, name, by_name))
+    return by_name[name]
 
 
 @dataclass(frozen=True)
@@ -170,10 +180,10 @@ class Scene:
 
         Raises
         ------
-        StopIteration
+        KeyError
             The scene has no such body.
         """
-        return next(body for body in self.bodies if body.name == name)
+        return with_name(self.bodies, name, "body")
 
     @property
     def bends(self) -> bool:
@@ -195,10 +205,10 @@ class Scene:
 
         Raises
         ------
-        StopIteration
+        KeyError
             The scene has no such link that bends.
         """
-        return next(link.length for link in self.links if link.name == name)
+        return with_name(self.links, name, "link that bends").length
 
     def joint(self, name: str) -> Joint:
         """Joint with this name.
@@ -214,10 +224,10 @@ class Scene:
 
         Raises
         ------
-        StopIteration
+        KeyError
             The scene has no such joint.
         """
-        return next(joint for joint in self.joints if joint.name == name)
+        return with_name(self.joints, name, "joint")
 
     def carried(self, joint: Joint) -> set[str]:
         """Names of the child of a joint and of all bodies outward of it, which move with the child.

@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 from support_runs import DENSITY, DIAMETER, GRAVITY_MOMENT, INERTIA, L_RB, LENGTH, scene_of
 
+from granular_contact import load
 from granular_contact.errors import Fault, SceneError
+from granular_contact.scene import build
 from granular_contact.scene.types import Scene
 
 DOUBLE = """
@@ -238,3 +240,14 @@ def test_coefficients_of_the_medium_arrive() -> None:
     assert (medium.withdrawing.eta_v, medium.withdrawing.lam) == (0.5, 1.7)
     (same,) = scene_of("pendulum").media
     assert same.withdrawing == same.plunging
+
+
+@pytest.mark.parametrize("config", ["walker", "walker_in_space"])
+def test_an_unknown_part_is_told_with_similar_names(config: str) -> None:
+    scene = build(load(config).scenario)
+    assert scene.body("trunk").name == "trunk"
+    for find in (scene.body, scene.joint):
+        with pytest.raises(KeyError, match="no (body|joint) 'trnk'; did you mean trunk"):
+            find("trnk")
+    with pytest.raises(KeyError, match="no link that bends 'trunk'; there are: none"):
+        scene.link_length("trunk")

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.scene.joint_law import JointLaw
-from granular_contact.scene.types import Scene, link_of
+from granular_contact.scene.types import Scene, link_of, with_name
 
 if TYPE_CHECKING:
     from granular_contact.scene.space.bed import SpatialBed
@@ -310,15 +310,15 @@ class SpatialScene(Scene):
 
     def link_length(self, name: str) -> float:
         """Length (m) of a link that bends, one of `beams`; see `Scene.link_length`."""
-        return next(beam.length for beam in self.beams if beam.name == name)
+        return with_name(self.beams, name, "link that bends").length
 
     def joint(self, name: str) -> SpatialJoint:  # type: ignore[override]
         """Joint with this name; see `Scene.joint`."""
-        return next(joint for joint in self.joints if joint.name == name)
+        return with_name(self.joints, name, "joint")
 
     def body(self, name: str) -> SpatialRigidBody:  # type: ignore[override]
         """Rigid body with this name, which may be an element of a link that bends; see `Scene.body`."""
-        return next(body for body in self.rigid if body.name == name)
+        return with_name(self.rigid, name, "body")
 
     @cached_property
     def reported(self) -> tuple[str, ...]:
