@@ -247,7 +247,7 @@ def test_an_unknown_part_is_told_with_similar_names(config: str) -> None:
     scene = build(load(config).scenario)
     assert scene.body("trunk").name == "trunk"
     for find in (scene.body, scene.joint):
-        with pytest.raises(KeyError, match="no (body|joint) 'trnk'; did you mean trunk"):
+        with pytest.raises(KeyError, match=r"no (body|joint) 'trnk'; did you mean trunk"):
             find("trnk")
     with pytest.raises(KeyError, match="no link that bends 'trunk'; there are: none"):
         scene.link_length("trunk")
