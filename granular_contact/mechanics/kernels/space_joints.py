@@ -47,6 +47,7 @@ from granular_contact.sand.kernels.vectors import (
     turned,
     turned_back,
     vector,
+    xyz,
 )
 
 BALL, ELASTIC, STRETCHING = 2, 3, 4  # kinds of joints, beside HINGE and SLIDER
@@ -153,9 +154,9 @@ def _slider(joint, last_angles, q, v, gradient):
 def _displacement(joint, k, parent, child, v, gradient):
     """Displacement s (m) of the child along axis k of the parent's joint frame, and its rate; fills the gradient."""
     a, n = column(framed(parent[1], joint.parent_turn), k), joint.parent
-    arm = turned(child[1], vector(joint.child_point, 0))
+    arm = turned(child[1], xyz(joint.child_point))
     d = minus(plus(child[0], arm), parent[0])  # from the parent's node to the joint's point on the child
-    s = dot(a, d) - dot(a, turned(parent[1], vector(joint.parent_point, 0)))
+    s = dot(a, d) - dot(a, turned(parent[1], xyz(joint.parent_point)))
     clear(gradient)
     for i in range(3):
         if n > 0:

@@ -11,7 +11,7 @@ from granular_contact.jit.memory import room1
 from granular_contact.sand.kernels import space_law as law
 from granular_contact.sand.kernels.ground import GROWTH, PLANE, RISE_X, RISE_Y, surface_at
 from granular_contact.sand.kernels.proximity import APPROACH, DEEPEST
-from granular_contact.sand.kernels.vectors import axes, norm, plus, plus_cross, put, turned, turned_back, vector
+from granular_contact.sand.kernels.vectors import axes, norm, plus, plus_cross, put, turned, turned_back, xyz
 
 
 @part
@@ -26,7 +26,7 @@ def depth_of(ball, pose, ground, medium):
 def bound(ball, pose, ground, medium, near):
     """Fill near[DEEPEST] and near[APPROACH] with upper bounds for all points in a bounding sphere."""
     depth, r = depth_of(ball, pose, ground, medium)
-    w = vector(pose[law.SPIN], 0)
+    w = xyz(pose[law.SPIN])
     near[DEEPEST] = depth + ball.radius * ground[GROWTH]
     near[APPROACH] = (norm(plus_cross(pose[law.VELOCITY], w, r)) + norm(w) * ball.radius) * ground[GROWTH]
 

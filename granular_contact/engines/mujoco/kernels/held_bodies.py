@@ -15,7 +15,7 @@ import numpy as np
 from granular_contact.jit.compiled import kernel, part
 from granular_contact.jit.memory import clear
 from granular_contact.jit.records import fields, record_dtype
-from granular_contact.sand.kernels.vectors import column, cross, dot, minus, norm, plus, plus_cross, times, vector
+from granular_contact.sand.kernels.vectors import column, cross, dot, minus, norm, plus, plus_cross, times, vector, xyz
 
 # Record of a body in sand, whose load MuJoCo holds over a step:
 #
@@ -104,7 +104,7 @@ def set_pose(body, x, R, c, twist, turn, pose):
     v = plus_cross(vector(twist, 3), w, r)
     body.arm[0], body.arm[1], body.arm[2] = r
     for i in range(3):
-        to = vector(turn[i], 0)
+        to = xyz(turn[i])
         for j in range(3):
             pose[i, j] = dot(to, column(R, j))
         pose[3, i], pose[4, i], pose[5, i] = dot(to, x), dot(to, v), dot(to, w)

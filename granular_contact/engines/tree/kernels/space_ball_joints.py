@@ -34,7 +34,7 @@ from granular_contact.mechanics.kernels.space_rotations import (
     quaternion,
 )
 from granular_contact.sand.kernels.lines import difference
-from granular_contact.sand.kernels.vectors import dot, fill, plus, times, turned, turned_back, vector
+from granular_contact.sand.kernels.vectors import dot, fill, plus, times, turned, turned_back, vector, xyz
 
 SPRUNG, ELASTIC = 1, 2  # field `acts` of a node: a law of the joint, or a link that bends
 
@@ -87,6 +87,6 @@ def ball_stiffness(fq, fv, w):
             for j in range(3):
                 u[j], rate[j] = s[first + j], rates[first + j]
             u[k], rate[k] = u[k] + d * fq, rate[k] + d * fv
-            moved = torques(vector(u, 0), vector(rate, 0), home, nodes[i], law)
+            moved = torques(xyz(u), xyz(rate), home, nodes[i], law)
             for j in range(3):
                 coupled[first + j, k] = (present[j] - moved[j]) / d

@@ -11,7 +11,7 @@ from __future__ import annotations
 from granular_contact.engines.tree.kernels.space_tree import BALL, LAST, axes_of, momentum, pass_on
 from granular_contact.jit.compiled import part
 from granular_contact.jit.memory import clear, piece, room2
-from granular_contact.sand.kernels.vectors import at, cross, dot, plus, unit, vector
+from granular_contact.sand.kernels.vectors import at, cross, dot, plus, unit, xyz
 
 
 @part
@@ -152,7 +152,7 @@ def solve(w):
             for k in range(6):
                 p[i, k] += factors[first + j].u[k] * change[first + j]
         if nodes[first].parent >= 0:
-            pass_on(p, i, vector(factors[first].arm, 0), nodes[first].parent)
+            pass_on(p, i, xyz(factors[first].arm), nodes[first].parent)
     for i in range(nodes.shape[0]):
         count = 3 if nodes[i].kind == BALL else 1
         first = i - count + 1
@@ -161,7 +161,7 @@ def solve(w):
         q = nodes[first].parent
         for k in range(6):
             A[i, k] = A[q, k] if q >= 0 else 0.0
-        x = cross(at(A, i, 3), vector(factors[first].arm, 0))
+        x = cross(at(A, i, 3), xyz(factors[first].arm))
         for k in range(3):
             A[i, k] += x[k]
         _outward_change(first, count, i, A, w)

@@ -40,7 +40,19 @@ from granular_contact.mechanics.kernels.space_rotations import (
     quaternion,
     rates_of,
 )
-from granular_contact.sand.kernels.vectors import at, cross, fill, plus, put, times, turned, turned_back, unit, vector
+from granular_contact.sand.kernels.vectors import (
+    at,
+    cross,
+    fill,
+    plus,
+    put,
+    times,
+    turned,
+    turned_back,
+    unit,
+    vector,
+    xyz,
+)
 
 HINGE, SLIDER, BALL = 0, 1, 2
 LAST = 2  # index, among the three nodes of a ball joint, of the one with the body
@@ -84,19 +96,19 @@ def _place(i, w):
     if p >= 0:
         x_p, q_p, R_p = at(w.pose, p, 0), quaternion(w.pose, p, 3), axes_of(w, p)
         v_p, w_p = at(twists, p, 0), at(twists, p, 3)
-    e, spin, drift, q = turned(R_p, vector(node.on_parent, 0)), w_p, NONE, q_p
+    e, spin, drift, q = turned(R_p, xyz(node.on_parent)), w_p, NONE, q_p
     if node.kind == SLIDER:
-        u, q = turned(R_p, vector(node.axis, 0)), product(q_p, as_quaternion(node.before))
+        u, q = turned(R_p, xyz(node.axis)), product(q_p, as_quaternion(node.before))
         e, speed = plus(e, times(w.s[i], u)), times(w.rates[i], u)
     elif node.kind == HINGE:
-        u = turned(R_p, vector(node.axis, 0))
+        u = turned(R_p, xyz(node.axis))
         relative, half = times(w.rates[i], u), 0.5 * w.s[i]
         q = product(product(q_p, as_quaternion(node.before)), (math.cos(half), 0.0, 0.0, math.sin(half)))
         q = product(q, as_quaternion(node.after))
         spin, drift = plus(w_p, relative), cross(w_p, relative)
     elif node.which == LAST:
         spin, drift, q = _ball_kinematics(i, q_p, R_p, w_p, w)
-    d = times(-1.0, turned(matrix_of(q), vector(node.point, 0)))
+    d = times(-1.0, turned(matrix_of(q), xyz(node.point)))
     v = plus(plus(plus(v_p, cross(w_p, e)), cross(spin, d)), speed)
     b = plus(plus(centripetal(w_p, e), centripetal(spin, d)), plus(cross(drift, d), times(2.0, cross(w_p, speed))))
     put(b, w.bias, i, 0)
