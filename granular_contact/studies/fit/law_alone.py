@@ -115,8 +115,6 @@ class LawAlone(Simulator):
     zeros: the fitted ones of depth_offset_m and force_offset_N.
     """
 
-    solves = False
-
     def __init__(
         self,
         template: Template,
@@ -139,6 +137,9 @@ class LawAlone(Simulator):
     def load(self, values: Sequence[float], more: Sequence[Override] = ()) -> Loaded:
         """Scenario for values of the keys; the values of zeros after them are ignored."""
         return super().load(list(values)[: len(self._keys)], more)
+
+    def refined(self, values: Sequence[float], factor: float) -> None:  # the law takes no steps
+        """None, because the law takes no time steps."""
 
     def response(self, values: tuple[float, ...]) -> Any:
         """Forces for values of the keys and zeros; raises ModelFailed."""

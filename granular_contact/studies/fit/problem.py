@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -75,10 +75,6 @@ class MeasuredRun:
     acting: tuple[int, ...] = ()
     offset: float = 0.0
     offset_index: int | None = None
-
-    def with_settings(self, settings: Mapping[Key, float]) -> MeasuredRun:
-        """Return the same run with other values of keys that are no parameters."""
-        return replace(self, simulator=self.simulator.with_settings(settings))
 
     def at(self, x: Vector, time: Vector) -> Vector:
         """Model values (n, columns) at measured times (n,) s, for parameters x (parameters,), not scaled."""

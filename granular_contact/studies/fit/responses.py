@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass
 from typing import Any
@@ -62,8 +62,6 @@ class Simulator:
     start for which curves are needed.
     """
 
-    solves = True  # whether responses are runs with time steps
-
     def __init__(self, template: Template, keys: Sequence[Key] = (), columns: Sequence[str] = ()) -> None:
         self._template, self._keys = template, tuple(keys)
         self.columns, self.early = tuple(columns), 0.0
@@ -80,12 +78,17 @@ class Simulator:
         varied = [_override(key, float(value)) for key, value in zip(self._keys, values, strict=True)]
         return self._template.make(effective([*varied, *_ALL_ROWS, *self._settings, *more]))
 
-    def with_settings(self, settings: Mapping[Key, float]) -> Simulator:
-        """Return a simulator of the same config with other values of keys that are not varied."""
-        other = copy(self)
-        other._responses, other._build = {}, Builder()
-        other._settings = tuple(_override(key, value) for key, value in settings.items())
-        return other
+    def refined(self, values: Sequence[float], factor: float) -> Simulator | None:
+        """Simulator of the same runs with the accuracy or the fixed step times `factor`; None of a reduced model."""
+        scenario = self.load(values).scenario
+        if scenario.is_modal:
+            return None
+        solver = steps(scenario)
+        key, size = ("step_s", solver.step_s) if solver.accuracy is None else ("accuracy", solver.accuracy)
+        finer = copy(self)
+        finer._responses, finer._build = {}, Builder()
+        finer._settings = (_override(("solver", key), factor * size),)
+        return finer
 
     def results(self, values: Sequence[float], more: Sequence[Override] = ()) -> Results:
         """Results of the run for values of the keys.

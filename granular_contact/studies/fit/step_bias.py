@@ -14,13 +14,12 @@ own tolerance is far below any noise, and force tests by the law alone count as 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
-from granular_contact.config.schema import Scenario
-from granular_contact.scene.steps import steps
 from granular_contact.studies.fit.problem import MeasuredRun, Problem
-from granular_contact.studies.fit.responses import Key, ModelFailed
+from granular_contact.studies.fit.responses import ModelFailed
 from granular_contact.studies.fit.solve import Solution
 from granular_contact.studies.fit.uncertainty import LEAST_SINGULAR_VALUE, Estimate
 from granular_contact.values.arrays import Vector
@@ -60,19 +59,8 @@ def step_bias_warnings(estimates: Sequence[Estimate], bias: Vector) -> Iterator[
 
 def _departure(run: MeasuredRun, parameters: Vector, time: Vector) -> Vector:
     """Change (n * columns,) of the curves of a run with finer steps, at times (n,) s of the measurement."""
-    values = [float(parameters[i]) for i in run.acting]
-    finer = finer_steps(run.simulator.load(values).scenario)
-    if not run.simulator.solves or not finer:
+    finer = run.simulator.refined([float(parameters[i]) for i in run.acting], FINER)
+    if finer is None:
         return np.zeros(len(time) * len(run.measured.columns))
-    change: Vector = run.with_settings(finer).at(parameters, time) - run.at(parameters, time)
+    change: Vector = replace(run, simulator=finer).at(parameters, time) - run.at(parameters, time)
     return change.ravel()
-
-
-def finer_steps(scenario: Scenario) -> dict[Key, float]:
-    """Settings of a scenario with finer steps; empty for a reduced model."""
-    if scenario.is_modal:
-        return {}
-    solver = steps(scenario)
-    if solver.accuracy is not None:
-        return {("solver", "accuracy"): FINER * solver.accuracy}
-    return {("solver", "step_s"): FINER * solver.step_s}
