@@ -8,7 +8,7 @@ on the ground is below the horizontal.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Collection
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, ClassVar, Literal, TypeVar
@@ -36,12 +36,12 @@ Named = TypeVar("Named", bound=Any)  # a part with a `name`
 FASTEST = 1e8  # m/s or rad/s, of any coordinate: a run that gets this fast has diverged
 
 
-def with_name(parts: Iterable[Named], name: str, noun: str) -> Named:
+def with_name(parts: Collection[Named], name: str, noun: str) -> Named:
     """Return the part with this name; raises KeyError, with similar names, if there is none. noun: for the message."""
-    by_name = {part.name: part for part in parts}
-    if name not in by_name:
-        raise KeyError(unknown_name(noun, name, by_name))
-    return by_name[name]
+    for part in parts:
+        if part.name == name:
+            return part
+    raise KeyError(unknown_name(noun, name, [part.name for part in parts]))
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,7 @@ from granular_contact.sand.load import GranularLoad
 from granular_contact.sand.rolling import at_steady_sinkage
 from granular_contact.scene.parts import RigidBody
 from granular_contact.scene.signal_tables import tabulate
-from granular_contact.scene.types import Joint, Scene, Vector
+from granular_contact.scene.types import Joint, Scene, Vector, with_name
 from granular_contact.scene.workspace import immersible
 
 AnyJoint = TypeVar("AnyJoint", bound=Any)  # of the plane or of space
@@ -151,7 +151,7 @@ def _nodes(scene: Scene) -> list[_Node]:
     nodes: list[_Node] = []
     of_body: dict[str | None, int] = {None: -1}
     for joint in outward(scene.joints):
-        body = next(body for body in scene.rigid if body.name == joint.child)
+        body = with_name(scene.rigid, joint.child, "body")
         nodes += _free(joint, body, len(nodes)) if joint.kind == "free" else [_carried(scene, joint, body, of_body)]
         of_body[body.name] = len(nodes) - 1
     return nodes
