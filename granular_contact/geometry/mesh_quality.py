@@ -73,10 +73,6 @@ def quality(vertices: Vector, faces: Faces) -> Quality:
         Vertices (m).
     faces : (m, 3) array of int
         Triangles.
-
-    Returns
-    -------
-    Quality
     """
     size = np.ptp(vertices[faces].reshape(-1, 3), axis=0)
     faults = list(mesh.faults(vertices, faces, thin=False))
@@ -110,10 +106,6 @@ def quality_notes(vertices: Vector, faces: Faces) -> tuple[str, ...]:
         Vertices (m).
     faces : (m, 3) array of int
         Triangles.
-
-    Returns
-    -------
-    tuple of str
     """
     corners = vertices[faces]
     joined = mesh.joined(vertices, faces)
@@ -232,10 +224,6 @@ def share_inside(corners: Vector, others: Vector) -> float:
         Triangles of the surface (m).
     others : (k, 3, 3) array
         Triangles of the closed surface (m).
-
-    Returns
-    -------
-    float
     """
     low, high = others.min(axis=(0, 1)), others.max(axis=(0, 1))
     middles = corners.mean(axis=1)

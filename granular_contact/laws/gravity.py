@@ -62,10 +62,6 @@ def derived(power: float, why: str) -> GravityScaling:
         Power of gravity.
     why : str
         The argument.
-
-    Returns
-    -------
-    GravityScaling
     """
     return GravityScaling(float(power), "derived", why)
 
@@ -79,10 +75,6 @@ def measured(power: float, why: str) -> GravityScaling:
         Power of gravity.
     why : str
         What was measured, and the source.
-
-    Returns
-    -------
-    GravityScaling
     """
     return GravityScaling(float(power), "measured", why)
 
@@ -94,10 +86,6 @@ def not_known(why: str) -> GravityScaling:
     ----------
     why : str
         Why it is not known.
-
-    Returns
-    -------
-    GravityScaling
     """
     return GravityScaling(None, "not known", why)
 

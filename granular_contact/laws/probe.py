@@ -87,10 +87,6 @@ def upright_bar(depth: float, diameter: float) -> Probe:
         Depth of its tip (m).
     diameter : float
         Diameter (m).
-
-    Returns
-    -------
-    Probe
     """
     return Probe(np.array([[0.0, 0.5 * depth], [0.0, -depth]]), diameter)
 
@@ -106,10 +102,6 @@ def plate(depth: float, beta: float, size: float) -> Probe:
         Angle to the horizontal (deg), counter-clockwise.
     size : float
         Side (m).
-
-    Returns
-    -------
-    Probe
     """
     b = math.radians(beta)
     half = 0.5 * size * np.array([math.cos(b), math.sin(b)])
@@ -127,10 +119,6 @@ def ball(depth: float, diameter: float, density: float = STEEL) -> Probe:
         Diameter (m).
     density : float
         Density (kg/m3), from which its mass follows.
-
-    Returns
-    -------
-    Probe
     """
     centre = np.array([[0.0, 0.5 * diameter - depth]] * 2)
     return Probe(centre, diameter, ball=density * math.pi / 6.0 * diameter**3)

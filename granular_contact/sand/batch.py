@@ -127,10 +127,6 @@ class Batch:
         ----------
         q : (m,) array
             Coordinates of the system, without reference values.
-
-        Returns
-        -------
-        float
         """
         e = (q + self.reference)[self.places[:, 0][self._euler]].T
         return float(2.0 * np.max(np.hypot(e[1], e[2]) * np.hypot(e[0], e[3])))

@@ -31,10 +31,6 @@ def layers_from(medium: Law | Layer | Sequence[Law | Layer], form: str) -> tuple
     form : {"distributed", "resultant"}
         Form of the load. The resultant form needs media that fill the bed.
 
-    Returns
-    -------
-    tuple of Layer
-
     Raises
     ------
     ValueError
@@ -59,10 +55,6 @@ def carrying_floor(floor: Floor | None) -> Floor | None:
     ----------
     floor : Floor or None
         The floor of the bed.
-
-    Returns
-    -------
-    Floor or None
 
     Raises
     ------
@@ -213,10 +205,6 @@ def with_warnings(load: Any) -> Any:
     ----------
     load : GranularLoad
         The load.
-
-    Returns
-    -------
-    GranularLoad
 
     Warns
     -----

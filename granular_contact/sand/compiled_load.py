@@ -32,10 +32,6 @@ def compiled_load(kernels: Any) -> CompiledLoad:
     ----------
     kernels : module
         `planar_sand`, `space_sand` or `space_watched`.
-
-    Returns
-    -------
-    CompiledLoad
     """
     sand, q, triplets = np.zeros((1, 1), np.int64), np.zeros(1), np.zeros((1, 3))
     return CompiledLoad(

@@ -146,10 +146,6 @@ def outline(
     wheel : tuple, optional
         Axle (2,) m and radius (m) of a wheel.
 
-    Returns
-    -------
-    list of ContactLine
-
     Raises
     ------
     SceneError
@@ -234,10 +230,6 @@ def beam(
     elements_per_line : int
         Greatest number of elements of a line.
 
-    Returns
-    -------
-    list of ContactLine
-
     Raises
     ------
     SceneError
@@ -261,10 +253,6 @@ def coarser(line: ContactLine) -> ContactLine:
     ----------
     line : ContactLine
         The line.
-
-    Returns
-    -------
-    ContactLine
     """
     record, half = line.record.copy(), 0.5 * float(line.record["turn"][0])
     record["turn"] *= 2.0  # too much for the last strip of a side with an odd number of strips

@@ -15,10 +15,6 @@ def load_from_scene(scene: Scene) -> GranularLoad:
     ----------
     scene : Scene
         The scene.
-
-    Returns
-    -------
-    GranularLoad
     """
     bed, options = scene.bed, scene.load
     assert bed is not None
@@ -47,10 +43,6 @@ def lines_from_shape(body: Body, shape: Shape, strips: int, split: int = 1) -> l
         Number of strips; an outline, which goes out and back, has twice as many.
     split : int
         Number of parts into which each strip is divided.
-
-    Returns
-    -------
-    list of ContactLine
     """
     if shape.kind == "ball":
         return ball(body, shape.points[0], shape.width, shape.mass)
@@ -77,9 +69,5 @@ def section_size(part: Shape | FlexibleLink) -> dict[str, float]:
     ----------
     part : Shape or FlexibleLink
         The part.
-
-    Returns
-    -------
-    dict of str to float
     """
     return {"diameter" if part.kind == "round" else "width": part.width}

@@ -82,10 +82,6 @@ class LoadHistory:
         ----------
         start : float
             Time (s).
-
-        Returns
-        -------
-        LoadHistory
         """
         first = int(np.searchsorted(self.time, start))
         if first == 0:

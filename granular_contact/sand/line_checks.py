@@ -21,10 +21,6 @@ def fault(message: str) -> SceneError:
     ----------
     message : str
         The sentence.
-
-    Returns
-    -------
-    SceneError
     """
     return scene_error("bed", message)
 
@@ -62,10 +58,6 @@ def positive(name: str, size: float | None) -> float:
     size : float or None
         The size (m).
 
-    Returns
-    -------
-    float
-
     Raises
     ------
     SceneError
@@ -85,10 +77,6 @@ def count(name: str, number: Any) -> int:
         Name of the argument, for the message.
     number : int
         The number.
-
-    Returns
-    -------
-    int
 
     Raises
     ------

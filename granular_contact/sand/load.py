@@ -352,10 +352,6 @@ class GranularLoad:
         ----------
         q : (m,) array
             Coordinates.
-
-        Returns
-        -------
-        float
         """
         return max(batch.lean(q) for batch in self._leaning_batches) if self._leaning_batches else 0.0
 

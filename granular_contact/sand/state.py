@@ -51,10 +51,6 @@ def state(load: GranularLoad) -> LoadState:
     ----------
     load : GranularLoad
         The load.
-
-    Returns
-    -------
-    LoadState
     """
     return LoadState(load.time, load.active, *load.table.snapshot(), batch_states(load.batches))
 
@@ -81,10 +77,6 @@ def batch_states(batches: Sequence[Batch]) -> tuple[BatchState, ...]:
     ----------
     batches : sequence of Batch
         The batches.
-
-    Returns
-    -------
-    tuple of BatchState
     """
     return tuple(tuple(array.copy() for array in batch.state()) for batch in batches)
 

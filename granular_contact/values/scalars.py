@@ -30,10 +30,6 @@ def resolve(text: str) -> ScalarValue:
     text : str
         The scalar.
 
-    Returns
-    -------
-    bool, int, float, str or None
-
     Examples
     --------
     >>> [resolve(text) for text in ("1e-3", "12", "010", "1:30", "yes", "true")] [0.001, 12, '010', '1:30', 'yes', True]

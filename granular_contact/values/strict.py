@@ -60,10 +60,6 @@ def refusal(faults: Sequence[LocalFault]) -> PydanticCustomError:
     ----------
     faults : sequence of LocalFault
         Paths below the validated value, with a sentence each.
-
-    Returns
-    -------
-    PydanticCustomError
     """
     text = "; ".join(f"{'.'.join(map(str, path))}: {message}" if path else message for path, message in faults)
     return PydanticCustomError(FAULTS, "{text}", {"text": text, FAULTS: list(faults)})
@@ -76,10 +72,6 @@ def allow(words: str) -> Any:
     ----------
     words : str
         The text.
-
-    Returns
-    -------
-    FieldInfo
     """
     return Field(json_schema_extra={ALLOWED: words})
 
@@ -93,10 +85,6 @@ def listed(words: Sequence[str], between: str = ", ") -> str:
         The texts.
     between : str
         Separator.
-
-    Returns
-    -------
-    str
     """
     if len(words) <= MOST_LISTED:
         return between.join(words)
@@ -112,10 +100,6 @@ def did_you_mean(word: str, known: Collection[str]) -> str:
         The unknown name.
     known : collection of str
         The known names.
-
-    Returns
-    -------
-    str
     """
     near = get_close_matches(word, known, 1) or [name for name in known if name.startswith(f"{word}_")]  # no unit given
     return f"did you mean {near[0]}?" if near else ""
@@ -132,10 +116,6 @@ def no_such(kind: str, name: str, known: Collection[str]) -> str:
         The unknown name.
     known : collection of str
         The known names.
-
-    Returns
-    -------
-    str
     """
     names = ", ".join([*known][:_MOST_NAMES]) + ", ..." * (len(known) > _MOST_NAMES) or "none"
     return f"there is no {kind} {name!r}; {did_you_mean(name, known) or f'there are {names}'}"
@@ -190,10 +170,6 @@ def directed(allowed: str) -> AfterValidator:
     ----------
     allowed : str
         Text for what is allowed.
-
-    Returns
-    -------
-    AfterValidator
     """
 
     def points_somewhere(axis: tuple[float, ...]) -> tuple[float, ...]:
@@ -263,10 +239,6 @@ def by_type(*classes: type[Strict]) -> dict[str, type[Strict]]:
     ----------
     *classes : type
         The classes.
-
-    Returns
-    -------
-    dict of str to type
     """
     return {get_args(each.model_fields["type"].annotation)[0]: each for each in classes}
 

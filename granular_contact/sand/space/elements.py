@@ -80,10 +80,6 @@ def cut_surface(shape: Shape, size: float | None, accuracy: float | None = None,
         Allowed error of the motion, relative to the path.
     share : float
         Factor of the edge.
-
-    Returns
-    -------
-    CutSurface
     """
     rows = facets.facet_rows(shape.facets(size, accuracy, share), shape.rims(), shape.thin)
     return CutSurface(rows, shape.corners(np.inf).reshape(-1, 3), shape.thin)
@@ -102,10 +98,6 @@ def surface(body: Body, cut: CutSurface, place: Vector, turn: Vector) -> Element
         Position of the shape (m) in the frame of the body.
     turn : (3, 3) array
         Rotation of the shape.
-
-    Returns
-    -------
-    Elements
     """
     rows = facets.transformed_rows(cut.rows, place, turn)
     clusters = triangles.clusters_of(rows[:, :3], rows[:, 3], facets.half_sides(rows))
@@ -134,10 +126,6 @@ def ball(body: Body, shape: Sphere, place: Vector, mass: float | None) -> Elemen
         Its centre (m) in the frame of the body.
     mass : float or None
         Mass of the body (kg), for a sphere without a mass of its own.
-
-    Returns
-    -------
-    Elements
 
     Raises
     ------

@@ -91,10 +91,6 @@ class Facets(NamedTuple):
         ----------
         which : array of bool or int
             A mask, or numbers of facets.
-
-        Returns
-        -------
-        Facets
         """
         return Facets(*(np.asarray(column)[which] for column in self))
 
@@ -110,10 +106,6 @@ def size_for_accuracy(extent: float, accuracy: float | None, share: float = 1.0)
         Allowed error of the motion, relative to the path; None: FACET_ERROR.
     share : float
         Factor of the size.
-
-    Returns
-    -------
-    Size
     """
     allowed = min(COARSEST, max(FINEST, FACET_ERROR if accuracy is None else accuracy))
     factor = share * float(np.sqrt(allowed / FACET_ERROR))
@@ -127,10 +119,6 @@ def joined(parts: Sequence[Facets]) -> Facets:
     ----------
     parts : sequence of Facets
         The surfaces.
-
-    Returns
-    -------
-    Facets
     """
     return Facets(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
 
@@ -142,10 +130,6 @@ def triangle_facets(corners: Vector) -> Facets:
     ----------
     corners : (n, 3, 3) array
         Corners (m), counter-clockwise seen from outside.
-
-    Returns
-    -------
-    Facets
     """
     cross, place = areas(corners), corners.mean(axis=1)
     area, n = np.linalg.norm(cross, axis=1), len(corners)
@@ -164,10 +148,6 @@ def rectangle_facets(middle: Vector, a: Vector, b: Vector, size: Size) -> Facets
         Half edges (m); the normal is along a x b.
     size : Size
         Size of the facets.
-
-    Returns
-    -------
-    Facets
 
     Raises
     ------
@@ -312,10 +292,6 @@ def transformed(facets: Facets, place: Vector, turn: Vector) -> Facets:
         Position (m) of their frame in the other.
     turn : (3, 3) array
         Rotation of their frame in the other.
-
-    Returns
-    -------
-    Facets
     """
     position, normal, a, b = (v @ turn.T for v in (facets.place, facets.normal, facets.a, facets.b))
     return facets._replace(place=position + place, normal=normal, a=a, b=b)
@@ -352,10 +328,6 @@ def patch_facets(place: Vector, normal: Vector, weight: Vector, along: Vector) -
         Weights of the points (m2).
     along : (n, 3) array
         Direction of the first half edge.
-
-    Returns
-    -------
-    Facets
     """
     area = weight.sum(axis=1)
     centre = (weight[:, :, None] * place).sum(axis=1) / area[:, None]

@@ -22,10 +22,6 @@ def load_from_scene(scene: SpatialScene) -> SpatialLoad:
     scene : SpatialScene
         The scene.
 
-    Returns
-    -------
-    SpatialLoad
-
     Raises
     ------
     SceneError

@@ -290,10 +290,6 @@ def laws_for(kinds: Collection[str]) -> list[str]:
     ----------
     kinds : collection of str
         Of "surface", "bar" and "ball".
-
-    Returns
-    -------
-    list of str
     """
     return [tag for tag, law in LAWS.items() if kinds_of(law) & set(kinds)]
 

@@ -44,10 +44,6 @@ class FacetComparison(NamedTuple):
         ----------
         body : str
             Name of the body.
-
-        Returns
-        -------
-        float
         """
         return richardson_factor(self.counts[body], self.other_counts[body]) if body in self.counts else 0.0
 
@@ -61,10 +57,6 @@ def richardson_factor(count: int, other_count: int) -> float:
         Number of facets.
     other_count : int
         Number of other facets.
-
-    Returns
-    -------
-    float
     """
     return abs(other_count / (other_count - count))
 
@@ -78,10 +70,6 @@ def facet_counts(load: SpatialLoad, bodies: Collection[str] | None = None) -> di
         The load.
     bodies : collection of str, optional
         Names of bodies; by default all that have facets.
-
-    Returns
-    -------
-    dict of str to int
     """
     counts: dict[str, int] = {}
     for elements in load.lines:
@@ -97,10 +85,6 @@ def changed_bodies(counts: dict[str, int], other_counts: dict[str, int]) -> list
     ----------
     counts, other_counts : dict of str to int
         Numbers of facets in two loads.
-
-    Returns
-    -------
-    list of str
     """
     return [name for name, n in counts.items() if min(n, m := other_counts.get(name, n)) < FEWER * max(n, m)]
 

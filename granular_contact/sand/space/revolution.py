@@ -63,10 +63,6 @@ def line(start: tuple[float, float], end: tuple[float, float], size: Size) -> li
     size : Size
         Size of the facets.
 
-    Returns
-    -------
-    list of Strip
-
     Raises
     ------
     SceneError
@@ -97,10 +93,6 @@ def arc(radius: float, z: float, start: float, end: float, size: Size) -> list[S
         Elevations of the ends (rad).
     size : Size
         Size of the facets.
-
-    Returns
-    -------
-    list of Strip
 
     Raises
     ------
@@ -144,10 +136,6 @@ def revolved(strips: Sequence[Strip]) -> Facets:
     ----------
     strips : sequence of Strip
         The strips.
-
-    Returns
-    -------
-    Facets
 
     Raises
     ------

@@ -73,10 +73,6 @@ def too_many(size: float, corners: Vector) -> SceneError:
         Greatest edge (m).
     corners : (n, 3, 3) array
         Triangles (m) that would be cut.
-
-    Returns
-    -------
-    SceneError
     """
     if len(corners) > MOST_FACETS:
         return _refused(f"this surface of {len(corners):,} triangles", "take a coarser mesh")
