@@ -15,7 +15,7 @@ import yaml
 from granular_contact import Simulation, load, simulate
 from granular_contact.cli.main import main
 from granular_contact.mechanics.space import facet_departure
-from granular_contact.mechanics.space.facet_departure import estimate, of_two, track
+from granular_contact.mechanics.space.facet_departure import errors_from_two_runs, estimate, track
 from granular_contact.mechanics.space.kinematics import SpatialKinematics
 from granular_contact.mechanics.strip_error import ERROR, errors, strip_error
 from granular_contact.run import begin
@@ -123,7 +123,7 @@ def test_two_runs_or_a_glance_tell_the_error_within_a_factor_of_three(name: str)
     finer = motion_of(tree, 0.5)
     error = apart(finer, motion_of(tree, 0.2))
     assert error > 1e-4
-    assert 0.5 < of_two(track(motion_of(tree)), finer)["b"] / error < 3.0
+    assert 0.5 < errors_from_two_runs(track(motion_of(tree)), finer)["b"] / error < 3.0
     assert 0.5 < estimate(finer, np.inf)["b"] / error < 3.0  # a glance, of facets that are small enough
 
 
@@ -157,7 +157,7 @@ def test_a_mesh_that_shares_cut_no_finer_is_estimated_from_one_run() -> None:
     """Two runs with the same triangles differ by nothing, which is no error of nothing."""
     tree = thrown(SHAPES["box"], 0.08, step_s=1e-3)
     motion, before = motion_of(tree, 0.9), track(motion_of(tree))
-    assert of_two(before, motion) == {"b": np.inf}
+    assert errors_from_two_runs(before, motion) == {"b": np.inf}
     assert errors(motion, coarser=before)["b"] == strip_error(motion) > 1e-3
 
 

@@ -1,7 +1,7 @@
 """Estimate of the error that the size of facets makes in the work of the sand, in the motion of one MjData in space.
 
 At samples of the motion, a few hundred at most, the power of the sand on each body is computed with the facets of the
-bed and with other facets (`sand.space.other_facets`). All facets are taken to slide: static resistance is fully
+bed and with other facets (`sand.space.facet_comparison`). All facets are taken to slide: static resistance is fully
 mobilised, against the direction of the motion.
 """
 
@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.geometry.rotations import quaternion_rates
+from granular_contact.sand.space.facet_comparison import FacetComparison, comparison_with_others
 from granular_contact.sand.space.load import SpatialLoad
-from granular_contact.sand.space.other_facets import FacetComparison, comparison_with_others
 
 Vector = NDArray[np.float64]
 MOST = 256  # most samples that are kept; with more, every second sample is dropped

@@ -45,7 +45,7 @@ class Solve:
         self._sensors = tree.sensors(self.march)
         self._shown, first = [], 0  # columns of poses, their rates and accelerations of bodies in a row of states
         for name in ("pose", "pose_rates", "acceleration"):
-            self._shown.append(first + tree.of_bodies(name))
+            self._shown.append(first + tree.state_indices(name))
             first += tree.arrays[name].size
         self._efforts = first
 

@@ -13,7 +13,7 @@ from granular_contact.engines.tree.kernels import space_ball_joints, space_load,
 from granular_contact.engines.tree.kernels.space_tree import BALL, HINGE, LAST, SLIDER
 from granular_contact.engines.tree.kernels.tree_arrays import SPACE_NODE as NODE
 from granular_contact.engines.tree.kernels.tree_arrays import room
-from granular_contact.engines.tree.tree import BodyCoordinates, Tree, acting, joint_loads, levers, outward, sand_of
+from granular_contact.engines.tree.tree import BodyCoordinates, Tree, acting, joint_loads, levers, load_arrays, outward
 from granular_contact.geometry import rotations
 from granular_contact.mechanics.joint_loads import fill
 from granular_contact.mechanics.space.sensors import SpatialSensors
@@ -61,10 +61,10 @@ class SpatialTree(Tree):
 
     kernels: ClassVar[Any] = space_load
 
-    def accelerations(self, q: Vector, of_bodies: Vector) -> Vector:
+    def accelerations(self, q: Vector, body_accelerations: Vector) -> Vector:
         """See `Tree.accelerations`; Euler parameters get G^T w' / 4, the part that turns the body."""
         count = len(self.bodies)
-        e, body = q.reshape(-1, count, POSE)[..., 3:], of_bodies.reshape(-1, count, 6)
+        e, body = q.reshape(-1, count, POSE)[..., 3:], body_accelerations.reshape(-1, count, 6)
         second = rotations.quaternion_rates(e, body[..., 3:])
         second_rates: Vector = np.concatenate([body[..., :3], second], axis=-1).reshape(len(q), -1)
         return second_rates
@@ -131,7 +131,7 @@ def tree(scene: SpatialScene) -> SpatialTree:
     arrays["home"][:] = STRAIGHT
     for i, turn in home.items():
         arrays["home"][i] = turn
-    arrays |= {"nodes": records} | acting(system, joints, len(nodes)) | sand_of(load, POSE * len(nodes))
+    arrays |= {"nodes": records} | acting(system, joints, len(nodes)) | load_arrays(load, POSE * len(nodes))
     for i, node in enumerate(nodes):
         if node.ball is not None and node.ball.is_sprung:
             fill(arrays["laws"][i : i + 1], node.ball.law, None)

@@ -82,14 +82,14 @@ class Tree:
         """Nodes of joints whose drives are set from outside, by joint."""
         return {drive.joint: self.joints[drive.joint] for drive in self.scene.drives if drive.sets}
 
-    def of_bodies(self, name: str) -> NDArray[np.int64]:
-        """Indices of the numbers of the system's bodies in the flattened array of this name."""
+    def state_indices(self, name: str) -> NDArray[np.int64]:
+        """Indices of the entries of the system's bodies in the flattened array of this name."""
         width = self.arrays[name].shape[1]
         return np.concatenate([width * i + np.arange(width) for i in self.bodies])
 
-    def accelerations(self, q: Vector, of_bodies: Vector) -> Vector:  # noqa: ARG002
-        """Accelerations of the coordinates q (n, m) of the system; of_bodies: accelerations A of its bodies."""
-        return of_bodies
+    def accelerations(self, q: Vector, body_accelerations: Vector) -> Vector:  # noqa: ARG002
+        """Accelerations of the coordinates q (n, m) of the system, from the accelerations of its bodies."""
+        return body_accelerations
 
     def mode_errors(self, residuals: Vector) -> dict[str, float]:  # noqa: ARG002
         """`mode_errors` of a `Trajectory`, from the residuals (n, nodes); none for links with all their elements."""
@@ -131,7 +131,7 @@ def tree(scene: Scene) -> Tree:
     for record, node in zip(records, nodes, strict=True):
         _fill(record, scene, node)
     arrays["s"][:], arrays["rates"][:] = [node.start for node in nodes], [node.rate for node in nodes]
-    arrays |= {"nodes": records} | acting(system, joints, len(nodes)) | sand_of(load, 3 * len(nodes))
+    arrays |= {"nodes": records} | acting(system, joints, len(nodes)) | load_arrays(load, 3 * len(nodes))
     return Tree(system, load, arrays | {"lever": levers(records, 3)}, list(places.values()), joints)
 
 
@@ -228,7 +228,7 @@ def acting(system: System, joints: dict[str, int], nodes: int) -> dict[str, NDAr
     return arrays | _signals(system.scene, joints, nodes) | {"gravity": np.array([system.scene.gravity])}
 
 
-def sand_of(load: GranularLoad | None, coordinates: int) -> dict[str, NDArray[Any]]:
+def load_arrays(load: GranularLoad | None, coordinates: int) -> dict[str, NDArray[Any]]:
     """Addresses of the arrays of a load on nodes with so many coordinates in all, and a work array for its tangent."""
     if load is None:
         return {"sand": np.zeros((0, 0), np.int64), "triplets": np.zeros((1, 3))}

@@ -1,8 +1,9 @@
 """Discretisation error of a motion in space by its facets: Richardson extrapolation of a departure, or of two runs.
 
-As `strip_departure` in the plane, by `mechanics.departure`, with the facets of `sand.space.other_facets` on the bodies
-that touch. Rates are those of `SpatialKinematics`, six for each body; W spans the null space of the joints'
-constraints. For a run that was repeated with smaller facets the error follows from both runs, see `of_two`.
+As `strip_departure` in the plane, by `mechanics.departure`, with other facets on the bodies that touch
+(`sand.space.facet_comparison`). Rates are those of `SpatialKinematics`, six for each body; W spans the null space of
+the joints' constraints. If a run was repeated with smaller facets, the error follows from both runs
+(`errors_from_two_runs`).
 
 Neglected: the change of W with x, inertial forces of the departure other than M x'', and the rotation of springs with
 their bodies. Neighbouring elements of a link with many elements move as one rigid body.
@@ -25,9 +26,7 @@ from granular_contact.mechanics.space.kinematics import SpatialKinematics
 from granular_contact.mechanics.space.system import SpatialSystem
 from granular_contact.sand.contact_lines import Body
 from granular_contact.sand.load import GranularLoad
-from granular_contact.sand.space.from_scene import add_part, load_from_scene
-from granular_contact.sand.space.load import SpatialLoad
-from granular_contact.sand.space.other_facets import (
+from granular_contact.sand.space.facet_comparison import (
     SHARES,
     FacetComparison,
     changed_bodies,
@@ -35,6 +34,8 @@ from granular_contact.sand.space.other_facets import (
     facet_counts,
     richardson_factor,
 )
+from granular_contact.sand.space.from_scene import add_part, load_from_scene
+from granular_contact.sand.space.load import SpatialLoad
 from granular_contact.scene.space.types import Vector
 
 # Number of instants of the first estimate: at least, and for a single touching body. Its impact may last only a few of
@@ -61,7 +62,7 @@ def errors(observer: Any, doubtful: float, coarser: Track | None = None) -> Erro
     """
     if coarser is None:
         return estimate(observer, doubtful)
-    by_mechanism = of_two(coarser, observer)
+    by_mechanism = errors_from_two_runs(coarser, observer)
     if math.inf in by_mechanism.values():
         single = estimate(observer, doubtful)
         by_mechanism = {
@@ -146,7 +147,7 @@ def track(observer: Any, estimated: Errors | None = None) -> Track:
     return Track(observer.trajectory.time, np.stack(places, axis=1), shares, counts, estimated or {})
 
 
-def of_two(before: Track, observer: Any) -> Errors:
+def errors_from_two_runs(before: Track, observer: Any) -> Errors:
     """Errors from this run and an earlier one with larger facets: Richardson extrapolation.
 
     Let the edges be s times those of the earlier run. An error e of order k was then e / s^k in the earlier run, so the

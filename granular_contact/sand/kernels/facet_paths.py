@@ -72,7 +72,7 @@ def sheared(anchors, i):
 
 
 @part
-def slid(s, e, n):
+def shear_displacement(s, e, n):
     """Shear displacement j (m) of a facet and its direction (3,); s: S; e (3,) m: from the anchor; n: normal."""
     along = minus(e, times(dot(n, e), n))
     d = norm(along)
@@ -91,7 +91,7 @@ def count(anchors, i, p, a, n, immersed):
     if shears(anchors):
         first = anchors.shape[1] - SHEARED
         s = along_surface(sheared(anchors, i), n)
-        j, e = slid(s, minus(a, at(anchors, i, 0)), n)
+        j, e = shear_displacement(s, minus(a, at(anchors, i, 0)), n)
         increase = j - dot(s, e)
         for k in range(3):
             anchors[i, first + k] = s[k] + increase * e[k] if immersed else 0.0
@@ -124,7 +124,8 @@ def note(block, n, elements, anchors, cluster):
     rows, stretch = block.row, block.stretch
     if shears(anchors):
         for k in range(n):
-            block.shear[k] = slid(sheared(anchors, rows[k]), vector(stretch, k), vector(block.normal, k))[0]
+            s, e = sheared(anchors, rows[k]), vector(stretch, k)
+            block.shear[k] = shear_displacement(s, e, vector(block.normal, k))[0]
     if scatters(anchors):
         for k in range(n):
             i = rows[k]

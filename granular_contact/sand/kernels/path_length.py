@@ -80,8 +80,8 @@ def count_path(P, anchors, i, x, y, immersed):
     tx, ty = P[after, 0] - P[before, 0], P[after, 1] - P[before, 1]
     length = math.sqrt(tx * tx + ty * ty)
     if length > 0.0:
-        slid = (tx * (x - anchors[i, 0]) + ty * (y - anchors[i, 1])) / length
-        anchors[i, SHEARED] = slid + (anchors[i, SHEARED] if slid * anchors[i, SHEARED] >= 0.0 else 0.0)
+        slip = (tx * (x - anchors[i, 0]) + ty * (y - anchors[i, 1])) / length
+        anchors[i, SHEARED] = slip + (anchors[i, SHEARED] if slip * anchors[i, SHEARED] >= 0.0 else 0.0)
 
 
 @part

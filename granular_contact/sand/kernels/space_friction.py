@@ -93,8 +93,8 @@ def mobilised(q, m):
 
 
 @part
-def whole_return(p, anchor, m):
-    """Anchor after an accepted step that ended at p (3,) m: on the line to p, within u_y of it."""
+def vector_return_mapping(p, anchor, m):
+    """Anchor after an accepted step that ended at p (3,) m, by radial return in space: on the line to p, within u_y."""
     e = minus(p, anchor)
     h = norm(e)
     if h <= m.u_y:
@@ -103,7 +103,7 @@ def whole_return(p, anchor, m):
 
 
 @part
-def parted_return(p, anchor, m):
-    """Anchor after an accepted step that ended at p (3,) m: radial return in the plane, upward within u_y of p."""
+def component_return_mapping(p, anchor, m):
+    """Anchor after an accepted step that ended at p (3,) m: radial return in the horizontal plane, z by itself."""
     x, y = radial_return((p[0], p[1]), (anchor[0], anchor[1]), m)
     return x, y, drag_component(p[2], anchor[2], m)

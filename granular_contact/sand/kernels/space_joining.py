@@ -21,7 +21,7 @@ from granular_contact.sand.kernels.ground import tangent_plane
 from granular_contact.sand.kernels.joining import PARTS, let_call_others, record_type
 from granular_contact.sand.kernels.space_bodies import body_forces
 from granular_contact.sand.kernels.space_coordinates import by_six
-from granular_contact.sand.kernels.space_friction import parted_return, whole_return
+from granular_contact.sand.kernels.space_friction import component_return_mapping, vector_return_mapping
 from granular_contact.sand.kernels.space_tangents import by_differences, by_elements
 
 # Kinds of elements, each with the kernels of its clusters (forces, end of a step).
@@ -90,7 +90,7 @@ def space_record(
 def _functions(owner: Any, kind: str) -> dict[str, Any]:
     """Functions of a law for elements of a kind, by their names in the record."""
     dtype = record_type(owner)
-    functions: dict[str, Any] = {"anchor": parted_return if owner.by_component else whole_return}
+    functions: dict[str, Any] = {"anchor": component_return_mapping if owner.by_component else vector_return_mapping}
     if kind == "surface":
         functions["gather"], functions["facets"] = facets.gather, _traction_function(owner, dtype)
         if not hasattr(owner, "facet_force"):

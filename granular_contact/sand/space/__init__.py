@@ -23,8 +23,8 @@ shapes      base class of shapes; box, plate, bar; a new shape is a class here. 
             cone; mesh_shape: meshes
 beam_shape  pieces of links that bend; cables: pieces of the beams of an engine
 elements    rows and clusters of the elements of a shape, as the kernels read them
-facets      triangles, parallelograms and patches of round surfaces, and their size; other_facets: estimate of the error
-            of a load by its facets
+facets      triangles, parallelograms and patches of round surfaces, and their size
+facet_comparison  estimate of the error of a load by its facets
 revolution  rings and patches of surfaces of revolution
 triangles   cutting of triangles; clusters of neighbours (checks of meshes, and mesh files: `geometry`)
 batch       elements of one kind in one medium, evaluated in one compiled call

@@ -74,12 +74,12 @@ class SpatialBatch:
         kind = sets[0].element_kind
         self._record = partial(space_record, law, law_record, kind, layer, paths=paths > 0, heights=mapped)
         grouped: dict[Any, list[Elements]] = {}
-        of_bodies = []
+        columns_by_body = []
         for elements, element_columns in zip(sets, columns, strict=True):
             if elements.body.identity not in grouped:
-                of_bodies.append(element_columns)
+                columns_by_body.append(element_columns)
             grouped.setdefault(elements.body.identity, []).append(elements)
-        self.columns = np.array(of_bodies)
+        self.columns = np.array(columns_by_body)
         self._groups = list(grouped.values())
         ordered = [elements for group in self._groups for elements in group]
         self.elements = np.concatenate([elements.rows for elements in ordered])
