@@ -7,11 +7,10 @@ the mechanism   system                  parts in the coordinates of an engine; t
                 joint_loads, reactions  springs, stops, friction, drives; reactions of prescribed motions
 the solve       scheme, stepping        spectral radius and tolerance; step-size control
                 ending                  status at the end of a solve
-observation     observe, mechanism, wheels, depths    Trajectory -> Observation
+observation     observe, mechanism, wheels            Trajectory -> Observation
                 joint_history, beam_energy            energies and works
                 strains                               strains and stresses of flexible links
-                accuracy, drive_error, strip_error    warnings about steps, drives and strips
-                creep                                 motion that is left when a run ends at rest
+                accuracy, drive_error, strip_error    warnings about steps, rest, drives, strips
                 departure, strip_departure            error of a motion by the length of strips
                 omissions                             what a run leaves out
 kernels   compiled code

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from granular_contact import load, simulate
-from granular_contact.mechanics.creep import displacement_left
+from granular_contact.mechanics.accuracy import displacement_left
 
 REST_TIME, REST_SPEED = 0.02, 1e-3
 
