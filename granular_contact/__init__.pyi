@@ -2,6 +2,7 @@
 
 from granular_contact.config.add_law import add_law as add_law
 from granular_contact.config.load import load as load
+from granular_contact.config.load import preset as preset
 from granular_contact.engines.exudyn.bed import GranularBed as GranularBed
 from granular_contact.laws.albert import Albert as Albert
 from granular_contact.laws.allen import Allen as Allen
@@ -32,7 +33,6 @@ from granular_contact.sand.space.shapes import Bar as Bar
 from granular_contact.sand.space.shapes import Box as Box
 from granular_contact.sand.space.shapes import Plate as Plate
 from granular_contact.scene.build import build as build
-from granular_contact.scene.media import preset as preset
 from granular_contact.simulation import Simulation as Simulation
 from granular_contact.steering import simulate as simulate
 from granular_contact.studies.ensemble.calls import ensemble as ensemble

@@ -8,7 +8,7 @@ from importlib import import_module
 import pytest
 from support_runs import ROOT
 
-MODULES = ("config.add_law", "scene.media", "simulation")
+MODULES = ("config.add_law", "config.load", "simulation")
 
 
 @pytest.mark.parametrize("name", MODULES)

@@ -29,10 +29,10 @@ import mujoco
 import numpy as np
 
 from granular_contact.config import load_scenario
+from granular_contact.config.load import preset
 from granular_contact.laws.rft3d import Rft3d
 from granular_contact.mujoco import MujocoBed
 from granular_contact.scene import build
-from granular_contact.scene.media import preset
 from validation.peers.mujoco_scene import bed_of, controls_of, model_of, start
 from validation.tables import machine, markdown
 

@@ -20,7 +20,7 @@ from granular_contact.config.references import MEDIA, Resolver, readable_path
 from granular_contact.config.schema import Medium, Scenario
 from granular_contact.config.template import NAMELESS, Loaded, Template
 from granular_contact.config.yaml_source import read_file
-from granular_contact.errors import ConfigError, Fault, listed, of_type
+from granular_contact.errors import ConfigError, Fault, listed, of_type, scene_error
 from granular_contact.values.strict import did_you_mean
 
 if TYPE_CHECKING:
@@ -209,3 +209,39 @@ def load_medium(name: str, **values: Any) -> Medium:
         except ValidationError as error:
             faults += faults_of(error.errors(include_url=False, include_input=False), node)
     raise ConfigError(sorted(faults, key=by_place))
+
+
+def preset(name: str, **values: Any) -> Law:
+    """Medium of a preset, or of a YAML file.
+
+    Parameters
+    ----------
+    name : str
+        Name of a preset, as `play_sand`, or path of a YAML file, from the working folder.
+    **values
+        Values that replace those of the preset, by their keys in YAML, as `stiffness_N_m=60`.
+
+    Returns
+    -------
+    Law
+        The medium, for `GranularBed` or `scenario.replace({"medium": ...})`.
+
+    Raises
+    ------
+    ConfigError
+        There is no such medium (the message lists the presets), or a value is not allowed.
+    SceneError
+        A number is missing that the source of the preset does not state: give it among the values.
+
+    Examples
+    --------
+    >>> from granular_contact import preset
+    >>> preset("play_sand").eta_d
+    6.5
+    >>> preset("play_sand", eta_d=5.0).eta_d
+    5.0
+    """
+    medium: Law = load_medium(name, **values)
+    for key in medium.lacking:
+        raise scene_error(f"medium.{key}", f"the source of {name} does not state it: give the number of your case")
+    return medium

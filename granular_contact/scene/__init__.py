@@ -8,7 +8,7 @@ loops, homes                kinematic loops; the reference configuration in whic
 joints, joint_law           joints between bodies, and springs, stops and friction in them
 drives                      drives of joints, and controls that are set during a run
 signals, signal_tables      signals over time, and their tables for kernels
-bed, media, wheels, wheel_test   surface, layers and floor of the bed; presets by name; runs of one wheel
+bed, wheels, wheel_test     surface, layers and floor of the bed; runs of one wheel
 steps                       step sizes
 stiff                       links that bend too little to show
 workspace, checks           parts that can reach the medium; faults and notes of scenes

@@ -7,8 +7,8 @@ import yaml
 from support_config import GOOD, changed
 
 from granular_contact.config import is_run, load, scenario_to_dict
+from granular_contact.config.load import preset
 from granular_contact.errors import ConfigError
-from granular_contact.scene.media import preset
 
 START = "initial: {impact_angle_deg: 31}\n"
 ARM = GOOD[GOOD.index("model:") : GOOD.index("medium:")].removeprefix("model:\n")

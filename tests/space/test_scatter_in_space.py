@@ -11,6 +11,7 @@ from support_space import SAND, Array, load_on, state
 
 from granular_contact import Drft, Hill, Plate, VerticalResistance
 from granular_contact.config import load
+from granular_contact.config.load import preset
 from granular_contact.errors import ConfigError
 from granular_contact.laws.law import Law
 from granular_contact.laws.scatter import Scatter
@@ -20,7 +21,6 @@ from granular_contact.sand.contact_lines import Body, polyline
 from granular_contact.sand.kernels.scatter import value
 from granular_contact.sand.load import GranularLoad
 from granular_contact.scene import build
-from granular_contact.scene.media import preset
 
 PLAIN = Drft(density=1500.0, lam=1.1, surface_drop=0.0)
 SIZE, GRAIN, SHARE = 0.06, 0.01, 0.4

@@ -14,12 +14,12 @@ from typing import Any
 import exudyn as exu
 from numpy.typing import ArrayLike
 
+from granular_contact.config.load import preset
 from granular_contact.engines.exudyn.bed import GranularBed
 from granular_contact.laws.floor import Floor
 from granular_contact.laws.law import Law
 from granular_contact.laws.layer import Layer
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
-from granular_contact.scene.media import preset
 
 NAME = "CreateGranularBed"
 
