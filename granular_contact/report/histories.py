@@ -76,11 +76,11 @@ class Group:
 
 def groups(names: Sequence[str], terms: Sequence[str], column: Values) -> list[Group]:
     """Groups of panels of a table with the given columns and terms of the medium's force; empty ones are left out."""
-    found = _Names(names, terms)
+    run = _RunNames(names, terms)
     scales = _scales(names, column)
-    made = [_wheels(found), _travel(found), _joints(found), _forces(found), _depths(found), _energy(found)]
-    kept = [replace(group, panels=tuple(_visible(group.panels, column, scales))) for group in made]
-    return [group for group in kept if group.panels]
+    all_groups = [_wheels(run), _travel(run), _joints(run), _forces(run), _depths(run), _energy(run)]
+    visible = [replace(group, panels=tuple(_visible(group.panels, column, scales))) for group in all_groups]
+    return [group for group in visible if group.panels]
 
 
 def groups_of(names: Sequence[str], terms: Sequence[str], column: Values) -> list[Group]:
@@ -88,7 +88,7 @@ def groups_of(names: Sequence[str], terms: Sequence[str], column: Values) -> lis
     return distinct(groups(names, terms, column), column)
 
 
-def distinct(found: Sequence[Group], column: Values, *, compared: bool = False) -> list[Group]:
+def distinct(all_groups: Sequence[Group], column: Values, *, compared: bool = False) -> list[Group]:
     """Remove panels whose curves other panels show: the force on a single body is the sum, a carriage follows its rail.
 
     Lengths or energies of opposite sign count as equal: a post rises as far as its wheel sinks less. compared: whether
@@ -96,7 +96,7 @@ def distinct(found: Sequence[Group], column: Values, *, compared: bool = False) 
     """
     shown: list[tuple[str, Array]] = []
     removed = set()
-    for group in sorted(found, key=lambda one: _PRIORITY.index(one.name) if one.name in _PRIORITY else len(_PRIORITY)):
+    for group in sorted(all_groups, key=_priority):
         for i, panel in enumerate(group.panels):
             curves = [] if panel.along else [curve.values(column) for curve in panel.curves]
             if curves and (
@@ -106,12 +106,16 @@ def distinct(found: Sequence[Group], column: Values, *, compared: bool = False) 
             shown += [(panel.base, values) for values in curves]
     kept = [
         replace(group, panels=tuple(panel for i, panel in enumerate(group.panels) if (group.name, i) not in removed))
-        for group in found
+        for group in all_groups
     ]
     return [group for group in kept if group.panels]
 
 
 _PRIORITY = ("wheel", "travel", "path", "depth", "forces", "joints", "energy")  # of two equal panels the first stays
+
+
+def _priority(group: Group) -> int:
+    return _PRIORITY.index(group.name) if group.name in _PRIORITY else len(_PRIORITY)
 
 
 def _is_shown(base: str, values: Array, shown: Sequence[tuple[str, Array]]) -> bool:
@@ -171,37 +175,36 @@ def _alike(first: Array, second: Array) -> bool:
     return greatest(first - second) <= SAME * max(greatest(first), greatest(second))
 
 
-class _Names:
+class _RunNames:
     """Names of joints, drives, bodies and links of a run, taken from the names of its columns."""
 
     def __init__(self, names: Sequence[str], terms: Sequence[str]) -> None:
-        has = set(names)
-        self.has, self.terms = has, tuple(terms)
+        self.columns, self.terms = set(names), tuple(terms)
 
         def stems(end: str, *others: str) -> list[str]:
             candidates = [name.removesuffix(end) for name in names if name.endswith(end)]
-            return [stem for stem in candidates if all(stem + other in has for other in others)]
+            return [stem for stem in candidates if all(stem + other in self.columns for other in others)]
 
         self.hinges = stems("_angle_deg", "_rate_rad_s")
         self.sliders = stems("_position_m", "_speed_m_s")
-        self.torques = stems("_torque_Nm", "_power_W")
-        self.pushes = stems("_force_N", "_power_W")
+        self.drive_torques = stems("_torque_Nm", "_power_W")
+        self.drive_forces = stems("_force_N", "_power_W")
         self.bodies = stems("_x_m", "_vx_m_s")
-        self.met = stems("_granular_x_N")
-        self.deep = [one for one in stems("_depth_m") if one in self.bodies]
+        self.loaded = stems("_granular_x_N")
+        self.immersible = [body for body in stems("_depth_m") if body in self.bodies]
         self.bending = stems("_deflection_y_m", "_deflection_z_m")  # in space
         self.strained = stems("_strain", "_root_strain")
         self.wheels = stems("_slip", "_sinkage_m")
-        self.in_space = any(f"{one}_vz_m_s" in has for one in self.bodies)
+        self.in_space = any(f"{body}_vz_m_s" in self.columns for body in self.bodies)
         self.up = "z" if self.in_space else "y"
 
     def panel(self, title: str, base: str, curves: Iterable[tuple[str, str]], along: str = "") -> Panel:
         """Make a panel of single columns, given by label and name; missing columns are skipped."""
-        kept = tuple(Curve(label, ((name, 1.0),)) for label, name in curves if name in self.has)
+        kept = tuple(Curve(label, ((name, 1.0),)) for label, name in curves if name in self.columns)
         return Panel(title, base, kept, along=along)
 
 
-def _wheels(found: _Names) -> Group:
+def _wheels(run: _RunNames) -> Group:
     """Slip, sinkage and forces of wheels, along and across the surface below their axle."""
     quantities = (
         *(("slip", "", "slip"), ("sinkage", "m", "sinkage_m"), ("drawbar pull", "N", "drawbar_pull_N")),
@@ -209,100 +212,97 @@ def _wheels(found: _Names) -> Group:
         *(("slip angle", "deg", "slip_angle_deg"),),
     )
     panels = [
-        found.panel(title, base, [(wheel, f"{wheel}_{end}") for wheel in found.wheels])
-        for title, base, end in quantities
+        run.panel(title, base, [(wheel, f"{wheel}_{end}") for wheel in run.wheels]) for title, base, end in quantities
     ]
     caption = "Slip, sinkage, pull, load and torque, along and across the surface below the axle."
-    return Group("wheel", "Wheel" if len(found.wheels) == 1 else "Wheels", caption, tuple(panels))
+    return Group("wheel", "Wheel" if len(run.wheels) == 1 else "Wheels", caption, tuple(panels))
 
 
-def _travel(found: _Names) -> Group:
+def _travel(run: _RunNames) -> Group:
     """Motion of the first body (of a robot the trunk), or the path of the tip if bodies have no columns."""
-    up = "height" if found.in_space or found.bodies else "height of the tip"
-    if not found.bodies:
+    up = "height" if run.in_space or run.bodies else "height of the tip"
+    if not run.bodies:
         panels = [
-            found.panel("tip, horizontal", "m", [("tip x", "tip_x_m")]),
-            found.panel(up, "m", [("tip y", "tip_y_m"), ("tip z", "tip_z_m")]),
+            run.panel("tip, horizontal", "m", [("tip x", "tip_x_m")]),
+            run.panel(up, "m", [("tip y", "tip_y_m"), ("tip z", "tip_z_m")]),
         ]
-        return Group("path", "Path of the tip", "Path of the tip.", () if found.hinges else tuple(panels))
-    body = found.bodies[0]
+        return Group("path", "Path of the tip", "Path of the tip.", () if run.hinges else tuple(panels))
+    body = run.bodies[0]
     tilts = [(name, f"{body}_{name}_deg") for name in ("roll", "pitch", "yaw")]
     tilts.append(("pitch (clockwise)", f"{body}_orientation_deg"))  # in the plane
-    ahead, upward = f"{body}_vx_m_s", f"{body}_v{found.up}_m_s"
-    sideways = [("sideways", f"{body}_vy_m_s")] if found.in_space else []
+    ahead, upward = f"{body}_vx_m_s", f"{body}_v{run.up}_m_s"
+    sideways = [("sideways", f"{body}_vy_m_s")] if run.in_space else []
     panels = [
-        found.panel(f"{body}, ahead", "m", [("x", f"{body}_x_m")]),
-        *([found.panel(f"{body}, to the left", "m", [("y", f"{body}_y_m")])] if found.in_space else []),
-        found.panel(f"{body}, height", "m", [(found.up, f"{body}_{found.up}_m")]),
-        found.panel(f"{body}, {'angles' if found.in_space else 'pitch'}", "deg", tilts),
-        found.panel(f"{body}, speed", "m/s", [("ahead", ahead), *sideways, ("upward", upward)]),
+        run.panel(f"{body}, ahead", "m", [("x", f"{body}_x_m")]),
+        *([run.panel(f"{body}, to the left", "m", [("y", f"{body}_y_m")])] if run.in_space else []),
+        run.panel(f"{body}, height", "m", [(run.up, f"{body}_{run.up}_m")]),
+        run.panel(f"{body}, {'angles' if run.in_space else 'pitch'}", "deg", tilts),
+        run.panel(f"{body}, speed", "m/s", [("ahead", ahead), *sideways, ("upward", upward)]),
     ]
     caption = f"Path and speed of the centre of mass of {body}, and its attitude."
     return Group("travel", f"Motion of {body}", caption, tuple(panels))
 
 
-def _joints(found: _Names) -> Group:
+def _joints(run: _RunNames) -> Group:
     """Angle and rate of hinges, position and speed of sliders; torque, power and work of drives."""
-    rates = [(name, f"{name}_rate_rad_s") for name in found.hinges]
-    if "mean_rate_rad_s" in found.has:
+    rates = [(name, f"{name}_rate_rad_s") for name in run.hinges]
+    if "mean_rate_rad_s" in run.columns:
         rates.append(("mean (angular momentum / inertia)", "mean_rate_rad_s"))
-    driven = [*found.torques, *found.pushes]
+    driven = [*run.drive_torques, *run.drive_forces]
     works = tuple(Curve(name, ((f"{name}_power_W", 1.0),), integral=True) for name in driven)
     panels = [
-        found.panel("angle of joints", "deg", [(name, f"{name}_angle_deg") for name in found.hinges]),
-        found.panel("rate of joints", "rad/s", rates),
-        found.panel("position of sliders", "m", [(name, f"{name}_position_m") for name in found.sliders]),
-        found.panel("speed of sliders", "m/s", [(name, f"{name}_speed_m_s") for name in found.sliders]),
-        found.panel("torque of drives", "N·m", [(name, f"{name}_torque_Nm") for name in found.torques]),
-        found.panel("force of drives", "N", [(name, f"{name}_force_N") for name in found.pushes]),
-        found.panel("power of drives", "W", [(name, f"{name}_power_W") for name in driven]),
+        run.panel("angle of joints", "deg", [(name, f"{name}_angle_deg") for name in run.hinges]),
+        run.panel("rate of joints", "rad/s", rates),
+        run.panel("position of sliders", "m", [(name, f"{name}_position_m") for name in run.sliders]),
+        run.panel("speed of sliders", "m/s", [(name, f"{name}_speed_m_s") for name in run.sliders]),
+        run.panel("torque of drives", "N·m", [(name, f"{name}_torque_Nm") for name in run.drive_torques]),
+        run.panel("force of drives", "N", [(name, f"{name}_force_N") for name in run.drive_forces]),
+        run.panel("power of drives", "W", [(name, f"{name}_power_W") for name in driven]),
         Panel("work of drives", "J", works),
-        found.panel("deflection of the last flexible link", "m", [("tip", "deflection_m")]),
+        run.panel("deflection of the last flexible link", "m", [("tip", "deflection_m")]),
         *(
-            found.panel(
-                f"deflection of {link}", "m", [(f"along {axis}", f"{link}_deflection_{axis}_m") for axis in "yz"]
-            )
-            for link in found.bending
+            run.panel(f"deflection of {link}", "m", [(f"along {axis}", f"{link}_deflection_{axis}_m") for axis in "yz"])
+            for link in run.bending
         ),
-        found.panel("twist of links", "deg", [(link, f"{link}_twist_deg") for link in found.bending]),
-        found.panel("greatest strain of links", "", [(link, f"{link}_strain") for link in found.strained]),
+        run.panel("twist of links", "deg", [(link, f"{link}_twist_deg") for link in run.bending]),
+        run.panel("greatest strain of links", "", [(link, f"{link}_strain") for link in run.strained]),
     ]
     caption = "Angle, rate, torque, power and work of joints." if driven else "Angle and rate of joints."
     return Group("joints", "Joints", caption, tuple(panels))
 
 
-def _forces(found: _Names) -> Group:
+def _forces(run: _RunNames) -> Group:
     """Forces of the medium: each term, their sum, and the forces on each body."""
     axes = [("horizontal force", "x"), ("vertical force", "y")]
-    if found.in_space:
+    if run.in_space:
         axes = [("force ahead", "x"), ("force to the left", "y"), ("vertical force", "z")]
-    panels = [Panel(title, "N", _terms(found, f"force_{axis}_N")) for title, axis in axes]
+    panels = [Panel(title, "N", _terms(run, f"force_{axis}_N")) for title, axis in axes]
     moments = [("pivot", "moment_Nm"), ("centre of mass", "moment_about_center_of_mass_Nm")]
-    panels += [Panel(f"moment about the {about}", "N·m", _terms(found, end)) for about, end in moments]
-    for side, axis in (("ahead", "x"), ("upward", found.up)):
-        curves = [(name, f"{name}_granular_{axis}_N") for name in found.met]
-        panels.append(found.panel(f"force on each body, {side}", "N", curves))
+    panels += [Panel(f"moment about the {about}", "N·m", _terms(run, end)) for about, end in moments]
+    for side, axis in (("ahead", "x"), ("upward", run.up)):
+        curves = [(name, f"{name}_granular_{axis}_N") for name in run.loaded]
+        panels.append(run.panel(f"force on each body, {side}", "N", curves))
     caption = "Forces of the medium: each term, their sum, and the forces on each body."
     return Group("forces", "Forces of the medium", caption, tuple(panels))
 
 
-def _terms(found: _Names, end: str) -> tuple[Curve, ...]:
+def _terms(run: _RunNames, end: str) -> tuple[Curve, ...]:
     """Curves of the terms of a force, with their sum first if there are several."""
-    names = [(term, f"{term}_{end}") for term in found.terms if f"{term}_{end}" in found.has]
-    single = tuple(Curve(term.replace("_", " "), ((name, 1.0),)) for term, name in names)
-    return (Curve("sum", tuple((name, 1.0) for _, name in names)), *single) if len(single) > 1 else single
+    columns = [(term, f"{term}_{end}") for term in run.terms if f"{term}_{end}" in run.columns]
+    single = tuple(Curve(term.replace("_", " "), ((name, 1.0),)) for term, name in columns)
+    return (Curve("sum", tuple((name, 1.0) for _, name in columns)), *single) if len(single) > 1 else single
 
 
-def _depths(found: _Names) -> Group:
+def _depths(run: _RunNames) -> Group:
     """Depth of bodies other than wheels, which have a sinkage, and vertical force against depth."""
-    deep = [name for name in found.deep if name not in found.wheels]
-    depths = [(name, f"{name}_depth_m") for name in deep]
-    panels = [found.panel("depth", "m", depths or [("deepest point", "depth_m")])] if deep or not found.wheels else []
-    for name in deep[:MOST_BODIES]:
-        title, forces = f"vertical force on {name} against its depth", [(name, f"{name}_granular_{found.up}_N")]
-        panels.append(found.panel(title, "N", forces, along=f"{name}_depth_m"))
-    upward = tuple((f"{t}_force_{found.up}_N", 1.0) for t in found.terms if f"{t}_force_{found.up}_N" in found.has)
-    if not found.deep and upward and "depth_m" in found.has:
+    bodies = [name for name in run.immersible if name not in run.wheels]
+    depths = [(name, f"{name}_depth_m") for name in bodies]
+    panels = [run.panel("depth", "m", depths or [("deepest point", "depth_m")])] if bodies or not run.wheels else []
+    for name in bodies[:MOST_BODIES]:
+        title, forces = f"vertical force on {name} against its depth", [(name, f"{name}_granular_{run.up}_N")]
+        panels.append(run.panel(title, "N", forces, along=f"{name}_depth_m"))
+    upward = tuple((f"{term}_force_{run.up}_N", 1.0) for term in run.terms if f"{term}_force_{run.up}_N" in run.columns)
+    if not run.immersible and upward and "depth_m" in run.columns:
         panels.append(Panel("vertical force against depth", "N", (Curve("sum", upward),), along="depth_m"))
     caption = "Depth of the deepest point of each body, and the vertical force of the medium against it."
     return Group("depth", "Depth, and force against depth", caption, tuple(panels))
@@ -325,13 +325,13 @@ ENERGIES = (  # label, column, factor; gravity is counted from the start
 )
 
 
-def _energy(found: _Names) -> Group:
+def _energy(run: _RunNames) -> Group:
     """Energies and works, and the imbalance of energy."""
-    present = (entry for entry in ENERGIES if entry[1] in found.has)
+    present = (entry for entry in ENERGIES if entry[1] in run.columns)
     curves = tuple(Curve(label, ((name, factor),), start=name == "gravity_J") for label, name, factor in present)
     panels = [
         Panel("energy", "J", curves),
-        found.panel("energy imbalance", "J", [("imbalance", "energy_imbalance_J")]),
+        run.panel("energy imbalance", "J", [("imbalance", "energy_imbalance_J")]),
     ]
     caption = "Stored and dissipated energy; apart from the imbalance the sum is constant."
     return Group("energy", "Energy", caption, tuple(panels))

@@ -55,8 +55,8 @@ def table(runs: Sequence[History]) -> dict[str, Array]:
     """Columns (rows,) of all runs on a common time axis, by name; columns of zeros are left out."""
     times = np.unique(np.concatenate([run.columns["time_s"] for run in runs]))
     count = sum(len(run.columns) for run in runs)
-    most = int(np.clip(MOST_NUMBERS // max(count, 1), LEAST_ROWS, MOST_ROWS))
-    time = times if len(times) <= most else np.linspace(times[0], times[-1], most)
+    row_limit = int(np.clip(MOST_NUMBERS // max(count, 1), LEAST_ROWS, MOST_ROWS))
+    time = times if len(times) <= row_limit else np.linspace(times[0], times[-1], row_limit)
     columns: dict[str, Array] = {"time_s": time}
     for key, run in zip(keys(run.name for run in runs), runs, strict=True):
         run_time = run.columns["time_s"]
@@ -97,11 +97,11 @@ def motion(runs: Sequence[History]) -> Motion | None:
 
 
 def _at_times(motion: Motion, time: Array) -> Motion:
-    """Resample a motion linearly at other times (s); after its end it is constant."""
+    """Interpolate a motion linearly at other times (k,) s; after its end it is constant."""
     poses = motion.poses
-    if motion.in_space:  # of both quaternions of an attitude take the one nearer to its predecessor
-        same = np.sign(np.sum(poses[1:, :, 3:] * poses[:-1, :, 3:], axis=2))
-        sign = np.cumprod(np.concatenate([np.ones((1, poses.shape[1])), np.where(same < 0, -1.0, 1.0)]), axis=0)
+    if motion.in_space:  # q and -q are the same attitude: take the one nearer to its predecessor
+        cosine = np.sign(np.sum(poses[1:, :, 3:] * poses[:-1, :, 3:], axis=2))
+        sign = np.cumprod(np.concatenate([np.ones((1, poses.shape[1])), np.where(cosine < 0, -1.0, 1.0)]), axis=0)
         poses = np.concatenate([poses[..., :3], poses[..., 3:] * sign[..., None]], axis=2)
     sampled = resample(motion.time, poses, time)
     if motion.in_space:
@@ -115,71 +115,101 @@ def _at_times(motion: Motion, time: Array) -> Motion:
 
 
 def write(runs: Sequence[tuple[str, Results]], folder: Path) -> None:
-    """Write histories and motion of runs (name and results) into a folder; no motion unless all runs have one."""
+    """Write the histories of several runs, and their common motion, into a folder.
+
+    Parameters
+    ----------
+    runs : sequence of pairs
+        Name and results of each run. Without a motion of every run, all in the plane or all in space, none is written.
+    folder : Path
+        An existing folder.
+
+    Raises
+    ------
+    OSError
+        A file cannot be written.
+    """
     compared = [history(*run) for run in runs]
     columns = table(compared)
     with (folder / OVERLAY).open("w", encoding="utf-8", newline="") as file:
         np.savetxt(file, np.column_stack(list(columns.values())), "%.8g", ",", header=",".join(columns), comments="")
-    if (moved := motion(compared)) is not None:
-        (folder / MOTION).write_text(motion_text(moved, runs[-1][1]), encoding="utf-8")
+    if (common_motion := motion(compared)) is not None:
+        (folder / MOTION).write_text(motion_text(common_motion, runs[-1][1]), encoding="utf-8")
 
 
 # ---- panels ----
 
 
 def panels(names: Sequence[str], columns: Mapping[str, Array], reference: str = "") -> list[Group]:
-    """Groups of panels of a `table`, each of one quantity with a curve for each run; names: of the runs.
+    """Groups of panels of a `table`, each panel of one quantity with a curve for each run.
 
-    reference: name of the reference run; further panels show differences of angles and positions from it.
+    names: of the runs; reference: name of the reference run, from which further panels show the differences of angles
+    and lengths.
     """
     runs = dict(zip(keys(names), names, strict=True))
-    found: dict[str, Group] = {}
-    quantities: dict[tuple[str, str], dict[str, Panel]] = {}  # of a group, by title, then by run
+    first_groups: dict[str, Group] = {}  # by name, from the first run that has it
+    quantities: dict[str, dict[str, dict[str, Panel]]] = {}  # by name of the group, title of the panel, and run
     for key in runs:
-        own = {name.removeprefix(f"{key}."): values for name, values in columns.items() if name.startswith(f"{key}.")}
-        own["time_s"] = columns["time_s"]
-        terms = [name.removesuffix("_force_x_N") for name in own if name.endswith("_force_x_N")]
-        for group in groups(list(own), terms, own.__getitem__):
-            found.setdefault(group.name, group)
-            for one in _quantities(group, key, runs[key]):
-                quantities.setdefault((group.name, one.title), {})[key] = one
+        start = f"{key}."
+        run_columns = {name.removeprefix(start): values for name, values in columns.items() if name.startswith(start)}
+        run_columns["time_s"] = columns["time_s"]
+        terms = [name.removesuffix("_force_x_N") for name in run_columns if name.endswith("_force_x_N")]
+        for group in groups(list(run_columns), terms, run_columns.__getitem__):
+            first_groups.setdefault(group.name, group)
+            by_title = quantities.setdefault(group.name, {})
+            for panel in _quantities(group, key, runs[key]):
+                by_title.setdefault(panel.title, {})[key] = panel
     base = next((key for key, name in runs.items() if name == reference), "")
-    made = []
-    for name, group in found.items():
-        mine = [of_runs for (of, _), of_runs in quantities.items() if of == name]
-        made.append(replace(group, panels=tuple(p for one in mine for p in _drawn(one, columns, base, reference))))
-    return distinct(made, columns.__getitem__, compared=True)
+    compared = [
+        replace(group, panels=tuple(_compared(quantities[name].values(), columns, base, reference)))
+        for name, group in first_groups.items()
+    ]
+    return distinct(compared, columns.__getitem__, compared=True)
 
 
 def _quantities(group: Group, key: str, name: str) -> Iterator[Panel]:
-    """Panels of one curve of a run. Of forces the sum; of energies what is exchanged; of many joints the first."""
+    """Panels of a run with one curve each, for comparison with other runs.
+
+    Of the terms of a force only the sum is compared, of energies only those in `_BALANCE`, and of any other panel with
+    more than `MOST_CURVES` curves the first two. key: prefix of the columns of the run; name: of the run.
+    """
     for panel in group.panels:
         curves = panel.curves
         if group.name == "energy":
-            curves = tuple(one for one in curves if one.terms[0][0] in _BALANCE)
+            curves = tuple(curve for curve in curves if curve.terms[0][0] in _BALANCE)
         elif curves[0].label == "sum":
             curves = curves[:1]
         elif len(curves) > MOST_CURVES:
             curves = curves[:2]
         single = group.name in ("wheel", "forces", "depth") and len(curves) == 1
         for curve in curves:
-            for words in curve.label.split(", "):  # those of curves that are the same
-                title = panel.title if single else words if group.name == "energy" else f"{panel.title}: {words}"
+            for label in curve.label.split(", "):  # a curve with several labels stands for several equal curves
+                title = panel.title if single else label if group.name == "energy" else f"{panel.title}: {label}"
                 along = f"{key}.{panel.along}" if panel.along else ""
                 terms = tuple((f"{key}.{column}", factor) for column, factor in curve.terms)
-                drawn = replace(curve, label=name, terms=terms, along=along)
-                yield replace(panel, title=title, curves=(drawn,), along=along)
+                run_curve = replace(curve, label=name, terms=terms, along=along)
+                yield replace(panel, title=title, curves=(run_curve,), along=along)
 
 
-def _drawn(of_runs: Mapping[str, Panel], columns: Mapping[str, Array], base: str, reference: str) -> Iterator[Panel]:
-    """Panel of a quantity with a curve for each run; with a reference a second panel, of the differences from it."""
+def _compared(
+    quantities: Iterable[Mapping[str, Panel]], columns: Mapping[str, Array], base: str, reference: str
+) -> Iterator[Panel]:
+    """Yield a panel of each quantity with a curve for each run, and a panel of the differences from the reference run.
+
+    quantities: panels by key of the run; base: key of the reference run, whose name is `reference`; empty for none.
+    Differences are shown of angles and lengths over time alone, and only if they are larger than round-off.
+    """
     column = columns.__getitem__
-    one = next(iter(of_runs.values()))
-    curves = {key: panel.curves[0] for key, panel in of_runs.items()}
-    yield in_unit(replace(one, curves=tuple(curves.values())), column)
-    if base not in curves or len(curves) < 2 or one.base not in _SMOOTH or one.along:
-        return
-    less = tuple((name, -factor) for name, factor in curves[base].terms)
-    away = tuple(replace(curve, terms=(*curve.terms, *less)) for key, curve in curves.items() if key != base)
-    if max(greatest(curve.values(column)) for curve in away) > ROUND_OFF * greatest(curves[base].values(column)):
-        yield in_unit(replace(one, title=f"{one.title}, less {reference}", curves=away), column)
+    for panels_by_run in quantities:
+        first = next(iter(panels_by_run.values()))
+        curves = {key: panel.curves[0] for key, panel in panels_by_run.items()}
+        yield in_unit(replace(first, curves=tuple(curves.values())), column)
+        if base not in curves or len(curves) < 2 or first.base not in _SMOOTH or first.along:
+            continue
+        subtracted = tuple((name, -factor) for name, factor in curves[base].terms)
+        differences = tuple(
+            replace(curve, terms=(*curve.terms, *subtracted)) for key, curve in curves.items() if key != base
+        )
+        largest = max(greatest(curve.values(column)) for curve in differences)
+        if largest > ROUND_OFF * greatest(curves[base].values(column)):
+            yield in_unit(replace(first, title=f"{first.title}, less {reference}", curves=differences), column)
