@@ -160,9 +160,9 @@ def main(repeats: int = 9) -> int:
     own = best["granular-contact"]
     mujoco, expert = own / best["MuJoCo, Python call per step"], own / best["MuJoCo, Python call per step, leapfrog"]
     elastica = best["PyElastica"] / own
-    print(f"\nAt 12 um we take {mujoco:.2f} times MuJoCo's time with one Python call per step (bound: 1.5),")
+    print(f"\nAt 12 um this package takes {mujoco:.2f} times MuJoCo's time with one Python call per step (bound: 1.5),")
     print(f"{expert:.1f} times its time where the user adds the leapfrog trick;")
-    print(f"PyElastica takes {elastica:.0f} times ours (bound: 30).")
+    print(f"PyElastica takes {elastica:.0f} times the time of this package (bound: 30).")
     ahead = chains(max(3, repeats // 3))
     return 0 if mujoco <= 1.5 and elastica >= 30.0 and ahead else 1
 
@@ -174,7 +174,10 @@ def chains(repeats: int) -> bool:
     """
     apart = max(peer_chains.agreement(links) for links in peer_chains.SIZES)
     measured = peer_chains.points(repeats)
-    print(f"\nChains of rigid links; finest paths at most {apart:.3f} um from MuJoCo's with RK4; median of {repeats}\n")
+    print(
+        f"\nChains of rigid links; with the finest steps, paths differ by at most {apart:.3f} um from those of "
+        f"MuJoCo with RK4; median of {repeats}\n"
+    )
     print(peer_chains.tables(measured, peer_chains.SIZES))
     plain = peer_chains.ratios(measured, peer_chains.SIZES)
     expert = peer_chains.ratios(measured, peer_chains.SIZES, peer_chains.LEAPFROG_TOOL)

@@ -259,20 +259,21 @@ def static_part(elements: Sequence[int]) -> Part:
         geometry = f"{bent[name] / linear[name] - 1:+.1e}"
         rows.append([name, f"{1e6 * linear[name]:.3f}", geometry, ends, f"{fe_orders[-1]:.2f}", f"{modal[0]:+.1e}",
                      f"{modal[-1]:+.1e}", f"{modal_orders[-1]:.2f}"])  # fmt: skip
-    head = ["load", "linear theory um", "elastica to linear", "FE to elastica (elements)", "order", "1 mode to linear",
-            f"{MODES[-1]} modes", "order"]  # fmt: skip
+    head = ["load", "linear theory um", "elastica from linear", "FE from elastica (elements)", "order"]
+    head += ["1 mode from linear", f"{MODES[-1]} modes", "order"]
     worst = max(abs(data[name]["fe"][-1]) for name in data)
     claims = [
         claim(
             "static deflection by FE",
             worst < 1e-8 and min(fe_orders) > 3.8,
-            f"{worst:.1e} off with {elements[-1]} elements (asked: 1e-8), orders {words(fe_orders)} under own and tip "
-            "weight (asked: 4 at least)",
+            f"{worst:.1e} off with {elements[-1]} elements (required: 1e-8), orders {words(fe_orders)} under its own "
+            "weight and a tip weight (required: at least 4)",
         ),
         claim(
             "static deflection by modes",
             abs(modal_orders[0] - 5) < 0.2 and abs(modal_orders[1] - 3) < 0.2,
-            f"orders {words(modal_orders)} under own and tip weight (asked: 5 and 3, as the series have it); one mode "
+            f"orders {words(modal_orders)} under its own weight and a tip weight (required: 5 and 3, the orders of "
+            "the series); one mode "
             f"{100 * data['own weight']['modal'][0]:+.1f} and {100 * data['tip weight']['modal'][0]:+.1f} %",
         ),
     ]
@@ -314,19 +315,19 @@ def frequency_part(elements: Sequence[int], count: int = 5) -> Part:
     worst = float(np.abs(data["clamped"]["modal"]).max())
     first, last = theory["clamped"][0], float(np.abs(data["hinged"]["modal"][-1]).max())
     claims = [
-        claim("first frequency", abs(first - 77.4) < 0.05, f"{first:.3f} Hz clamped and free (asked: 77.4)"),
+        claim("first frequency", abs(first - 77.4) < 0.05, f"{first:.3f} Hz clamped and free (required: 77.4)"),
         claim(
             "frequencies by FE",
             finest < 1e-3 and all(abs(x - 4) < 0.2 for x in every),
-            f"ten frequencies at most {finest:.1e} off with {elements[-1]} elements (asked: 1e-3), orders "
-            f"{min(every):.2f} to {max(every):.2f} (asked: 4)",
+            f"ten frequencies at most {finest:.1e} off with {elements[-1]} elements (required: 1e-3), orders "
+            f"{min(every):.2f} to {max(every):.2f} (required: 4)",
         ),
-        claim("clamped frequencies by modes", worst < 1e-10, f"at most {worst:.1e} off (asked: 1e-10)"),
+        claim("clamped frequencies by modes", worst < 1e-10, f"at most {worst:.1e} off (required: 1e-10)"),
         claim(
             "hinged frequencies by modes",
             last < 1e-5 and min(modal_orders) > 4.8,
-            f"with {modes[-1]} modes at most {last:.1e} off in the first five (asked: 1e-5); "
-            f"orders {words(modal_orders)} (asked: 5 at least)",
+            f"with {modes[-1]} modes at most {last:.1e} off in the first five (required: 1e-5); "
+            f"orders {words(modal_orders)} (required: at least 5)",
         ),
     ]
     return (
@@ -351,7 +352,7 @@ def elastica_part(elements: Sequence[int]) -> Part:
     asymptotic = list(elements).index(4)
     orders = {name: order(elements, errors[name], 1e-9, first=asymptotic) for name in shapes}
     rows = [[name, *(f"{e:.1e}" for e in errors[name]), f"{orders[name]:.2f}"] for name in shapes]
-    head = ["error of the tip, of L", *(f"{n} element{'s' * (n > 1)}" for n in elements), "order from 4"]
+    head = ["error of the tip over L", *(f"{n} element{'s' * (n > 1)}" for n in elements), "order from 4"]
     rigid = elastica(force=force, axial=1e12 * EA)
     closed = float(np.linalg.norm(rigid - elliptic_elastica(LOAD))) / L
     loads = np.array([0.05, 0.1, 0.2, 0.4])
@@ -359,17 +360,18 @@ def elastica_part(elements: Sequence[int]) -> Part:
     limit = brentq(lambda x: x / 3 * L / -elliptic_elastica(x)[1] - 1.01, 0.05, 2.0)
     slope = -order(loads, linear)
     claims = [
-        claim("elastica by shooting", closed < 1e-10, f"{closed:.1e} L from the elliptic integrals (asked: 1e-10)"),
+        claim("elastica by shooting", closed < 1e-10, f"{closed:.1e} L from the elliptic integrals (required: 1e-10)"),
         claim(
             "elastica by FE",
             min(orders.values()) > 3.8 and max(e[-1] for e in errors.values()) < 2e-5,
-            f"orders {words(list(orders.values()))} under tip force and moment (asked: 4 at least), at most "
-            f"{max(e[-1] for e in errors.values()):.1e} L off with {elements[-1]} elements (asked: 2e-5)",
+            f"orders {words(list(orders.values()))} under tip force and moment (required: at least 4), at most "
+            f"{max(e[-1] for e in errors.values()):.1e} L off with {elements[-1]} elements (required: 2e-5)",
         ),
         claim(
             "modes are linear",
             abs(slope - 2) < 0.1,
-            f"any number of modes bends too far with the square of the load (fitted {slope:.2f}), by 1 % at F L^2/EI = "
+            "any number of modes bends too far, by an error that grows with the square of the load (fitted "
+            f"{slope:.2f}), by 1 % at F L^2/EI = "
             f"{limit:.2f}, a deflection of {limit / 3 / 1.01:.2f} L",
         ),
     ]
@@ -425,7 +427,7 @@ def period_part() -> Part:
     }
     exact = [4 * quarter_period(a, solid) for a in AMPLITUDES]
     rows = [["period of the rigid pendulum s", *(f"{t:.6f}" for t in exact)]]
-    rows += [[f"{name} to theory", *(f"{e:+.1e}" for e in errors[name])] for name in models]
+    rows += [[f"{name} from theory", *(f"{e:+.1e}" for e in errors[name])] for name in models]
     steps = [swing("pendulum_rigid.yaml", 90.0, h) / quarter_period(90.0, solid) - 1 for h in STEPS]
     fitted = -order(STEPS, steps)
     reduced, engine = (max(map(abs, errors[name])) for name in list(models)[:2])
@@ -434,13 +436,14 @@ def period_part() -> Part:
         claim(
             "period of the rigid pendulum",
             reduced < 1e-8 and engine < 1e-5 and abs(fitted - 2) < 0.1,
-            f"at 5, 90 and 170 deg at most {reduced:.1e} off reduced (asked: 1e-8), {engine:.1e} by the engine with a "
-            f"step of 0.1 ms (asked: 1e-5), whose order in the step is {fitted:.2f} (asked: 2)",
+            f"at 5, 90 and 170 deg at most {reduced:.1e} off reduced (required: 1e-8), {engine:.1e} by the engine "
+            "with a "
+            f"step of 0.1 ms (required: 1e-5), whose order in the step is {fitted:.2f} (required: 2)",
         ),
         claim(
             "period of the flexible pendulum",
             bending < 1e-4,
-            f"one mode and FE at most {bending:.1e} from the rigid one (asked: 1e-4)",
+            f"one mode and FE at most {bending:.1e} from the rigid one (required: 1e-4)",
         ),
     ]
     head = ["amplitude", *(f"{a:g} deg" for a in AMPLITUDES)]

@@ -138,10 +138,10 @@ def study(quick: bool) -> Outcome:
             rows.append([kind, name, *numbers, *shares])
     head = (
         "",
-        "runs of",
+        "model",
         "runs",
-        "CPU ms a run",
-        "CPU s of workers besides",
+        "CPU ms per run",
+        "CPU s of workers outside the runs",
         "CPU s of the parent",
         "lost %",
         "waiting %",

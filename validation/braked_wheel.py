@@ -135,8 +135,11 @@ def by_rule(results: dict[str, dict[str, Vector]]) -> tuple[str, dict[str, dict[
     head = ["candidate"]
     for bound in results:
         head += [f"rms Fx N, {bound}", "rms sinkage mm", "slips worse, Fx and sinkage", "passes"]
-    text = "The rule: rms over nine slips (in brackets over that of the level surface; asked: 0.67), and slips at which"
-    return f"{text} a candidate is worse by more than a tenth or the scatter.\n\n{markdown(head, rows)}", verdicts
+    text = (
+        "The rule: rms error over nine slips (in brackets: divided by that of the level surface; required: "
+        "0.67), and slips at which"
+    )
+    return f"{text} a candidate is worse by more than 10 % or than the scatter.\n\n{markdown(head, rows)}", verdicts
 
 
 def at_measured_sinkage() -> tuple[str, Vector]:
@@ -160,7 +163,8 @@ def of_the_locked_wheel() -> str:
     heaps = [Model(Effects(heap=kind), model, locked.slip).heap(locked.sinkage) for kind in ("plane", "sides")]
     area = Model(Effects(), model, locked.slip).area(locked.sinkage, model.front(locked.sinkage))
     text = (
-        f"Before the locked wheel at its measured sinkage: the heap of B1 is {1e3 * heaps[0]:.0f} mm high, that of B2 "
+        f"In front of the locked wheel at its measured sinkage: the heap of B1 is {1e3 * heaps[0]:.0f} mm high, "
+        "that of B2 "
     )
     return f"{text}{1e3 * heaps[1]:.0f} mm; the wedge of C weighs {SAND.weight * model.width * area:.2f} N."
 
@@ -197,7 +201,7 @@ def pressed_claim(errors: dict[str, list[float]]) -> Claim:
     level, grown = (np.array(errors[name][1:]) for name in ("level surface", "E1 growth with depth"))
     pairs = ", ".join(f"{100 * a:.0f} to {100 * b:.0f} %" for a, b in zip(level, grown, strict=True))
     return Claim(
-        "braked_wheel.growth with depth betters the other plate and the wheel pressed in",
+        "braked_wheel.growth with depth improves the other plate and the wheel that is pressed in",
         bool(np.all(grown < level)),
         f"rms, plate of 80 mm and the wheel's two sizes: {pairs}",
     )
@@ -226,32 +230,37 @@ def claims(
     apart = against_package(BOUND)
     bear = all(np.isfinite(v).all() for size in values.values() for v in size.values())
     passing_detail = (
-        f"{', '.join(passing) or 'none'} of {len(allowed[BOUND])}; nearest {nearest}: Fx {near.force:.2f}, "
+        f"{', '.join(passing) or 'none'} of {len(allowed[BOUND])}; the nearest is {nearest}: Fx {near.force:.2f}, "
     )
-    passing_detail += f"sinkage {near.sinkage:.2f} of the level surface's rms (asked: 0.67)"
+    passing_detail += f"sinkage {near.sinkage:.2f} of the level surface's rms (required: 0.67)"
     wheel = f"{level[0, 0]:.1f} N and {level[0, 1]:.1f} mm at slip -1"
     return [
-        Claim("braked_wheel.the level surface is the package's wheel", apart < 0.01, f"within {apart:.1e}; {wheel}"),
         Claim(
-            "braked_wheel.every candidate bears the load at every slip",
+            "braked_wheel.the study's level surface agrees with the wheel of the package",
+            apart < 0.01,
+            f"within {apart:.1e}; {wheel}",
+        ),
+        Claim(
+            "braked_wheel.every candidate carries the load at every slip",
             bool(bear),
             f"{len(found)} rows, both sizes",
         ),
         Claim("braked_wheel.a candidate passes the rule", bool(passing), passing_detail),
         Claim(
-            "braked_wheel.a candidate betters both Fx and sinkage by 5 % or more",
+            "braked_wheel.a candidate improves both Fx and sinkage by 5 % or more",
             bool(both),
-            ", ".join(both) or "none: what lowers the one rms by that much raises the other or leaves it",
+            ", ".join(both) or "none: candidates that lower one rms by that much raise the other or leave it unchanged",
         ),
         Claim(
-            "braked_wheel.a candidate has Fx and sinkage of the locked wheel within a tenth",
+            "braked_wheel.a candidate gives Fx and sinkage of the locked wheel within 10 %",
             bool(any(np.all(np.abs(v[0] / data[0] - 1) < 0.1) for n, v in found.items() if "not allowed" not in n)),
-            f"nearest in Fx {best}: {found[best][0, 0]:.1f} N, {found[best][0, 1]:.0f} mm of {data[0, 0]:.1f}, "
+            f"the nearest in Fx is {best}: {found[best][0, 0]:.1f} N, {found[best][0, 1]:.0f} mm of {data[0, 0]:.1f}, "
             f"{data[0, 1]:.0f}",
         ),
         Claim("braked_wheel.both stated sizes of the wheel give the same verdict", same, "58 and 62.5 mm"),
         Claim(
-            "braked_wheel.at the measured sinkage the level surface bears too much at slip -1, too little at 0.9",
+            "braked_wheel.at the measured sinkage the level surface carries too much load at slip -1 and too little "
+            "at 0.9",
             bool(shares[0] > 1.3 and shares[-1] < 0.7),
             f"{shares[0]:.2f} and {shares[-1]:.2f} of the load",
         ),
@@ -266,7 +275,8 @@ def study(quick: bool) -> Outcome:
     bearing, shares = at_measured_sinkage()
     z0, d0 = (1e3 * length_of(kind) for kind in ("depth", "size"))
     from_plate = (
-        f"The one number from the plate of 60 mm: z0 {z0:.1f} mm (growth with depth) or D0 {d0:.1f} mm (with size)."
+        f"The only fitted number, from the plate of 60 mm: z0 {z0:.1f} mm (growth with depth) or D0 "
+        f"{d0:.1f} mm (with size)."
     )
     down, errors = pressed.compared()
     text = [from_plate, over_slips(values[BOUND]), rule, bearing, of_the_locked_wheel(), down]

@@ -97,14 +97,14 @@ def study(quick: bool) -> Outcome:
     further = {row[0]: spent for row, spent in zip(rows, seconds, strict=True)}
     first, robot = further.pop(SCENES[0][0]), further.pop(IN_SPACE)
     over = [new for new, spent in further.items() if spent > FURTHER]
-    detail = f"; over it: {'; '.join(over)}" if over else ""
+    detail = f"; above the bound: {'; '.join(over)}" if over else ""
     most = max(further.values())
     claims = (
-        Claim("compile_cost.first_run", first <= FIRST, f"{first:.1f} CPU s ({FIRST:g} asked)"),
-        Claim("compile_cost.first_robot_in_space", robot <= ROBOT, f"{robot:.1f} CPU s ({ROBOT:g} asked)"),
-        Claim("compile_cost.each_further", not over, f"at most {most:.1f} CPU s ({FURTHER:g} asked){detail}"),
+        Claim("compile_cost.first_run", first <= FIRST, f"{first:.1f} CPU s (at most {FIRST:g})"),
+        Claim("compile_cost.first_robot_in_space", robot <= ROBOT, f"{robot:.1f} CPU s (at most {ROBOT:g})"),
+        Claim("compile_cost.each_further", not over, f"at most {most:.1f} CPU s (at most {FURTHER:g}){detail}"),
     )
-    return Outcome(markdown(["new", "scene", "CPU s", "functions"], rows), claims)
+    return Outcome(markdown(["newly compiled", "scene", "CPU s", "functions"], rows), claims)
 
 
 if __name__ == "__main__":

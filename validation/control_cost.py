@@ -89,7 +89,7 @@ def study(quick: bool = False) -> Outcome:
         per_step = [1e6 * min(column) * PAUSE / END for column in zip(*times, strict=True)]
         added.append(per_step[2] - per_step[0])
         rows.append([name, *(f"{value:.0f}" for value in per_step), f"{added[-1]:.0f}"])
-    table = markdown(["scene", "in one go us", "with pauses us", "steps us", "steering adds us"], rows)
+    table = markdown(["scene", "one call us", "with pauses us", "steps us", "extra for control us"], rows)
     claim = Claim("control_cost.a step of 1 ms adds less than 50 us", max(added) < 1e6 * BOUND, f"{max(added):.0f} us")
     return Outcome(table, (claim,))
 

@@ -100,12 +100,12 @@ def study(quick: bool) -> Outcome:
             Claim(
                 "convergence.the default case is converged",
                 abs(stop) < 5e-3 and abs(angle) < 0.01,
-                f"stopping time {100 * stop:+.3f} % (asked: 0.5), angle at stop {angle:+.5f} deg (asked: 0.01)",
+                f"stopping time {100 * stop:+.3f} % (required: 0.5), angle at stop {angle:+.5f} deg (required: 0.01)",
             ),
             Claim(
                 "convergence.elements and strips are of second order",
                 min(orders) > 1.8,
-                f"{orders[0]:.2f} and {orders[1]:.2f} fitted (asked: 1.8 at least)",
+                f"{orders[0]:.2f} and {orders[1]:.2f} fitted (required: at least 1.8)",
             ),
         ),
     )

@@ -149,6 +149,8 @@ def curled(counts: list[int], names: list[str]) -> tuple[str, float, tuple[float
             warning = "too few elements" if coarse.told else "nothing"
             rows.append([name, count, f"{error_of_run:.1e}", f"{coarse.estimate:.1e}", f"{ratios[-1]:.2f}", warning])
             silent = max(silent, 0.0 if coarse.told else error_of_run)
-    caption = "Links that curl or vibrate: error of the axis by the elements, over the path, and its estimate."
-    header = ["link", "elements", "error", "estimated", "over the error", "told"]
+    caption = (
+        "Links that curl or vibrate: error of the axis due to the elements, over the path length, and its estimate."
+    )
+    header = ["link", "elements", "error", "estimated", "estimate over error", "warning"]
     return f"{caption}\n\n{markdown(header, rows)}", silent, (min(ratios), max(ratios))

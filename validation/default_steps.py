@@ -191,8 +191,8 @@ def study(quick: bool) -> Outcome:
     every = {name: measured(name) for name in (QUICK if quick else names)}
     rows_by_config = {name: row(name, *settings) for name, settings in every.items()}
     counted = {name: counts(name, settings) for name, (settings, _) in every.items()}
-    columns = ["steps", "CPU s", "error %", "fastest as exact", "times its time"]
-    head = ["config", "shipped", *columns, "by the rule", *columns, "as"]
+    columns = ["steps", "CPU s", "error %", "fastest of equal accuracy", "time ratio"]
+    head = ["config", "shipped", *columns, "setting of the rule", *columns, "reason of the rule"]
     shipped_off = [f"{name} {shipped:.2f}" for name, (_, shipped, _) in rows_by_config.items() if shipped > NEAR]
     rule_off = [f"{name} {rule:.2f}" for name, (_, _, rule) in rows_by_config.items() if rule > NEAR]
     choosing = [name for name, (settings, _) in every.items() if settings[0].name.startswith("accuracy")]
@@ -209,19 +209,24 @@ def study(quick: bool) -> Outcome:
                 not shipped_off,
                 _detail(shipped_off, len(rows_by_config)),
             ),
-            Claim("default_steps.the rule's lie on the front", not rule_off, _detail(rule_off, len(rows_by_config))),
             Claim(
-                "default_steps.a looser accuracy takes no more iterations",
+                "default_steps.settings of the rule lie on the front",
+                not rule_off,
+                _detail(rule_off, len(rows_by_config)),
+            ),
+            Claim(
+                "default_steps.a looser accuracy needs no more iterations than a tighter one",
                 most <= MORE,
-                f"at most {most:.2f} times those of a tighter one where steps are chosen ({where}; asked: {MORE:g})",
+                f"at most {most:.2f} times those of a tighter one where steps are chosen ({where}; required: {MORE:g})",
             ),
         ),
     )
 
 
 def _detail(off: list[str], number: int) -> str:
-    return f"{number - len(off)} of {number} within {NEAR:g} times the fastest as exact" + (
-        f"; not {', '.join(off)}" if off else ""
+    return (
+        f"{number - len(off)} of {number} within {NEAR:g} times the time of the fastest setting of equal accuracy"
+        + (f"; not: {', '.join(off)}" if off else "")
     )
 
 

@@ -176,13 +176,15 @@ def told(results: list[Found]) -> Outcome:
     worst = max(silent, key=lambda result: result.error)
     above = [result for result in silent if result.error > SILENT]
     alarms = [result for result in results if result.over > WITHIN]
-    head = ["kind", "scenes", "median error %", "largest %", "warned", "told over true"]
+    head = ["kind", "scenes", "median error %", "largest %", "warned", "estimate over true error"]
     return Outcome(
         markdown(head, rows),
         (
-            Claim("facet_estimates.no silent error above 1 %", not above, _detail(above, len(silent), worst)),
             Claim(
-                "facet_estimates.none told above ten times the true one",
+                "facet_estimates.no error above 1 % is without a warning", not above, _detail(above, len(silent), worst)
+            ),
+            Claim(
+                "facet_estimates.no estimate is more than ten times the true error",
                 not alarms,
                 f"{len(results)} scenes: at most {max(result.over for result in results):.1f} times{_seeds(alarms)}",
             ),
@@ -191,7 +193,10 @@ def told(results: list[Found]) -> Outcome:
 
 
 def _detail(above: list[Found], count: int, worst: Found) -> str:
-    return f"{len(above)} of {count} silent scenes are above it, the greatest error is {worst.error:.2%}{_seeds(above)}"
+    return (
+        f"{len(above)} of {count} scenes without a warning are above the bound; the largest error is "
+        f"{worst.error:.2%}{_seeds(above)}"
+    )
 
 
 def _seeds(results: list[Found]) -> str:

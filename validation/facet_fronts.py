@@ -89,7 +89,7 @@ def study(quick: bool) -> Outcome:
         detail = ", ".join(f"{far:.2%} at {accuracy:g}" for accuracy, far in off.items())
         kept = all(far <= WITHIN * accuracy for accuracy, far in off.items())
         claims.append(Claim(f"facet_fronts.{name} keeps its accuracy", kept, detail))
-    return Outcome(markdown(["scene", "by", "setting", "error", "CPU s"], rows), tuple(claims))
+    return Outcome(markdown(["scene", "tool", "setting", "error", "CPU s"], rows), tuple(claims))
 
 
 def draw(every: dict[str, list[Found]]) -> None:

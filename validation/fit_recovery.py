@@ -165,7 +165,7 @@ def coverage_table(fits: Sequence[Draw]) -> str:
         ]
         for j, (name, true) in enumerate(zip(SHORT, TRUE.values(), strict=True))
     ]
-    head = ["", "true", "mean", "scatter", "stated error", "95 % intervals that hold it", "expected"]
+    head = ["", "true", "mean", "scatter", "stated error", "95 % intervals with the true value", "expected"]
     return markdown(head, rows)
 
 
@@ -232,19 +232,19 @@ def subset_table(results: dict[str, Uncertainty]) -> str:
 # Overrides of the model that makes the data, keys that the fit does not estimate, and the ratio of the true impact
 # speed to the speed that the fit assumes.
 OTHERS = {
-    "none: the model itself": ((RIGID,), (), 1.0),
+    "none (the model itself)": ((RIGID,), (), 1.0),
     "beam of 16 elements": (("method=engine", "model.bodies.link.flexible.elements=16"), (), 1.0),
-    "lambda 1.3, taken for 1.1": ((RIGID, "medium.plunging.lambda=1.3"), ("medium.plunging.lambda",), 1.0),
+    "lambda 1.3, assumed 1.1": ((RIGID, "medium.plunging.lambda=1.3"), ("medium.plunging.lambda",), 1.0),
     "smooth law, reference speed 0.1 m/s": (
         ("method={reduced: {modes: 0, static: smooth}}", "load.friction={type: smooth, reference_speed_m_s: 0.1}"),
         (),
         1.0,
     ),
-    "resultant in the place of distributed": ((RIGID, "load.form=resultant"), (), 1.0),
+    "resultant law instead of the distributed one": ((RIGID, "load.form=resultant"), (), 1.0),
     "impact speeds 2 % larger": ((RIGID,), (), 1.02),
     "gravity 5 % larger": ((RIGID, "gravity_m_s2=10.3"), (), 1.0),
 }
-BLATANT = ("lambda 1.3, taken for 1.1", "smooth law, reference speed 0.1 m/s", "impact speeds 2 % larger")
+BLATANT = ("lambda 1.3, assumed 1.1", "smooth law, reference speed 0.1 m/s", "impact speeds 2 % larger")
 
 
 def misfits(count: int) -> tuple[list[list[str]], dict[str, int]]:
@@ -283,21 +283,21 @@ def recovery_claims(fits: Sequence[Draw]) -> list[Claim]:
     alarms = sum(d.misfit for d in fits)
     return [
         claim(
-            "intervals hold the true value",
+            "intervals contain the true value",
             bool(np.all(hits >= least)),
-            f"{', '.join(f'{n} {h}' for n, h in zip(SHORT, hits, strict=True))} of {count} (asked: {least})",
+            f"{', '.join(f'{n} {h}' for n, h in zip(SHORT, hits, strict=True))} of {count} (required: {least})",
         ),
         claim(
-            "stated errors are the scatter",
+            "stated errors agree with the scatter",
             bool(np.all(np.abs(ratio - 1.0) < allowed)),
-            f"scatter over stated error {', '.join(f'{r:.2f}' for r in ratio)} (asked: 1 within {allowed:.2f})",
+            f"scatter over stated error {', '.join(f'{r:.2f}' for r in ratio)} (required: 1 within {allowed:.2f})",
         ),
         claim(
             "estimates are unbiased",
             bool(np.all(bias < 3.5)),
-            f"mean off by {', '.join(f'{b:.1f}' for b in bias)} of its own standard error (asked: below 3.5)",
+            f"mean off by {', '.join(f'{b:.1f}' for b in bias)} of its own standard error (required: below 3.5)",
         ),
-        claim("true model is called no misfit", alarms <= max(1, count // 50), f"{alarms} of {count} draws"),
+        claim("the true model is not called a misfit", alarms <= max(1, count // 50), f"{alarms} of {count} draws"),
     ]
 
 
@@ -309,18 +309,18 @@ def determination_claims(results: dict[str, Uncertainty]) -> list[Claim]:
         claim(
             "twelve runs determine all four",
             twelve.max() < 0.02,
-            f"to {100 * twelve.max():.1f} % at the worst (asked: 2 %)",
+            f"to {100 * twelve.max():.1f} % at most (required: 2 %)",
         ),
         claim(
-            "so they do with clocks and speeds unknown",
+            "twelve runs determine all four with clocks and speeds unknown",
             worst.max() < 0.10,
-            f"to {100 * worst.max():.1f} % at the worst (asked: 10 %)",
+            f"to {100 * worst.max():.1f} % at most (required: 10 %)",
         ),
         claim(
-            "one angle does not tell eta_h from eta_v",
+            "one angle does not separate eta_h from eta_v",
             min(single.values()) > 0.10,
             "; ".join(f"{name}: {100 * value:.0f} %" for name, value in single.items())
-            + " of the better known of them (asked: above 10 %)",
+            + " standard error of the better known of the two (required: above 10 %)",
         ),
     ]
 
@@ -362,7 +362,8 @@ def study(quick: bool) -> Outcome:
         f"{len(fits)} draws of {len(problem.runs)} impacts, each fitted from eta_d {START[0]:g}, eta_h {START[1]:g}, "
         f"eta_v {START[2]:g}, lambda {START[3]:g}; noise unknown, soft_l1.",
         coverage_table(fits),
-        "Relative standard errors at the true values, by what was measured and what is unknown besides.",
+        "Relative standard errors at the true values, by the data that were measured and the quantities that are "
+        "unknown in addition.",
         subset_table(sets),
     ]
     if not quick:
@@ -372,12 +373,12 @@ def study(quick: bool) -> Outcome:
         claims.append(
             claim(
                 "other models are called a misfit",
-                all(alarms[name] == 10 for name in BLATANT) and alarms["none: the model itself"] == 0,
+                all(alarms[name] == 10 for name in BLATANT) and alarms["none (the model itself)"] == 0,
                 "; ".join(f"{name}: {n} of 10" for name, n in alarms.items()),
             )
         )
         draw_figure(fits, sets)
-        text.append("![Errors made and stated; what the data determine](figures/fit_recovery.png)")
+        text.append("![Actual and stated errors; standard errors by data set](figures/fit_recovery.png)")
     return Outcome("\n\n".join(text), tuple(claims))
 
 

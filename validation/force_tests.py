@@ -69,7 +69,7 @@ REPEATED = (f"{PLATE}: {SIDE}",) * 4
 DRAGGED = tuple(f"{PLATE}: {width}" for width in (0.04, 0.06))
 CASES = {
     "zeta": Case({"zeta": 0.9}, {"zeta": 0.3}, "law: rft", "penetrometer", PLATES, 90.0, 0.5),
-    "zeta and the zero of depth": Case(
+    "zeta and the depth offset": Case(
         {"zeta": 0.9}, {"zeta": 0.3}, "law: rft", "penetrometer", PLATES, 90.0, 0.5, "depth_offset_m: fit"
     ),
     "k and n": Case(
@@ -224,8 +224,8 @@ def coverage(name: str, count: int) -> tuple[list[list[str]], list[Claim]]:
     ]
     counts = f"{', '.join(f'{key} {hit}' for key, hit in zip(CASES[name].true, hits, strict=True))} of {count}"
     held = bool(np.all(hits >= least)) and alarms <= max(1, count // 50)
-    detail = f"{counts} (asked: {least}); {alarms} called a misfit"
-    return rows, [Claim(f"force_tests.{name}: 95 % intervals hold the true value", held, detail)]
+    detail = f"{counts} (required: {least}); {alarms} called a misfit"
+    return rows, [Claim(f"force_tests.{name}: 95 % intervals contain the true value", held, detail)]
 
 
 def timed(name: str, repeats: int) -> list[str]:
@@ -253,14 +253,15 @@ def study(quick: bool) -> Outcome:
     """Run the draws of every case; unless quick also time fits."""
     names = ("zeta", "k and n") if quick else tuple(CASES)
     parts = [coverage(name, QUICK_DRAWS if quick else DRAWS) for name in names]
-    head = ["fitted", "", "true", "mean", "scatter", "stated error", "95 % intervals that hold it", "expected"]
+    head = ["fitted", "", "true", "mean", "scatter", "stated error", "95 % intervals with the true value", "expected"]
     text = [
-        f"Two or three tests of {ROWS} rows each (four where grains scatter), noise unknown, soft_l1 (there linear).",
+        f"Two or three tests of {ROWS} rows each (four where grains scatter), noise unknown, soft_l1 (linear where "
+        "grains scatter).",
         markdown(head, [row for rows, _ in parts for row in rows]),
     ]
     if not quick:
         times = [timed(name, 5) for name in ("zeta", "k and n")]
-        head = ["three tests of 200 rows, 8 starts", "made, read and checked s", "fitted s", "both, least to most"]
+        head = ["three tests of 200 rows, 8 starts", "set-up, reading and checks s", "fit s", "sum, range"]
         text += ["Processor time of one core, warm, medians of five.", markdown(head, times)]
     return Outcome("\n\n".join(text), tuple(claim for _, claims in parts for claim in claims))
 

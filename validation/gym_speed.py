@@ -116,16 +116,16 @@ def study(quick: bool = False) -> Outcome:
         single, double = speeds[name, 1], speeds[name, 2]
         cells = [single.max(), double.max(), double.max() / single.max(), np.median(single), np.median(double)]
         rows.append([name, *(f"{number:.{2 if number < 3.0 else 1}f}" for number in cells)])
-    head = ["a second, best of all rounds", "one", "two", "gain", "median of one", "of two"]
+    head = ["per second, best of all rounds", "one", "two", "gain", "median of one", "median of two"]
     others = 100.0 * np.median([r.others for repeated in measured_rounds.values() for r in repeated])
-    note = f"{rounds} rounds, in which other programs took {others:.0f} % of the cores (median)"
+    note = f"{rounds} rounds; other programs used {others:.0f} % of the cores (median)"
     gain, claims = speeds[WALKING, 2].max() / speeds[WALKING, 1].max(), list[Claim]()
     for name, least in LEAST.items():
         robot, fast = name.partition(",")[0], speeds[name, 1].max()
         claims.append(
             Claim(f"gym_speed.{robot} at least {least:g} times real time", fast >= least, f"{fast:.1f} times")
         )
-    claims.append(Claim("gym_speed.two are 1.9 times as fast as one", gain >= SCALES, f"{gain:.2f} times"))
+    claims.append(Claim("gym_speed.two processes are 1.9 times as fast as one", gain >= SCALES, f"{gain:.2f} times"))
     return Outcome(f"{markdown(head, rows)}\n\n{note}", tuple(claims))
 
 

@@ -157,7 +157,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--files", type=int, default=15, help="how many of the longest files to print")
     parser.add_argument("--small", action="store_true", help="list small files with one reader")
-    parser.add_argument("--run", metavar="CONFIG", help="count what a run of this config enters")
+    parser.add_argument("--run", metavar="CONFIG", help="count the functions that a run of this config enters")
     chosen = parser.parse_args()
     house = files()
     print(rooms(house))

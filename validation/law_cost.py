@@ -98,9 +98,9 @@ def main() -> int:
         rows.append(
             [name, f"{1e6 * force[name]:.2f}", f"{ratios[0]:.2f}", f"{1e6 * tangent[name]:.2f}", f"{ratios[1]:.2f}"]
         )
-    print(f"{machine('numba')}; least of {ROUNDS} rounds of {CALLS} calls, in turns\n")
-    print(markdown(["law", "force us", "to lee_marghitu", "force and tangent us", "to lee_marghitu"], rows))
-    print(f"\nmost expensive: {worst:.2f} times lee_marghitu; allowed {MOST}")
+    print(f"{machine('numba')}; least of {ROUNDS} rounds of {CALLS} calls, laws in turn\n")
+    print(markdown(["law", "force us", "ratio to lee_marghitu", "force and tangent us", "ratio to lee_marghitu"], rows))
+    print(f"\nmost expensive law: {worst:.2f} times lee_marghitu; at most {MOST}")
     return 0 if worst <= MOST else 1
 
 

@@ -96,7 +96,9 @@ def printed_values() -> tuple[str, list[Claim]]:
             worst = max(worst, abs(value - printed))
     table = markdown(["set", "value", "published", "here"], rows)
     held = claim(
-        "published values", worst < 5e-4, f"largest difference {worst:.1e}, half a unit of the last digit 5e-4"
+        "published values",
+        worst < 5e-4,
+        f"largest difference {worst:.1e}, half a unit of the last published digit is 5e-4",
     )
     return f"Published special values (N/cm3; rft3d without its factor xi_n).\n\n{table}", [held]
 
@@ -136,11 +138,16 @@ def resultants(states: int) -> tuple[str, list[Claim]]:
             worst = max(worst, float(np.abs(integrated - published).max() / np.abs(published).max()))
         rows.append([name, states, f"{worst:.1e}"])
         claims.append(
-            claim(f"{name} integrates to its resultant", worst < EXACT, f"to {worst:.1e} of it in {states} states")
+            claim(
+                f"{name} integrated along a bar gives its resultant",
+                worst < EXACT,
+                f"to {worst:.1e} of it in {states} states",
+            )
         )
     table = markdown(["law", "random bars", "largest relative difference"], rows)
     return (
-        f"A straight bar at any slope: the density integrated along it against the published resultant.\n\n{table}",
+        "A straight bar at any slope: the force density integrated along it, compared with the published "
+        f"resultant.\n\n{table}",
         claims,
     )
 
@@ -171,10 +178,12 @@ def signs(step: float) -> tuple[str, list[Claim]]:
         down, up = (force(medium, plate(1.0, 0.0, 1.0), np.array([0.0, s])).sum(axis=0)[1] for s in (-1.0, 1.0))
         rows.append([medium.name, count, driving, f"{skew / scale:.1e}", f"{down / abs(up):.2f}"])
         claims += [
-            claim(f"{medium.name} drives no element", driving == 0, f"{driving} of {count} states"),
+            claim(
+                f"{medium.name} never does positive work on an element", driving == 0, f"{driving} of {count} states"
+            ),
             claim(f"{medium.name} is symmetric", skew < 1e-12 * scale, f"error of the mirror image {skew / scale:.1e}"),
             claim(
-                f"{medium.name} resists plunging more",
+                f"{medium.name} resists plunging more than withdrawing",
                 down > abs(up) > 0 > up,
                 f"{down / abs(up):.2f} times withdrawing",
             ),
@@ -184,14 +193,19 @@ def signs(step: float) -> tuple[str, list[Claim]]:
     down, up = (force(hill, bar, np.array([0.0, s])).sum(axis=0)[1] for s in (-1.0, 1.0))
     rows.append(["hill_cylinders, 0.1 m deep", "-", "-", "-", f"{down / abs(up):.2f}"])
     claims.append(
-        claim("hill_cylinders resists plunging more", down > abs(up), f"{down / abs(up):.2f} times withdrawing")
+        claim(
+            "hill_cylinders resists plunging more than withdrawing",
+            down > abs(up),
+            f"{down / abs(up):.2f} times withdrawing",
+        )
     )
     raw = sum(_raw_power(beta, u) > 0.0 for beta, u in elements(step) if abs(u[0]) > 1e-12 and u[0] > 0)
     note = (
-        f"The published polynomials of rft3d alone drive {raw} states of this grid (motion to the right), by at most "
+        f"The published polynomials of rft3d alone do positive work in {raw} states of this grid (motion to the "
+        "right), by at most "
         f"0.005 of a response of up to 1; the law drops that part [ours]."
     )
-    head = ["medium", "states", "that drive", "error of the mirror image", "plunging / withdrawing"]
+    head = ["medium", "states", "states with positive work", "error of the mirror image", "plunging / withdrawing"]
     return f"Square plates at every angle in every direction of motion.\n\n{markdown(head, rows)}\n\n{note}", claims
 
 
@@ -288,7 +302,7 @@ def closed_forms(quick: bool) -> tuple[str, list[Claim]]:
         )
     # The drag rises to its full value over a thousandth of the diameter. That leaves out the drag of half that way,
     # 12.7 um, which is 1.5e-4 of the drag length of 0.086 m.
-    claims.append(claim("v^2(z) of Clark and Behringer", worst < 1e-3, f"to {worst:.1e} of v_0^2, allowed 1e-3"))
+    claims.append(claim("v^2(z) of Clark and Behringer", worst < 1e-3, f"to {worst:.1e} of v_0^2 (at most 1e-3)"))
     constant, c = 5 * MASS * G, 0.7
     worst = 0.0
     d1, a0 = MASS / c, constant / MASS - G
@@ -309,7 +323,8 @@ def closed_forms(quick: bool) -> tuple[str, list[Claim]]:
     # without force; weight increases the difference by the factor in `allowed`.
     allowed = 1.2 * 0.5e-3 * DIAMETER * constant / (constant - MASS * G)
     detail = (
-        f"to {1e6 * worst:.1f} um; the force sets in over 25 um of depth, so that {1e6 * allowed:.0f} um are allowed"
+        f"to {1e6 * worst:.1f} um (at most {1e6 * allowed:.0f} um, since the force grows to its full value "
+        "over 25 um of depth)"
     )
     claims.append(claim("depth of Poncelet", worst < allowed, detail))
     table = markdown(["closed form", "speed m/s", "depth, engine", "depth, closed form", "difference"], rows)
@@ -340,16 +355,20 @@ def sphere_drops(quick: bool) -> tuple[str, list[Claim]]:
     claims = [
         claim("penetration grows with drop height", bool((np.diff(depths) > 0).all()), "at every height"),
         claim(
-            "penetration bends over as drag takes over",
+            "penetration grows more slowly where drag dominates",
             0.2 < slope[-1] < slope[0],
-            f"log slope from {slope[0]:.2f} to {slope[-1]:.2f}; logarithmic in the end",
+            f"log slope from {slope[0]:.2f} to {slope[-1]:.2f}; logarithmic at the end",
         ),
         claim(
             "stopping time of a ball set on the surface is half a period",
             abs(times[0] / spring - 1) < 0.02,
             f"{1e3 * times[0]:.2f} ms, pi sqrt(m/k) {1e3 * spring:.2f} ms",
         ),
-        claim("stopping time falls with speed", bool((np.diff(times) < 0).all()), f"to {late:.2f} of that at rest"),
+        claim(
+            "stopping time falls with speed",
+            bool((np.diff(times) < 0).all()),
+            f"to {late:.2f} of that of a ball set on the surface",
+        ),
         claim(
             "stopping time hardly depends on the speed of hard impacts",
             times[6] / times[4] > 0.8,
@@ -438,17 +457,21 @@ def closed_paths() -> tuple[str, list[Claim]]:
                 lag = max(lag, next(theta[k] for k, work in enumerate(works) if work <= 0.0))
         worst = max(worst, most_work)
         rows.append([name, f"{most_work:.2f}", f"{math.tan(lag) / (2 * math.pi * tau):.0f}"])
-    head = ["medium", "work of one turn over (greatest force x yield displacement)", "harmless above, turns a second"]
+    head = [
+        "medium",
+        "work of one turn over (largest force x yield displacement)",
+        "damping exceeds it above, turns per second",
+    ]
     caption = (
-        "A stress that is not along the motion has no potential: turned round a circle of the size of the yield "
-        "displacement (10 um by default), the bristle of a plate gives work in one sense and takes it in the other. "
-        "Its damping takes more than that once the turns are quicker than the last column says. Sliding always takes "
-        "energy."
+        "A stress that is not along the motion has no potential: moved once round a circle of the size of the yield "
+        "displacement (10 um by default), the bristle of a plate gives work in one sense and absorbs it in the other. "
+        "Its damping dissipates more than this if the turns are faster than the last column says. Sliding always "
+        "dissipates energy."
     )
     held = claim(
         "no closed path inside the yield surface returns energy",
         worst < 1e-6,
-        f"up to {worst:.2f} of force x yield displacement a turn, for laws of surface elements",
+        f"up to {worst:.2f} of force x yield displacement per turn, for laws of surface elements",
     )
     return f"{caption}\n\n{markdown(head, rows)}", [held]
 

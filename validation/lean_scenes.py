@@ -84,12 +84,13 @@ def study(quick: bool) -> Outcome:
         "solve ms",
         "memory MB",
         "iterations",
-        "us each",
-        "calls of the load",
-        "imports of four",
+        "us per iteration",
+        "load evaluations",
+        "imports",
     ]
     text = (
-        f"In brackets: to the first line. Of numba, matplotlib, scipy and rich those imported. {rounds} processes each."
+        "In brackets: ratio to the first row. Last column: which of numba, matplotlib, scipy and rich are "
+        f"imported. {rounds} processes per scene."
     )
     return Outcome(f"{text}\n\n{markdown(head, rows)}")
 

@@ -7,7 +7,7 @@ solve only. A run with the plugin must take at most 1.5 times as long as one wit
 measured in its simplest form, and in an optimised form, with and without load Jacobian of the engine.
 
 In space the same link strikes the same sand: as a link of a scene (rigid elements, by the engine and in minimal
-coordinates), and as cables of a script, hinged at the pivot; in media of bars and of surfaces. A run by the engine or
+coordinates), and as cables in a script, hinged at the pivot; in media of bars and of surfaces. A run by the engine or
 with cables must take at most 1.6 times as long as one without sand.
 """
 
@@ -125,7 +125,7 @@ def of_scene(medium: str | None, method: str) -> Callable[[], tuple[float, int, 
 
 
 def of_cables(medium: str | None, lower: float = 0.0) -> tuple[float, int, int]:
-    """Solve 16 hinged cables of a script, which start as a straight rotating link.
+    """Solve 16 hinged cables in a script, which start as a straight rotating link.
 
     lower: depth of the surface below the tip at the start, m. Returns processor time (s), iterations and steps.
     """
@@ -163,9 +163,9 @@ def of_cables(medium: str | None, lower: float = 0.0) -> tuple[float, int, int]:
 def in_space(repeats: int) -> tuple[str, dict[tuple[str, str], float]]:
     """Table of the cost in space, and run times relative to no sand by method and medium."""
     solvers = {
-        "link, by the engine": {medium: of_scene(medium, "engine") for medium in MEDIA},
+        "link, engine": {medium: of_scene(medium, "engine") for medium in MEDIA},
         "link, minimal coordinates": {medium: of_scene(medium, "minimal") for medium in MEDIA},
-        "cables of a script": {
+        "cables in a script": {
             **{medium: partial(of_cables, medium) for medium in MEDIA},
             OUT_OF_REACH: partial(of_cables, "rft3d_sand", 5.0),
         },
@@ -179,7 +179,7 @@ def in_space(repeats: int) -> tuple[str, dict[tuple[str, str], float]]:
             rows.append([name, medium or "no sand", f"{1e3 * seconds[medium]:.1f}", f"{ratio:.2f}", iterations, steps])
             if medium is not None:
                 ratios[name, medium] = ratio
-    return markdown(["in space", "medium", "CPU ms", "to no sand", "Newton iterations", "steps"], rows), ratios
+    return markdown(["in space", "medium", "CPU ms", "ratio to no sand", "Newton iterations", "steps"], rows), ratios
 
 
 def study(quick: bool) -> Outcome:
@@ -207,14 +207,14 @@ def study(quick: bool) -> Outcome:
     claims += [
         claim(f"{method}, {medium}", r, SPACE) for (method, medium), r in ratios.items() if "minimal" not in method
     ]
-    header = ["load", "CPU ms", "to no sand", "to the plugin", "Newton iterations", "steps"]
+    header = ["load", "CPU ms", "ratio to no sand", "ratio to the plugin", "Newton iterations", "steps"]
     text = f"Median of {repeats} after a warm-up.\n\n{markdown(header, rows)}\n\n{table}"
     return Outcome(text, tuple(claims))
 
 
 def claim(name: str, ratio: float, most: float) -> Claim:
     """Make a claim on a run time relative to the run without sand."""
-    return Claim(f"load_cost.{name}", ratio <= most, f"{ratio:.2f} times no sand (at most {most:g})")
+    return Claim(f"load_cost.{name}", ratio <= most, f"{ratio:.2f} times the run without sand (at most {most:g})")
 
 
 if __name__ == "__main__":

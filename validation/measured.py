@@ -63,16 +63,26 @@ def plates() -> tuple[str, list[Claim]]:
                 claims.append(claim(f"{name}: plate of {size} mm within a third", held, detail))
             else:
                 claims.append(
-                    claim(f"{name}: its own plate within two standard deviations", deviations.max() < 2.0, detail)
+                    claim(
+                        f"{name}: error on the plate of the fit within two standard deviations",
+                        deviations.max() < 2.0,
+                        detail,
+                    )
                 )
         rows.append([name, *cells])
     claims.append(_of_size(depth, data, table["diameter_mm"]))
-    head = ["model", "60 mm: error", "worst, sd", "80 mm: error", "worst, sd"]
+    head = [
+        "model",
+        "60 mm plate: error",
+        "largest, standard deviations",
+        "80 mm plate: error",
+        "largest, standard deviations",
+    ]
     (k, k_error), (n, n_error) = (cmu.fitted()[f"medium.{key}"] for key in ("k_phi_Pa", "exponent"))
     zeta, zeta_error = cmu.fitted("[medium.zeta]", "rft_generic")["medium.zeta"]
     fitted = f"Fitted to the 60 mm plate: zeta {zeta:.2f} +- {zeta_error:.2f} (a misfit); k {1e-3 * k:.1f} +- "
     fitted += f"{1e-3 * k_error:.1f} kPa at 20 mm and n {n:.2f} +- {n_error:.2f}."
-    return f"Level plates, pressure. {fitted}\n\n{markdown(head, rows)}", claims
+    return f"Pressure under level plates. {fitted}\n\n{markdown(head, rows)}", claims
 
 
 def _of_size(depth: Vector, data: Vector, size: Vector) -> Claim:
@@ -84,8 +94,8 @@ def _of_size(depth: Vector, data: Vector, size: Vector) -> Claim:
         for medium in cmu.models().values()
     ]
     detail = f"measured {ratio.min():.2f} to {ratio.max():.2f} times the pressure under 80 mm, by the models "
-    detail += f"{np.min(ratios):.2f} to {np.max(ratios):.2f}; Bekker's k_c and Reece's b^(1-n) go the other way"
-    return claim("a larger plate presses harder", any(np.all(values > 1.1) for values in ratios), detail)
+    detail += f"{np.min(ratios):.2f} to {np.max(ratios):.2f}; Bekker's k_c and Reece's b^(1-n) predict the opposite"
+    return claim("a larger plate has a higher pressure", any(np.all(values > 1.1) for values in ratios), detail)
 
 
 # ---- the wheel ----
@@ -106,16 +116,21 @@ def pressed() -> tuple[str, list[Claim]]:
         at_5_mm = f"at 5 mm {100 * errors[0, 0]:+.0f} and {100 * errors[1, 0]:+.0f} %"
         claims.append(
             claim(
-                f"{name}: pressed wheel between its two stated sizes, from 10 mm on",
+                f"{name}: force on the pressed wheel is between those of its two stated sizes, from 10 mm on",
                 bool(inside[deep].all()),
                 f"{spans}; {at_5_mm}",
             )
         )
         worst = np.abs(errors[:, deep]).max()
-        detail = f"worst {100 * worst:.0f} % from 10 mm on, {100 * np.abs(errors).max():.0f} % in all; {spans}"
-        claims.append(claim(f"{name}: pressed wheel within a third, from 10 mm on", worst < THIRD, detail))
+        detail = (
+            f"at most {100 * worst:.0f} % from 10 mm on, {100 * np.abs(errors).max():.0f} % over all depths; {spans}"
+        )
+        claims.append(claim(f"{name}: force on the pressed wheel within a third, from 10 mm on", worst < THIRD, detail))
     head = ["model", *(f"{1e3 * z:.0f} mm" for z in depth)]
-    caption = f"The wheel pressed in: error of the force (%) with {' and '.join(cmu.BOUNDS)}; trials range over +-10 %."
+    caption = (
+        f"The wheel that is pressed in: error of the force (%) with {' and '.join(cmu.BOUNDS)}; trials differ "
+        "by +-10 %."
+    )
     return f"{caption}\n\n{markdown(head, rows)}", claims
 
 
@@ -160,7 +175,10 @@ def _wheel_claims(name: str, computed: Vector) -> list[Claim]:
     rms = [1e3 * float(np.sqrt(np.mean((size[turning, 0] - sinkage[turning]) ** 2))) for size in computed]
     locked, sunk = computed[:, 0, 1], 1e3 * computed[:, 0, 0]
     count = len(data)
-    reason = "sand heaps up before a wheel that is dragged along, and no law of the place alone has that"
+    reason = (
+        "sand heaps up in front of a wheel that is dragged along, and no law that depends on the position "
+        "alone contains this"
+    )
     return [
         claim(
             f"{name}: sign of Fx at every slip",
@@ -170,7 +188,7 @@ def _wheel_claims(name: str, computed: Vector) -> list[Claim]:
         claim(
             f"{name}: Fx rises with slip as measured",
             min(ranks) > 0.8,
-            f"rank correlation {ranks[0]:.2f} and {ranks[1]:.2f} (asked: 0.8)",
+            f"rank correlation {ranks[0]:.2f} and {ranks[1]:.2f} (required: 0.8)",
         ),
         claim(
             f"{name}: sinkage of the turning wheel within a third",
@@ -178,7 +196,7 @@ def _wheel_claims(name: str, computed: Vector) -> list[Claim]:
             f"{percent(errors[0])} and {percent(errors[1])}; rms {rms[0]:.1f} and {rms[1]:.1f} mm",
         ),
         claim(
-            f"{name}: the locked wheel",
+            f"{name}: force and sinkage of the locked wheel",
             bool(np.all(np.abs(cmu.relative(locked, np.full(2, force[0]))) < THIRD)),
             f"Fx {locked[0]:.0f} and {locked[1]:.0f} N of {force[0]:.0f}, sinkage {sunk[0]:.0f} and {sunk[1]:.0f} mm "
             f"of {1e3 * sinkage[0]:.0f}: {reason}",
@@ -210,13 +228,17 @@ def ball(quick: bool) -> tuple[str, list[Claim]]:
             others.HEIGHTS, drops.depth, *drops.depth_band, drops.time, *drops.time_band, strict=True
         )
     ]
-    head = ["drop m", "depth mm", "by k/m +- 10 1/s2, d1 +- 7 mm", "stopping time ms", "likewise"]
+    head = ["drop m", "depth mm", "range for k/m +- 10 1/s2, d1 +- 7 mm", "stopping time ms", "range"]
     claims = [
-        claim("ball: the engine is within the source's own constants", within, "depths and times at every height"),
         claim(
-            "ball: depth grows as the total drop to the third",
+            "ball: the engine agrees with the constants of the source within their errors",
+            within,
+            "depths and times at every height",
+        ),
+        claim(
+            "ball: depth grows with the cube root of the total drop",
             abs(exponent - others.EXPONENT) < 0.05,
-            f"power {exponent:.2f} over drops of 0.01 to 1 m; measured on other spheres 1/3 (asked: within 0.05)",
+            f"exponent {exponent:.2f} over drops of 0.01 to 1 m; measured on other spheres 1/3 (required: within 0.05)",
         ),
         claim(
             "ball: stopping time is three times depth over speed",
@@ -241,11 +263,11 @@ def drag() -> tuple[str, list[Claim]]:
     head = ["depth mm", *(f"{v:g} m/s" for v in others.SPEEDS)]
     caption = (
         f"A plate dragged: drag (N) by the source's F = K z + lambda rho A v^2, and by drft with zeta {zeta:.4f} and "
-        f"lambda {lam:.3f} of the least depth. The points that the formula was drawn through did not reach us."
+        f"lambda {lam:.3f} of the smallest depth. The measured points behind the formula were not available."
     )
-    detail = f"within {100 * worst:.2g} % at 30 and 40 mm; no more than that the law has the formula of its source"
+    detail = f"within {100 * worst:.2g} % at 30 and 40 mm; this shows only that the law has the formula of its source"
     return f"{caption}\n\n{markdown(head, rows)}", [
-        claim("drag: drft is the formula of its source", worst < 1e-3, detail)
+        claim("drag: drft reproduces the formula of its source", worst < 1e-3, detail)
     ]
 
 

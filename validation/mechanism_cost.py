@@ -119,12 +119,13 @@ def study(quick: bool) -> Outcome:
             error = shipped.error(reference) / reference.way
             held = shipped.seconds <= LIMITS[name] and error <= NEAR
             detail = (
-                f"{shipped.seconds:.2f} CPU s at {1e2 * error:.2f} % of the path (asked: {LIMITS[name]:g} s, 0.3 %)"
+                f"{shipped.seconds:.2f} CPU s at {1e2 * error:.2f} % of the path (required: {LIMITS[name]:g} s, 0.3 %)"
             )
             claims.append(Claim(f"mechanism_cost.{name} is fast", held, detail))
     head = ["mechanism", "steps", "number", "iterations", "Jacobians", "CPU s", "CPU s per s", "error of path %"]
     return Outcome(
-        f"{markdown(head, rows)}\n\nFixed steps of a quarter against the reference: {', '.join(checks)}.",
+        f"{markdown(head, rows)}\n\nErrors of fixed steps of a quarter of the shipped length, against the "
+        f"reference: {', '.join(checks)}.",
         (*claims, _few_jacobians(newton), *_on_all(promises, slower)),
     )
 
@@ -134,7 +135,7 @@ def _few_jacobians(newton: dict[str, Cost]) -> Claim:
     return Claim(
         "mechanism_cost.fewer Jacobians than steps",
         worst < 1.0,
-        f"at most {worst:.2f} a step as shipped ({name}; asked: less than one)",
+        f"at most {worst:.2f} per step with shipped settings ({name}; required: less than 1)",
     )
 
 
@@ -145,12 +146,12 @@ def _on_all(promises: Sequence[tuple[float, str, float]], slower: Sequence[tuple
         Claim(
             "mechanism_cost.accuracy is kept",
             worst <= PROMISED,
-            f"at most {worst:.2f} times the accuracy ({where}, {accuracy:g}; asked: {PROMISED:g})",
+            f"at most {worst:.2f} times the accuracy asked for ({where}, {accuracy:g}; required: {PROMISED:g})",
         ),
         Claim(
             "mechanism_cost.shipped settings are no slower than fixed steps",
             ratio <= 1.0,
-            f"at most {ratio:.2f} times their time, where a config does not ship these very steps ({slowest})",
+            f"at most {ratio:.2f} times their time, in configs that do not ship the same fixed steps ({slowest})",
         ),
     ]
 

@@ -189,10 +189,10 @@ def study(quick: bool) -> Outcome:
                 behind.append((_seconds(package) / _seconds(peer), name, level))
     if not quick:
         draw(every)
-    head = ["mechanism", "tool", "setting", "steps", "CPU s", "error of path %", "of the end %"]
+    head = ["mechanism", "tool", "setting", "steps", "CPU s", "error of path %", "error of the end point %"]
     short = ["mechanism", "error at most %", "granular-contact, CPU s", "MuJoCo, CPU s", "ratio"]
     short += ["MuJoCo compiled, CPU s", "ratio"]
-    text = f"{markdown(head, rows)}\n\nThe fastest within an error:\n\n{markdown(short, levels)}"
+    text = f"{markdown(head, rows)}\n\nThe fastest setting within a given error:\n\n{markdown(short, levels)}"
     return Outcome(text, _claims(near, behind))
 
 
@@ -203,12 +203,13 @@ def _claims(near: list[tuple[float, str, str]], behind: list[tuple[float, str, f
         Claim(
             "mechanism_fronts.shipped settings lie on the front",
             ratio <= NEAR,
-            f"at most {ratio:.2f} times the time of the fastest as exact ({name}: {best}; asked: {NEAR:g})",
+            f"at most {ratio:.2f} times the time of the fastest setting of equal accuracy ({name}: {best}; "
+            f"required: {NEAR:g})",
         ),
         Claim(
-            "mechanism_fronts.not behind MuJoCo",
+            "mechanism_fronts.not slower than MuJoCo at equal error",
             most <= BEHIND,
-            f"at most {most:.2f} times MuJoCo's time at equal error ({where}, {1e2 * level:g} %; asked: {BEHIND:g})",
+            f"at most {most:.2f} times MuJoCo's time at equal error ({where}, {1e2 * level:g} %; required: {BEHIND:g})",
         ),
     )
 

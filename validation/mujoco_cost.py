@@ -159,7 +159,9 @@ def main() -> int:
     alone, whole = rows[0][1], rows[1][1]
     print(f"{machine('mujoco', 'numba')}; hexapod of {facets} facets, steps of 1 ms\n")
     table = [[case, f"{us:.1f}", f"{us - alone:.1f}", f"{us / alone:.1f}", f"{1e3 / us:.1f}"] for case, us in rows]
-    print(markdown(["", "CPU us a step", "beyond MuJoCo's", "to MuJoCo alone", "times real time"], table))
+    print(
+        markdown(["", "CPU us per step", "more than MuJoCo alone", "ratio to MuJoCo alone", "times real time"], table)
+    )
     walker = min(walker_seconds() for _ in range(4))
     print(f"\nThe walker in the plane, 2 s at steps of 0.2 ms: {walker:.2f} s CPU")
     return 0 if whole - alone <= BED and 1e3 / whole >= REAL_TIME and walker <= WALKER else 1

@@ -86,7 +86,7 @@ def left(theta: Vector, modes: int) -> tuple[float, float]:
 
 
 def modelled(inclination: float, factor: float, modes: Sequence[int]) -> list[tuple[float, float]]:
-    """Errors of reduced models with these numbers of modes a plane: true and estimated in the run's warning.
+    """Errors of reduced models with these numbers of modes per plane: true and estimated in the run's warning.
 
     Both are errors of the tip's deflection relative to the greatest deflection; the estimate is 0 without a warning.
     """
@@ -122,20 +122,26 @@ def _models(quick: bool) -> tuple[str, list[Claim]]:
     for name, of_count, holds in zip(
         ("one mode", "two modes", "three modes"), errors, (False, True, True), strict=True
     ):
-        statement = f"oblique_modes.a model of {name} a plane " + ("holds it" if holds else "is off in the deflection")
-        asked = f"asked: {'below' if holds else 'above'} 5"
+        statement = f"oblique_modes.a model of {name} per plane " + (
+            "represents the deflection" if holds else "misses the deflection"
+        )
+        required = f"required: {'below' if holds else 'above'} 5"
         good = of_count.max() < 0.05 if holds else of_count.min() > 0.05
         claims.append(
-            Claim(statement, bool(good), f"by {100 * of_count.min():.1f} to {100 * of_count.max():.1f} % ({asked})")
+            Claim(statement, bool(good), f"by {100 * of_count.min():.1f} to {100 * of_count.max():.1f} % ({required})")
         )
     silent, ratio = errors[estimates == 0.0].max(), (estimates / errors)[estimates > 0.0]
-    detail = f"{100 * silent:.1f} % at most without a word; {ratio.min():.2f} to {ratio.max():.2f} of the error is told"
+    detail = (
+        f"{100 * silent:.1f} % at most without a warning; {ratio.min():.2f} to {ratio.max():.2f} times the "
+        "error is estimated"
+    )
     good = silent < 0.05 and ratio.min() > 1.0 / 3.0 and ratio.max() < 3.0
-    detail += " (asked: 5 %, a third to three times)"
-    claims.append(Claim("oblique_modes.what modes leave out is told", bool(good), detail))
-    header = ["inclined by, deg", "stiffness, times", *(f"modes a plane: {count}" for count in MODES)]
+    detail += " (required: 5 %; a third to three times)"
+    claims.append(Claim("oblique_modes.the error of left-out modes is estimated", bool(good), detail))
+    header = ["inclination, deg", "stiffness factor", *(f"modes per plane: {count}" for count in MODES)]
     caption = (
-        "Error of the deflection of reduced models, of the greatest one, in %; in brackets what the run tells of it."
+        "Error of the deflection of reduced models, in % of the largest deflection; in brackets the estimate "
+        "that the run reports."
     )
     return f"{caption}\n\n{markdown(header, rows)}", claims
 
@@ -153,18 +159,24 @@ def study(quick: bool) -> Outcome:
             most = (f"{1e3 * np.abs(bent[:, k]).max():.2f}" for k in (0, 1))
             parts = (f"{100 * part:.1f}" for part in (energy, tip, first_two[-1]))
             rows.append([f"{inclination:g}", f"{factor:g}", *most, *parts])
-    header = ["inclined by, deg", "stiffness, times", "most along y, mm", "along z, mm"]
-    header += ["one mode leaves of the energy, %", "of the deflection, %", "two modes, %"]
+    header = ["inclination, deg", "stiffness factor", "largest along y, mm", "along z, mm"]
+    header += ["left by one mode: energy, %", "deflection, %", "left by two modes: deflection, %"]
     ranges = [f"{100 * min(shares):.1f} to {100 * max(shares):.1f} %" for shares in (first, first_two)]
     claims = (
         Claim(
-            "oblique_modes.one mode a plane misses the deflection",
+            "oblique_modes.one mode per plane misses the deflection",
             min(first) > 0.05,
-            f"by {ranges[0]} (asked: above 5)",
+            f"by {ranges[0]} (required: above 5)",
         ),
-        Claim("oblique_modes.two modes a plane hold it", max(first_two) < 0.05, f"to {ranges[1]} (asked: below 5)"),
         Claim(
-            "oblique_modes.there is no torsion", max(twist) < 1e-3, f"{max(twist):.1e} of turns squared (asked: 1e-3)"
+            "oblique_modes.two modes per plane represent the deflection",
+            max(first_two) < 0.05,
+            f"to {ranges[1]} (required: below 5)",
+        ),
+        Claim(
+            "oblique_modes.there is no torsion",
+            max(twist) < 1e-3,
+            f"{max(twist):.1e} of the squared rotations (required: 1e-3)",
         ),
     )
     models, of_models = _models(quick)

@@ -145,17 +145,17 @@ def motion_claims(runs: Runs) -> list[Claim]:
         claim(
             "stopping time falls with speed",
             np.all(steps < 0),
-            f"at every angle, by every model; least fall between two speeds {-1e3 * steps.max():.2f} ms",
+            f"at every angle, by every model; smallest fall between two speeds {-1e3 * steps.max():.2f} ms",
         ),
         claim(
             "penetration grows with speed",
             np.all(gains > 0),
-            f"at every angle, by every model; least growth between two speeds {gains.min():.3f} deg",
+            f"at every angle, by every model; smallest growth between two speeds {gains.min():.3f} deg",
         ),
         claim(
             "fall of stopping time flattens",
             np.all((flattening < 1) & (flattening > 0)),
-            "fall per rad/s between the two higher speeds over that between the two lower: "
+            "fall per rad/s between the two higher speeds divided by that between the two lower: "
             + ", ".join(f"{x:.2f}" for x in flattening[2])
             + f" at {', '.join(f'{a:g}' for a in SPEEDS)} deg (FE); at most {flattening.max():.2f} by any model",
         ),
@@ -171,18 +171,20 @@ def deflection_claims(runs: Runs, equal_speed: Vector) -> list[Claim]:
         claim(
             "deflection is very small",
             both.max() < 0.01 * LENGTH,
-            f"at most {1e3 * both.max():.2f} mm, {100 * both.max() / LENGTH:.2f} % of the link's length (asked: 1 %)",
+            f"at most {1e3 * both.max():.2f} mm, {100 * both.max() / LENGTH:.2f} % of the link's length (required: "
+            "1 %)",
         ),
         claim(
             "deflection grows with speed",
             np.all(growth > 1),
-            f"at every angle, by one mode and by FE; least growth between two speeds {100 * (growth.min() - 1):.0f} %",
+            "at every angle, by one mode and by FE; smallest growth between two speeds "
+            f"{100 * (growth.min() - 1):.0f} %",
         ),
         claim(
             "deflection grows with angle",
             np.all(np.diff(both, axis=1) > 0),
             f"at {', '.join(f'{a:g}' for a in SPEEDS)} deg and the highest speeds {', '.join(millimetres(fe[:, 2]))} "
-            f"mm by FE, {', '.join(millimetres(mode[:, 2]))} mm by one mode; at one and the same speed, "
+            f"mm by FE, {', '.join(millimetres(mode[:, 2]))} mm by one mode; at the same speed, "
             f"{EQUAL_SPEED:g} rad/s, {', '.join(millimetres(equal_speed))} mm by FE",
         ),
     ]
@@ -202,15 +204,16 @@ def model_claims(runs: Runs) -> list[Claim]:
         turned = max(turned, np.abs(event_located[1] - elastoplastic[1]).max())
     return [
         claim(
-            "rigid and flexible hardly differ",
+            "rigid and flexible links hardly differ",
             max(time, travel) < 0.01,
             f"rigid and FE at most {100 * time:.2f} % apart in stopping time, {100 * travel:.2f} % in travel from "
-            "touch to stop (asked: 1 %)",
+            "touch to stop (required: 1 %)",
         ),
         claim(
-            "event-located and elastoplastic agree",
+            "event-located and elastoplastic friction agree",
             laws < 0.005,
-            f"at most {100 * laws:.2f} % apart in stopping time (asked: 0.5 %), {turned:.1e} deg in angle at stop, by "
+            f"at most {100 * laws:.2f} % apart in stopping time (required: 0.5 %), {turned:.1e} deg in angle at "
+            "stop, by "
             "a rigid link and by one mode",
         ),
     ]
@@ -230,13 +233,14 @@ def check_claims(runs: Runs) -> list[Claim]:
     paper = paper and all(media[0]["plunging"][k] == v for k, v in PLUNGING.items())
     return [
         claim(
-            "rigid agrees with the earlier computation",
+            "the rigid link agrees with the earlier computation",
             time.max() < 1e-3 and angle < 0.02,
-            f"{rounded} of 12 stopping times the same to all digits there are (0.1 ms), none off by more than "
-            f"{100 * time.max():.3f} % beyond that rounding (asked: 0.1 %); angle at stop at most {angle:.4f} deg off "
-            "(asked: 0.02)",
+            f"{rounded} of 12 stopping times agree in all given digits (0.1 ms); none differs by more than "
+            f"{100 * time.max():.3f} % beyond this rounding (required: 0.1 %); angle at stop at most {angle:.4f} "
+            "deg off "
+            "(required: 0.02)",
         ),
-        claim("one set of coefficients", same and paper, f"the paper's play sand in all {len(runs)} runs"),
+        claim("one set of coefficients is used", same and paper, f"the paper's play sand in all {len(runs)} runs"),
     ]
 
 
@@ -375,10 +379,10 @@ def outcome(runs: Runs, step: float, figures: bool) -> Outcome:
     single, fe = (numbers(runs, model, "max_deflection_m") for model in (ONE, FE))
     short = 100 * (1 - single / fe)
     text = [
-        f"The twelve impacts; FE of 16 elements, step {step:g} s; rigid and one mode with the true sign.",
+        f"The twelve impacts; FE of 16 elements, step {step:g} s; rigid link and one mode with the true sign function.",
         table(runs),
         f"One mode leaves out {short.min():.0f} to {short.max():.0f} % of the peak deflection.",
-        "Impacts at one speed: deflection against angle, without the speed that differs between the paper's angles.",
+        "Impacts at the same speed: deflection against angle (in the paper the speed differs between the angles).",
         equal_speed_table(peaks),
     ]
     if figures:

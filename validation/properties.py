@@ -6,7 +6,7 @@ A seed determines a scene (validation/random_scenes). The scenes have all kinds 
 laws, beds, and all methods of solution. The loader of the command line reads each scene. It runs unchanged and in these
 forms:
 
-- mirrored in x; a kilometre away; with its parts in another order (its *images*);
+- mirrored in x; moved by a kilometre; with its parts in another order (its *images*);
 - with half the step, and with a quarter to a sixteenth of the step;
 - with a quarter of the step (less if that is too long), eight times the strips and four times the elements; in space
   with half the step and facets of a third of the size;
@@ -128,7 +128,7 @@ WORLDS = {
         draw,
         {
             "mirror image": images.mirrored,
-            "a kilometre away": images.shifted,
+            "moved by a kilometre": images.shifted,
             "parts in another order": images.reordered,
         },
         lambda tree, factor: images.divided(images.finer(tree, factor), STRIPS, ELEMENTS),
@@ -141,7 +141,7 @@ WORLDS = {
         {
             "mirror image": images_in_space.mirrored,
             "turned about the vertical": images_in_space.turned,
-            "a kilometre away": images_in_space.shifted,
+            "moved by a kilometre": images_in_space.shifted,
             "parts in another order": images.reordered,
         },
         lambda tree, factor: images_in_space.finer(images.finer(tree, factor), FACETS),
@@ -354,7 +354,7 @@ def offenders(scenes: Sequence[Found]) -> dict[str, list[Found]]:
     """Scenes that break a property, by name of the claim."""
     broken = {
         "every number is finite": [scene for scene in scenes if not scene.finite],
-        "every run ends, or says what to change": [
+        "every run reaches its end or says what to change": [
             scene for scene in scenes if scene.end not in (*GOOD, "refused") and not _explained(scene)
         ],
         "no run fails": [scene for scene in scenes if scene.end == "failed"],
@@ -362,19 +362,21 @@ def offenders(scenes: Sequence[Found]) -> dict[str, list[Found]]:
     for name in _images(scenes):
         broken[name] = [scene for scene in scenes if scene.silent and scene.images.get(name, 0.0) > scene.alike]
     return broken | {
-        "half the step is within 1 % without a warning": [
+        "halving the step changes a result without a warning by at most 1 %": [
             scene for scene in scenes if scene.silent and scene.half > SILENT
         ],
-        "summaries at fixed and chosen steps are within 2 %, or four times the accuracy": [
+        "summaries with fixed and chosen steps differ by at most 2 % or four times the accuracy": [
             scene
             for scene in scenes
             if _both_silent(scene) and scene.numbers[0] > max(2.0 * SILENT, 4.0 * scene.accuracy)
         ],
-        "an energy imbalance above 1e-3 is never silent": [
+        "an energy imbalance above 1e-3 always has a warning": [
             scene for scene in scenes if scene.silent and scene.imbalance > BALANCE
         ],
-        "no silent error of steps above 1 %": [scene for scene in scenes if scene.silent and scene.steps > SILENT],
-        "no silent error of strips and elements above 1 %": [
+        "no error of steps above 1 % is without a warning": [
+            scene for scene in scenes if scene.silent and scene.steps > SILENT
+        ],
+        "no error of strips and elements above 1 % is without a warning": [
             scene for scene in scenes if scene.silent and scene.space > SILENT and scene.cause != "steps"
         ],
     }
@@ -401,18 +403,19 @@ def outcome(scenes: Sequence[Found], of: str = "properties") -> Outcome:
     ends = Counter(scene.end if scene.end not in GOOD else "silent" if scene.silent else "warned" for scene in scenes)
     listed = ", ".join(f"{count} {end}" for end, count in ends.most_common())
     parts = [f"{len(scenes)} scenes: {listed}."]
-    parts += ["Symmetry, convergence, energy.", property_table(scenes)]
+    parts += ["Symmetry, convergence and energy.", property_table(scenes)]
     parts += [
-        "Silent errors of the steps, by the kind of mechanism.",
+        "Errors of the steps in scenes without a warning, by kind of mechanism.",
         silent_table(scenes, lambda scene: scene.kind, "steps"),
     ]
     parts += [
-        "The same against a quarter of the step, 8 times the strips and 4 times the elements; in space half the step, "
-        "and facets of a third."
+        "The same, against a reference with a quarter of the step, 8 times the strips and 4 times the elements (in "
+        "space half the step "
+        "and facets of a third of the size)."
     ]
     parts += [silent_table(scenes, lambda scene: scene.kind, "space")]
     parts += ["The same by solver.", silent_table(scenes, lambda scene: scene.solver, "space")]
-    parts += ["The largest silent errors.", worst(scenes)]
+    parts += ["The largest errors without a warning.", worst(scenes)]
     broken = offenders(scenes)
     claims = [Claim(f"{of}.{name}", not bad, _detail(name, bad, scenes)) for name, bad in broken.items()]
     return Outcome("\n\n".join(parts), tuple(claims))
@@ -421,8 +424,8 @@ def outcome(scenes: Sequence[Found], of: str = "properties") -> Outcome:
 def _detail(name: str, bad: Sequence[Found], scenes: Sequence[Found]) -> str:
     seeds = f" (seeds {', '.join(str(scene.seed) for scene in bad[:8])}{', ...' * (len(bad) > 8)})" if bad else ""
     keys = Counter(scene.numbers[1] for scene in bad) if name.startswith("summaries") else Counter()
-    most = f"; most {', '.join(f'{key} {count}' for key, count in keys.most_common(4))}" if keys else ""
-    return f"{len(bad)} of {len(scenes)} scenes break it{seeds}{most}"
+    most = f"; most often {', '.join(f'{key} {count}' for key, count in keys.most_common(4))}" if keys else ""
+    return f"{len(bad)} of {len(scenes)} scenes violate it{seeds}{most}"
 
 
 def keep(scenes: Sequence[Found], target: Path, world: str = "plane") -> None:
@@ -448,12 +451,14 @@ def study(quick: bool = False) -> Outcome:
 def main(arguments: Sequence[str] | None = None, world: str = "plane", of: str = "properties") -> int:
     """Run the study as a script; return 0 if all claims hold, else 1."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--quick", action="store_true", help=f"the beginnings of {QUICK} scenes")
-    parser.add_argument("--count", type=int, help=f"scenes, {COUNT} unless given")
-    parser.add_argument("--seed", type=int, default=SEED, help="of the first scene")
-    parser.add_argument("--jobs", type=int, default=cores(), help="processes")
-    parser.add_argument("--store", type=Path, help="folder that keeps what came of every scene, for a run that goes on")
-    parser.add_argument("--keep", type=Path, help="folder for the scenes that offend, as configs")
+    parser.add_argument("--quick", action="store_true", help=f"run only the first part of {QUICK} scenes")
+    parser.add_argument("--count", type=int, help=f"number of scenes; default {COUNT}")
+    parser.add_argument("--seed", type=int, default=SEED, help="seed of the first scene")
+    parser.add_argument("--jobs", type=int, default=cores(), help="number of processes")
+    parser.add_argument(
+        "--store", type=Path, help="folder for the results of each scene; a stopped run continues from it"
+    )
+    parser.add_argument("--keep", type=Path, help="folder for the configs of scenes that violate a property")
     chosen = parser.parse_args(arguments)
     count = chosen.count or (QUICK if chosen.quick else COUNT)
     began = time.perf_counter()

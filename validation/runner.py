@@ -44,7 +44,7 @@ LEAST_TIME, STRIDES = 1.0, 4  # least duration of a run in s and in strides
 # The quick form: for each ground the frequencies that its claims need, and half the strides.
 QUICK, QUICK_STRIDES = ((1.0, 8.0), (1.0, 8.0), (1.0, 2.0, 8.0)), 2
 MOST_IMBALANCE = 1e-3
-NOT_SHOWN = """What the model can't show: the resistance is that of a flat, undisturbed bed at every step. There are no
+NOT_SHOWN = """What the model can't show: The resistance is that of a flat, undisturbed bed at every step. There are no
 craters, no heaps, no footprints that the next leg falls into and no sand that flows back, so that faster legs do not
 meet ground which earlier ones loosened. The law knows no rate: grains that are thrown have no inertia (the law `drft`
 has that, with coefficients that were not measured for seeds). The legs follow their clock whatever torque it takes. The
@@ -126,37 +126,37 @@ def claims(close: list[Gait], loose: list[Gait], heavy: list[Gait]) -> tuple[Cla
         Claim(
             "runner.speed rises with limb frequency while legs carry the trunk",
             least > 0.0,
-            f"least rise between two of them {least:.3f} m/s",
+            f"smallest rise between two frequencies {least:.3f} m/s",
         ),
         Claim(
             "runner.legs keep their footing on close-packed seeds",
             shares[0] > 0.8,
-            f"at {top:g} Hz a stride is {shares[0]:.0%} of the longest (asked: 80 %)",
+            f"at {top:g} Hz a stride is {shares[0]:.0%} of the longest (required: 80 %)",
         ),
         Claim(
             "runner.legs lose footing on loose seeds with a short stance",
             shares[1] < 0.75,
-            f"at {top:g} Hz a stride is {shares[1]:.0%} of the longest (asked: below 75 %)",
+            f"at {top:g} Hz a stride is {shares[1]:.0%} of the longest (required: below 75 %)",
         ),
         Claim(
             "runner.a heavy trunk gets faster, then slower",
             heavy[0].frequency < fastest.frequency < top and heavy[-1].speed < 0.5 * fastest.speed,
             f"{heavy[0].speed:.3f} m/s at {heavy[0].frequency:g} Hz, {fastest.speed:.3f} at {fastest.frequency:g}, "
-            f"{heavy[-1].speed:.3f} at {top:g} (asked: below half)",
+            f"{heavy[-1].speed:.3f} at {top:g} (required: below half)",
         ),
         Claim(
-            "runner.it slows where legs no longer lift the trunk",
+            "runner.the heavy trunk slows down where legs no longer lift it",
             heavy[-1].rise < 0.2 * heavy[0].rise,
-            f"it goes up and down by {1e3 * heavy[0].rise:.2f} mm at {heavy[0].frequency:g} Hz, "
-            f"{1e3 * heavy[-1].rise:.2f} at {top:g} (asked: a fifth)",
+            f"the trunk goes up and down by {1e3 * heavy[0].rise:.2f} mm at {heavy[0].frequency:g} Hz, "
+            f"{1e3 * heavy[-1].rise:.2f} at {top:g} (required: less than a fifth)",
         ),
         Claim(
-            "runner.bodies do not sink without bound",
+            "runner.bodies do not sink without limit",
             sunk < LEG,
-            f"at most {1e3 * sunk:.0f} mm deep (asked: the leg's {1e3 * LEG:.0f} mm)",
+            f"at most {1e3 * sunk:.0f} mm deep (required: the leg's {1e3 * LEG:.0f} mm)",
         ),
         Claim(
-            "runner.energy is balanced", worst <= MOST_IMBALANCE, f"{worst:.1e} at worst (asked: {MOST_IMBALANCE:g})"
+            "runner.energy is balanced", worst <= MOST_IMBALANCE, f"{worst:.1e} at most (required: {MOST_IMBALANCE:g})"
         ),
     )
 
@@ -172,9 +172,10 @@ def real_time(repeats: int) -> str:
         walls.append(results.summary["cost"]["solve_s"] / scenario.solver.end_time_s)
     cost = results.summary["cost"]
     return (
-        f"Real-time factor of configs/runner.yaml, default settings: {statistics.median(walls):.2f} by the clock "
-        f"(least {min(walls):.2f}), {statistics.median(processor):.2f} of processor time with building and reporting; "
-        f"{cost['steps']} steps, {cost['newton_iterations'] / cost['steps']:.1f} iterations each, {repeats} runs. "
+        f"Real-time factor of configs/runner.yaml, default settings: {statistics.median(walls):.2f} by wall clock "
+        f"(smallest {min(walls):.2f}), {statistics.median(processor):.2f} by processor time, with building and "
+        "reporting; "
+        f"{cost['steps']} steps, {cost['newton_iterations'] / cost['steps']:.1f} iterations per step, {repeats} runs. "
         "Below 1 is faster than real time."
     )
 

@@ -89,7 +89,9 @@ def study(quick: bool = False) -> Outcome:
     tried = f"{generations * population} episodes in {seconds:.0f} s on {PROCESSES} processes; best so far, mm: {best}"
     numbers = ", ".join(f"{weight:.3f}" for weight in weights)
     ahead = distances["policy"][0] / max(exact, distances["by hand, by the motors"][0])
-    claim = Claim("runner_policy.it walks farther than the gait set by hand", ahead > 1.0, f"{ahead:.2f} times as far")
+    claim = Claim(
+        "runner_policy.the policy walks farther than the gait set by hand", ahead > 1.0, f"{ahead:.2f} times as far"
+    )
     return Outcome(f"{table}\n\n{tried}\n\nweights: {numbers}", (claim,))
 
 

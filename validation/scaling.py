@@ -151,8 +151,8 @@ def tables(costs: Costs) -> str:
             ]
         )  # fmt: skip
     head = [
-        "links", "number", "sand", "solve ms", "to no sand", "us a step", "us an iteration", "to no sand", "steps",
-        "iterations", "Jacobians", "whole run ms",
+        "links", "number", "sand", "solve ms", "ratio to no sand", "us per step", "us per iteration",
+        "ratio to no sand", "steps", "iterations", "Jacobians", "whole run ms",
     ]  # fmt: skip
     fits = [
         [kind, case, f"{slope(costs, kind, case):.2f}", f"{slope(costs, kind, case, whole=True):.2f}"]
@@ -177,18 +177,19 @@ def claims(costs: Costs) -> tuple[Claim, ...]:
         Claim(
             "scaling.cost per step is linear",
             worst <= SLOPE,
-            f"slope at most {worst:.2f} ({kind}, {case}) from {LINEAR_FROM} to {most} links, asked {SLOPE}",
+            f"slope at most {worst:.2f} ({kind}, {case}) from {LINEAR_FROM} to {most} links, required: at most {SLOPE}",
         ),
         Claim(
             "scaling.an iteration of 256 links is short",
             quarter <= ITERATION,
-            f"{quarter:.0f} us for {most} rigid links, a quarter in sand, asked {ITERATION:g}; {bare:.0f} without",
+            f"{quarter:.0f} us for {most} rigid links, a quarter in sand, required: at most {ITERATION:g}; "
+            f"{bare:.0f} without sand",
         ),
         Claim(
-            "scaling.sand costs at most half the run time again",
+            "scaling.sand adds at most half of the run time without sand",
             load <= LOAD,
-            f"at worst {load:.2f} times ({load_size} {load_kind}, {load_case}), asked {LOAD}; "
-            f"an empty call alone makes {sizes[0]} rigid {floor:.2f} times",
+            f"at most {load:.2f} times ({load_size} {load_kind}, {load_case}), required: at most {LOAD}; "
+            f"an empty call alone makes the run of {sizes[0]} rigid link {floor:.2f} times as long",
         ),
     )
 

@@ -56,7 +56,7 @@ def runs(repeats: int) -> tuple[list[list[str]], list[Claim]]:
         rows.append([name, f"{1e3 * without:.0f}", f"{1e3 * scattered:.0f}", f"{scattered / without:.2f}"])
         held = scattered <= MOST * without
         detail = f"{scattered / without:.2f} times"
-        claims.append(Claim(f"scatter_cost.{name}: scatter costs at most 0.15 of a run", held, detail))
+        claims.append(Claim(f"scatter_cost.{name}: scatter adds at most 15 % to the run time", held, detail))
     return rows, claims
 
 
@@ -121,7 +121,7 @@ def commands() -> tuple[list[list[str]], list[Claim]]:
         timed(arguments if "--count" not in arguments else [*arguments[:3], "4", *arguments[4:]])
         clock, processors = timed(arguments)
         rows.append([name, f"{clock:.1f}", f"{processors:.1f}", f"{processors / 2:.1f}", f"{limit:g}"])
-        detail = f"{clock:.1f} s by the clock, {processors / 2:.1f} s if two cores had nothing else to do"
+        detail = f"{clock:.1f} s by wall clock, {processors / 2:.1f} s if both cores were otherwise idle"
         claims.append(Claim(f"scatter_cost.{name} takes less than {limit:g} s", clock < limit, detail))
     return rows, claims
 
@@ -133,8 +133,8 @@ def study(quick: bool = False) -> Outcome:
     if not quick:
         of_commands, more = commands()
         load_average = os.getloadavg()[0]
-        text += f"\n\nTwo workers; load average {load_average:.1f}, of which two are these.\n\n"
-        text += markdown(["command", "clock s", "processors s", "half of it", "asked"], of_commands)
+        text += f"\n\nTwo workers; load average {load_average:.1f}, which includes these two.\n\n"
+        text += markdown(["command", "wall clock s", "CPU s of all cores", "half of that", "bound s"], of_commands)
         claims += more
     return Outcome(text, tuple(claims))
 

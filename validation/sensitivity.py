@@ -105,24 +105,25 @@ def claims(results: dict[str, list[Indices]]) -> list[Claim]:
         Claim(
             "sensitivity.speed and angle decide the stopping time more than the sand does",
             of_motion > 0.5 > sand,
-            f"{100 * of_motion:.0f} % of the variance is theirs alone (asked: over 50), at most {100 * sand:.0f} % has "
-            "to do with the four coefficients (asked: under 50)",
+            f"{100 * of_motion:.0f} % of the variance is due to them alone (required: over 50), at most "
+            f"{100 * sand:.0f} % has "
+            "to do with the four coefficients (required: under 50)",
         ),
         Claim(
-            "sensitivity.of the coefficients eta_v decides the stopping time of one impact",
+            "sensitivity.eta_v is the coefficient that decides the stopping time of one impact",
             bool(one_impact.first[vertical] > 0.5),
-            f"first order {one_impact.first[vertical]:.3f} (asked: 0.5)",
+            f"first order {one_impact.first[vertical]:.3f} (required: 0.5)",
         ),
         Claim(
             "sensitivity.eta_d hardly changes the stopping time",
             bool(max(time.total_interval[1, drag], one_impact.total_interval[1, drag]) < 0.05),
             f"total at most {time.total_interval[1, drag]:.4f} of all six, "
-            f"{one_impact.total_interval[1, drag]:.4f} of the coefficients at one impact (asked: 0.05)",
+            f"{one_impact.total_interval[1, drag]:.4f} of the coefficients at one impact (required: 0.05)",
         ),
         Claim(
             "sensitivity.eta_d decides where one impact stops",
             bool(stop_angle.first[drag] > 0.5),
-            f"first order {stop_angle.first[drag]:.3f} of the angle at stop (asked: 0.5)",
+            f"first order {stop_angle.first[drag]:.3f} of the angle at stop (required: 0.5)",
         ),
     ]
 

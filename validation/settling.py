@@ -170,7 +170,7 @@ def study(quick: bool = False) -> Outcome:
     """Run all cases, or those of QUICK."""
     names = QUICK if quick else CASES
     results = {name: settled(tree_of(name)) for name in names}
-    head = ["mechanism", "sinkage mm", "too deep, of it", "weight that the sand lacks, of it", "CPU s"]
+    head = ["mechanism", "sinkage mm", "error of sinkage", "unsupported share of the weight", "CPU s"]
     rows = [
         [name, f"{1e3 * r.depth:.3f}", f"{r.too_deep / r.depth:.2%}", f"{r.lacking:.0e}", f"{r.taken:.2f}"]
         for name, r in results.items()
@@ -178,7 +178,7 @@ def study(quick: bool = False) -> Outcome:
     errors = {name: abs(result.too_deep) / result.depth for name, result in results.items()}
     worst = max(errors, key=lambda name: errors[name])
     detail = f"at most {errors[worst]:.2%} ({worst})"
-    claim = Claim("settling.sinkage is that of the static balance within 1 %", errors[worst] < ALLOWED, detail)
+    claim = Claim("settling.sinkage agrees with the static balance within 1 %", errors[worst] < ALLOWED, detail)
     return Outcome(markdown(head, rows), (claim,))
 
 

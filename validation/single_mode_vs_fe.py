@@ -47,10 +47,12 @@ def claims(points: Sequence[Point]) -> tuple[Claim, ...]:
         statement = f"{name} within 1 % in stopping time for the paper's link up to {FASTEST:g} rad/s"
         statements.append(_claim(statement, worst <= 0.01, _at_most(worst, paper)))
     least = min(p.error("one", "deflection") for p in paper)
-    detail = f"{100 * least:.1f} % or more off in {len(paper)} impacts"
+    detail = f"an error of at least {100 * least:.1f} % in {len(paper)} impacts"
     statements.append(
         _claim(
-            "one mode misses the peak deflection of the paper's link by over 5 % up to 11 rad/s", least > 0.05, detail
+            "one mode misses the peak deflection of the paper's link by more than 5 % up to 11 rad/s",
+            least > 0.05,
+            detail,
         )
     )
     worst = max(p.error("two", "deflection") for p in paper)
@@ -64,17 +66,18 @@ def claims(points: Sequence[Point]) -> tuple[Claim, ...]:
     exact = frequencies(Case("EI"), 20)[0]
     one, two = (frequencies(Case("EI"), n)[0] / exact - 1.0 for n in (1, 2))
     detail = f"{100 * one:+.1f} % with one mode, {100 * two:+.2f} % with two"
-    statements.append(_claim("one clamped-free mode is over 10 % high in the hinged frequency, two are within 0.5 %",
+    statements.append(_claim("the hinged frequency is more than 10 % too high with one clamped-free mode, within "
+    "0.5 % with two",
                         one > 0.1 and two < 0.005, detail))  # fmt: skip
     f = fit(points, CHOSEN, "one", "travel")
     out, within, known = misjudged(points, CHOSEN, "one", "travel", 0.01)
     detail = f"R2 {f.r2:.2f} over {f.count} cases, {out + within} of {known} misjudged at N = {f.threshold(0.01):.2g}"
-    statements.append(_claim(f"{CHOSEN} tells where one mode is within 1 % in travel",
+    statements.append(_claim(f"{CHOSEN} predicts where one mode is within 1 % in travel",
                         f.r2 >= 0.8 and out + within <= 0.1 * known, detail))  # fmt: skip
     agree = sum(p.doubt("travel") <= 2e-3 for p in points)
     detail = f"in {agree} of {len(points)} cases"
     statements.append(
-        _claim("the two beams agree to 0.2 % in travel in four cases of five", agree >= 0.8 * len(points), detail)
+        _claim("the two beams agree within 0.2 % in travel in four of five cases", agree >= 0.8 * len(points), detail)
     )
     return tuple(statements)
 
@@ -91,11 +94,11 @@ def study(quick: bool) -> Outcome:
     """Run all cases; draw the figures unless quick."""
     cases = points(design(quick), QUICK_BEAMS if quick else BEAMS)
     parts = [
-        "Cases within a limit, of those that the beams leave in no doubt:",
+        "Cases within a limit, of those for which the two beams agree well enough to decide:",
         count_table(cases),
         "The paper's link by number of modes, in vacuum:",
         shape_table(),
-        "What one mode lacks, by peak deflection of the beam over length (cases: travel / stopping time):",
+        "Causes of the error of one mode, by peak deflection of the beam over length (cases: travel / stopping time):",
         cause_table(cases),
         worse(cases),
         "R2 of log error against log N:",
@@ -106,7 +109,10 @@ def study(quick: bool) -> Outcome:
         case_table(cases),
     ]
     if not quick:
-        parts += ["What the paper's axial stiffness changes in the beam (6.24 rad/s, 31 degrees):", axial_table()]
+        parts += [
+            "Changes of the beam's results with the paper's axial stiffness (6.24 rad/s, 31 degrees):",
+            axial_table(),
+        ]
         FIGURES.mkdir(exist_ok=True)
         draw_map(cases, FIGURES / "single_mode_map.png")
         draw_examples(cases, FIGURES / "single_mode_examples.png")

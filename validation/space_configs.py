@@ -34,8 +34,8 @@ from validation.tables import markdown
 CONFIGS, HARD = Path(__file__).parents[1] / "configs", Path(__file__).parent / "hard_facets"
 BALANCE, DEPTH, FINER = 1e-3, 3e-3, 3.0
 FOOT = 2.767e-3  # m, depth at which the integral of the law over the cap bears the foot's weight
-HEAD = ["config", "s", "accuracy", "error", "told by facets", "steps", "facets", "solve s", "all s"]
-HEAD += ["energy imbalance", "number", "told"]
+HEAD = ["config", "s", "accuracy", "error", "error estimated by facets", "steps", "facets", "solve s", "whole run s"]
+HEAD += ["energy imbalance", "number", "warnings"]
 
 
 def files(quick: bool) -> list[Path]:
@@ -109,12 +109,12 @@ def study(quick: bool) -> Outcome:
         Claim(
             "space_configs.every config keeps its accuracy",
             results[over][1] <= 1.0,
-            f"{len(results)} configs; at most {results[over][1]:.2f} of what is asked ({over})",
+            f"{len(results)} configs; at most {results[over][1]:.2f} times the accuracy asked for ({over})",
         ),
         Claim(
-            "space_configs.energies are accounted for",
+            "space_configs.energy is balanced",
             results[broken][2] <= BALANCE,
-            f"to {results[broken][2]:.1e} of the greatest ({broken}; asked: {BALANCE:g})",
+            f"to {results[broken][2]:.1e} of the largest energy ({broken}; required: {BALANCE:g})",
         ),
     ]
     for path in () if quick else sorted(HARD.glob("*.yaml")):
@@ -122,7 +122,7 @@ def study(quick: bool) -> Outcome:
         true = FOOT if path.stem == "ball_foot" else fine
         off = abs(depth / true - 1.0)
         detail = f"{1e3 * depth:.2f} mm of {1e3 * true:.2f}, {off:.2%} off"
-        claims.append(Claim(f"space_configs.{path.stem} is as deep as it should be", off <= DEPTH, detail))
+        claims.append(Claim(f"space_configs.{path.stem} has the correct depth", off <= DEPTH, detail))
     return Outcome(markdown(HEAD, [row for row, *_ in results.values()]), tuple(claims))
 
 

@@ -213,13 +213,15 @@ def study(quick: bool) -> Outcome:
             least.append([name, f"{level:.1%}", *(f"{spent:.3f}" for spent in times)])
             if level in MOST:
                 ratio = times[0] / times[1]
-                detail = f"{ratio:.2f} times MuJoCo's time (asked: {MOST[level]:.2g}), in {times[0]:.3f} s"
+                detail = f"{ratio:.2f} times MuJoCo's time (required: {MOST[level]:.2g}), in {times[0]:.3f} s"
                 if times[1] == math.inf:
-                    detail = f"in {times[0]:.3f} s; MuJoCo does not come to it with steps of {1e3 * STEPS[-1]:g} ms"
+                    detail = (
+                        f"in {times[0]:.3f} s; MuJoCo does not reach this error with steps of {1e3 * STEPS[-1]:g} ms"
+                    )
                 claims.append(Claim(f"space_fronts.{name} at {level:.1%}", ratio <= MOST[level], detail))
     text = "\n\n".join(
         [
-            "Least processor time (s) at an error of the tip's path.",
+            "Smallest processor time (s) within a given error of the tip's path.",
             markdown(["robot", "error at most", OURS, NATIVE], least),
             "All runs.",
             markdown(["robot", "tool", "setting", "error", "s"], rows),

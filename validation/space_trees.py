@@ -7,7 +7,7 @@ over sand or in vacuum (`validation/random_scenes/space_trees.py`). Both engines
 The compared points are the centre of each body and the ends of its three axes, at the distance of the body's radius.
 The table has the greatest distance between both solutions at any of 101 instants, relative to the longest path length
 of a point. A tree that tumbles over sand on edges and corners amplifies the error of the steps. The distance between
-runs in minimal coordinates with FINE and with twice FINE shows by how much (*own steps*). Where the engine fails, it
+runs in minimal coordinates with FINE and with twice FINE shows by how much (*finer steps*). Where the engine fails, it
 runs again with the larger tolerance that its message names.
 
 The promise: errors of the first trees at an accuracy, against runs with FINE, over the accuracy times the path length.
@@ -128,30 +128,30 @@ def study(quick: bool) -> Outcome:
     off = np.array([[row.engine, row.own] for row in finished])
     shares = np.percentile(off, (50, 90, 99, 100), axis=0).T
     table = [
-        [name, *(f"{share:.1e}" for share in row)] for name, row in zip(("engine", "own steps"), shares, strict=True)
+        [name, *(f"{share:.1e}" for share in row)] for name, row in zip(("engine", "finer steps"), shares, strict=True)
     ]
-    text = markdown(["distance over the way, from", "median", "90 %", "99 %", "most"], table)
+    text = markdown(["distance over path length, from", "median", "90 %", "99 %", "largest"], table)
     spent = np.sum([row.seconds for row in finished], axis=0)
-    text += f"\n\n{len(finished)} trees: {spent[0]:.0f} CPU s in minimal coordinates, {spent[1]:.0f} by the engine."
-    text += "\n\n" + _listed("Farthest apart", sorted(finished, key=lambda row: -row.engine)[:8])
+    text += f"\n\n{len(finished)} trees: {spent[0]:.0f} CPU s in minimal coordinates, {spent[1]:.0f} with the engine."
+    text += "\n\n" + _listed("Largest distances", sorted(finished, key=lambda row: -row.engine)[:8])
     for row in failed_first:
-        then = f"with {LARGER:g}: {row.engine:.1e}" if np.isfinite(row.engine) else f"so it did with {LARGER:g}"
+        then = f"with {LARGER:g}: {row.engine:.1e}" if np.isfinite(row.engine) else f"it also gave up with {LARGER:g}"
         text += f"\n\nThe engine gave up on seed {row.seed}: {row.status}; {then}."
     table, broken = promise(PROMISED_QUICK if quick else PROMISED)
-    text += "\n\n" + markdown(["accuracy", "error / promise: median", "90 %", "most"], table)
+    text += "\n\n" + markdown(["accuracy", "error / promise: median", "90 %", "largest"], table)
     close = int((off[:, 0] <= APART).sum())
-    detail = f"{close} of {len(rows)} within {APART:g} of the way"
+    detail = f"{close} of {len(rows)} within {APART:g} of the path length"
     if failed_first:
         detail += f", {len(failed_first)} of them with a tolerance of {LARGER:g} in the engine"
     claims = (
-        Claim("space_trees.both engines move random trees alike", close == len(rows), detail),
-        Claim("space_trees.accuracy is kept by twenty trees", not broken, ", ".join(broken) or "all of them"),
+        Claim("space_trees.both engines give the same motion of random trees", close == len(rows), detail),
+        Claim("space_trees.twenty trees keep their accuracy", not broken, ", ".join(broken) or "all of them"),
     )
     return Outcome(text, claims)
 
 
 def _listed(head: str, rows: list[Row]) -> str:
-    return f"{head} (own steps): " + ", ".join(f"seed {row.seed} {row.engine:.1e} ({row.own:.1e})" for row in rows)
+    return f"{head} (finer steps): " + ", ".join(f"seed {row.seed} {row.engine:.1e} ({row.own:.1e})" for row in rows)
 
 
 if __name__ == "__main__":

@@ -224,7 +224,7 @@ def study(quick: bool) -> Outcome:
             rows.append([kind, f"{angle:g}", *(f"{error:.1e}" for error in errors), f"{power:.2f}"])
             if kind == RIGID:
                 rigid[angle] = errors, power
-    strip = markdown(["beam", "section turned by, deg", *(f"{n} elements" for n in counts), "order"], rows)
+    strip = markdown(["beam", "section rotated by, deg", *(f"{n} elements" for n in counts), "order"], rows)
     t, z, _ = fallen_by_cables(24 if quick else 48, 1.25e-4)
     exact, falls = np.array([t, z]), []
     by_engine = partial(fallen_by_rigid_elements, method="engine")
@@ -236,20 +236,20 @@ def study(quick: bool) -> Outcome:
     for kind, fallen in models:
         for count, (error, took) in zip(counts, fall_errors(fallen, counts, 5e-4, exact), strict=True):
             falls.append([kind, count, f"{error:.1e}", f"{took:.3f}"])
-    fall = markdown(["beam", "elements", "error of the end, of its way", "s"], falls)
+    fall = markdown(["beam", "elements", "error of the end over its path", "s"], falls)
     powers = [power for _, power in rigid.values()]
     at_eight = [errors[1] for errors, _ in rigid.values()]
     claims = (
         claim(
             "rigid elements in the strip",
             all(abs(power - 2.0) < 0.1 for power in powers) and max(at_eight) < 5e-3,
-            f"orders {', '.join(f'{p:.2f}' for p in powers)} at 0, 45 and 90 deg (asked: 2), with 8 elements "
-            f"{100 * max(at_eight):.2f} % off at most (asked: 0.5)",
+            f"orders {', '.join(f'{p:.2f}' for p in powers)} at 0, 45 and 90 deg (required: 2), with 8 elements "
+            f"{100 * max(at_eight):.2f} % error at most (required: 0.5)",
         ),
         claim(
             "rigid elements in the fall",
             float(falls[len(counts) + 2][2]) < 5e-3,
-            f"with 16 elements {falls[len(counts) + 2][2]} of the way off (asked: 5e-3)",
+            f"with 16 elements {falls[len(counts) + 2][2]} of the path length as error (required: 5e-3)",
         ),
     )
     text = f"Strip with a weight of {WEIGHT} N at its end: error of the deflection, relative.\n\n{strip}\n\n"
@@ -259,14 +259,14 @@ def study(quick: bool) -> Outcome:
     curls, silent, (least, most) = curled.curled([4, 8] if quick else [4, 8, 16], names[:2] if quick else names)
     curl_claims = (
         claim(
-            "what curls is not wrong in silence",
+            "links that curl have no large error without a warning",
             silent < 0.02,
-            f"greatest error without a warning {100 * silent:.1f} % (asked: 2)",
+            f"largest error without a warning {100 * silent:.1f} % (required: 2)",
         ),
         claim(
-            "what is told of what curls is true",
+            "error estimates of links that curl are correct",
             least > 0.4 and most < 10.0,
-            f"estimates are {least:.2f} to {most:.1f} times the error (asked: 0.4 to 10)",
+            f"estimates are {least:.2f} to {most:.1f} times the error (required: 0.4 to 10)",
         ),
     )
     tables = [*(table for table, _ in parts), curls]
@@ -277,10 +277,10 @@ def _spin_up(counts: list[int]) -> tuple[str, Claim]:
     """Table and claim of Kane's spin-up manoeuvre."""
     rows = spin_up.rows(counts)
     cells = [[n, f"{1e3 * most:.1f}", f"{off:.1e}", f"{took:.2f}"] for n, most, off, took in rows]
-    table = markdown(["elements", "greatest deflection, mm", "farthest from the theory, of that", "s"], cells)
+    table = markdown(["elements", "largest deflection, mm", "largest difference from the theory, relative", "s"], cells)
     off = rows[-1][2]
     detail = (
-        f"with {counts[-1]} elements {100 * off:.2f} % of the greatest deflection from the linear theory (asked: 1)"
+        f"with {counts[-1]} elements {100 * off:.2f} % of the largest deflection from the linear theory (required: 1)"
     )
     caption = "Spin-up of Kane, Ryan and Banerjee, rigid elements in minimal coordinates."
     return f"{caption}\n\n{table}", claim("spin-up", off < 0.01, detail)
@@ -289,13 +289,16 @@ def _spin_up(counts: list[int]) -> tuple[str, Claim]:
 def _soft_and_stiff(quick: bool) -> tuple[str, Claim]:
     """Table and claim of links with a stiffness from that of a rope to that of a rod that hardly bends."""
     cases = soft_and_stiff.cases((1e-4, 1.0, 1e6) if quick else soft_and_stiff.FACTORS, 64 if quick else 256)
-    header = ["stiffness, times", "elements", "error of the tip, of its way", "told", "imbalance of energy", "s"]
+    header = ["stiffness factor", "elements", "error of the tip over its path", "warning", "energy imbalance", "s"]
     silent = max(case.error for case in cases if not case.told)
     worst = max(case.imbalance for case in cases)
     held = silent < 0.01 and worst < 1e-3
-    detail = f"greatest error without a warning {100 * silent:.2f} % (asked: 1), imbalance {worst:.1e} (asked: 1e-3)"
+    detail = (
+        f"largest error without a warning {100 * silent:.2f} % (required: 1), imbalance {worst:.1e} (required: 1e-3)"
+    )
     caption = (
-        "The source's link on a hub strikes play sand at 31 deg, its stiffness multiplied; `solver.accuracy: 1e-3`."
+        "The source's link on a hub strikes play sand at 31 deg, with its stiffness multiplied by a factor; "
+        "`solver.accuracy: 1e-3`."
     )
     return f"{caption}\n\n{markdown(header, [case.cells for case in cases])}", claim("soft and stiff", held, detail)
 

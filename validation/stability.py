@@ -161,7 +161,7 @@ def coarse_claim(results: Sequence[Coarse]) -> Claim:
     worst = max(results, key=lambda result: result.difference)
     quiet = max((result.difference for result in results if not result.warnings), default=0.0)
     return Claim(
-        "stability.every config at ten times its step is within 5 %, or 2 % without a warning",
+        "stability.every config at ten times its step is within 5 %, and within 2 % without a warning",
         not bad,
         f"largest {worst.difference:.2%} of the path length ({worst.config}), without a warning {quiet:.2%}",
     )
@@ -266,11 +266,11 @@ def claims(results: Sequence[Found], seconds: float, quick: bool) -> tuple[Claim
     limit = 120.0 if quick else 1200.0
     statements = [
         Claim(
-            "stability.no NaN",
+            "stability.no result is NaN",
             all(result.finite for result in results),
-            f"{len(results)} runs, every number of every table",
+            f"{len(results)} runs, all numbers of all tables",
         ),
-        Claim("stability.no hang, no unexplained failure", not lost, f"{_names(lost)} of {len(results)}"),
+        Claim("stability.no run hangs or fails without an explanation", not lost, f"{_names(lost)} of {len(results)}"),
         Claim(
             "stability.energy balance of runs without a warning",
             not unbalanced,
@@ -279,19 +279,23 @@ def claims(results: Sequence[Found], seconds: float, quick: bool) -> tuple[Claim
         Claim(
             "stability.difference of runs without a warning",
             not wrong,
-            f"largest {worst:.2%} of the path length (asked: {ACCEPTED:.0%}); above it: {_names(wrong)}",
+            f"largest {worst:.2%} of the path length (required: {ACCEPTED:.0%}); above that: {_names(wrong)}",
         ),
         Claim(
-            "stability.steps ten times too large warn, and are within 5 %",
+            "stability.steps ten times too large have a warning and an error within 5 %",
             not silent,
             "; ".join(f"{result.case.value}: {result.difference:.2%}" for result in coarse),
         ),
-        Claim("stability.time of the matrix", seconds < limit, f"{seconds:.0f} s (asked: {limit:.0f})"),
+        Claim("stability.run time of all cases", seconds < limit, f"{seconds:.0f} s (required: {limit:.0f})"),
     ]
     if STIFFEST in by_name and PAPER in by_name:
         ratio = by_name[STIFFEST].seconds / by_name[PAPER].seconds
         statements.append(
-            Claim("stability.stiffest beam at most 3 times the paper's", ratio <= 3.0, f"{ratio:.1f} times")
+            Claim(
+                "stability.the stiffest beam takes at most 3 times the time of the paper's",
+                ratio <= 3.0,
+                f"{ratio:.1f} times",
+            )
         )
     return tuple(statements)
 
@@ -367,9 +371,9 @@ def study(quick: bool) -> Outcome:
     ended = [result for result in results if result.status not in GOOD]
     text = [
         f"{len(results)} runs and their references, median solve {1e3 * statistics.median(times):.0f} ms.",
-        "Ends by factor (accepted: no warning about accuracy):",
+        "Outcomes by factor (accepted: no warning about accuracy):",
         summary(results),
-        "Runs that did not end well, in their own words:",
+        "Messages of the runs that did not end well:",
         *(f"- {result.case.factor}, {result.case.value}: {result.status}: {result.message}" for result in ended),
         "All runs:",
         table(results[: len(wanted)]),

@@ -171,23 +171,23 @@ def told(results: list[Found]) -> Outcome:
     above = sum(off > ACCURACY for off, _ in chosen)
     head = ["kind", "scenes", "largest error %", "median %", "estimate over error"]
     ratio_detail = (
-        f"{len(results)} scenes: estimate over error {ratios.min():.2f} to {ratios.max():.2f}, {beyond} beyond"
+        f"{len(results)} scenes: estimate over error {ratios.min():.2f} to {ratios.max():.2f}, {beyond} outside"
     )
     chosen_detail = (
-        f"{len(chosen)} scenes that 16 strips are not enough for: at most {worst / ACCURACY:.2f} times {ACCURACY:g}"
+        f"{len(chosen)} scenes that need more than 16 strips: error at most {worst / ACCURACY:.2f} times {ACCURACY:g}"
     )
     return Outcome(
         markdown(head, rows),
         (
             Claim(
-                "strip_estimates.at most one of a hundred is beyond a factor of ten",
+                "strip_estimates.at most 1 % of the estimates are wrong by more than a factor of ten",
                 100 * beyond <= len(results),
                 ratio_detail,
             ),
             Claim(
                 "strip_estimates.chosen steps and strips keep the accuracy",
                 worst <= 2.0 * ACCURACY,
-                f"{chosen_detail} ({strips} strips), {above} above 1 (asked: 2)",
+                f"{chosen_detail} ({strips} strips), {above} above 1 (required: 2)",
             ),
         ),
     )

@@ -210,11 +210,11 @@ HEAD = (
     "per s, 1",
     "per s, 2",
     "efficiency %, whole",
-    "running",
-    "by CPU",
-    "CPU ms a case, parent",
-    "workers",
-    "parent MB at a fifth, most",
+    "efficiency %, while running",
+    "efficiency %, by CPU",
+    "CPU ms per case, parent",
+    "CPU ms per case, workers",
+    "parent MB after a fifth, largest",
 )
 
 
@@ -241,8 +241,8 @@ HEAD_BESIDE = (
     "run",
     "s, 2 workers",
     "per s",
-    "CPU ms a case, all",
-    "times as many for the same CPU",
+    "CPU ms per case, all",
+    "runs per CPU time, ratio",
 )
 
 REDUCED = {
@@ -355,7 +355,7 @@ def in_this_process(count: int, repeats: int) -> list[list[str]]:
     return rows
 
 
-HEAD_TOGETHER = ("runs", "how", "CPU ms a run", "times as many for the same CPU", "per s, wall", "loops a run")
+HEAD_TOGETHER = ("runs", "how", "CPU ms per run", "runs per CPU time, ratio", "per s, wall", "reference loops per run")
 
 
 def study(quick: bool, repeats: int = 3) -> Outcome:
@@ -369,7 +369,11 @@ def study(quick: bool, repeats: int = 3) -> Outcome:
         f"{markdown(HEAD, [cells for cells, _ in measured.values()])}"
     )
     claims = [
-        Claim(f"sweep_throughput.{method}", gain >= WORTH, f"{gain:.2f} of twice one worker (at least {WORTH:g})")
+        Claim(
+            f"sweep_throughput.{method}",
+            gain >= WORTH,
+            f"{gain:.2f} of twice the rate of one worker (at least {WORTH:g})",
+        )
         for method, (_, gain) in measured.items()
     ]
     return Outcome(text, tuple(claims))
@@ -380,9 +384,13 @@ def main() -> int:
     parser = argparse.ArgumentParser()
     parser.add_argument("--quick", action="store_true", help="a tenth of the impacts, once")
     parser.add_argument("--repeats", type=int, default=3)
-    parser.add_argument("--together", action="store_true", help="the first table only")
-    parser.add_argument("--alone", action="store_true", help="the parts of one run, and no more")
-    parser.add_argument("--beside", type=Path, help="another checkout: its code in turn with this one, and no more")
+    parser.add_argument("--together", action="store_true", help="print only the first table")
+    parser.add_argument("--alone", action="store_true", help="print only the times of the parts of one run")
+    parser.add_argument(
+        "--beside",
+        type=Path,
+        help="path of another checkout: run its code and this one in turn, and print only this comparison",
+    )
     chosen = parser.parse_args()
     share, repeats = (10, 1) if chosen.quick else (1, chosen.repeats)
     if chosen.alone:

@@ -152,7 +152,7 @@ def motions(quick: bool) -> Outcome:
         Claim(f"two_engines.order of {name}", 0.7 < slope < 1.4, f"{slope:.2f} (0.7 to 1.4)")
         for name, slope in zip(("plate", "chain", "hexapod"), orders, strict=True)
     ]
-    return Outcome(f"{small}\n\nThe hexapod walks {far:.1f} mm by Exudyn.\n\n{robot}", tuple(claims))
+    return Outcome(f"{small}\n\nThe hexapod walks {far:.1f} mm in Exudyn.\n\n{robot}", tuple(claims))
 
 
 def walking(steps: list[float]) -> Outcome:
@@ -163,8 +163,8 @@ def walking(steps: list[float]) -> Outcome:
     ]
     off = abs(speeds[-1] / reference - 1)
     claim = Claim("two_engines.speed of the walker", off < 0.02, f"{100 * off:.2f} % apart (below 2)")
-    table = markdown(["step ms", "m/s by MuJoCo", "to Exudyn"], rows)
-    return Outcome(f"Walker: {reference:.4f} m/s in the second half by Exudyn.\n\n{table}", (claim,))
+    table = markdown(["step ms", "m/s by MuJoCo", "ratio to Exudyn"], rows)
+    return Outcome(f"Walker: {reference:.4f} m/s in the second half in Exudyn.\n\n{table}", (claim,))
 
 
 def standing(steps: list[float]) -> Outcome:
@@ -172,8 +172,8 @@ def standing(steps: list[float]) -> Outcome:
     rates = [drift(step) for step in steps]
     rows = [[f"{1e3 * s:g}", f"{rate:.2g}"] for s, rate in zip(steps, rates, strict=True)]
     most = max(abs(rate) for rate in rates)
-    claim = Claim("two_engines.a hexapod stands", most < 0.1, f"it sinks by {most:.2g} um/s at most (below 0.1)")
-    return Outcome(f"The hexapod stands.\n\n{markdown(['step ms', 'sinks um/s'], rows)}", (claim,))
+    claim = Claim("two_engines.a hexapod stands still", most < 0.1, f"it sinks by {most:.2g} um/s at most (below 0.1)")
+    return Outcome(f"The hexapod stands still.\n\n{markdown(['step ms', 'sinks um/s'], rows)}", (claim,))
 
 
 if __name__ == "__main__":

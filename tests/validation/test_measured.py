@@ -20,8 +20,8 @@ def test_plates_and_the_wheel() -> None:
     assert [name for name, kept in found.items() if kept] == [
         "3D-RFT, nothing fitted: plate of 60 mm within a third",
         "RFT, zeta of the 60 mm plate: plate of 80 mm within a third",
-        "k z^n of the 60 mm plate: pressed wheel between its two stated sizes, from 10 mm on",
-        "k z^n of the 60 mm plate: pressed wheel within a third, from 10 mm on",
+        "k z^n of the 60 mm plate: force on the pressed wheel is between those of its two stated sizes, from 10 mm on",
+        "k z^n of the 60 mm plate: force on the pressed wheel within a third, from 10 mm on",
         "3D-RFT, nothing fitted: Fx rises with slip as measured",
         "RFT, zeta of the 60 mm plate: Fx rises with slip as measured",
     ]

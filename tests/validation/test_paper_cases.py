@@ -59,10 +59,22 @@ def test_table_has_twelve_impacts(outcome: Outcome) -> None:
         (study.motion_claims, study.FE, "stopping_time_s", 0.027, "stopping time falls with speed"),
         (study.motion_claims, study.RIGID, "stopping_time_s", 0.018, "fall of stopping time flattens"),
         (study.motion_claims, study.ONE, "angle_at_stop_deg", 35.0, "penetration grows with speed"),
-        (study.model_claims, study.FE, "stopping_time_s", 0.0231, "rigid and flexible hardly differ"),
-        (study.model_claims, study.ONE, "stopping_time_s", 0.0230, "event-located and elastoplastic agree"),
-        (study.check_claims, study.RIGID, "stopping_time_s", 0.02290, "rigid agrees with the earlier computation"),
-        (study.check_claims, study.RIGID, "angle_at_stop_deg", 35.54, "rigid agrees with the earlier computation"),
+        (study.model_claims, study.FE, "stopping_time_s", 0.0231, "rigid and flexible links hardly differ"),
+        (study.model_claims, study.ONE, "stopping_time_s", 0.0230, "event-located and elastoplastic friction agree"),
+        (
+            study.check_claims,
+            study.RIGID,
+            "stopping_time_s",
+            0.02290,
+            "the rigid link agrees with the earlier computation",
+        ),
+        (
+            study.check_claims,
+            study.RIGID,
+            "angle_at_stop_deg",
+            35.54,
+            "the rigid link agrees with the earlier computation",
+        ),
     ],
 )
 def test_claims_fall_with_one_spoilt_run(runs, claims, model, key, value, statement) -> None:

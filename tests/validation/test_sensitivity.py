@@ -38,7 +38,7 @@ def test_claims_hold(found):
         (SIX, 0, "total", 0.2, "speed and angle decide the stopping time more than the sand does"),
         (SIX, 0, "total_interval", 0.06, "eta_d hardly changes the stopping time"),
         (ONE_IMPACT, 0, "total_interval", 0.06, "eta_d hardly changes the stopping time"),
-        (ONE_IMPACT, 0, "first", 0.4, "of the coefficients eta_v decides the stopping time of one impact"),
+        (ONE_IMPACT, 0, "first", 0.4, "eta_v is the coefficient that decides the stopping time of one impact"),
         (ONE_IMPACT, 1, "first", 0.4, "eta_d decides where one impact stops"),
     ],
 )

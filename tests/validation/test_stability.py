@@ -36,7 +36,7 @@ def found() -> list[study.Found]:
 
 @pytest.mark.slow
 def test_cells_keep_the_claims(found: list[study.Found]) -> None:
-    names = ("no NaN", "no hang, no unexplained failure", "energy balance", "difference")
+    names = ("no result is NaN", "no run hangs or fails without an explanation", "energy balance", "difference")
     held = {claim.name: claim.held for claim in study.claims(found, 0.0, True)}
     for name in names:
         assert all(value for key, value in held.items() if key.startswith(f"stability.{name}"))

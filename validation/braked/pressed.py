@@ -66,10 +66,13 @@ def compared() -> tuple[str, dict[str, list[float]]]:
         rows.append([name, *(f"{x:.0f}" for x in first), *(f"{100 * x:.0f} %" for x in apart)])
     measured = pressed[pressed["depth_mm"] >= 1e3 * FROM]
     rows.insert(0, ["measured", *(f"{x:.0f}" for x in measured["force_N"]), *([""] * 4)])
-    head = ["N on the wheel pressed in to", *(f"{z:.0f} mm" for z in measured["depth_mm"])]
+    head = ["force N on the wheel pressed in to", *(f"{z:.0f} mm" for z in measured["depth_mm"])]
     head += ["rms, plate 60 mm", "plate 80 mm", *(f"wheel {b}" for b in BOUNDS)]
-    text = "Pressed straight down, from 10 mm on. A to D are the level surface here, G as their part of E or F."
-    return f"{text} Forces are those of {next(iter(BOUNDS))}.\n\n{markdown(head, rows)}", errors
+    text = (
+        "Pressed straight down, from 10 mm on. Here candidates A to D are the same as the level surface, and G "
+        "is the same as its part E or F."
+    )
+    return f"{text} Forces are for the wheel of {next(iter(BOUNDS))}.\n\n{markdown(head, rows)}", errors
 
 
 def _rms(computed: list[float], data: Vector) -> float:

@@ -137,7 +137,7 @@ def worse(points: Sequence[Point]) -> str:
         known = [p for p in points if p.known("one", measure) and p.error("one", measure) > 1e-4]
         count = sum(p.error("one", measure) > p.error("rigid", measure) for p in known)
         counts.append(f"{measure}: {count} of {len(known)}")
-    return f"One mode is farther off than rigid (errors above 0.01 % only): {', '.join(counts)}."
+    return f"One mode has a larger error than the rigid link (errors above 0.01 % only): {', '.join(counts)}."
 
 
 def collapse_table(points: Sequence[Point]) -> str:
@@ -151,8 +151,22 @@ def collapse_table(points: Sequence[Point]) -> str:
 
 def limit_table(points: Sequence[Point]) -> str:
     """Table of the power law in the chosen number, its thresholds, and the cases that they misjudge."""
-    head = ["model", "error in", "c", "p", "N at 1 %", "out though below it", "within though above"]
-    head += ["least N out of 1 %", "N at 5 %", "out though below it", "within though above", "cases judged"]
+    head = [
+        "model",
+        "error in",
+        "c",
+        "p",
+        "N at 1 %",
+        "above the limit though N is below",
+        "within the limit though N is above",
+    ]
+    head += [
+        "smallest N with an error above 1 %",
+        "N at 5 %",
+        "above the limit though N is below",
+        "within the limit though N is above",
+        "cases judged",
+    ]
     rows = []
     for model in ("rigid", "one", "two"):
         for measure in BOTH:
