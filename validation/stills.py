@@ -16,7 +16,7 @@ import matplotlib
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from granular_contact.report.figures.animation import Film, Picture, time_words
+from granular_contact.report.figures.animation import Film, Picture, time_text
 from granular_contact.report.figures.film import palette
 from granular_contact.report.figures.rendering import Stage
 from granular_contact.report.figures.stage import bounds, stage_of
@@ -49,7 +49,7 @@ def strip(results: Results, count: int, width: int) -> Picture:
     ratio = float(np.divide(*np.maximum(high - low, 1e-9)))
     in_row = 2 if ratio < 9.0 else 1
     stage = stage_of(results, width // in_row, 0.6 if ratio < 2.0 else 0.2)
-    pictures = list(Film(results, stage, words=False).pictures(evenly_moved(results.frames, count)))
+    pictures = list(Film(results, stage, texts=False).pictures(evenly_moved(results.frames, count)))
     rows = [_joined(pictures[i : i + in_row], axis=1) for i in range(0, count, in_row)]
     return _joined(rows, axis=0)
 
@@ -60,7 +60,7 @@ def strip_in_space(results: Results, count: int, width: int) -> Picture:
     stage = Stage(results.motion, (width - GAP) // 2, round(0.28 * width))
     instants = np.linspace(0, len(results.motion.time) - 1, count).round().astype(int)
     lasts = float(results.motion.time[-1])
-    pictures = [_at(stage.picture(int(k)), time_words(float(results.motion.time[k]), lasts)) for k in instants]
+    pictures = [_at(stage.picture(int(k)), time_text(float(results.motion.time[k]), lasts)) for k in instants]
     stage.close()
     return _joined([_joined(pictures[i : i + 2], axis=1) for i in range(0, count, 2)], axis=0)
 

@@ -45,10 +45,10 @@ def draw(results: Results, directory: Path, formats: Sequence[str] = ("png",)) -
     with style():
         for name, make in makers(results).items():
             figure: Figure | None = None
-            for one in dict.fromkeys(("png", *formats)):
-                with drawn(directory / f"{name}.{one}") as file:
+            for suffix in dict.fromkeys(("png", *formats)):
+                with drawn(directory / f"{name}.{suffix}") as file:
                     figure = _laid_out(make()) if figure is None else figure
-                    figure.savefig(file, dpi=DPI, metadata=_UNDATED[one])
+                    figure.savefig(file, dpi=DPI, metadata=_UNDATED[suffix])
 
 
 def _laid_out(figure: Figure) -> Figure:
@@ -67,15 +67,15 @@ def figures(results: Results) -> dict[str, Figure]:
 
 def makers(results: Results) -> dict[str, Callable[[], Figure]]:
     """Functions that make the figures of `results`, by name, on Agg canvases; to be called within `style()`."""
-    found = groups_of(results.names, results.terms, results.__getitem__) if len(results.table) > 1 else []
-    made = of_groups(results, found)
-    against = [panel for group in found for panel in group.panels if panel.along]
+    groups = groups_of(results.names, results.terms, results.__getitem__) if len(results.table) > 1 else []
+    functions = of_groups(results, groups)
+    against = [panel for group in groups for panel in group.panels if panel.along]
     if len(in_contact(results)) > 1:
-        made["contacts"] = partial(contacts, results, against)
-    elif "travel" in made and against:
-        made["depth"] = partial(against_depth, results, against)
+        functions["contacts"] = partial(contacts, results, against)
+    elif "travel" in functions and against:
+        functions["depth"] = partial(against_depth, results, against)
     if results.motion is not None and results.motion.in_space and results.motion.parts:
-        made["views"] = partial(views, results, results.motion)
+        functions["views"] = partial(views, results, results.motion)
     elif results.snapshots:
-        made["mechanism"] = partial(mechanism, results)
-    return made
+        functions["mechanism"] = partial(mechanism, results)
+    return functions

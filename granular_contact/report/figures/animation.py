@@ -58,14 +58,14 @@ def still(results: Results, wide: float, width: int = WIDTH) -> Picture:
     scale = width / wide
     left, bottom = 0.5 * (low + high) - 0.5 * np.array([width, height]) / scale
     stage = Stage(float(left), float(bottom), scale, width, height)
-    return next(Film(results, stage, words=False).pictures(results.frames))
+    return next(Film(results, stage, texts=False).pictures(results.frames))
 
 
 class Film:
     """Figure whose moving artists are drawn over a copy of the background."""
 
-    def __init__(self, results: Results, stage: Stage, *, words: bool = True) -> None:
-        """words: whether to write name, pace and scale of the arrows into the pictures."""
+    def __init__(self, results: Results, stage: Stage, *, texts: bool = True) -> None:
+        """texts: whether to write name, pace and scale of the arrows into the pictures."""
         self.results, self.stage = results, stage
         self.largest = strongest(results.frames)
         figure = Figure(figsize=(self.stage.width / DPI, self.stage.height / DPI), dpi=DPI)
@@ -80,7 +80,7 @@ class Film:
         self.trace = self._trace_points()
         steps = np.linalg.norm(np.diff(self.trace[1], axis=0), axis=1)
         self.path = np.concatenate([[0.0], np.cumsum(steps)])
-        self.moving = [*self._moving(), *_scale_bar(self.axes, stage), *(self._words() if words else ())]
+        self.moving = [*self._moving(), *_scale_bar(self.axes, stage), *(self._texts() if texts else ())]
         for artist in self.moving:
             artist.set_animated(True)
         self.canvas.draw()
@@ -95,22 +95,22 @@ class Film:
                 self.axes.draw_artist(artist)
             yield np.asarray(self.canvas.buffer_rgba())[..., :3].copy()
 
-    def _words(self) -> list[Artist]:
+    def _texts(self) -> list[Artist]:
         """Texts of name, pace and scale of forces; drawn in each picture, because the front sand would cover them."""
         stage, axes = self.stage, self.axes
         name = self.results.name.replace("_", " ")
-        words = [
+        texts = [
             _pixels(axes, stage, SIDE, stage.height - 18, name, weight="bold"),
             _pixels(
                 axes,
                 stage,
                 stage.width - SIDE,
                 stage.height - 18,
-                pace_words([frame.time for frame in self.results.frames]),
+                pace_text([frame.time for frame in self.results.frames]),
                 ha="right",
             ),
         ]
-        return [*words, *(self._force_key() if self.largest > 0.0 else ())]
+        return [*texts, *(self._force_key() if self.largest > 0.0 else ())]
 
     def _force_key(self) -> list[Artist]:
         """Arrow of a round force, with its number."""
@@ -119,8 +119,8 @@ class Film:
         vector = arrow_vector(np.array([newton, 0.0]), self.largest, self.stage)
         shown = _arrows([arrow(tail, tail + vector, self.stage)])
         self.axes.add_collection(shown)
-        words = f"{sized(newton, 'N', 'g')} from the medium"
-        return [shown, _pixels(self.axes, self.stage, SIDE + vector[0] * self.stage.scale + 8, 0.45 * FOOTER, words)]
+        text = f"{sized(newton, 'N', 'g')} from the medium"
+        return [shown, _pixels(self.axes, self.stage, SIDE + vector[0] * self.stage.scale + 8, 0.45 * FOOTER, text)]
 
     def _moving(self) -> list[Artist]:
         axes, stage = self.axes, self.stage
@@ -165,9 +165,9 @@ class Film:
         time, tip = self.trace
         until = int(np.searchsorted(time, frame.time, side="right"))
         self.line.set_data(*tip[self._tail(until) : until].T)
-        self.forces.set_verts([one for force in frame.forces if (one := self._arrow(force)) is not None])
+        self.forces.set_verts([corners for force in frame.forces if (corners := self._arrow(force)) is not None])
         frames = self.results.frames
-        self.clock.set_text(time_words(frame.time, frames[-1].time))
+        self.clock.set_text(time_text(frame.time, frames[-1].time))
         share = (frame.time - frames[0].time) / max(frames[-1].time - frames[0].time, 1e-300)
         self.elapsed.set_width(share * (self.stage.right - self.stage.left))
 
@@ -192,8 +192,8 @@ def arrow(tail: Array, tip: Array, stage: Stage) -> Array:
     across = np.array([-along[1], along[0]])
     head = min(HEAD, 0.7 * length)
     size = head / HEAD
-    one = [(0, SHAFT / 2 * size), (length - head, SHAFT / 2 * size), (length - head, 0.48 * head)]
-    px = np.array([*one, (length, 0), *((x, -y) for x, y in reversed(one))])
+    upper = [(0, SHAFT / 2 * size), (length - head, SHAFT / 2 * size), (length - head, 0.48 * head)]
+    px = np.array([*upper, (length, 0), *((x, -y) for x, y in reversed(upper))])
     return np.asarray(tail + (px[:, :1] * along + px[:, 1:] * across) / stage.scale)
 
 
@@ -206,9 +206,9 @@ def _at(stage: Stage, x: float, y: float) -> Array:
     return np.array([stage.left + x / stage.scale, stage.bottom + y / stage.scale])
 
 
-def _pixels(axes: Axes, stage: Stage, x: float, y: float, words: str, **look: Any) -> Any:
+def _pixels(axes: Axes, stage: Stage, x: float, y: float, text: str, **look: Any) -> Any:
     left, bottom = _at(stage, x, y)
-    return axes.text(left, bottom, words, va="center_baseline", **{**FONT, **look})
+    return axes.text(left, bottom, text, va="center_baseline", **{**FONT, **look})
 
 
 def _scale_bar(axes: Axes, stage: Stage) -> list[Artist]:
@@ -220,7 +220,7 @@ def _scale_bar(axes: Axes, stage: Stage) -> list[Artist]:
     return [*bar, _pixels(axes, stage, (left + right) / 2, y + 10, sized(length, "m", "g"), ha="center")]
 
 
-def time_words(seconds: float, end: float) -> str:
+def time_text(seconds: float, end: float) -> str:
     """Format an instant of a film that ends at `end` (s), with the same width for all instants."""
     unit = unit_for(end, "s")
     digits = 2 if end * unit.factor < 10 else 1 if end * unit.factor < 100 else 0
@@ -229,7 +229,7 @@ def time_words(seconds: float, end: float) -> str:
     return minus(f"{number:>{width}} {unit.name}").replace(" ", "\N{FIGURE SPACE}", width - len(number))
 
 
-def pace_words(time: Sequence[float] | Array) -> str:
+def pace_text(time: Sequence[float] | Array) -> str:
     """Text on the speed of playback of a film with pictures at these times (s)."""
     factor = pace(time)
     if factor == 1.0:

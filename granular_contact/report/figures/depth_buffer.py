@@ -62,10 +62,10 @@ def _nearest(flat: Array, depth: Array, shape: tuple[int, int]) -> tuple[Array, 
 def _edges(owner: NDArray[np.int64], parts: NDArray[np.int64], normals: Array) -> NDArray[np.bool_]:
     """Mask of pixels at the border of a part, or between facets at a sharp angle."""
     part = np.where(owner >= 0, parts[owner], -1)
-    found = np.zeros(owner.shape, bool)
-    for one, other in ((np.s_[:, :-1], np.s_[:, 1:]), (np.s_[:-1], np.s_[1:])):
-        sharp = np.sum(normals[owner[one]] * normals[owner[other]], axis=-1) < SHARP
-        edge = (part[one] != part[other]) | (sharp & (part[one] >= 0))
-        found[one] |= edge & (owner[one] >= 0)
-        found[other] |= edge & (owner[one] < 0) & (owner[other] >= 0)
-    return found
+    edges = np.zeros(owner.shape, bool)
+    for first, second in ((np.s_[:, :-1], np.s_[:, 1:]), (np.s_[:-1], np.s_[1:])):
+        sharp = np.sum(normals[owner[first]] * normals[owner[second]], axis=-1) < SHARP
+        edge = (part[first] != part[second]) | (sharp & (part[first] >= 0))
+        edges[first] |= edge & (owner[first] >= 0)
+        edges[second] |= edge & (owner[first] < 0) & (owner[second] >= 0)
+    return edges

@@ -55,20 +55,20 @@ def _gif(film: Iterator[Picture], file: Path) -> None:
     """Write a GIF with one palette for all pictures, so that each stores only changes."""
     kept = list(film)
     colours = palette(kept)
-    frames = (Image.fromarray(one).quantize(palette=colours, dither=Image.Dither.NONE) for one in kept)
+    frames = (Image.fromarray(picture).quantize(palette=colours, dither=Image.Dither.NONE) for picture in kept)
     durations = [1000 // RATE] * (len(kept) - 1) + [LAST]
     next(frames).save(file, save_all=True, append_images=frames, duration=durations, loop=0, disposal=1)
 
 
 def palette(kept: list[Picture]) -> Image.Image:
     """Palette of the colours of the style and colours chosen from pictures of the whole film."""
-    some = [kept[i] for i in np.unique(np.linspace(0, len(kept) - 1, 6).astype(int))]
-    found = Image.fromarray(np.concatenate(some)).quantize(COLOURS, dither=Image.Dither.NONE)
+    samples = [kept[i] for i in np.unique(np.linspace(0, len(kept) - 1, 6).astype(int))]
+    quantised = Image.fromarray(np.concatenate(samples)).quantize(COLOURS, dither=Image.Dither.NONE)
     ours = [int(colour[i : i + 2], 16) for colour in OURS for i in (1, 3, 5)]
-    colours = ours + (found.getpalette() or [])[: 3 * COLOURS]
-    made = Image.new("P", (1, 1))
-    made.putpalette(colours + colours[:3] * (256 - len(colours) // 3))
-    return made
+    colours = ours + (quantised.getpalette() or [])[: 3 * COLOURS]
+    image = Image.new("P", (1, 1))
+    image.putpalette(colours + colours[:3] * (256 - len(colours) // 3))
+    return image
 
 
 def ffmpeg() -> str | None:

@@ -95,11 +95,11 @@ def _curves(axes: Axes, run: RunPicture, k: int, clock: Unit, unit: Unit) -> Non
     fine, model, sure = run.fine * clock.factor, run.model[:, k] * unit.factor, run.half_width[:, k] * unit.factor
     new = np.hypot(sure, run.quantile * run.noise[k] * unit.factor)
     for i, piece in enumerate(run.pieces):
-        words = ("95 % of new data", "95 % of the model", "model") if i == 0 else (None, None, None)
+        labels = ("95 % of new data", "95 % of the model", "model") if i == 0 else (None, None, None)
         x, y, w, s = fine[piece], model[piece], new[piece], sure[piece]
-        axes.fill_between(x, y - w, y + w, color=SKY, alpha=0.3, linewidth=0, label=words[0])
-        axes.fill_between(x, y - s, y + s, color=BLUE, alpha=0.5, linewidth=0, label=words[1])
-        axes.plot(x, y, color=INK, linewidth=0.7, label=words[2])
+        axes.fill_between(x, y - w, y + w, color=SKY, alpha=0.3, linewidth=0, label=labels[0])
+        axes.fill_between(x, y - s, y + s, color=BLUE, alpha=0.5, linewidth=0, label=labels[1])
+        axes.plot(x, y, color=INK, linewidth=0.7, label=labels[2])
     time, data = run.time * clock.factor, run.data[:, k] * unit.factor
     axes.plot(time, data, "o", color=VERMILION, markersize=1.8, label="data")
     axes.set_ylabel(f"{run.columns[k].rpartition('_')[0].replace('_', ' ')} ({unit.name})")
@@ -126,17 +126,17 @@ def residuals(runs: Sequence[RunPicture], misfit: bool) -> Figure:
         share = np.linspace(0.0, 1.0, len(run.time))
         if run.unit == "s":
             share = (run.time - run.time[0]) / (run.time[-1] - run.time[0])
-        for one in (run.residuals / run.noise).T:
-            left.plot(share, one, ".", color=BLUE, markersize=1.5 if len(values) > FEW else 5.0, alpha=0.6)
-            beyond = np.abs(one) > most
-            left.plot(share[beyond], 0.97 * most * np.sign(one[beyond]), "x", color=VERMILION, markersize=3)
+        for column in (run.residuals / run.noise).T:
+            left.plot(share, column, ".", color=BLUE, markersize=1.5 if len(values) > FEW else 5.0, alpha=0.6)
+            beyond = np.abs(column) > most
+            left.plot(share[beyond], 0.97 * most * np.sign(column[beyond]), "x", color=VERMILION, markersize=3)
     left.axhline(0.0, color=FAINT, linewidth=0.5)
     timed = all(run.unit == "s" for run in runs)
     left.set(xlabel=f"share of the {'time' if timed else 'rows'} of each run", ylabel="residual / noise", xlim=(0, 1))
     left.set_ylim(-most, most)
     beyond = int(np.sum(np.abs(values) > most))
-    words = "misfit: see fit.json" if misfit else "all runs"
-    left.set_title(f"{words}; crosses: {beyond} beyond these axes" if beyond else words, loc="left")
+    heading = "misfit: see fit.json" if misfit else "all runs"
+    left.set_title(f"{heading}; crosses: {beyond} beyond these axes" if beyond else heading, loc="left")
     right.hist(values, bins, orientation="horizontal", density=True, color=SKY)
     normal = np.linspace(-most, most, 301)
     right.plot(np.exp(-(normal**2) / 2) / np.sqrt(2 * np.pi), normal, color=INK, linewidth=0.7, label="normal")

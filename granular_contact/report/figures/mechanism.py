@@ -119,13 +119,13 @@ def _pose(shot: Snapshot) -> dict[str, Any]:
 
 def _caption(results: Results, shot: Snapshot) -> str:
     """Name and time of a snapshot, and the angle of the pivot."""
-    words = f"{shot.label}: {instant(results, shot.time)}"
+    caption = f"{shot.label}: {instant(results, shot.time)}"
     pivot = next((hinge for hinge in hinges_of(results) if hinge.on_ground), None)
     if pivot is None or not len(results.table):
-        return words
+        return caption
     history = results["time_s"], results[pivot.angle], np.degrees(results[pivot.rate])
     angle = float(at_times(*history, np.array([shot.time]))[0])
-    return f"{words}, {minus(f'{angle:.2f}')}°"
+    return f"{caption}, {minus(f'{angle:.2f}')}°"
 
 
 def _outline_view(axes: Axes, view: View, unit: Unit) -> None:
@@ -145,10 +145,10 @@ def _dimension_depth(axes: Axes, results: Results, unit: Unit) -> None:
     axes.plot([x, at + 0.3 * side * margin], [low, low], color=INK, linewidth=0.5, zorder=8)
     head = {"arrowstyle": "<|-|>,head_width=0.12,head_length=0.3", "shrinkA": 0, "shrinkB": 0}
     axes.annotate("", (at, top), (at, low), arrowprops={**head, "linewidth": 0.6, "color": INK}, zorder=8)
-    words = f"depth\n{sized(deepest.depth, 'm', '.2f')}"
+    text = f"depth\n{sized(deepest.depth, 'm', '.2f')}"
     align: dict[str, Any] = {"ha": "left" if side > 0 else "right", "va": "center"}
     middle = (at, (top + low) / 2)
-    axes.annotate(words, middle, (4 * side, 0), textcoords="offset points", zorder=9, **align)
+    axes.annotate(text, middle, (4 * side, 0), textcoords="offset points", zorder=9, **align)
 
 
 @dataclass(frozen=True)

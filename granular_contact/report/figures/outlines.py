@@ -86,7 +86,7 @@ def fixed_points(results: Results) -> Array:
     pictures = [*results.frames] or [*results.snapshots]
     if not pictures:
         return np.zeros((0, 2))
-    shots = [np.concatenate([outline.points for outline in one.outlines]) for one in pictures]
+    shots = [np.concatenate([outline.points for outline in picture.outlines]) for picture in pictures]
     first = shots[0]
     moved = np.max([np.linalg.norm(shot - first, axis=1) for shot in shots], axis=0)
     if not moved.max() > 0:
@@ -119,13 +119,13 @@ def deepest_point(results: Results) -> Deepest | None:
     depth, surface = results.summary.get("max_depth_m"), results.surface
     if surface is None or depth is None or not depth > 0 or not results.snapshots:
         return None
-    found = []
+    candidates = []
     for shot in results.snapshots:
         low = [o.points if len(o.points) > 1 else o.points - (0, o.diameter / 2) for o in shot.outlines]
         points = np.concatenate(low)
         miss = np.abs(surface_height(surface, points[:, 0]) - points[:, 1] - depth)
-        found.append((float(miss.min()), float(points[miss.argmin(), 0]), shot))
-    _, x, shot = min(found, key=lambda entry: entry[0])
+        candidates.append((float(miss.min()), float(points[miss.argmin(), 0]), shot))
+    _, x, shot = min(candidates, key=lambda entry: entry[0])
     side = 1.0 if x >= np.median(np.concatenate([o.points for o in shot.outlines])[:, 0]) else -1.0
     under = around(submerged(shot, surface), x, float(depth))
     clear = side * float(np.max(side * under[:, 0], initial=side * x))

@@ -35,12 +35,12 @@ def of_groups(results: Results, groups: Sequence[Group]) -> dict[str, Callable[[
 def _figures(groups: Sequence[Group]) -> Iterator[tuple[str, list[Panel]]]:
     """Names of figures and their panels, for all groups but the depth."""
     for group in groups:
-        bent = [one for one in group.panels if one.title.startswith(BENT)]
-        others = [one for one in group.panels if one not in bent and one.title not in NOT_DRAWN]
+        deflections = [panel for panel in group.panels if panel.title.startswith(BENT)]
+        others = [panel for panel in group.panels if panel not in deflections and panel.title not in NOT_DRAWN]
         if others and group.name != "depth":
             yield group.name, others
-        if bent:
-            yield "deflection", bent
+        if deflections:
+            yield "deflection", deflections
 
 
 def draw_runs(runs: Sequence[tuple[str, Results]], folder: Path, reference: str = "") -> None:
@@ -49,9 +49,9 @@ def draw_runs(runs: Sequence[tuple[str, Results]], folder: Path, reference: str 
     reference: name of the reference run, for differences.
     """
     columns = table([history(*run) for run in runs])
-    found = panels([name for name, _ in runs], columns, reference)
+    groups = panels([name for name, _ in runs], columns, reference)
     with style():
-        for name, shown in _figures(found):
+        for name, shown in _figures(groups):
             with drawn(folder / f"{name}.png") as file:
                 save(stack(shown, columns.__getitem__), file)
 
@@ -83,20 +83,20 @@ def stack(panels: Sequence[Panel], column: Values, of_run: Results | None = None
     figure, axes, time = stacked(column("time_s"), 9.0 + PANEL * len(panels), len(panels))
     looks = _looks(panels)
     named: set[str] = set()
-    for one, held in zip(axes, panels, strict=True):
-        labels = [shown.label for shown in held.curves]
+    for ax, shown in zip(axes, panels, strict=True):
+        labels = [drawn_curve.label for drawn_curve in shown.curves]
         many = len(labels) > MOST_NAMED
-        told = [] if len(labels) == 1 or set(labels) <= named else [labels[0], labels[-1]] if many else labels
+        in_legend = [] if len(labels) == 1 or set(labels) <= named else [labels[0], labels[-1]] if many else labels
         named |= set(labels)
-        for shown in held.curves:
-            colour, line = looks[shown.label] if len(labels) > 1 else (BLUE, "-")
-            words = shown.label if shown.label in told else ""
-            values = shown.values(column) * held.unit.factor
-            curve(one, time, values, colour, words, linestyle=line, linewidth=0.9)
-        if _crosses_zero(one):
-            one.axhline(0, color=FAINT, linewidth=0.5, zorder=1.5)
-        words = held.heading.replace(" of joints", "").replace(" of drives", "")
-        finish(one, fill(words, WIDEST, break_long_words=False), fitting_columns(told, 3))
+        for drawn_curve in shown.curves:
+            colour, line = looks[drawn_curve.label] if len(labels) > 1 else (BLUE, "-")
+            text = drawn_curve.label if drawn_curve.label in in_legend else ""
+            values = drawn_curve.values(column) * shown.unit.factor
+            curve(ax, time, values, colour, text, linestyle=line, linewidth=0.9)
+        if _crosses_zero(ax):
+            ax.axhline(0, color=FAINT, linewidth=0.5, zorder=1.5)
+        text = shown.heading.replace(" of joints", "").replace(" of drives", "")
+        finish(ax, fill(text, WIDEST, break_long_words=False), fitting_columns(in_legend, 3))
     if of_run is not None:
         mark_events(of_run, axes)
     return figure
@@ -104,16 +104,16 @@ def stack(panels: Sequence[Panel], column: Values, of_run: Results | None = None
 
 def _looks(panels: Sequence[Panel]) -> dict[str, tuple[str, str]]:
     """Colour and line style of each label: distinct for few labels, a scale from blue to vermilion for many."""
-    several = [one.label for panel in panels if len(panel.curves) > 1 for one in panel.curves]
-    first = {words: words.split(", ")[0] for words in several}  # of curves that are drawn as one
-    names = list(dict.fromkeys(first.values()))
+    several = [shown.label for panel in panels if len(panel.curves) > 1 for shown in panel.curves]
+    names_of_labels = {text: text.split(", ")[0] for text in several}  # of curves that are drawn as one
+    names = list(dict.fromkeys(names_of_labels.values()))
     if len(names) <= len(PALETTE):
-        of_name = {name: (PALETTE[i], LINES[i % len(LINES)]) for i, name in enumerate(names)}
+        looks = {name: (PALETTE[i], LINES[i % len(LINES)]) for i, name in enumerate(names)}
     else:
         ends = np.array([to_rgb(BLUE), to_rgb(VERMILION)])
         shares = np.linspace(0.0, 1.0, len(names))
-        of_name = {name: (to_hex([1.0 - x, x] @ ends), "-") for name, x in zip(names, shares, strict=True)}
-    return {words: of_name[name] for words, name in first.items()}
+        looks = {name: (to_hex([1.0 - x, x] @ ends), "-") for name, x in zip(names, shares, strict=True)}
+    return {text: looks[name] for text, name in names_of_labels.items()}
 
 
 def _crosses_zero(axes: Axes) -> bool:

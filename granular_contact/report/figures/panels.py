@@ -95,9 +95,9 @@ def thin(time: Array, values: Array, bins: int = 700) -> NDArray[np.intp]:
     return np.unique(np.concatenate(picks))
 
 
-def finish(axes: Axes, words: str, columns: int = 0) -> None:
+def finish(axes: Axes, axis_label: str, columns: int = 0) -> None:
     """Label the panel, fit its scale to the curves and, unless `columns` is 0, add a legend in space above them."""
-    axes.set_ylabel(words)
+    axes.set_ylabel(axis_label)
     values = np.concatenate([np.asarray(line.get_ydata(), dtype=float) for line in axes.lines])
     values = values[np.isfinite(values)]
     low, high = (float(values.min()), float(values.max())) if len(values) else (0.0, 0.0)
@@ -150,18 +150,18 @@ def _vertical(panels: list[Axes], time: float, kind: Any) -> None:
         axes.axvline(time, color=FAINT, linewidth=0.6, linestyle=kind, zorder=1.5)
 
 
-def _above(axes: Axes, share: float, words: str) -> None:
+def _above(axes: Axes, share: float, text: str) -> None:
     """Write text above the panel at this share of its width, aligned inwards near the ends."""
     side = "left" if share < 0.3 else "right" if share > 0.7 else "center"
     look: Any = {"xycoords": "axes fraction", "textcoords": "offset points", "ha": side, "fontsize": 7.5}
-    axes.annotate(words, (min(share, 1.0), 1.0), (0, 2.5), **look)
+    axes.annotate(text, (min(share, 1.0), 1.0), (0, 2.5), **look)
 
 
 def _ending(results: Results) -> str:
     """Short text on the end of a run without a stop."""
-    words = {"failed": "run failed", "interrupted": "interrupted", "time_limit": "out of time"}
-    if results.status.code in words:
-        return f"{words[results.status.code]} at {instant(results, results['time_s'][-1])}"
+    endings = {"failed": "run failed", "interrupted": "interrupted", "time_limit": "out of time"}
+    if results.status.code in endings:
+        return f"{endings[results.status.code]} at {instant(results, results['time_s'][-1])}"
     # What is driven has no stop to look for.
     measure = results.summary.get("stopping_time_measure", "")
     return "" if measure is None else "not at rest" if measure == REST_MEASURE else "no stop"

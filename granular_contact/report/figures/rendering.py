@@ -19,26 +19,27 @@ from PIL import Image, ImageDraw, ImageFont
 from scipy.interpolate import RegularGridInterpolator
 
 from granular_contact.geometry import rotations
-from granular_contact.report.figures.animation import Picture, pace_words, time_words
+from granular_contact.report.figures.animation import Picture, pace_text, time_text
 from granular_contact.report.figures.style import INK, SAND, SAND_EDGE, VERMILION
 from granular_contact.report.units import Array, round_below, sized
 from granular_contact.results import Results
 from granular_contact.results.motion import Motion
 
 WIDTH, HEIGHT = 640, 400  # px
-AZIMUTH, ELEVATION, OPENING = 25.0, 22.0, 20.0  # degrees: of the view, from the right, above the level; its opening
+AZIMUTH, ELEVATION, OPENING = 25.0, 22.0, 20.0  # degrees: camera from the front, to the right and up; angle of view
 FIRST, OTHERS = "#D3D7DB", ("#7FA9C9", "#A9C4D8")  # colours of the first body, and of the others in turn
 EDGE, SHADOW, SKY = "#1F4058", "#D5C296", "#F6F8FA"
-LIGHTS = (((-0.45, -0.55, 1.0), 0.85), ((0.9, -0.5, 0.4), 0.35), ((0.0, -0.4, 0.2), 0.25))  # from where, how bright
-FILLED = 0.85  # of the height or width of a picture, by the box of all bodies at all instants
-SHARP = 30.0  # degrees between two faces, from which on their edge is drawn
-SEEN = 0.3  # how much of what is under the surface shows through it
-BEYOND = 3.0  # sizes of what is shown, to which the surface goes on beyond the motion
-LIFTED = 1e-3  # sizes of what is shown, by which shadows lie above the surface
-FALLS = 4  # iterations to where the light through a point meets the surface; one for a level surface
-LONGEST, LEAST = 0.3, 0.02  # the longest arrow, of the size of what is shown; the least force drawn, of the largest
-HEAD = 0.04  # of an arrow, of the size of what is shown
-MARGIN, LINE = 0.03, 0.028  # of the words, of the width; their height, of that of the picture
+# Direction to each light, and its brightness.
+LIGHTS = (((-0.45, -0.55, 1.0), 0.85), ((0.9, -0.5, 0.4), 0.35), ((0.0, -0.4, 0.2), 0.25))
+FILLED = 0.85  # share of the height or width of a picture that the box of all bodies at all instants fills
+SHARP = 30.0  # degrees between two faces, above which their edge is drawn
+SEEN = 0.3  # share of the light of bodies under the surface that shows through it
+BEYOND = 3.0  # extent of the surface beyond the motion, over the size of the scene
+LIFTED = 1e-3  # height of shadows above the surface, over the size of the scene
+FALLS = 4  # iterations that find where the light through a point meets the surface; 1 suffices for a level one
+LONGEST, LEAST = 0.3, 0.02  # length of the longest arrow over the size of the scene; least force drawn over the largest
+HEAD = 0.04  # length of an arrow's head over the size of the scene
+MARGIN, LINE = 0.03, 0.028  # of texts: margin and height, over the width of the picture
 
 
 _TRIAL = "import pyvista as p; q = p.Plotter(off_screen=True); q.add_mesh(p.Cube()); q.screenshot(return_img=True)"
@@ -60,10 +61,10 @@ def pictures(results: Results, width: int = WIDTH, height: int = HEIGHT) -> Iter
     motion = results.motion
     assert motion is not None
     stage = Stage(motion, width, height)
-    words = _Words(results.name.replace("_", " "), pace_words(motion.time), stage.legend)
+    captions = _Captions(results.name.replace("_", " "), pace_text(motion.time), stage.legend)
     try:
         for k, time in enumerate(motion.time):
-            yield words.on(stage.picture(k), time_words(float(time), float(motion.time[-1])))
+            yield captions.on(stage.picture(k), time_text(float(time), float(motion.time[-1])))
     finally:
         stage.close()
 
@@ -81,7 +82,7 @@ class Stage:
         self._low, self._high = _bounds(motion)
         self._size = float(np.linalg.norm(self._high - self._low))
         forces = [np.linalg.norm(force, axis=1) for _, force in motion.forces.values()]
-        self._largest = max((float(np.nanmax(one, initial=0.0)) for one in forces), default=0.0)
+        self._largest = max((float(np.nanmax(sizes, initial=0.0)) for sizes in forces), default=0.0)
         self._height: Any = None
         self._step = round_below(0.35 * self._size)
         self._bodies = [self._body(i) for i in range(len(motion.parts))]
@@ -117,7 +118,7 @@ class Stage:
     def _body(self, i: int) -> tuple[Any, list[Any]]:
         """Mesh of a part, and the actors of its faces and edges."""
         part = self._motion.parts[i]
-        names = list(dict.fromkeys(one.name for one in self._motion.parts))
+        names = list(dict.fromkeys(other.name for other in self._motion.parts))
         k = names.index(part.name)
         mesh = self._pv.PolyData.from_regular_faces(part.points, part.faces)
         look: dict[str, Any] = {"color": OTHERS[k % 2] if k else FIRST, "smooth_shading": True, "specular": 0.15}
@@ -168,7 +169,7 @@ class Stage:
         """Draw shadows: bodies projected onto the surface along the direction of the first light."""
         if self._height is None:
             return
-        light, made = np.array(LIGHTS[0][0]), self._pv.MultiBlock()
+        light, shadows = np.array(LIGHTS[0][0]), self._pv.MultiBlock()
         for i, part in enumerate(self._motion.parts):
             points = self._motion.points(i, slice(k, k + 1))[0]
             fallen = points.copy()
@@ -176,19 +177,19 @@ class Stage:
                 above = np.maximum(points[:, 2] - self._height(fallen[:, :2]), 0.0)
                 fallen = points - above[:, None] / light[2] * light
             fallen[:, 2] = self._height(fallen[:, :2]) + LIFTED * self._size
-            made.append(self._pv.PolyData.from_regular_faces(fallen, part.faces))
-        self._renew("shadows", made, color=SHADOW, lighting=False)
+            shadows.append(self._pv.PolyData.from_regular_faces(fallen, part.faces))
+        self._renew("shadows", shadows, color=SHADOW, lighting=False)
 
     def _arrows(self, k: int) -> None:
-        made = self._pv.MultiBlock()
+        arrows = self._pv.MultiBlock()
         for at, force in self._motion.forces.values():
             size = float(np.linalg.norm(force[k]))
             if size > LEAST * self._largest:  # (not where it is not a number)
                 length = LONGEST * self._size * size / self._largest
                 head = min(0.6, HEAD * self._size / length)
                 look = {"tip_length": head, "tip_radius": 0.3 * head, "shaft_radius": 0.1 * head}
-                made.append(self._pv.Arrow(start=at[k], direction=force[k], scale=length, **look))
-        self._renew("forces", made, color=VERMILION, ambient=0.2)
+                arrows.append(self._pv.Arrow(start=at[k], direction=force[k], scale=length, **look))
+        self._renew("forces", arrows, color=VERMILION, ambient=0.2)
 
     def _renew(self, name: str, made: Any, **look: Any) -> None:
         """Replace the meshes of this name."""
@@ -198,7 +199,7 @@ class Stage:
             self._plotter.remove_actor(name, render=False)
 
 
-class _Words:
+class _Captions:
     """Texts on all pictures: name, pace and scale; and the time."""
 
     def __init__(self, name: str, pace: str, legend: list[str]) -> None:

@@ -38,13 +38,13 @@ def views(results: Results, motion: Motion) -> Figure:
     drawn = [_triangles(motion, parts, k) for *_, k in shown]
     if len(shown) == len(POSES) and _hidden(drawn):
         del shown[1], drawn[1]
-    low = np.min([one.min(axis=(0, 1)) for one in drawn], axis=0)
-    high = np.max([one.max(axis=(0, 1)) for one in drawn], axis=0)
+    low = np.min([triangles.min(axis=(0, 1)) for triangles in drawn], axis=0)
+    high = np.max([triangles.max(axis=(0, 1)) for triangles in drawn], axis=0)
     margin = 0.08 * float(np.max(high - low))
     low, high = low - margin, high + margin
     unit = unit_for(high - low, "m")
-    figure, panels, words = _panels(high - low)
-    numbers = np.repeat(np.arange(len(parts)), [0 if one.faces is None else len(one.faces) for one in parts])
+    figure, panels, legend_axes = _panels(high - low)
+    numbers = np.repeat(np.arange(len(parts)), [0 if part.faces is None else len(part.faces) for part in parts])
     for axes, view in zip(panels, VIEWS, strict=True):
         name, across, up, eye, sign = view
         if up == 2:
@@ -70,7 +70,7 @@ def views(results: Results, motion: Motion) -> Figure:
         Patch(color=colour, alpha=alpha, label=f"{name}: {instant(results, float(motion.time[k]))}")
         for name, colour, alpha, k in shown
     ]
-    words.legend(handles=handles + _footprints(panels[2], results, unit), loc="upper left", borderaxespad=0.0)
+    legend_axes.legend(handles=handles + _footprints(panels[2], results, unit), loc="upper left", borderaxespad=0.0)
     return figure
 
 
@@ -86,7 +86,7 @@ def _most_of_each(numbers: list[int]) -> int:
 
 def _hidden(drawn: list[Array]) -> bool:
     """Return whether the middle pose is too near to the first or the last one to be distinguished."""
-    centres = [one.mean(axis=(0, 1)) for one in drawn]
+    centres = [triangles.mean(axis=(0, 1)) for triangles in drawn]
     size = APART * float(np.max(np.ptp(drawn[0], axis=(0, 1))))
     return bool(min(np.linalg.norm(centres[1] - centres[i]) for i in (0, 2)) < size)
 
@@ -106,12 +106,12 @@ def _when(results: Results, motion: Motion, name: str) -> int | None:
 
 def _triangles(motion: Motion, parts: list[Part], k: int) -> Array:
     """Corners (n, 3, 3) m of all triangles at the instant with index k."""
-    found = []
+    triangles = []
     for i, part in enumerate(parts):
         if part.faces is not None and len(part.faces):
-            one = Motion(motion.time[k : k + 1], (part,), motion.poses[k : k + 1, i : i + 1])
-            found.append(one.points(0)[0][part.faces])
-    return np.concatenate(found) if found else np.zeros((1, 3, 3))
+            pose = Motion(motion.time[k : k + 1], (part,), motion.poses[k : k + 1, i : i + 1])
+            triangles.append(pose.points(0)[0][part.faces])
+    return np.concatenate(triangles) if triangles else np.zeros((1, 3, 3))
 
 
 def _panels(size: Array) -> tuple[Figure, list[Axes], Axes]:

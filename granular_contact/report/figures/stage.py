@@ -51,7 +51,9 @@ def stage_of(results: Results, width: int = WIDTH, flattest: float = FLATTEST) -
     take_in(results.surface, low, high, 0.1)
     stage = _around(low, high, width, flattest)
     largest = strongest(results.frames)
-    tips = [force.point + arrow_vector(force.force, largest, stage) for one in results.frames for force in one.forces]
+    tips = [
+        force.point + arrow_vector(force.force, largest, stage) for frame in results.frames for force in frame.forces
+    ]
     if not tips:
         return stage
     return _around(np.min([low, *tips], axis=0), np.max([high, *tips], axis=0), width, flattest)

@@ -17,7 +17,7 @@ PANEL = 26.0  # mm
 MOST_WORDS = 44  # letters beside an axis
 
 
-def draw_history(runs: Sequence[tuple[int, Number]], words: str, greatest: bool, file: Path) -> None:
+def draw_history(runs: Sequence[tuple[int, Number]], objective: str, greatest: bool, file: Path) -> None:
     """Draw the objective over the runs into a PNG: each run, the best so far, and the spread of each generation.
 
     runs: generation and value of each run, None for a run that failed or violates a constraint; greatest: whether the
@@ -26,7 +26,7 @@ def draw_history(runs: Sequence[tuple[int, Number]], words: str, greatest: bool,
     with saved_figure(file, 66.0) as figure:
         axes = figure.subplots()
         values, index = np.array([value for _, value in runs], dtype=float), np.arange(len(runs))
-        label, values = (words, values) if " " in words else scaled(words, values)
+        label, values = (objective, values) if " " in objective else scaled(objective, values)
         _spread(axes, np.array([generation for generation, _ in runs]), values)
         axes.plot(index, values, ".", color=BLUE, markersize=3, alpha=0.7, label="run")
         lost = np.isnan(values)
@@ -44,12 +44,12 @@ def draw_history(runs: Sequence[tuple[int, Number]], words: str, greatest: bool,
 def _spread(axes: Axes, generations: Array, values: Array) -> None:
     """Draw the band between the quartiles of each generation."""
     for i, generation in enumerate(np.unique(generations)):
-        there = np.flatnonzero(generations == generation)
-        known = values[there][np.isfinite(values[there])]
+        members = np.flatnonzero(generations == generation)
+        known = values[members][np.isfinite(values[members])]
         if len(known) > 1:
             low, high = np.quantile(known, [0.25, 0.75])
-            ends, words = (there[0] - 0.5, there[-1] + 0.5), "half of a generation" * (i == 1)
-            axes.fill_between(ends, low, high, color=FAINT, alpha=0.5, linewidth=0, label=words)
+            ends, legend = (members[0] - 0.5, members[-1] + 0.5), "half of a generation" * (i == 1)
+            axes.fill_between(ends, low, high, color=FAINT, alpha=0.5, linewidth=0, label=legend)
 
 
 def draw_parameters(
@@ -91,12 +91,12 @@ def draw_bands(time: Array, bands: Mapping[str, Array], file: Path) -> None:
     with saved_figure(file, 8.0 + ROW * len(bands)) as figure:
         panels = column_of(figure, len(bands))
         for axes, (name, values) in zip(panels, bands.items(), strict=True):
-            words, (low, lower, middle, upper, high) = scaled(name, values)
+            axis_label, (low, lower, middle, upper, high) = scaled(name, values)
             at = unit.factor * time
             axes.fill_between(at, low, high, color=BLUE, alpha=0.2, linewidth=0, label="5 to 95 % of all runs")
             axes.fill_between(at, lower, upper, color=BLUE, alpha=0.35, linewidth=0, label="25 to 75 %")
             axes.plot(at, middle, color=INK, linewidth=0.8, label="median")
-            axes.set_ylabel(words)
+            axes.set_ylabel(axis_label)
         panels[-1].set_xlabel(f"time ({unit.name})")
         panels[-1].set_xlim(0.0, float(unit.factor * time[-1]))
         figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper center", ncols=3)
@@ -107,10 +107,10 @@ def draw_settling(means: Mapping[str, tuple[Array, Array, Array]], file: Path) -
     with saved_figure(file, 8.0 + ROW * len(means)) as figure:
         panels = column_of(figure, len(means))
         for axes, (key, (runs, mean, half)) in zip(panels, means.items(), strict=True):
-            words, (middle, low, high) = scaled(key, np.array([mean, mean - half, mean + half]))
+            axis_label, (middle, low, high) = scaled(key, np.array([mean, mean - half, mean + half]))
             axes.fill_between(runs, low, high, color=BLUE, alpha=0.25, linewidth=0, label="95 % interval")
             axes.plot(runs, middle, color=BLUE, label="mean")
-            axes.set_ylabel(words)
+            axes.set_ylabel(axis_label)
             # The scale ignores the first quarter, because few runs may agree by chance.
             width = float(np.max((high - low)[[len(high) // 4, -1]], initial=1e-300))
             axes.set_ylim(middle[-1] - 1.5 * width, middle[-1] + 1.5 * width)
@@ -147,13 +147,13 @@ def draw_sensitivity(output: str, inputs: Sequence[str], first: Bars, total: Bar
 MOST = 3  # panels, and figures of a sweep
 
 
-def draw(varied: Mapping[str, Array], found: tuple[str, Array], file: Path, *, joined: bool = False) -> None:
+def draw(varied: Mapping[str, Array], key_number: tuple[str, Array], file: Path, *, joined: bool = False) -> None:
     """Draw a key number (key and values (n,)) over each of the varied quantities (n,) into a PNG.
 
     joined: whether points are joined by a line in the order of the varied quantity.
     """
-    words, values = scaled(*found)
-    shown = [scaled(*one) for one in list(varied.items())[:MOST]]
+    axis_label, values = scaled(*key_number)
+    shown = [scaled(*quantity) for quantity in list(varied.items())[:MOST]]
     with saved_figure(file, 58.0, SINGLE * (1 if len(shown) < 3 else 1.5)) as figure:
         panels = figure.subplots(1, len(shown), sharey=True, squeeze=False)[0]
         size = float(np.clip(60.0 / np.sqrt(len(values)), 0.5, 14.0))
@@ -164,7 +164,7 @@ def draw(varied: Mapping[str, Array], found: tuple[str, Array], file: Path, *, j
                 axes.plot(along[order], values[order], color=BLUE, linewidth=0.8)
             axes.set_xlabel(name)
             axes.locator_params(axis="x", nbins=5)
-        panels[0].set_ylabel(words)
+        panels[0].set_ylabel(axis_label)
 
 
 def draw_slip(curves: Mapping[str, Array], file: Path) -> None:
@@ -179,9 +179,9 @@ def draw_slip(curves: Mapping[str, Array], file: Path) -> None:
             for axes, values in zip(panels, (pull, torque, unit.factor * sinkage), strict=True):
                 axes.plot(slip, values, "o-", color=PALETTE[i % len(PALETTE)], label=label)
         heads = ("drawbar pull (N)", "torque (N\N{MIDDLE DOT}m)", f"sinkage ({unit.name})")
-        for axes, words in zip(panels, heads, strict=True):
+        for axes, head in zip(panels, heads, strict=True):
             axes.set_xlabel("slip")
-            axes.set_ylabel(words)
+            axes.set_ylabel(head)
             axes.axvline(0.0, color=INK, linewidth=0.4)
         for axes in panels[:2]:
             axes.axhline(0.0, color=INK, linewidth=0.4)

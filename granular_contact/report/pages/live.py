@@ -34,11 +34,11 @@ def live(folder: Folder, summary: dict[str, Any]) -> dict[str, Any]:
     columns = folder.numbers(SERIES)
     rows = len(columns["time_s"])
     terms = [name.removesuffix(_TERM) for name in columns if name.endswith(_TERM)]
-    found = groups_of(list(columns), terms, columns.__getitem__) if rows > 1 else []
+    groups = groups_of(list(columns), terms, columns.__getitem__) if rows > 1 else []
     played = folder.played() if rows > 1 else None
     moments = _moments(summary, columns) if rows else {}
     shown = _stage(*played, columns, moments) if played is not None and not played[0].in_space else None
-    page = _page(columns, found, played, shown)
+    page = _page(columns, groups, played, shown)
     more = {"name": summary.get("name") or folder.path.name, "columns": _columns(list(columns)), "moments": moments}
     return page | {"data": page["data"] | more}
 
@@ -61,7 +61,7 @@ def live_overlay(
     return page | {"overlaid": runs, "data": page["data"] | more}
 
 
-def _subtracted(columns: Mapping[str, Array], found: list[Group]) -> tuple[Mapping[str, Array], list[Group]]:
+def _subtracted(columns: Mapping[str, Array], groups: list[Group]) -> tuple[Mapping[str, Array], list[Group]]:
     """Add differences of runs to the table as columns: differences of the page's seven-digit numbers would be rough."""
     more: dict[str, Array] = {}
 
@@ -74,7 +74,7 @@ def _subtracted(columns: Mapping[str, Array], found: list[Group]) -> tuple[Mappi
 
     drawn = [
         replace(group, panels=tuple(replace(p, curves=tuple(map(single, p.curves))) for p in group.panels))
-        for group in found
+        for group in groups
     ]
     return {**columns, **more}, drawn
 
@@ -86,26 +86,27 @@ def _columns(names: Sequence[str]) -> list[tuple[str, str]]:
 
 def _first_end(prefixes: Sequence[str], columns: Mapping[str, Array]) -> float:
     """Time (s) at which the first of several runs ends."""
-    one_of_each = [next((v for n, v in columns.items() if n.startswith(f"{key}.")), None) for key in prefixes]
+    columns_of_runs = [next((v for n, v in columns.items() if n.startswith(f"{key}.")), None) for key in prefixes]
     time = columns["time_s"]
-    return min((float(time[np.isfinite(values)][-1]) for values in one_of_each if values is not None), default=time[-1])
+    ends = [float(time[np.isfinite(values)][-1]) for values in columns_of_runs if values is not None]
+    return min(ends, default=time[-1])
 
 
-def live_curves(columns: Mapping[str, Array], found: list[Group], table_name: str) -> dict[str, Any]:
+def live_curves(columns: Mapping[str, Array], groups: list[Group], table_name: str) -> dict[str, Any]:
     """`live` for a table of curves over time without a motion."""
-    page = _page(columns, found, None, None)
+    page = _page(columns, groups, None, None)
     return page | {"data": page["data"] | {"columns": [], "table_name": table_name}}
 
 
 def _page(
-    columns: Mapping[str, Array], found: list[Group], played: tuple[Motion, Bed] | None, shown: dict[str, Any] | None
+    columns: Mapping[str, Array], groups: list[Group], played: tuple[Motion, Bed] | None, shown: dict[str, Any] | None
 ) -> dict[str, Any]:
     """Data for scripts and values for templates of all pages with histories; shown: stage of a motion in the plane."""
     table = np.column_stack(list(columns.values()))
     every = max(1, -(-table.size // MOST_NUMBERS))
     data: dict[str, Any] = {
         "table": _packed(list(columns), table[::every]),
-        "groups": [asdict(group) for group in found],
+        "groups": [asdict(group) for group in groups],
         "moments": {},
     }
     if shown is not None:
@@ -113,7 +114,7 @@ def _page(
     if played is not None:
         data["motion"] = plain(played[0] if shown is None else shown["motion"])
     space = played is not None and played[0].in_space
-    kept = {"stage": shown, "in_space": space, "groups": found, "thinned": every if every > 1 else 0}
+    kept = {"stage": shown, "in_space": space, "groups": groups, "thinned": every if every > 1 else 0}
     return nothing_live() | kept | {"data": data}
 
 
@@ -133,15 +134,15 @@ def _packed(names: list[str], table: Array) -> dict[str, Any]:
 
 def _moments(summary: dict[str, Any], columns: dict[str, Array]) -> dict[str, float]:
     """Instants (s) that the player offers, by name."""
-    time, found = columns["time_s"], dict[str, float]()
+    time, moments = columns["time_s"], dict[str, float]()
     touch, stop = summary.get("touch_time_s"), summary.get("stopping_time_s")
     if touch is not None and touch > time[0] + 0.01 * np.ptp(time):
-        found["touch"] = float(touch)
+        moments["touch"] = float(touch)
     if "depth_m" in columns:
-        found["deepest"] = float(time[int(np.argmax(columns["depth_m"]))])
+        moments["deepest"] = float(time[int(np.argmax(columns["depth_m"]))])
     if touch is not None and stop is not None:
-        found["stop"] = float(touch + stop)
-    return found
+        moments["stop"] = float(touch + stop)
+    return moments
 
 
 def _stage(motion: Motion, bed: Bed, columns: dict[str, Array], moments: dict[str, float]) -> dict[str, Any]:

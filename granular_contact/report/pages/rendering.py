@@ -45,24 +45,24 @@ def rendered(kind: str, content: dict[str, Any], data: dict[str, Any], *, draws:
     template = _templates().select_template([f"{kind}.html", "fallback.html"])
     made = datetime.now(timezone.utc).strftime("%Y-%m-%d %H:%M UTC")
     script, drawing = own(*_SCRIPTS.get(kind, ("tables", "files"))), plotly() if draws else None
-    hashes = Markup(" ".join(one.hash for one in (script, drawing) if one))
+    hashes = Markup(" ".join(resource.hash for resource in (script, drawing) if resource))
     more = {"script": script.text, "plotly": drawing and drawing.text, "hashes": hashes, "data_block": data_block(data)}
     return template.render(content, results=kind, generator=GENERATOR, made=made, draws=draws, **more)
 
 
 @cache
 def _templates() -> Environment:
-    found = Environment(loader=PackageLoader(__package__), autoescape=True, undefined=StrictUndefined)
-    found.trim_blocks = found.lstrip_blocks = True
+    environment = Environment(loader=PackageLoader(__package__), autoescape=True, undefined=StrictUndefined)
+    environment.trim_blocks = environment.lstrip_blocks = True
     own = (label, quantity, plain, flat, cell, keyed, records, headings, squeezed, uri, is_wide, turned, run_of)
-    found.filters |= {one.__name__: one for one in own}
-    found.tests["deep"] = is_deep
-    return found
+    environment.filters |= {function.__name__: function for function in own}
+    environment.tests["deep"] = is_deep
+    return environment
 
 
 def headings(content: Markup) -> list[tuple[str, Markup]]:
     """Names and headings of the sections of a page."""
-    return [(Markup(name), Markup(words)) for name, words in _HEADING.findall(content)]
+    return [(Markup(name), Markup(heading)) for name, heading in _HEADING.findall(content)]
 
 
 def run_of(part: str, runs: Sequence[Mapping[str, str]]) -> Markup:
@@ -86,7 +86,7 @@ def keyed(rows: Sequence[Sequence[Any]], keys: Sequence[str]) -> tuple[list[str]
     """
     cells = [(key, [row[i] for row in rows]) for i, key in enumerate(keys)]
     columns = [column(key, values) for key, values in cells if any(value is not None for value in values) or not rows]
-    return [words for words, _ in columns], list(zip(*(values for _, values in columns), strict=True))
+    return [heading for heading, _ in columns], list(zip(*(values for _, values in columns), strict=True))
 
 
 def cell(value: Any, first: bool) -> tuple[str, str]:
@@ -103,11 +103,11 @@ def cell(value: Any, first: bool) -> tuple[str, str]:
 
 def records(value: Any, name: str) -> tuple[list[str], list[list[Any]]] | None:
     """Headings and rows of a list or mapping of mappings; None for other values. name: heading of mapping keys."""
-    ones = list(value.values()) if isinstance(value, dict) else value
-    if not isinstance(ones, list) or not ones or not all(isinstance(one, dict) for one in ones):
+    mappings = list(value.values()) if isinstance(value, dict) else value
+    if not isinstance(mappings, list) or not mappings or not all(isinstance(record, dict) for record in mappings):
         return None
-    keys = list(dict.fromkeys(key for one in ones for key in one))
-    rows = [[flat(one.get(key)) for key in keys] for one in ones]
+    keys = list(dict.fromkeys(key for record in mappings for key in record))
+    rows = [[flat(record.get(key)) for key in keys] for record in mappings]
     if isinstance(value, dict):
         return [name, *keys], [[key, *row] for key, row in zip(value, rows, strict=True)]
     return keys, rows
@@ -115,15 +115,15 @@ def records(value: Any, name: str) -> tuple[list[str], list[list[Any]]] | None:
 
 def is_deep(value: Any) -> bool:
     """Return whether a value does not fit into a cell."""
-    return isinstance(value, dict) or (isinstance(value, list) and any(isinstance(one, dict | list) for one in value))
+    return isinstance(value, dict) or (isinstance(value, list) and any(isinstance(item, dict | list) for item in value))
 
 
 def flat(value: Any) -> Any:
     """Convert a value to one that fits into a cell."""
     if isinstance(value, list):
-        return ", ".join(plain(flat(one)) for one in value)
+        return ", ".join(plain(flat(item)) for item in value)
     if isinstance(value, dict):
-        return ", ".join(f"{key}: {plain(flat(one))}" for key, one in value.items())
+        return ", ".join(f"{key}: {plain(flat(item))}" for key, item in value.items())
     return value
 
 

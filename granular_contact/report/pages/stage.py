@@ -71,8 +71,8 @@ def turned(pose: Array) -> str:
 
 def _line(points: Array, closed: bool = False) -> str:
     """The SVG path along points (n, 2) px."""
-    words = "L".join(f"{x:.6g} {y:.6g}" for x, y in points.tolist())
-    return f"M{words}{'Z' if closed else ''}"
+    corners = "L".join(f"{x:.6g} {y:.6g}" for x, y in points.tolist())
+    return f"M{corners}{'Z' if closed else ''}"
 
 
 def _thinned(path: Array, least: float) -> Array:

@@ -53,13 +53,13 @@ class _Cases(NamedTuple):
     """Cases of a sweep.
 
     table: table.csv; ended: only the cases that ended regularly, because numbers of the others are not of a whole run.
-    varied: keys that the sweep varies; found: key numbers.
+    varied: keys that the sweep varies; key_numbers: names of the key numbers.
     """
 
     table: Table
     ended: Table
     varied: list[str]
-    found: list[str]
+    key_numbers: list[str]
 
 
 def content(folder: Folder, place: Path) -> dict[str, Any]:
@@ -102,7 +102,7 @@ def _chart(cases: _Cases) -> dict[str, Any]:
     drawn, along, table = _drawn(cases), _differing(cases, cases.varied), cases.ended
     if not drawn or not along:
         return {}
-    columns = {name: table.numbers(name).tolist() for name in (*cases.varied, *cases.found)}
+    columns = {name: table.numbers(name).tolist() for name in (*cases.varied, *cases.key_numbers)}
     names = [str(name) for name in table.column(table.head[0])]
     return chart(names, columns, along[0], drawn[0], joined=_joined(along))
 
@@ -112,15 +112,15 @@ def _live(folder: Folder) -> dict[str, Any]:
     if folder.has(BANDS):
         columns = folder.numbers(BANDS)
         return live_curves(columns, _bands(columns), BANDS)
-    places = sorted(one for one in (folder.path / CASES).glob("*") if (one / SERIES).is_file())
+    places = sorted(case for case in (folder.path / CASES).glob("*") if (case / SERIES).is_file())
     chosen = [places[i] for i in np.unique(np.linspace(0, len(places) - 1, MOST_RUNS).astype(int))] if places else []
-    kept = [Folder(one, "run") for one in chosen]
-    runs = [History(one.path.name, one.numbers(SERIES), one.motion()) for one in kept]
+    kept = [Folder(case, "run") for case in chosen]
+    runs = [History(case.path.name, case.numbers(SERIES), case.motion()) for case in kept]
     if len(runs) < 2:
         return nothing_live()
     moved, played = motion(runs), kept[0].played()
     bed = None if moved is None or played is None else (moved, played[1])
-    return live_overlay([one.name for one in runs], overlaid(runs), bed)
+    return live_overlay([case.name for case in runs], overlaid(runs), bed)
 
 
 def _bands(columns: dict[str, Array]) -> list[Group]:
@@ -141,12 +141,12 @@ def _read(folder: Folder) -> _Cases:
     begin = next((i for i, name in enumerate(head) if name in ("name", "status")), len(head))
     statuses = zip(table.rows, table.column("status"), strict=True)
     ended = Table(head, [row for row, status in statuses if status in FINISHED])
-    found = [
+    key_numbers = [
         name
         for name in head[begin:]
         if not name.startswith(_NOT_KEY) and np.isfinite(ended.numbers(name)).any() and name != "touch_time_s"
     ]
-    return _Cases(table, ended, head[1:begin], found)
+    return _Cases(table, ended, head[1:begin], key_numbers)
 
 
 def _useless(table: Table) -> int:
@@ -185,7 +185,7 @@ def _vague(folder: Folder) -> list[str]:
 
 def _statistics(cases: _Cases) -> Iterator[list[Any]]:
     constant = _constant(cases)
-    for name in _ordered(name for name in cases.found if name not in constant):
+    for name in _ordered(name for name in cases.key_numbers if name not in constant):
         values = cases.ended.numbers(name)
         values = values[np.isfinite(values)]
         spread = (values.min(), np.median(values), values.max())
@@ -196,22 +196,22 @@ def _constant(cases: _Cases) -> list[str]:
     """Key numbers that are equal in all cases, if there are several cases."""
     if len(cases.ended.rows) < 2:
         return []
-    differing = _differing(cases, cases.found)
-    every = [name for name in cases.found if np.isfinite(cases.ended.numbers(name)).all()]
+    differing = _differing(cases, cases.key_numbers)
+    every = [name for name in cases.key_numbers if np.isfinite(cases.ended.numbers(name)).all()]
     return _ordered(name for name in every if name not in differing)
 
 
 def _overviews(cases: _Cases, place: Path, shown: Collection[str]) -> Iterator[tuple[Path, str]]:
     """Figures of key numbers against the varied quantities, with captions; shown: key numbers of other figures."""
     varied = _differing(cases, cases.varied)
-    if not varied or not cases.found or all(map(_is_seed, varied)):
+    if not varied or not cases.key_numbers or all(map(_is_seed, varied)):
         return
     from granular_contact.report.figures.studies import MOST, draw
 
     for i, name in enumerate([name for name in _drawn(cases) if name not in shown][:MOST]):
         path = place / f"overview_{i}.png"
-        along, found = {key: cases.ended.numbers(key) for key in varied}, (name, cases.ended.numbers(name))
-        draw(along, found, path, joined=_joined(varied))
+        along, key_number = {key: cases.ended.numbers(key) for key in varied}, (name, cases.ended.numbers(name))
+        draw(along, key_number, path, joined=_joined(varied))
         if path.exists():
             yield path, f"{label(name).capitalize()} of every case that came to an end, against the varied quantities."
 
@@ -241,7 +241,7 @@ def _is_seed(key: str) -> bool:
 
 def _drawn(cases: _Cases) -> list[str]:
     """Key numbers that differ between cases, the most important first."""
-    return _ordered(name for name in _differing(cases, cases.found) if name not in _NOT_DRAWN)
+    return _ordered(name for name in _differing(cases, cases.key_numbers) if name not in _NOT_DRAWN)
 
 
 def _ordered(names: Iterable[str]) -> list[str]:
