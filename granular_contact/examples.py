@@ -55,9 +55,19 @@ def shipped() -> dict[str, bytes]:
 
 
 def write(directory: Path, further: Mapping[str, bytes] | None = None) -> list[str]:
-    """Write all shipped files into `directory`, and return their relative paths.
+    """Write all shipped files into a folder.
 
-    further: contents of other files to write, by relative path.
+    Parameters
+    ----------
+    directory : Path
+        The folder; it is made if it does not exist.
+    further : mapping from str to bytes, optional
+        Contents of other files to write, by relative path.
+
+    Returns
+    -------
+    list of str
+        Relative paths of all files.
 
     Raises
     ------

@@ -72,10 +72,23 @@ WHOLE = (("method",),)  # paths of mappings that are always replaced as a whole
 
 
 def changes(values: Mapping[str, Any], caller: str, faults: list[Fault]) -> list[overrides.Override]:
-    """Overrides for values by dotted key, or in mappings as in a config.
+    """Convert values given in Python to overrides of a config.
 
     A mapping changes only the keys that it names, unless it says its kind (`type`, `law` or `from`).
-    caller: name of the called function, which messages give in place of a file.
+
+    Parameters
+    ----------
+    values : mapping from str to object
+        Values by dotted key, or in mappings as in a config.
+    caller : str
+        Name of the called function, which messages give in place of a file.
+    faults : list of Fault
+        Faults in the keys are added to it.
+
+    Returns
+    -------
+    list of Override
+        The overrides that take effect.
     """
     leaves = (leaf for key, value in values.items() for leaf in _leaves(key, value, caller, faults))
     return overrides.effective(list(leaves))

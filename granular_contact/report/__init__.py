@@ -108,13 +108,23 @@ def write(
     film: str | None = None,
     formats: Sequence[str] = ("png",),
 ) -> None:
-    """Write `results` to `directory`; results of an earlier run in the folder are replaced.
-
-    film: `gif` or `mp4` for a film of results with frames, None for no film. formats: of figures (`FORMATS`), in
-    addition to the PNG that pages show.
+    """Write the results of a run to a folder; results of an earlier run in the folder are replaced.
 
     The folder is written beside the target under a hidden name and then exchanged for the old one, so that a full disk
     or Ctrl-C leaves the old folder unchanged. Figures are drawn after that; one that fails is a `FigureWarning`.
+
+    Parameters
+    ----------
+    results : Results
+        The results.
+    directory : Path
+        The folder.
+    figures : bool, optional
+        Whether figures are drawn.
+    film : {"gif", "mp4"}, optional
+        Format of a film of results with frames; none is made by default.
+    formats : sequence of str, optional
+        Formats of the figures (`FORMATS`), in addition to the PNG that pages show.
 
     Raises
     ------

@@ -233,7 +233,22 @@ def write_runs(
 
 
 def write(comparison: Comparison, directory: Path, figures: bool = True) -> None:
-    """Write table, verdict, scenario, histories and motions of all runs, completely or not at all; then figures."""
+    """Write table, verdict, scenario, histories and motions of all runs, completely or not at all; then figures.
+
+    Parameters
+    ----------
+    comparison : Comparison
+        The comparison.
+    directory : Path
+        The folder. Results of an earlier comparison in it are replaced.
+    figures : bool, optional
+        Whether figures are drawn.
+
+    Raises
+    ------
+    OSError
+        The folder cannot be written, or contains something else.
+    """
     runs = [(row.name, row.results) for row in comparison.rows]
     write_runs(directory, "compare", map(cells, comparison.rows), runs, _summary(comparison), figures=figures)
 

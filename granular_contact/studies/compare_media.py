@@ -101,6 +101,21 @@ def cells(row: Row) -> dict[str, str | float | None]:
 
 
 def write(rows: Sequence[Row], directory: Path, figures: bool = True) -> None:
-    """Write the table, the scenario of the first run, histories and motions, completely or not at all; then figures."""
+    """Write the table, the scenario of the first run, histories and motions, completely or not at all; then figures.
+
+    Parameters
+    ----------
+    rows : sequence of Row
+        A run in each medium.
+    directory : Path
+        The folder. Results of an earlier comparison in it are replaced.
+    figures : bool, optional
+        Whether figures are drawn.
+
+    Raises
+    ------
+    OSError
+        The folder cannot be written, or contains something else.
+    """
     runs = [(row.name, row.results) for row in rows]
     write_runs(directory, "compare-media", map(cells, rows), runs, figures=figures)

@@ -24,7 +24,14 @@ LAST = 1600  # ms: time of the last picture of a GIF before it repeats
 
 
 def write(results: Results, file: Path) -> None:
-    """Write the frames of `results` as a film; the ending of the file is .gif or .mp4.
+    """Write the frames of results as a film.
+
+    Parameters
+    ----------
+    results : Results
+        Results with frames.
+    file : Path
+        The file; its ending is .gif or .mp4.
 
     Raises
     ------

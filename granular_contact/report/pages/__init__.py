@@ -48,6 +48,16 @@ _CONTENTS: dict[str, Callable[[Folder], dict[str, Any]]] = {
 def html(directory: Path) -> str:
     """Make the page of a results folder.
 
+    Parameters
+    ----------
+    directory : Path
+        The folder.
+
+    Returns
+    -------
+    str
+        The page, in one HTML file.
+
     Raises
     ------
     FolderError
@@ -94,9 +104,19 @@ def _tables(folder: Folder) -> dict[str, Any]:
 
 
 def write(directory: Path | Sequence[Path], file: Path | None = None) -> Path:
-    """Write the page of a results folder to a file, by default `report.html` in the folder, completely or not at all.
+    """Write the page of a results folder to a file, completely or not at all.
 
-    For several folders of runs the page is a gallery, by default `gallery.html` beside the first folder.
+    Parameters
+    ----------
+    directory : Path or sequence of Path
+        A results folder, or several folders of runs, whose page is a gallery.
+    file : Path, optional
+        The file; by default `report.html` in the folder, or `gallery.html` beside the first of several folders.
+
+    Returns
+    -------
+    Path
+        The file.
 
     Raises
     ------

@@ -129,7 +129,22 @@ MOST = 3  # panels
 
 
 def write(summary: Summary, folder: Path, *, figures: bool = True) -> None:
-    """Write the tables, and the figures if asked for; raises OSError."""
+    """Write the tables of an ensemble, and its figures.
+
+    Parameters
+    ----------
+    summary : Summary
+        Means, quantiles and bands of the ensemble.
+    folder : Path
+        An existing folder.
+    figures : bool, optional
+        Whether figures are drawn.
+
+    Raises
+    ------
+    OSError
+        A file cannot be written.
+    """
     write_table(folder / STATISTICS, HEAD, _statistics(summary))
     write_table(folder / CONVERGENCE, ["key", "runs", "mean", "half_width_95"], _convergence(summary))
     if summary.bands:

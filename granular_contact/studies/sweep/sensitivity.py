@@ -135,7 +135,22 @@ def indices(output: str, inputs: tuple[str, ...], values: Vector, seed: int = 0)
 
 
 def write(outputs: Sequence[Indices], folder: Path, figures: bool = True) -> None:
-    """Write sensitivity.csv, a line for each output and input, and a figure of each output; raises OSError."""
+    """Write sensitivity.csv, with a line for each output and input, and a figure of each output.
+
+    Parameters
+    ----------
+    outputs : sequence of Indices
+        Sobol indices of each output; those that were refused have no figure.
+    folder : Path
+        An existing folder.
+    figures : bool, optional
+        Whether figures are drawn.
+
+    Raises
+    ------
+    OSError
+        A file cannot be written.
+    """
     rows = (_cells(sobol, i) for sobol in outputs for i in range(len(sobol.inputs)))
     write_table(folder / SENSITIVITY, HEAD, rows)
     drawable = [sobol for sobol in outputs if figures and not sobol.refused]

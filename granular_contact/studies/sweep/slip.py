@@ -18,9 +18,21 @@ MOST = 6  # greatest number of curves
 
 
 def write(sweep: Sweep, rows: Iterable[Row], folder: Path) -> None:
-    """Draw the figure of a sweep that varies the slip, a curve for each combination of the other values.
+    """Draw the figure of a sweep that varies the slip, with a curve for each combination of the other values.
 
-    Raises OSError.
+    Parameters
+    ----------
+    sweep : Sweep
+        The sweep; one that does not vary the slip has no such figure.
+    rows : iterable of Row
+        Results of the cases. Failed cases, and cases without a needed number, are left out.
+    folder : Path
+        An existing folder.
+
+    Raises
+    ------
+    OSError
+        The file cannot be written.
     """
     if SLIP not in sweep.keys or not sweep.base.output.figures:
         return

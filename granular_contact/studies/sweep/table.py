@@ -18,7 +18,16 @@ CASE = "case"
 
 
 def write(sweep: Sweep, rows: Iterable[Row], folder: Path) -> None:
-    """Write table.csv; rows, in the order of the sweep, are iterated over twice.
+    """Write table.csv of a sweep.
+
+    Parameters
+    ----------
+    sweep : Sweep
+        The sweep.
+    rows : iterable of Row
+        Results of the cases in the order of the sweep; iterated over twice.
+    folder : Path
+        An existing folder.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-// What pages with histories share: numbers in words, packed data, the instant that is shown.
+// Shared by pages with histories: numbers as text, packed data, the instant that is shown.
 const number = (value) => {
   if (value === null || !isFinite(value)) return "–";
   const size = Math.abs(value);
@@ -12,7 +12,7 @@ async function unpack(text) {
   return (await new Response(stream).arrayBuffer());
 }
 
-// Plotly's script, which is run once it is unpacked; whether there is one.
+// Unpack and run Plotly's script; return whether the page contains it.
 async function plotly() {
   const packed = $("#plotly");
   if (!packed || !window.DecompressionStream) return false;
@@ -23,7 +23,7 @@ async function plotly() {
   return Boolean(window.Plotly);
 }
 
-// The instant that all of the page shows: listeners are called with it.
+// The instant that the whole page shows; listeners are called with it.
 const clock = { time: 0, start: 0, end: 0, listeners: [] };
 function setTime(time) {
   clock.time = Math.min(Math.max(time, clock.start), clock.end);
@@ -39,7 +39,7 @@ const clampIndex = (times, time) => {
   return low;
 };
 
-// Where a time lies among others: index before it, and share of the way to the next.
+// Position of a time in a rising list of times: index before it, and share of the way to the next.
 function between(times, time) {
   if (times.length < 2) return [0, 0];
   const i = clampIndex(times, time);
@@ -49,14 +49,14 @@ function between(times, time) {
 const mix = (a, b, share) => a + (b - a) * share;
 
 
-// Several runs on one page: which are shown, and in which colours.
+// Runs on a page of several runs: which of them are hidden, and their colours.
 const shown = { hidden: new Set(), listeners: [] };
 const runOf = (name, between) => (data.runs || []).findIndex((run) => name.startsWith(run[between === ": " ? "name" : "key"] + between));
 function chooseRuns() {
   const paint = () => {
-    for (const one of $$("[data-run]")) {
-      one.style.setProperty("--tone", colourOf(Number(one.dataset.run)));
-      if (one.classList.contains("part")) one.style.display = shown.hidden.has(Number(one.dataset.run)) ? "none" : "";
+    for (const element of $$("[data-run]")) {
+      element.style.setProperty("--tone", colourOf(Number(element.dataset.run)));
+      if (element.classList.contains("part")) element.style.display = shown.hidden.has(Number(element.dataset.run)) ? "none" : "";
     }
   };
   for (const label of $$("#runs label")) {

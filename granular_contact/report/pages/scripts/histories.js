@@ -1,4 +1,4 @@
-// Histories: panels of curves over time, one cursor over all of them, which the player moves and moves with.
+// Histories: panels of curves over time. A cursor across all panels follows the player, and moves it.
 const MARGIN = { l: 62, r: 12, t: 8, b: 42 };
 const BINS = 800; // spans of time of a drawn curve; least and greatest of each are drawn
 const COLOURS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#B8860B", "#56B4E9", "#7A5FD0", "#8C8C8C"];
@@ -63,14 +63,14 @@ const isDark = () => matchMedia("(prefers-color-scheme: dark)").matches;
 const colourOf = (i) => (isDark() ? DARK : COLOURS)[i % COLOURS.length];
 const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
-function look(words, vertical) {
+function look(title, vertical) {
   const axis = { color: css("--soft"), gridcolor: css("--line"), zeroline: false, ticks: "outside", tickcolor: css("--line"), ticklen: 4 };
   return {
     margin: MARGIN, height: 200, showlegend: false, hovermode: false,
     dragmode: matchMedia("(pointer: coarse)").matches ? false : "zoom",
     paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)",
     font: { color: css("--soft"), size: 12, family: "system-ui, sans-serif" },
-    xaxis: { ...axis, title: { text: words, standoff: 2 } }, yaxis: { ...axis, fixedrange: true, title: vertical || "", nticks: 6 },
+    xaxis: { ...axis, title: { text: title, standoff: 2 } }, yaxis: { ...axis, fixedrange: true, title: vertical || "", nticks: 6 },
   };
 }
 
@@ -93,7 +93,7 @@ class Panel {
       return { key, value };
     });
     const head = make("div", { class: "head" }, make("h3", {}, spec.unit.name ? `${spec.title} (${spec.unit.name})` : spec.title));
-    head.append(...this.readings.map((one) => one.key));
+    head.append(...this.readings.map((reading) => reading.key));
     this.element = make("div", { class: "panel" }, head, make("div", { class: "frame" }, this.plot, this.cursor));
     this.plot.addEventListener("pointermove", (event) => this.point(event));
     this.plot.addEventListener("pointerdown", (event) => this.point(event));
@@ -155,7 +155,7 @@ class Panel {
   }
 
   repaint() {
-    this.readings.forEach((one, i) => one.key.style.setProperty("--tone", colourOf(this.runs[i])));
+    this.readings.forEach((reading, i) => reading.key.style.setProperty("--tone", colourOf(this.runs[i])));
     if (!this.drawn) return;
     if (this.spec.along) {
       Plotly.purge(this.plot);
@@ -198,7 +198,7 @@ function histories(columns) {
   };
   const watch = new IntersectionObserver((entries) => {
     for (const entry of entries) {
-      const panel = all.panels.find((one) => one.element === entry.target);
+      const panel = all.panels.find((candidate) => candidate.element === entry.target);
       if (!panel) continue;
       if (entry.isIntersecting) {
         all.visible.add(panel);
@@ -220,8 +220,8 @@ function histories(columns) {
   }
   chosen(columns, add, all, watch);
   clock.listeners.push((time) => all.visible.forEach((panel) => panel.show(time)));
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => all.panels.forEach((one) => one.repaint()));
-  shown.listeners.push(() => all.panels.forEach((one) => one.repaint()));
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => all.panels.forEach((panel) => panel.repaint()));
+  shown.listeners.push(() => all.panels.forEach((panel) => panel.repaint()));
   $("[data-do=unzoom]").addEventListener("click", () => all.zoom(null));
 }
 
@@ -240,8 +240,8 @@ function chosen(columns, add, all, watch) {
       panel = null;
     }
     if (!select.value) return;
-    const [, words] = data.columns.find(([name]) => name === select.value);
-    const curves = (data.runs || [{ name: words }])
+    const [, label] = data.columns.find(([name]) => name === select.value);
+    const curves = (data.runs || [{ name: label }])
       .map((run) => ({ label: run.name, terms: [[run.key ? `${run.key}.${select.value}` : select.value, 1]] }))
       .filter((curve) => curve.terms[0][0] in columns);
     panel = add({ title: select.value, unit: { name: "SI or deg", factor: 1 }, along: "", curves }, $("#chosen"));

@@ -1,5 +1,5 @@
 // The player: play, scrub, speed, moments; in the plane it moves the parts of the drawing.
-const SECONDS = [...Array(16).keys()].flatMap((k) => [1, 2, 5].map((one) => Number(`${one}e${k - 12}`)));
+const SECONDS = [...Array(16).keys()].flatMap((k) => [1, 2, 5].map((digit) => Number(`${digit}e${k - 12}`)));
 
 function controls(motion) {
   const place = $("#player .controls");
@@ -7,11 +7,11 @@ function controls(motion) {
   const pace = $("select", place);
   const lasts = clock.end - clock.start || 1;
   const unit = lasts < 1 ? ["ms", 1e3] : ["s", 1];
-  const paces = SECONDS.filter((one) => lasts / one > 0.5 && lasts / one < 300);
+  const paces = SECONDS.filter((rate) => lasts / rate > 0.5 && lasts / rate < 300);
   const usual = paces.reduce((a, b) => (Math.abs(Math.log(lasts / b / 6)) < Math.abs(Math.log(lasts / a / 6)) ? b : a));
-  for (const one of paces) {
-    const words = one === 1 ? "real time" : one < 1 ? `${Math.round(1 / one)} times slower` : `${one} times faster`;
-    pace.append(make("option", one === usual ? { value: one, selected: "" } : { value: one }, words));
+  for (const rate of paces) {
+    const label = rate === 1 ? "real time" : rate < 1 ? `${Math.round(1 / rate)} times slower` : `${rate} times faster`;
+    pace.append(make("option", rate === usual ? { value: rate, selected: "" } : { value: rate }, label));
   }
   slider.min = clock.start;
   slider.max = clock.end;
@@ -42,9 +42,9 @@ function controls(motion) {
   clock.listeners.push((time) => {
     slider.value = time;
     const digits = Math.max(0, 4 - Math.ceil(Math.log10(lasts * unit[1])));
-    const words = `${(time * unit[1]).toFixed(digits)} ${unit[0]}`;
-    output.textContent = words;
-    slider.setAttribute("aria-valuetext", words);
+    const text = `${(time * unit[1]).toFixed(digits)} ${unit[0]}`;
+    output.textContent = text;
+    slider.setAttribute("aria-valuetext", text);
   });
   for (const [name, time] of Object.entries(data.moments || {})) {
     const button = make("button", { type: "button" }, name);
@@ -72,7 +72,7 @@ function arrow([x, y], [fx, fy], factor, px, longest) {
 function drawing(motion, stage) {
   const svg = $("#stage"), world = $(".world", svg);
   const parts = $$(".part", world), arrows = $(".forces", world);
-  const forces = Object.entries(motion.forces).map(([name, one]) => [one, arrows.appendChild(
+  const forces = Object.entries(motion.forces).map(([name, history]) => [history, arrows.appendChild(
     document.createElementNS("http://www.w3.org/2000/svg", "path")), runOf(name, ": ")]);
   const key = $(".key path", svg);
   if (key) key.setAttribute("d", arrow([22, stage.height - 22], [Number(key.dataset.px), 0], 1, 1, Infinity));
@@ -104,8 +104,8 @@ function drawing(motion, stage) {
       const turn = (mix(a[2], b[2], share) * 180) / Math.PI;
       part.setAttribute("transform", `translate(${mix(a[0], b[0], share)} ${mix(a[1], b[1], share)}) rotate(${turn})`);
     });
-    for (const [one, path, run] of forces) {
-      const at = one.point_m, force = one.force_N;
+    for (const [history, path, run] of forces) {
+      const at = history.point_m, force = history.force_N;
       const [a, b] = [force[i], force[next]], on = [a, b].map(([x, y]) => x !== 0 || y !== 0);
       const from = on[0] ? at[i] : at[next], to = on[1] ? at[next] : at[i];
       const point = [mix(from[0], to[0], share), mix(from[1], to[1], share)];
@@ -137,19 +137,19 @@ function drawing(motion, stage) {
     const box = svg.getBoundingClientRect();
     zoom(Math.exp(-event.deltaY / 200), (event.clientX - box.left) * px(), (event.clientY - box.top) * px());
   }, { passive: false });
-  let held = null;
+  let grabbed = null;
   svg.addEventListener("pointerdown", (event) => {
-    held = [event.clientX, event.clientY];
+    grabbed = [event.clientX, event.clientY];
     svg.setPointerCapture(event.pointerId);
   });
   svg.addEventListener("pointermove", (event) => {
-    if (!held) return;
-    view.left -= ((event.clientX - held[0]) * px()) / view.scale;
-    view.top += ((event.clientY - held[1]) * px()) / view.scale;
-    held = [event.clientX, event.clientY];
+    if (!grabbed) return;
+    view.left -= ((event.clientX - grabbed[0]) * px()) / view.scale;
+    view.top += ((event.clientY - grabbed[1]) * px()) / view.scale;
+    grabbed = [event.clientX, event.clientY];
     show(clock.time);
   });
-  for (const end of ["pointerup", "pointercancel"]) svg.addEventListener(end, () => (held = null));
+  for (const end of ["pointerup", "pointercancel"]) svg.addEventListener(end, () => (grabbed = null));
   for (const box of [follow, withForces]) if (box) box.addEventListener("change", () => show(clock.time));
   clock.listeners.push(show);
 }

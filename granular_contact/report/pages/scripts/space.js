@@ -96,18 +96,18 @@ class SpacePlayer {
       lighting: { ambient: 1, diffuse: 0, specular: 0 }, contours: { x: plain, y: plain, z: plain }, ...still,
     });
     const level = (height) => [[height, height], [height, height]];
-    const found = bedding.layers_m.map((depth) =>
+    const sheets = bedding.layers_m.map((depth) =>
       sheet(x, y, z.map((row) => row.map((height) => height - depth)), css("--sand-edge"), 0.35, "layer"));
     const { floor_m: floor } = bedding;
-    if (floor !== null) found.push(sheet(ends(x), ends(y), level(floor), css("--floor"), 0.9, "floor"));
+    if (floor !== null) sheets.push(sheet(ends(x), ends(y), level(floor), css("--floor"), 0.9, "floor"));
     const heights = z.flat(), top = Math.max(...heights);
     const low = floor ?? Math.min(...heights) - 0.25 * this.box.size;
     bedding.walls.forEach(([axis, place]) => {
       const across = [[place, place], [place, place]];
       const [a, b] = ends(axis === 0 ? y : x), along = [[a, b], [a, b]], up = [[low, low], [top, top]];
-      found.push(sheet(...(axis === 0 ? [across, along] : [along, across]), up, css("--floor"), 0.3, "wall"));
+      sheets.push(sheet(...(axis === 0 ? [across, along] : [along, across]), up, css("--floor"), 0.3, "wall"));
     });
-    return found;
+    return sheets;
   }
 
   tone(part, i) { // of several runs each has its colour
@@ -177,10 +177,10 @@ class SpacePlayer {
   arrows(i, next, share) {
     const line = [[], [], []], end = [[], [], []];
     if (!$("#with-forces").checked) return [line, end];
-    for (const [name, one] of Object.entries(this.motion.forces)) {
+    for (const [name, history] of Object.entries(this.motion.forces)) {
       if (shown.hidden.has(runOf(name, ": "))) continue;
-      const point = one.point_m[i].map((value, k) => mix(value, one.point_m[next][k], share));
-      const force = one.force_N[i].map((value, k) => mix(value, one.force_N[next][k], share));
+      const point = history.point_m[i].map((value, k) => mix(value, history.point_m[next][k], share));
+      const force = history.force_N[i].map((value, k) => mix(value, history.force_N[next][k], share));
       const size = Math.hypot(...force), length = Math.min(size * this.scale(), 0.4 * this.box.size);
       if (!(length > 0.01 * this.box.size)) continue;
       for (let k = 0; k < 3; k++) {
@@ -192,11 +192,11 @@ class SpacePlayer {
     return [line, end];
   }
 
-  scale() { // m of an arrow per N: the force that a tenth exceeds is a fifth of the size
+  scale() { // length (m) of an arrow per N: the force that a tenth of all exceed is a fifth of the size
     if (this.perNewton === undefined) {
-      const sizes = Object.values(this.motion.forces).flatMap((one) => one.force_N.map((force) => Math.hypot(...force)));
-      const found = sizes.filter((size) => size > 0).sort((a, b) => a - b);
-      this.perNewton = found.length ? (0.2 * this.box.size) / found[Math.floor(0.9 * (found.length - 1))] : 0;
+      const sizes = Object.values(this.motion.forces).flatMap((history) => history.force_N.map((force) => Math.hypot(...force)));
+      const positive = sizes.filter((size) => size > 0).sort((a, b) => a - b);
+      this.perNewton = positive.length ? (0.2 * this.box.size) / positive[Math.floor(0.9 * (positive.length - 1))] : 0;
     }
     return this.perNewton;
   }
@@ -214,7 +214,7 @@ class SpacePlayer {
       const { motion } = this, [i, share] = between(motion.time_s, time), next = Math.min(i + 1, motion.poses.length - 1);
       const places = motion.parts.map((part, p) => placed(part.points_m, posed(motion.poses[i][p], motion.poses[next][p], share)));
       const all = [...places, ...this.arrows(i, next, share)];
-      await Plotly.restyle(this.plot, { x: all.map((one) => one[0]), y: all.map((one) => one[1]), z: all.map((one) => one[2]) },
+      await Plotly.restyle(this.plot, { x: all.map((points) => points[0]), y: all.map((points) => points[1]), z: all.map((points) => points[2]) },
         [...this.bodies, this.lines, this.lines + 1]);
       await new Promise(requestAnimationFrame);
     }

@@ -15,11 +15,11 @@ const PREFIXES = { y: 1e-24, z: 1e-21, a: 1e-18, f: 1e-15, p: 1e-12, n: 1e-9, "�
 
 // The number that a cell begins with, in the unit without prefix ("25.4 ms" is 0.0254), or NaN.
 function numberIn(text) {
-  const found = text.trim().replace(/−/g, "-").match(/^([-+]?\d[\d.]*(?:e[-+]?\d+)?)(?: (\S+))?/);
-  if (!found) return NaN;
-  const unit = found[2] || "";
+  const match = text.trim().replace(/−/g, "-").match(/^([-+]?\d[\d.]*(?:e[-+]?\d+)?)(?: (\S+))?/);
+  if (!match) return NaN;
+  const unit = match[2] || "";
   const scaled = unit.length > 1 && /^[yzafpnµmkMG](s|m|N|J|W|N·m)$/.test(unit);
-  return parseFloat(found[1]) * (scaled ? PREFIXES[unit[0]] : 1);
+  return parseFloat(match[1]) * (scaled ? PREFIXES[unit[0]] : 1);
 }
 
 function sortBy(table, column, down) {
@@ -28,13 +28,13 @@ function sortBy(table, column, down) {
     const text = row.cells[column] ? row.cells[column].textContent : "";
     return { row, text, number: numberIn(text) };
   });
-  const numeric = keyed.filter((one) => !isNaN(one.number)).length >= keyed.length / 2;
+  const numeric = keyed.filter((cell) => !isNaN(cell.number)).length >= keyed.length / 2;
   keyed.sort((a, b) => {
-    if (numeric && isNaN(a.number) !== isNaN(b.number)) return isNaN(a.number) ? 1 : -1; // what is no number comes last
+    if (numeric && isNaN(a.number) !== isNaN(b.number)) return isNaN(a.number) ? 1 : -1; // cells without a number come last
     const order = numeric && !isNaN(a.number) ? a.number - b.number : a.text.localeCompare(b.text);
     return down ? -order : order;
   });
-  body.append(...keyed.map((one) => one.row));
+  body.append(...keyed.map((cell) => cell.row));
 }
 
 for (const table of $$("table")) {
@@ -45,7 +45,7 @@ for (const table of $$("table")) {
     const button = make("button", { type: "button", class: "sort" }, ...head.childNodes);
     button.addEventListener("click", () => {
       const down = head.getAttribute("aria-sort") === "ascending";
-      heads.forEach((one) => one.removeAttribute("aria-sort"));
+      heads.forEach((other) => other.removeAttribute("aria-sort"));
       head.setAttribute("aria-sort", down ? "descending" : "ascending");
       sortBy(table, column, down);
     });
@@ -63,7 +63,7 @@ function save(name, content, type = "text/plain") {
 function offer(files) {
   const place = $("#files");
   if (!files.length) {
-    for (const one of [place.closest("section"), $("a[href='#save']").closest("li")]) one.remove();
+    for (const element of [place.closest("section"), $("a[href='#save']").closest("li")]) element.remove();
   }
   for (const [name, content] of files) {
     const button = make("button", { type: "button" }, name);
