@@ -272,9 +272,9 @@ def static_part(elements: Sequence[int]) -> Part:
         claim(
             "static deflection by modes",
             abs(modal_orders[0] - 5) < 0.2 and abs(modal_orders[1] - 3) < 0.2,
-            f"orders {words(modal_orders)} under its own weight and a tip weight (required: 5 and 3, the orders of "
-            "the series); one mode "
-            f"{100 * data['own weight']['modal'][0]:+.1f} and {100 * data['tip weight']['modal'][0]:+.1f} %",
+            f"orders {words(modal_orders)} under its own weight and a tip weight (required: 5 and 3, the orders of the "
+            f"series); one mode {100 * data['own weight']['modal'][0]:+.1f} and "
+            f"{100 * data['tip weight']['modal'][0]:+.1f} %",
         ),
     ]
     return f"Tip deflection of the clamped link, relative differences.\n\n{markdown(head, rows)}", claims, data
@@ -371,8 +371,7 @@ def elastica_part(elements: Sequence[int]) -> Part:
             "modes are linear",
             abs(slope - 2) < 0.1,
             "any number of modes bends too far, by an error that grows with the square of the load (fitted "
-            f"{slope:.2f}), by 1 % at F L^2/EI = "
-            f"{limit:.2f}, a deflection of {limit / 3 / 1.01:.2f} L",
+            f"{slope:.2f}), by 1 % at F L^2/EI = {limit:.2f}, a deflection of {limit / 3 / 1.01:.2f} L",
         ),
     ]
     caption = f"Elastica: dead tip force F L^2/EI = {LOAD:g} (stretch included), tip moment to a half circle."
@@ -436,9 +435,8 @@ def period_part() -> Part:
         claim(
             "period of the rigid pendulum",
             reduced < 1e-8 and engine < 1e-5 and abs(fitted - 2) < 0.1,
-            f"at 5, 90 and 170 deg at most {reduced:.1e} off reduced (required: 1e-8), {engine:.1e} by the engine "
-            "with a "
-            f"step of 0.1 ms (required: 1e-5), whose order in the step is {fitted:.2f} (required: 2)",
+            f"at 5, 90 and 170 deg at most {reduced:.1e} off reduced (required: 1e-8), {engine:.1e} by the engine with "
+            f"a step of 0.1 ms (required: 1e-5), whose order in the step is {fitted:.2f} (required: 2)",
         ),
         claim(
             "period of the flexible pendulum",

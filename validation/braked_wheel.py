@@ -136,10 +136,10 @@ def by_rule(results: dict[str, dict[str, Vector]]) -> tuple[str, dict[str, dict[
     for bound in results:
         head += [f"rms Fx N, {bound}", "rms sinkage mm", "slips worse, Fx and sinkage", "passes"]
     text = (
-        "The rule: rms error over nine slips (in brackets: divided by that of the level surface; required: "
-        "0.67), and slips at which"
+        "The rule: rms error over nine slips (in brackets: divided by that of the level surface; required: 0.67), and "
+        "slips at which a candidate is worse by more than 10 % or than the scatter."
     )
-    return f"{text} a candidate is worse by more than 10 % or than the scatter.\n\n{markdown(head, rows)}", verdicts
+    return f"{text}\n\n{markdown(head, rows)}", verdicts
 
 
 def at_measured_sinkage() -> tuple[str, Vector]:
@@ -162,11 +162,10 @@ def of_the_locked_wheel() -> str:
     model = rim(*cmu.BOUNDS[BOUND], 0.0)
     heaps = [Model(Effects(heap=kind), model, locked.slip).heap(locked.sinkage) for kind in ("plane", "sides")]
     area = Model(Effects(), model, locked.slip).area(locked.sinkage, model.front(locked.sinkage))
-    text = (
-        f"In front of the locked wheel at its measured sinkage: the heap of B1 is {1e3 * heaps[0]:.0f} mm high, "
-        "that of B2 "
+    return (
+        f"In front of the locked wheel at its measured sinkage: the heap of B1 is {1e3 * heaps[0]:.0f} mm high, that "
+        f"of B2 {1e3 * heaps[1]:.0f} mm; the wedge of C weighs {SAND.weight * model.width * area:.2f} N."
     )
-    return f"{text}{1e3 * heaps[1]:.0f} mm; the wedge of C weighs {SAND.weight * model.width * area:.2f} N."
 
 
 def figure(results: dict[str, Vector]) -> str:

@@ -594,10 +594,9 @@ def study(quick: bool) -> Outcome:
             "Run times of the defaults at equal error (an error below the uncertainty of the reference counts as "
             "equal to it):",
             distances,
-            f"All settings, median of {rounds} alternating rounds after a warm-up (three rounds for the slow ones). "
-            "On the "
-            "front of all, or of its kind (FE or reduced), in T tip path, S stopping time, A angle at stop, "
-            "D deflection; defaults in bold.",
+            f"All settings, median of {rounds} alternating rounds after a warm-up (three rounds for the slow ones). On "
+            "the front of all, or of its kind (FE or reduced), in T tip path, S stopping time, A angle at stop, D "
+            "deflection; defaults in bold.",
             table([*points, *explicit()], fronts, kind_fronts),
             "If the joints were eliminated, axial waves would limit explicit steps: the highest frequency of 4 free "
             f"elements is {omega:.3g} rad/s, the longest stable step of RK44 {1e6 * limit:.1f} us, "

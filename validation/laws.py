@@ -202,8 +202,7 @@ def signs(step: float) -> tuple[str, list[Claim]]:
     raw = sum(_raw_power(beta, u) > 0.0 for beta, u in elements(step) if abs(u[0]) > 1e-12 and u[0] > 0)
     note = (
         f"The published polynomials of rft3d alone do positive work in {raw} states of this grid (motion to the "
-        "right), by at most "
-        f"0.005 of a response of up to 1; the law drops that part [ours]."
+        "right), by at most 0.005 of a response of up to 1; the law drops that part [ours]."
     )
     head = ["medium", "states", "states with positive work", "error of the mirror image", "plunging / withdrawing"]
     return f"Square plates at every angle in every direction of motion.\n\n{markdown(head, rows)}\n\n{note}", claims

@@ -212,9 +212,8 @@ def model_claims(runs: Runs) -> list[Claim]:
         claim(
             "event-located and elastoplastic friction agree",
             laws < 0.005,
-            f"at most {100 * laws:.2f} % apart in stopping time (required: 0.5 %), {turned:.1e} deg in angle at "
-            "stop, by "
-            "a rigid link and by one mode",
+            f"at most {100 * laws:.2f} % apart in stopping time (required: 0.5 %), {turned:.1e} deg in angle at stop, "
+            "by a rigid link and by one mode",
         ),
     ]
 
@@ -236,9 +235,8 @@ def check_claims(runs: Runs) -> list[Claim]:
             "the rigid link agrees with the earlier computation",
             time.max() < 1e-3 and angle < 0.02,
             f"{rounded} of 12 stopping times agree in all given digits (0.1 ms); none differs by more than "
-            f"{100 * time.max():.3f} % beyond this rounding (required: 0.1 %); angle at stop at most {angle:.4f} "
-            "deg off "
-            "(required: 0.02)",
+            f"{100 * time.max():.3f} % beyond this rounding (required: 0.1 %); angle at stop at most {angle:.4f} deg "
+            "off (required: 0.02)",
         ),
         claim("one set of coefficients is used", same and paper, f"the paper's play sand in all {len(runs)} runs"),
     ]

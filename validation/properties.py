@@ -410,8 +410,7 @@ def outcome(scenes: Sequence[Found], of: str = "properties") -> Outcome:
     ]
     parts += [
         "The same, against a reference with a quarter of the step, 8 times the strips and 4 times the elements (in "
-        "space half the step "
-        "and facets of a third of the size)."
+        "space half the step and facets of a third of the size)."
     ]
     parts += [silent_table(scenes, lambda scene: scene.kind, "space")]
     parts += ["The same by solver.", silent_table(scenes, lambda scene: scene.solver, "space")]

@@ -174,9 +174,8 @@ def real_time(repeats: int) -> str:
     return (
         f"Real-time factor of configs/runner.yaml, default settings: {statistics.median(walls):.2f} by wall clock "
         f"(smallest {min(walls):.2f}), {statistics.median(processor):.2f} by processor time, with building and "
-        "reporting; "
-        f"{cost['steps']} steps, {cost['newton_iterations'] / cost['steps']:.1f} iterations per step, {repeats} runs. "
-        "Below 1 is faster than real time."
+        f"reporting; {cost['steps']} steps, {cost['newton_iterations'] / cost['steps']:.1f} iterations per step, "
+        f"{repeats} runs. Below 1 is faster than real time."
     )
 
 

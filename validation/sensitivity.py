@@ -106,8 +106,7 @@ def claims(results: dict[str, list[Indices]]) -> list[Claim]:
             "sensitivity.speed and angle decide the stopping time more than the sand does",
             of_motion > 0.5 > sand,
             f"{100 * of_motion:.0f} % of the variance is due to them alone (required: over 50), at most "
-            f"{100 * sand:.0f} % has "
-            "to do with the four coefficients (required: under 50)",
+            f"{100 * sand:.0f} % has to do with the four coefficients (required: under 50)",
         ),
         Claim(
             "sensitivity.eta_v is the coefficient that decides the stopping time of one impact",

@@ -154,8 +154,8 @@ def study(quick: bool) -> Outcome:  # noqa: ARG001  # one form
     costs["together"] = sum(costs.values())
     table = [[law, case, f"{ns:.3g}", f"{ns / rows[0][2]:.2f}"] for law, case, ns in rows]
     text = (
-        f"Least of {ROUNDS} rounds after a "
-        f"warm-up.\n\n{markdown(['law', 'facet', 'CPU ns', 'ratio to a strip'], table)}\n\n"
+        f"Least of {ROUNDS} rounds after a warm-up.\n\n"
+        f"{markdown(['law', 'facet', 'CPU ns', 'ratio to a strip'], table)}\n\n"
         f"{number:.0f} triangles from an STL file:\n\n"
         + markdown(["", "CPU s"], [[case, f"{seconds:.2f}"] for case, seconds in costs.items()])
     )
