@@ -100,7 +100,7 @@ def _at_times(motion: Motion, time: Array) -> Motion:
     """Interpolate a motion linearly at other times (k,) s; after its end it is constant."""
     poses = motion.poses
     if motion.in_space:  # q and -q are the same attitude: take the one nearer to its predecessor
-        cosine = np.sign(np.sum(poses[1:, :, 3:] * poses[:-1, :, 3:], axis=2))
+        cosine = np.sum(poses[1:, :, 3:] * poses[:-1, :, 3:], axis=2)
         sign = np.cumprod(np.concatenate([np.ones((1, poses.shape[1])), np.where(cosine < 0, -1.0, 1.0)]), axis=0)
         poses = np.concatenate([poses[..., :3], poses[..., 3:] * sign[..., None]], axis=2)
     sampled = resample(motion.time, poses, time)

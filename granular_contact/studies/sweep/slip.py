@@ -20,6 +20,8 @@ MOST = 6  # greatest number of curves
 def write(sweep: Sweep, rows: Iterable[Row], folder: Path) -> None:
     """Draw the figure of a sweep that varies the slip, with a curve for each combination of the other values.
 
+    A figure that fails is a `FigureWarning`.
+
     Parameters
     ----------
     sweep : Sweep
@@ -28,11 +30,6 @@ def write(sweep: Sweep, rows: Iterable[Row], folder: Path) -> None:
         Results of the cases. Failed cases, and cases without a needed number, are left out.
     folder : Path
         An existing folder.
-
-    Raises
-    ------
-    OSError
-        The file cannot be written.
     """
     if SLIP not in sweep.keys or not sweep.base.output.figures:
         return
