@@ -22,7 +22,7 @@ from granular_contact.engines.tree.kernels.tree_joints import evaluate_signals, 
 from granular_contact.jit.compiled import part
 from granular_contact.jit.memory import copy
 from granular_contact.mechanics.kernels.numerics import MOST_ITERATIONS
-from granular_contact.mechanics.kernels.step_choice import LONGER, SHORTER
+from granular_contact.mechanics.kernels.step_choice import LONGER, SHORTER, TOO_LONG, needed
 
 
 @part
@@ -62,10 +62,20 @@ def needs_matrix(of_v, w):
 
 
 @part
-def converges(of_q, of_v, allowed, w):
+def is_too_long(h, w):
+    """Return whether an iterate shows a step of h (s) to be more than TOO_LONG times as long as its error allows."""
+    clock, choice = w.clock[0], w.choice[0]
+    if w.scheme[0].fixed or h <= choice.least:
+        return False
+    return needed(w.changes, h, choice, clock.fastest, clock.speed) > TOO_LONG
+
+
+@part
+def converges(h, of_q, of_v, allowed, w):
     """Iterate Newton's method until the next change of speeds is at most `allowed` (m/s); return whether it converged.
 
-    Afterwards forces and accelerations of nodes belong to the state.
+    Afterwards forces and accelerations of nodes belong to the state. A step that its error would refuse by far does not
+    get this far: it ends as soon as an iterate `is_too_long`.
     """
     newton, change, s, rates, s2 = w.newton[0], w.change, w.s, w.rates, w.s2
     for iteration in range(MOST_ITERATIONS):
@@ -77,6 +87,9 @@ def converges(of_q, of_v, allowed, w):
         if size <= allowed:
             return True
         if not size < math.inf:
+            return False
+        if is_too_long(h, w):
+            w.counts[0].refused += 1
             return False
         for i in range(s.shape[0]):
             s[i] += of_q * change[i]
@@ -94,7 +107,7 @@ def attempt(h, allowed, w):
     of_q, of_v = predict(h, w)
     evaluate_signals(clock.now + h, w)
     begin(of_q, of_v, w)
-    return converges(of_q, of_v, allowed, w)
+    return converges(h, of_q, of_v, allowed, w)
 
 
 @part
