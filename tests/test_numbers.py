@@ -37,6 +37,7 @@ LONG = (
 SHORT = {name: ("solver.end_time_s=0.2",) for name in (*LONG, "walker", "chain", "chain_flexible")}
 # Of configs that choose their steps, fixed ones (s).
 FIXED = {
+    "free_link": 2e-4,
     "wheel": 5e-4,
     "c_leg": 2e-4,
     "runner": 2e-4,

@@ -60,16 +60,22 @@ def test_accuracy_bounds_the_error_and_costs_fewer_steps() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(("medium", "angle"), [("poppy_seeds_close", 30), ("rft3d_sand", 60), ("play_sand", 30)])
 def test_accuracy_bounds_the_error_of_a_free_link(medium: str, angle: float) -> None:
-    """0.6, 0.3 and 0.5 of the accuracy when written; with the direction of half a step before, 14, 13 and 1.4."""
+    """The median error is 0.1 to 0.4 of the accuracy; with the direction of half a step before it was 1.4 to 14 times.
+
+    Single errors scatter by a factor of three as the accuracy changes by a hundredth, so five accuracies are compared.
+    """
     # Strips, too, are chosen by the accuracy: here they are as short as they get, so that steps alone are compared.
     strips = "load.strips_per_rigid_part=128"
     more = (f"medium={medium}", f"initial.joints.fall.angle_deg={angle}", "solver.end_time_s=0.05", strips)
     reference = simulate("free_link", *more, "solver.step_s=2e-5")
     way = np.hypot(np.diff(reference["tip_x_m"]), np.diff(reference["tip_y_m"])).sum()
-    for accuracy in (1e-2, 1e-3):
-        results = simulate("free_link", *more, f"solver.accuracy={accuracy}")
-        assert tip_error(results, reference, results["time_s"]) < accuracy * way
-        assert results.summary["cost"]["steps"] < 160  # of 250 of the default step
+    for nominal in (1e-2, 1e-3):
+        ratios = []
+        for accuracy in nominal * np.linspace(0.9, 1.1, 5):
+            results = simulate("free_link", *more, f"solver.accuracy={accuracy:.4g}")
+            ratios.append(tip_error(results, reference, results["time_s"]) / (accuracy * way))
+            assert results.summary["cost"]["steps"] < 165  # of 250 of the default step
+        assert np.median(ratios) < 0.7
 
 
 @pytest.mark.slow

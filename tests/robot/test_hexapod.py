@@ -94,10 +94,11 @@ def walk(*sets: str, mirrored: bool = False, end: float = 0.25) -> Results:
 
 
 def test_it_walks_ahead_on_three_legs() -> None:
-    results = walk()
+    # At the config's 1e-2 the imbalance of so short a run is 4e-4 to 19e-4, at 3e-3 it is 1e-4.
+    results = walk("solver.accuracy=3e-3")
     assert results.status.code == "end_time"
     assert results.warnings == ()
-    assert results.summary["energy"]["imbalance_relative"] <= 1e-3
+    assert results.summary["energy"]["imbalance_relative"] <= 5e-4
     # A toe 60 mm below its hip sweeps 60 deg in 0.55 of a second: so fast without slip, about the middle of the stance.
     t, x = results["time_s"], results["trunk_x_m"]
     speed = np.polyfit(t[t > 0.1], x[t > 0.1], 1)[0]
