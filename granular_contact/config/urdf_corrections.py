@@ -25,6 +25,8 @@ _JOINT_PARTS = {
     "damping_Nm_s_per_rad": ("dynamics.damping",),
     "damping_N_s_per_m": ("dynamics.damping",),
     "friction": ("dynamics.friction",),
+    "effort_limit_Nm": ("limit.effort",),
+    "effort_limit_N": ("limit.effort",),
     "parent_point_m": ("origin.xyz",),
     "rpy_deg": ("origin.rpy",),
     "quaternion": ("origin.rpy",),

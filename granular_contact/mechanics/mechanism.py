@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -19,6 +19,7 @@ from granular_contact.results.summary import Driving, drive_numbers, stride_numb
 from granular_contact.scene.signal_tables import period
 from granular_contact.scene.types import Joint, Scene, Vector
 
+OVERLOAD = 1e-3  # relative excess over an effort limit that is not reported: torques are known no better
 LEAST_ALONG = 1e-9  # least component of a slider's axis along the direction of travel
 Driven = dict[str, Driving]  # by joint
 
@@ -196,3 +197,14 @@ def largest_torque(scene: Scene, driven: Driven) -> dict[str, float]:
     """Greatest torque (N m) of any drive of a hinge at any step; empty without such drives."""
     torques = [drive.largest for name, drive in driven.items() if scene.joint(name).kind == "hinge"]
     return {"largest_drive_torque_Nm": max(torques)} if torques else {}
+
+
+def overloads(scene: Scene, driven: Driven) -> Iterator[str]:
+    """Yield a sentence for each drive that needs more than the effort limit of its joint, as a robot file gives it."""
+    for name, drive in driven.items():
+        joint = scene.joint(name)
+        if drive.largest > (1.0 + OVERLOAD) * joint.effort_limit:
+            what, unit = ("torque", "N m") if joint.kind == "hinge" else ("force", "N")
+            needed, limit = (f"{value:.4g} {unit}" for value in (drive.largest, joint.effort_limit))
+            said = f"the drive of {name} needs a {what} of up to {needed}, more than the effort limit of this joint"
+            yield f"{said}, {limit}: the actuator could not follow"

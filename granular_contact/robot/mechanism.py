@@ -171,6 +171,9 @@ def _joint(joint: Joint, robot: Robot, bodies: Mapping[str, str], options: Mecha
     if keys["type"] in ("hinge", "slider"):
         keys["axis"] = AtLine(_three(joint.axis), joint.lines.get("axis", joint.line))
         keys |= _resistance(joint, keys["type"] == "hinge")
+        if joint.effort:
+            limit = "effort_limit_Nm" if keys["type"] == "hinge" else "effort_limit_N"
+            keys[limit] = AtLine(joint.effort, joint.lines.get("limit", joint.line))
         if joint.kind != "continuous" and (stops := _stops(joint, robot, options)) is not None:
             keys["stops"] = AtLine(stops, joint.lines.get("limit", joint.line))
     return AtLine(keys, joint.line)

@@ -1,4 +1,4 @@
-"""Law of a joint, a function of its coordinate: spring, damper, stops and dry friction."""
+"""Law of a joint, a function of its coordinate: spring, damper, stops and dry friction; limit of its actuator."""
 
 from __future__ import annotations
 
@@ -68,6 +68,12 @@ def joint_law(joint: Any) -> JointLaw:
         for number in _in_si(getattr(joint, section, None), prefix)
     }
     return JointLaw(**numbers, damping=next(_in_si(joint, "damping_"), 0.0))
+
+
+def effort_limit(joint: Any) -> float:
+    """Greatest torque (N m) or force (N) of the actuator of a joint of a config; infinite if it is not given."""
+    given = getattr(joint, "effort_limit_Nm", None) or getattr(joint, "effort_limit_N", None)
+    return math.inf if given is None else float(given)
 
 
 def _in_si(section: Any, prefix: str | tuple[str, ...]) -> Iterator[float]:

@@ -50,7 +50,7 @@ class Joint:
 
     axis: of a slider, unit vector (2,) in the parent's frame. offset (rad): coordinate of a hinge minus the angle of
     the parent, plus the angle of the child. start, rate: coordinate of a hinge or slider (rad clockwise, or m) and its
-    rate at the start. closes: whether the joint closes a loop.
+    rate at the start. closes: whether the joint closes a loop. effort_limit: of its actuator (N m or N).
     """
 
     name: str
@@ -65,6 +65,7 @@ class Joint:
     rate: float = 0.0
     closes: bool = False
     law: JointLaw = IDLE
+    effort_limit: float = math.inf
 
     @property
     def has_coordinate(self) -> bool:

@@ -111,6 +111,9 @@ class HingeClosure(_Ends):
     """Limits of the angle; null: none."""
     friction: HingeFriction | None = None
     """Dry friction; null: none."""
+    effort_limit_Nm: Positive | None = None
+    """Greatest torque of the actuator in either direction. A run in which the drive needs more has a warning; the
+    torque is not limited (`limit_Nm` of a drive does that). null: not known."""
 
 
 class Hinge(HingeClosure):
@@ -187,6 +190,9 @@ class SliderClosure(_Ends):
     """Limits of the position; null: none."""
     friction: SliderFriction | None = None
     """Dry friction; null: none."""
+    effort_limit_N: Positive | None = None
+    """Greatest force of the actuator in either direction. A run in which the drive needs more has a warning; the force
+    is not limited (`limit_N` of a drive does that). null: not known."""
 
 
 class Slider(SliderClosure):

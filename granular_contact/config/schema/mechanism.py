@@ -147,6 +147,9 @@ class ChainHinge(Strict):
     """Limits of the angle; null: none."""
     friction: HingeFriction | None = None
     """Dry friction; null: none."""
+    effort_limit_Nm: Positive | None = None
+    """Greatest torque of the actuator in either direction. A run in which the drive needs more has a warning; the
+    torque is not limited (`limit_Nm` of a drive does that). null: not known."""
 
 
 class Chain(Strict):

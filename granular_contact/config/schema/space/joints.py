@@ -54,6 +54,9 @@ class SpatialHingeClosure(_Ends):
     """Limits of the angle; null: none."""
     friction: HingeFriction | None = None
     """Dry friction; null: none."""
+    effort_limit_Nm: Positive | None = None
+    """Greatest torque of the actuator in either direction. A run in which the drive needs more has a warning; the
+    torque is not limited (`limit_Nm` of a drive does that). null: not known."""
 
 
 class SpatialHinge(SpatialHingeClosure):
@@ -120,6 +123,9 @@ class SpatialSliderClosure(_Ends):
     """Limits of the position; null: none."""
     friction: SliderFriction | None = None
     """Dry friction; null: none."""
+    effort_limit_N: Positive | None = None
+    """Greatest force of the actuator in either direction. A run in which the drive needs more has a warning; the force
+    is not limited (`limit_N` of a drive does that). null: not known."""
 
 
 class SpatialSlider(SpatialSliderClosure):
