@@ -65,15 +65,18 @@ def step_error(time: Vector, speeds: Vector) -> float:
     return EXCESS * float(np.sum(steps[1:] ** 2 * np.abs(change).max(axis=1)))
 
 
-def jump_error(time: Vector, v: Vector, mass: Any, fastest: Vector) -> float:
+def jump_error(time: Vector, v: Vector, mass: Any, fastest: Vector, loss: Vector | float = 0.0) -> float:
     """Estimated error (m) of positions by jumps of the force, as in `stepping`.
 
-    v (n, m): rates of all coordinates; mass (m, m): mass matrix; fastest (n,) m/s: greatest speed of any point. A jump
-    J within a step h changes the mean acceleration from this step to the next by J / 2. So h times the unexpected part
-    of this change bounds the error of the velocity. Only its projection on the motion counts, in the scalar product of
-    the mass matrix, in which vibration is orthogonal to it. It keeps its sign, as forces that come and go leave no
-    error, and it decays with the time v / a that the motion lasts. The instant of a jump within its step is taken as
-    random: root mean square.
+    v (n, m): rates of all coordinates; mass (m, m): mass matrix; fastest (n,) m/s: greatest speed of any point; loss
+    (n,) W: power lost in viscous dampers.
+
+    A jump J within a step h changes the mean acceleration from this step to the next by J / 2. So h times the
+    unexpected part of this change bounds the error of the velocity. Only its projection on the motion counts, in the
+    scalar product of the mass matrix, in which vibration is orthogonal to it. It keeps its sign, as forces that come
+    and go leave no error. It decays with the time v / a that the motion lasts, or with the time v^T M v / loss in which
+    dampers brake this motion, if that is shorter. The instant of a jump within its step is taken as random: root mean
+    square.
     """
     steps = np.diff(time)[:, None]
     mean = np.diff(v, axis=0) / steps
@@ -84,6 +87,7 @@ def jump_error(time: Vector, v: Vector, mass: Any, fastest: Vector) -> float:
     energy = np.sum(momentum * v[2:], axis=1)
     relative = np.divide(np.sum(momentum * jump, axis=1), energy, out=np.zeros_like(energy), where=energy > 0.0)
     rate = np.sqrt(np.sum((mean @ mass) * mean, axis=1)[1:] / np.maximum(energy, 1e-300))
+    rate = np.maximum(rate, np.broadcast_to(loss, len(v))[2:] / np.maximum(energy, 1e-300))
     kicks, decay = relative * fastest[2:], np.exp(-steps[1:, 0] * rate)
     return displacement(steps[1:, 0], kicks, decay) / math.sqrt(3.0)
 
@@ -101,12 +105,12 @@ def displacement(steps: Vector, kicks: Vector, decay: Vector) -> float:
 def _steps(motion: Kinematics) -> Iterator[AccuracyWarning]:
     """Yield a sentence if steps are too long for the motion, or the work of the medium is uncertain."""
     lever = motion.lever
-    time, v, fastest = motion.trajectory.time, motion.trajectory.v, motion.speeds
+    time, v, fastest, loss = motion.trajectory.time, motion.trajectory.v, motion.speeds, _viscous_loss(motion)
     if motion.trajectory.load is not None:
         # From the first touch on, or a short impact would not show beside a long flight.
         immersed = motion.trajectory.load.depth > 0.0
         first = max(0, int(np.argmax(immersed)) - 1)
-        time, v, fastest = time[first:], v[first:], fastest[first:]
+        time, v, fastest, loss = time[first:], v[first:], fastest[first:], loss[first:]
     if len(time) < 4:
         return
     unknown = _work_uncertainty(motion)
@@ -117,10 +121,21 @@ def _steps(motion: Kinematics) -> Iterator[AccuracyWarning]:
     path = max(float(np.sum(np.diff(time) * fastest[1:])), motion.scene.least_path)
     error = step_error(time, (v * lever)[:, lever > 0.0]) / path
     if motion.scene.solver.accuracy is None:  # step-size control has limited every jump already
-        error = max(error + jump_error(time, v, motion.trajectory.mass, fastest) / path, 0.5 * unknown)
+        error = max(error + jump_error(time, v, motion.trajectory.mass, fastest, loss) / path, 0.5 * unknown)
     if error > STEP_ERROR:
         said = f"the steps are too long: the error of the motion is about {error:.1%} of its path, {error * path:.2g} m"
         yield AccuracyWarning(f"{said}; {remedy(motion.scene)}", error)
+
+
+def _viscous_loss(motion: Kinematics) -> Vector:
+    """Power (n,) W lost in the damping of links that bend, and in the dampers of hinges and sliders."""
+    loss = np.zeros(len(motion.trajectory.time))
+    for _, dissipated in motion.elastic():
+        loss += dissipated
+    for joint in motion.scene.joints:
+        if joint.has_coordinate and joint.law.damping > 0.0:
+            loss += joint.law.damping * motion.coordinate(joint)[1] ** 2
+    return loss
 
 
 def _creep(motion: Kinematics) -> Iterator[AccuracyWarning]:
