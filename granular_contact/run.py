@@ -22,6 +22,7 @@ from granular_contact.scene.types import Minimal, Reduced, Scene
 
 if TYPE_CHECKING:
     from granular_contact.engines.tree.tree import Tree
+    from granular_contact.mechanics.equilibrium import Equilibrium
     from granular_contact.mechanics.system import System, Trajectory
 
 Made = TypeVar("Made")
@@ -230,18 +231,30 @@ def _by_engine(scene: Any, progress: Progress | None, pauses: bool) -> Begun:
 
 
 def _by_minimal(scene: Any, progress: Progress | None) -> Begun:
-    """Solve in minimal coordinates."""
+    """Solve in minimal coordinates; the engine finds the static equilibrium that a scene may begin from."""
     from granular_contact.engines.tree.solve import Solve
 
+    rest = _rest(scene) if scene.settle else None
     if scene.in_space:
         from granular_contact.engines.tree.space_tree import tree as tree_in_space
 
-        scene_tree: Tree = tree_in_space(scene)
+        scene_tree: Tree = tree_in_space(scene, rest)
     else:
         from granular_contact.engines.tree.tree import tree
 
-        scene_tree = tree(scene)
+        scene_tree = tree(scene, rest)
     return Begun(Solve(scene_tree, progress), scene_tree.system.observe, scene_tree.system)
+
+
+def _rest(scene: Scene) -> Equilibrium:
+    """Static equilibrium of a scene, found by the engine."""
+    from granular_contact.mechanics.equilibrium import equilibrium
+
+    begun = _by_engine(replace(scene, method=None), None, False)
+    assert begun.system is not None
+    found = equilibrium(begun.system.kinematics(begun.solving.trajectory()))
+    begun.solving.close()
+    return found
 
 
 def _by_modes(scene: Scene, progress: Progress | None) -> Begun:

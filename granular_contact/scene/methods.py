@@ -67,8 +67,6 @@ def _obstacles(scene: Scene) -> Iterator[str]:
     """Properties of a scene that minimal coordinates do not support, in words."""
     if scene.links:
         yield f"{scene.links[0].name} is flexible"
-    if scene.settle:
-        yield "initial.settle is true"
     joints: dict[tuple[str, str], list[str]] = {}  # names of joints by their predicate in singular and plural
     for joint in scene.joints:
         if joint.closes or joint.kind == "weld":

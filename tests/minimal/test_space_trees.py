@@ -13,7 +13,6 @@ from support_runs import ROOT, order, simulate
 from granular_contact import Simulation, build, load
 from granular_contact.engines.tree.solve import Solve
 from granular_contact.engines.tree.space_tree import tree
-from granular_contact.errors import SceneError
 from granular_contact.mechanics.space.kinematics import SpatialKinematics
 from granular_contact.results.interpolation import at_times
 from granular_contact.run import begin
@@ -422,13 +421,6 @@ def test_a_state_of_a_tree_in_space_goes_on_bit_for_bit() -> None:
     simulation.restore(kept)
     again = [np.array(list(simulation.step(None, 0.03).values())) for _ in range(3)]
     np.testing.assert_array_equal(first, again)
-
-
-def test_what_it_does_not_serve_is_refused() -> None:
-    scenario = load("walker_in_space").scenario.replace({"initial.settle": True})
-    assert "initial.settle is true" in reason(build(scenario))
-    with pytest.raises(SceneError, match=r"initial\.settle is true"):
-        build(scenario.replace({"method": "minimal"}))
 
 
 @pytest.mark.slow

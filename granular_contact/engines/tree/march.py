@@ -34,6 +34,7 @@ from granular_contact.sand.history import HistoryTable
 from granular_contact.sand.kernels.lines import DEPTH
 from granular_contact.sand.load import TOUCH_DISTANCE, TOUCH_TIME
 from granular_contact.sand.rolling import take_rolled_state
+from granular_contact.sand.state import restore_batches
 from granular_contact.scene.types import FASTEST, Scene, Vector
 
 SHARE = 1024  # steps between two updates of the progress bar
@@ -74,8 +75,14 @@ class March:
         """Find the accelerations at the start, and write the first row.
 
         Where a body just touches the surface, the accelerations are those a moment later, when it is in the medium.
+        A march from static equilibrium begins with the friction state there.
         """
         self._start(True, self._addresses)
+        if (rest := self.tree.rest) is not None:
+            if self.tree.load is not None:
+                restore_batches(self.tree.load.batches, rest.batches)
+            self._start(False, self._addresses)
+            return
         if abs(self.rows[0, DEPTH]) <= TOUCH_DISTANCE:
             placed, poses = self._placed(), self.states[0, : self.arrays["pose"].size].copy()
             self.arrays["s"] += TOUCH_TIME * self.arrays["rates"]

@@ -15,6 +15,7 @@ from granular_contact.engines.tree.kernels.tree_arrays import SPACE_NODE as NODE
 from granular_contact.engines.tree.kernels.tree_arrays import room
 from granular_contact.engines.tree.tree import BodyCoordinates, Tree, acting, joint_loads, levers, load_arrays, outward
 from granular_contact.geometry import rotations
+from granular_contact.mechanics.equilibrium import Equilibrium
 from granular_contact.mechanics.joint_loads import fill
 from granular_contact.mechanics.space.sensors import SpatialSensors
 from granular_contact.mechanics.space.system import SpatialSystem
@@ -115,15 +116,15 @@ class _Node:
     law: JointLaw | None = None
 
 
-def tree(scene: SpatialScene) -> SpatialTree:
-    """Make the tree of a scene that `scene.methods` allows."""
-    nodes, home = _nodes(scene)
+def tree(scene: SpatialScene, rest: Equilibrium | None = None) -> SpatialTree:
+    """Make the tree of a scene that `scene.methods` allows; rest: static equilibrium from which it begins, if any."""
+    nodes, home = _nodes(scene if rest is None else rest.scene)
     places = {node.body.name: i for i, node in enumerate(nodes) if node.body is not None}
     joints = {node.joint.name: i for i, node in enumerate(nodes) if node.joint is not None}
     bodies = [node.body for node in nodes if node.body is not None]
     handles = {body.name: RigidHandle(body, i, i) for i, body in enumerate(bodies)}
     system = SpatialSystem(scene, BodyCoordinates(len(bodies), POSE), handles, {}, None)
-    system.loads.update(joint_loads(scene))
+    system.loads.update(joint_loads(scene, rest))
     load, arrays, records = _granular_load(scene, places), room(len(nodes), in_space=True), np.zeros(len(nodes), NODE)
     for record, node in zip(records, nodes, strict=True):
         _fill(record, scene, node)
@@ -143,7 +144,7 @@ def tree(scene: SpatialScene) -> SpatialTree:
     tree_type = SpatialTree if scene.modes is None else ReducedTree
     if scene.modes is not None:
         arrays |= _in_modes(scene, places, arrays)
-    return tree_type(system, load, arrays, list(places.values()), joints, sprung)
+    return tree_type(system, load, arrays, list(places.values()), joints, sprung, rest)
 
 
 def _in_modes(scene: SpatialScene, places: dict[str, int], arrays: dict[str, Any]) -> dict[str, NDArray[Any]]:
@@ -195,7 +196,8 @@ def _nodes(scene: SpatialScene) -> tuple[list[_Node], dict[int, Vector]]:
             after = rotations.quaternion_of(joint.child_turn @ joint.parent_turn.T)
             turning, at = R.T @ (body.motion.rate - spin), joint.parent_point
             if joint.kind == "stretching":
-                nodes.append(_stretch(joint, parent))
+                offset = R.T @ (body.motion.world(joint.child_point) - held.world(joint.parent_point))
+                nodes.append(_stretch(joint, parent, float(joint.parent_turn[:, 0] @ offset)))
                 first, parent, at = first + 1, first, np.zeros(3)
             nodes += _balls(body, first, parent, at, joint.child_point, turning)
             nodes[-1] = replace(
@@ -227,13 +229,13 @@ def _carried(joint: SpatialJoint, body: SpatialRigidBody, parent: int) -> _Node:
     )
 
 
-def _stretch(joint: SpatialJoint, parent: int) -> _Node:
-    """Massless node that slides along a link, between two of its elements."""
+def _stretch(joint: SpatialJoint, parent: int, start: float) -> _Node:
+    """Massless node that slides along a link, between two of its elements; start (m): its coordinate at the start."""
     assert joint.elastic is not None
     assert joint.elastic.axial is not None
     stiffness, damping = joint.elastic.axial
     law = JointLaw(stiffness=stiffness, damping=damping)
-    return _Node(parent, SLIDER, on_parent=joint.parent_point, axis=joint.parent_turn[:, 0], law=law)
+    return _Node(parent, SLIDER, on_parent=joint.parent_point, axis=joint.parent_turn[:, 0], start=start, law=law)
 
 
 def _sliders(body: SpatialRigidBody, first: int) -> Iterator[_Node]:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from granular_contact.engines.tree.kernels import tree_load
 from granular_contact.engines.tree.kernels.tree import HINGE, SLIDER
 from granular_contact.engines.tree.kernels.tree_arrays import NODE, room
+from granular_contact.mechanics.equilibrium import Equilibrium
 from granular_contact.mechanics.joint_loads import JointLoad
 from granular_contact.mechanics.kernels.joint_loads import JOINT, STATE
 from granular_contact.mechanics.kernels.signal_tables import SIGNAL
@@ -50,7 +51,7 @@ class Tree:
 
     system: for observers; load: None if no shape can reach the medium; arrays: arrays of its nodes at the start, by the
     names of `kernels.tree_arrays`; bodies: nodes of the bodies of the system; joints: nodes of the joints that have a
-    coordinate, by name.
+    coordinate, by name; rest: static equilibrium from which it begins, if any.
     """
 
     system: System
@@ -61,6 +62,7 @@ class Tree:
 
     kernels: ClassVar[Any] = tree_load  # module of the forces on it
     joint_kernels: Any = None  # module of the laws of ball joints, if any has one
+    rest: Equilibrium | None = None
 
     @property
     def sand_kernels(self) -> Any:
@@ -116,23 +118,23 @@ class _Node:
     turn: float = 0.0
 
 
-def tree(scene: Scene) -> Tree:
-    """Make the tree of a scene that `scene.methods` allows."""
+def tree(scene: Scene, rest: Equilibrium | None = None) -> Tree:
+    """Make the tree of a scene that `scene.methods` allows; rest: static equilibrium from which it begins, if any."""
     scene = at_steady_sinkage(scene)
-    nodes = _nodes(scene)
+    nodes = _nodes(scene if rest is None else rest.scene)
     places = {node.body.name: i for i, node in enumerate(nodes) if node.body is not None}
     joints = {node.joint.name: i for i, node in enumerate(nodes) if node.joint.has_coordinate}
     bodies = [node.body for node in nodes if node.body is not None]
     handles = {body.name: RigidHandle(body, i, i) for i, body in enumerate(bodies)}
     system = System(scene, BodyCoordinates(len(bodies)), handles, {}, None)
-    system.loads.update(joint_loads(scene))
+    system.loads.update(joint_loads(scene, rest))
     load, arrays = _granular_load(scene, places), room(len(nodes))
     records = np.zeros(len(nodes), NODE)
     for record, node in zip(records, nodes, strict=True):
         _fill(record, scene, node)
     arrays["s"][:], arrays["rates"][:] = [node.start for node in nodes], [node.rate for node in nodes]
     arrays |= {"nodes": records} | acting(system, joints, len(nodes)) | load_arrays(load, 3 * len(nodes))
-    return Tree(system, load, arrays | {"lever": levers(records, 3)}, list(places.values()), joints)
+    return Tree(system, load, arrays | {"lever": levers(records, 3)}, list(places.values()), joints, rest=rest)
 
 
 def _granular_load(scene: Scene, places: dict[str, int]) -> GranularLoad | None:
@@ -201,8 +203,11 @@ class _Along(NamedTuple):
     last_angles: tuple[float, float] = (0.0, 0.0)
 
 
-def joint_loads(scene: Any) -> dict[str, JointLoad]:
-    """Laws and drives along the coordinates of joints, by joint; without prescribed motions, and idle laws."""
+def joint_loads(scene: Any, rest: Equilibrium | None) -> dict[str, JointLoad]:
+    """Laws and drives along the coordinates of joints, by joint; without prescribed motions, and idle laws.
+
+    rest: static equilibrium that has the anchors of their dry friction at the start, if any.
+    """
     loads = {}
     for joint in scene.joints:
         drive = scene.drive(joint.name)
@@ -210,7 +215,9 @@ def joint_loads(scene: Any) -> dict[str, JointLoad]:
             drive = None
         if joint.has_coordinate and not (drive is None and joint.law.is_idle):
             along: Any = _Along(joint, np.zeros(1, JOINT))
-            loads[joint.name] = JointLoad(along, [], joint.law, drive)
+            loads[joint.name] = load = JointLoad(along, [], joint.law, drive)
+            if rest is not None:
+                load.first_anchor = load.state["anchor"] = rest.anchors[joint.name]
     return loads
 
 

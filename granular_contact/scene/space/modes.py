@@ -42,6 +42,8 @@ def check(scene: SpatialScene) -> None:
     if scene.modes is None:
         return
     faults = []
+    if scene.settle:
+        faults.append(scene_fault("method", f"initial.settle is true: {IN_MODES}, from a given start"))
     if scene.modes > 0 and not scene.beams:
         faults.append(scene_fault(KEY, f"got {scene.modes}, but the model has no link that bends: allowed is 0"))
     for beam in scene.beams:
