@@ -5,7 +5,8 @@ the mechanism   system                  parts in the coordinates of an engine; t
                 coordinates, constraints    joint coordinates; constraints on accelerations
                 mass_and_gravity, freedoms  mass matrix and weight; degrees of freedom
                 joint_loads, reactions  springs, stops, friction, drives; reactions of prescribed motions
-the solve       scheme, stepping        spectral radius and tolerance; step-size control
+the solve       equilibrium             static equilibrium as a start
+                scheme, stepping        spectral radius and tolerance; step-size control
                 ending                  status at the end of a solve
 observation     observe, mechanism, wheels            Trajectory -> Observation
                 joint_history, beam_energy            energies and works

@@ -14,7 +14,6 @@ from support_results import make
 
 from granular_contact import Results, load, simulate
 from granular_contact.report.figures import film, rendering
-from granular_contact.report.figures.style import VERMILION
 from granular_contact.results.motion import Motion, Part
 
 CORNERS = 0.02 * np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], float)
@@ -81,8 +80,10 @@ def test_a_body_moves_with_its_shadow_under_it_and_an_arrow_where_it_is_pushed()
     assert len(shadows[0]) > 100
     # The light comes from the left and the front, from above: the higher the body, the farther to the right.
     assert shadows[0][:, 1].mean() > shadows[1][:, 1].mean()
-    assert not near(high, VERMILION).any()
-    assert near(low, VERMILION).sum() > 50
+    # Arrows are the only things with so much more red than blue; how bright they are, the version of VTK decides.
+    arrows = [(one[..., 0].astype(int) - one[..., 2] > 80).sum() for one in (high, low)]
+    assert arrows[0] == 0
+    assert arrows[1] > 40
 
 
 @pytest.mark.usefixtures("vtk")
