@@ -101,8 +101,15 @@ def did_you_mean(word: str, known: Collection[str]) -> str:
     known : collection of str
         The known names.
     """
-    near = get_close_matches(word, known, 1) or [name for name in known if name.startswith(f"{word}_")]  # no unit given
+    near = [name for name in get_close_matches(word, known) if not _similar_by_unit_alone(word, name)]
+    near = near or [name for name in known if name.startswith(f"{word}_")]  # no unit given
     return f"did you mean {near[0]}?" if near else ""
+
+
+def _similar_by_unit_alone(word: str, name: str) -> bool:
+    """Return whether two names end with the same unit, `_m`, and differ in what stands before it."""
+    (stem, _, unit), (other_stem, _, other_unit) = word.rpartition("_"), name.rpartition("_")
+    return unit == other_unit and not get_close_matches(stem, [other_stem])
 
 
 def no_such(kind: str, name: str, known: Collection[str]) -> str:

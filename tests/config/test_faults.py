@@ -23,6 +23,14 @@ SCHEMA_FAULTS = [
     ("eta_h: 8", "eta_h: 8\n  eta_q: 1", 27, "medium.eta_q", ["unknown key", "eta_"]),
     ("lambda: 1.1", "lambda: 1.1, lambda_: 2", 27, "medium.plunging.lambda_", ["did you mean lambda?"]),
     ("child: hub}", "child: hub, angle_deg: 0}", 20, "model.joints.pivot.angle_deg", ["unknown key"]),
+    # not similar by its unit alone
+    (
+        "thickness_m: 0.01",
+        "thickness_m: 0.01, lateral_m: 1",
+        9,
+        "model.bodies.hub.shapes.0.lateral_m",
+        ["key; allowed are"],
+    ),
     # known elsewhere
     ("eta_h: 8", "eta_h: 8\n  step_s: 1", 27, "medium.step_s", ["wrong place", "belongs at solver.step_s"]),
     ("  impact_angle_deg: 31\n", "  medium: null\n", 30, "initial.medium", ["belongs at medium"]),
@@ -223,3 +231,11 @@ def test_numbers_whose_powers_are_none_are_refused(faults):
     (fault,) = faults(far, "gravity_m_s2=1e60")
     assert (fault.line, fault.key) == (4, "model.bodies.link.length_m")
     assert fault.message == "got the number 1e+308; allowed are numbers up to 1e+60 in size"
+
+
+def test_corners_whose_squares_are_none_are_refused(faults):
+    corners = "[[0, 0], [1e+300, 0], [1e+300, 1e+300], [0, 0.1]]"
+    polygon = f"        - {{type: polygon, width_m: 0.1, points_m: {corners}}}\n"
+    found = faults(changed("      shapes:\n", f"      shapes:\n{polygon}"))
+    assert {fault.message for fault in found} == {"got the number 1e+300; allowed are numbers up to 1e+60 in size"}
+    assert {fault.line for fault in found} == {9}

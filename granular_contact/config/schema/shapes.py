@@ -221,9 +221,10 @@ def corner_faults(points: Sequence[tuple[float, ...]]) -> Faults:
 
 def outline_faults(corners: Sequence[tuple[float, float]]) -> Faults:
     """Faults of a polygon: equal neighbouring corners, else no area, else sides that cross."""
+    size = extent(corners)
     if equal_corners := list(corner_faults((*corners, corners[0]))):
         yield from equal_corners
-    elif abs(doubled_area(corners)) < 1e-12 * extent(corners) ** 2:
+    elif abs(doubled_area(corners)) < 1e-12 * size * size:  # of numbers that are too large infinite, or NaN
         yield ("points_m",), "encloses no area; the corners must not lie on one line"
     elif pair := crossing(corners):
         message = f"the sides after corners {pair[0] + 1} and {pair[1] + 1} cross; sides may only meet"
