@@ -1,11 +1,11 @@
 """Random scenarios and damaged files: every input must give an error message or a run with honest results.
 
     python validation/fuzz.py --count 10000                     # a night's worth
-    python validation/fuzz.py --first 4711 --count 1 --keep offenders
+    python validation/fuzz.py --first 4711 --count 1 --keep failures
 
 A seed determines a case (validation/fuzzing/cases.py). Cases run in their own processes, so that a case that crashes or
-hangs is counted and does not stop the others. The files of every offender and a description of what happened are kept
-in the folder --keep. The exit code is 1 if there is an offender.
+hangs is counted and does not stop the others. The files of every case with a fault, and a description of it, are kept
+in the folder --keep. The exit code is 1 if there is a fault.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from validation.tables import machine
 
 MEMORY = (
     4 << 30
-)  # bytes, limit of a process: a case that needs more is an offender, and must not bring down the machine
+)  # bytes, limit of a process: a case that needs more counts as a fault, and must not bring down the machine
 PATIENCE = 10.0  # wall-clock time until a case is killed, over its limit of processor time, for a busy machine
 _processes = get_context("spawn")
 
@@ -114,23 +114,23 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--count", type=int, default=300)
     parser.add_argument("--first", type=int, default=0, help="seed of the first case")
     parser.add_argument("--processes", type=int, default=os.cpu_count() or 1)
-    parser.add_argument("--keep", type=Path, default=Path("fuzz_offenders"), help="folder for the files of offenders")
+    parser.add_argument("--keep", type=Path, default=Path("fuzz_failures"), help="folder for cases with a fault")
     chosen = parser.parse_args(arguments)
-    began, count, offences, slowest = time.perf_counter(), Counter[tuple[str, str]](), 0, (0.0, 0)
+    began, count, faults, slowest = time.perf_counter(), Counter[tuple[str, str]](), 0, (0.0, 0)
     for seed, outcome in outcomes(range(chosen.first, chosen.first + chosen.count), chosen.processes):
         count[cases.kind_of(seed), outcome.kind] += 1
         slowest = max(slowest, (outcome.seconds, seed))
-        if outcome.offends:
-            offences += 1
+        if outcome.is_fault:
+            faults += 1
             folder = chosen.keep / str(seed)
             folder.mkdir(parents=True, exist_ok=True)
             cases.write(seed, folder)
-            (folder / "offence.txt").write_text(f"{outcome.kind}\n{outcome.detail}\n", encoding="utf-8")
+            (folder / "fault.txt").write_text(f"{outcome.kind}\n{outcome.detail}\n", encoding="utf-8")
             print(f"seed {seed}: {outcome.kind}: {outcome.detail.strip().splitlines()[-1]}", flush=True)
     print(f"{machine('exudyn', 'numba')}; {chosen.count} cases in {time.perf_counter() - began:.0f} s\n")
     print(table(count))
-    print(f"\n{offences} offenders; the longest case took {slowest[0]:.1f} s of processor time (seed {slowest[1]})")
-    return 1 if offences else 0
+    print(f"\n{faults} faults; the longest case took {slowest[0]:.1f} s of processor time (seed {slowest[1]})")
+    return 1 if faults else 0
 
 
 if __name__ == "__main__":

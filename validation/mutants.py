@@ -33,7 +33,7 @@ from granular_contact.jit import compiled_sources
 ROOT = Path(__file__).parents[1]
 PLACE = Path(tempfile.gettempdir()) / "granular-contact-mutants"
 COPIED = ("granular_contact", "tests", "models", "configs", "examples", "validation", "pyproject.toml")
-LONGEST = 900.0  # s; a mutant that runs longer hangs and counts as noticed
+LONGEST = 900.0  # s; a mutant that runs longer hangs and counts as detected
 # Files to change by area, each with the tests that must notice a change.
 _JOINTS = "tests/multibody/test_powers.py", "tests/multibody/test_joints.py", "tests/multibody/test_coordinates.py"
 _TREES = (
@@ -254,7 +254,7 @@ def tests_notice(tests: Iterable[str], cache: Path) -> bool:
     return done.returncode != 0
 
 
-def is_noticed(mutant: Mutant) -> bool:
+def is_detected(mutant: Mutant) -> bool:
     """Whether the tests of the file fail on a copy of the project with this change."""
     file, original, cache = PLACE / "granular_contact" / mutant.file, PLACE / "cache", PLACE / "cache_of_mutant"
     before, stamp = file.read_text(encoding="utf-8"), file.stat()
@@ -304,18 +304,18 @@ def main() -> int:
     killed: dict[str, list[bool]] = {area: [] for area in areas}
     begin = time.perf_counter()
     for mutant in drawn(areas, chosen.count, chosen.seed):
-        noticed = is_noticed(mutant)
-        killed[mutant.area].append(noticed)
-        print(f"{'noticed ' if noticed else 'SURVIVED'} {mutant.file}: {mutant.operator}", flush=True)
-        if not noticed:
+        detected = is_detected(mutant)
+        killed[mutant.area].append(detected)
+        print(f"{'detected ' if detected else 'SURVIVED'} {mutant.file}: {mutant.operator}", flush=True)
+        if not detected:
             print(mutant.lines(), flush=True)
-    print(f"\n| area | mutants | noticed |\n| --- | --- | --- |\n{_rows(killed)}")
+    print(f"\n| area | mutants | detected |\n| --- | --- | --- |\n{_rows(killed)}")
     print(f"\nseed {chosen.seed}, {time.perf_counter() - begin:.0f} s")
     return 0
 
 
 def _rows(killed: dict[str, list[bool]]) -> str:
-    total = [noticed for results in killed.values() for noticed in results]
+    total = [detected for results in killed.values() for detected in results]
     return "\n".join(
         f"| {name} | {len(results)} | {sum(results)} ({100 * sum(results) / max(len(results), 1):.0f} %) |"
         for name, results in {**killed, "all": total}.items()

@@ -350,7 +350,7 @@ def _both_silent(scene: Found) -> bool:
     return scene.silent and not scene.other_warned
 
 
-def offenders(scenes: Sequence[Found]) -> dict[str, list[Found]]:
+def violations(scenes: Sequence[Found]) -> dict[str, list[Found]]:
     """Scenes that break a property, by name of the claim."""
     broken = {
         "every number is finite": [scene for scene in scenes if not scene.finite],
@@ -415,7 +415,7 @@ def outcome(scenes: Sequence[Found], of: str = "properties") -> Outcome:
     parts += [silent_table(scenes, lambda scene: scene.kind, "space")]
     parts += ["The same by solver.", silent_table(scenes, lambda scene: scene.solver, "space")]
     parts += ["The largest errors without a warning.", worst(scenes)]
-    broken = offenders(scenes)
+    broken = violations(scenes)
     claims = [Claim(f"{of}.{name}", not bad, _detail(name, bad, scenes)) for name, bad in broken.items()]
     return Outcome("\n\n".join(parts), tuple(claims))
 
@@ -430,7 +430,7 @@ def _detail(name: str, bad: Sequence[Found], scenes: Sequence[Found]) -> str:
 def keep(scenes: Sequence[Found], target: Path, world: str = "plane") -> None:
     """Write each scene that breaks a property into a folder named by its seed, with the names of the properties."""
     broken: dict[int, list[str]] = {}
-    for name, bad in offenders(scenes).items():
+    for name, bad in violations(scenes).items():
         for scene in bad:
             broken.setdefault(scene.seed, []).append(name)
     for seed, names in broken.items():
@@ -438,8 +438,8 @@ def keep(scenes: Sequence[Found], target: Path, world: str = "plane") -> None:
         shutil.rmtree(folder, ignore_errors=True)
         folder.mkdir(parents=True)
         write(WORLDS[world].draw(seed, folder).tree, folder)
-        offender = next(scene for scene in scenes if scene.seed == seed)
-        (folder / "found.txt").write_text("\n".join([*names, str(offender)]) + "\n", encoding="utf-8")
+        drawn = next(scene for scene in scenes if scene.seed == seed)
+        (folder / "found.txt").write_text("\n".join([*names, str(drawn)]) + "\n", encoding="utf-8")
 
 
 def study(quick: bool = False) -> Outcome:

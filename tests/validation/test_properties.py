@@ -111,7 +111,7 @@ def test_what_is_wrong_without_a_word_is_counted() -> None:
 
     def lost(**changes) -> set[str]:
         found = [right, study.Found(**{**vars(right), "seed": 1, **changes})]
-        return {name for name, bad in study.offenders(found).items() if [one.seed for one in bad] == [1]}
+        return {name for name, bad in study.violations(found).items() if [one.seed for one in bad] == [1]}
 
     assert lost() == set()
     assert lost(steps=0.02) == {"no error of steps above 1 % is without a warning"}
@@ -138,7 +138,7 @@ def test_beginnings_of_scenes_keep_the_properties(seed: int) -> None:
     found = study.look(seed, quick=True)
     assert found.end in study.GOOD
     assert np.isfinite(found.steps)
-    broken = {name for name, bad in study.offenders([found]).items() if bad}
+    broken = {name for name, bad in study.violations([found]).items() if bad}
     assert broken <= {
         "no error of strips and elements above 1 % is without a warning",
         "summaries with fixed and chosen steps differ by at most 2 % or four times the accuracy",

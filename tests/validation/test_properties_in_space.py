@@ -84,4 +84,4 @@ def test_beginnings_of_scenes_keep_the_properties(seed: int) -> None:
     found = study.look(seed, quick=True, world="space")
     assert found.end in study.GOOD
     assert np.isfinite(found.steps)
-    assert not {name for name, bad in study.offenders([found]).items() if bad}
+    assert not {name for name, bad in study.violations([found]).items() if bad}

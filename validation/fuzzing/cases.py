@@ -41,7 +41,7 @@ def write(seed: int, folder: Path) -> Path:
 
 
 def keep(folder: Path, target: Path) -> None:
-    """Copy the files of an offender to a target folder."""
+    """Copy the files of a case to a target folder."""
     shutil.copytree(folder, target, dirs_exist_ok=True)
 
 

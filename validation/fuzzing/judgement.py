@@ -1,4 +1,4 @@
-"""Judgement of one case: refused with an error message, run to an honest end, or an offence."""
+"""Judgement of one case: refused with an error message, run to an honest end, or a fault."""
 
 from __future__ import annotations
 
@@ -24,21 +24,21 @@ from granular_contact.scene.types import Reduced
 LIMIT = 60.0  # s of processor time, including compilation of the kernels that a scene needs
 WALL = 10.0  # s, `solver.max_wall_s` of every run: a run may be long, but must keep this limit
 MOST_STEPS, MOST_PARTS = 40, 64
-OFFENCES = ("traceback", "not finite", "unsaid", "late", "died", "bad sentence")
+FAULTS = ("traceback", "not finite", "no warning", "late", "died", "bad sentence")
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """Outcome of a case: kind, one of OFFENCES if the outcome is an offence; detail: a line or a traceback."""
+    """Outcome of a case: kind, one of FAULTS if the outcome is a fault; detail: a line or a traceback."""
 
     kind: str
     detail: str = ""
     seconds: float = 0.0
 
     @property
-    def offends(self) -> bool:
-        """Whether the outcome is an offence."""
-        return self.kind in OFFENCES
+    def is_fault(self) -> bool:
+        """Whether the outcome is a fault."""
+        return self.kind in FAULTS
 
 
 class _Late(BaseException):
@@ -132,5 +132,5 @@ def _honesty(scene: Scene, results: Results) -> Outcome:
         return Outcome("not finite", f"{kind}: summary: {', '.join(infinite)}; {status.message}")
     imbalance = results.summary["energy"]["imbalance_relative"]
     if status.code in ("rest", "end_time") and imbalance > IMBALANCE_LIMIT and not results.warnings:
-        return Outcome("unsaid", f"{kind}: imbalance {imbalance:.3g}")
+        return Outcome("no warning", f"{kind}: imbalance {imbalance:.3g}")
     return Outcome(f"{kind}, with a warning" if results.warnings else kind, status.message)
