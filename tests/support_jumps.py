@@ -17,12 +17,12 @@ def jump(force: Callable[[Any], Array], a: Any, b: Any, halvings: int) -> float:
     Of both halves the one is kept in which the force changes more: a jump is kept to the last, while the change of a
     continuous force shrinks with the way. a, b: numbers or arrays.
     """
-    one, other = force(a), force(b)
+    at_a, at_b = force(a), force(b)
     for _ in range(halvings):
         middle = 0.5 * (a + b)
         between = force(middle)
-        if np.abs(between - one).max() > np.abs(other - between).max():
-            b, other = middle, between
+        if np.abs(between - at_a).max() > np.abs(at_b - between).max():
+            b, at_b = middle, between
         else:
-            a, one = middle, between
-    return float(np.abs(other - one).max())
+            a, at_a = middle, between
+    return float(np.abs(at_b - at_a).max())

@@ -17,15 +17,15 @@ from granular_contact.sand.kernels.kinematics import curved_stations
 @cache
 def called(part: Callable[..., Any]) -> Callable[..., Any]:
     """A part as kernels have it: it takes records, overflows and finds arrays as compiled code does."""
-    found: Callable[..., Any] = njit(lambda *arguments: part(*arguments))
-    return found
+    compiled: Callable[..., Any] = njit(lambda *arguments: part(*arguments))
+    return compiled
 
 
 @cache
 def of_tree(part: Callable[..., Any]) -> Callable[..., Any]:
     """A part that takes a view of a tree's arrays as its last argument, which here is where they are."""
-    found: Callable[..., Any] = njit(lambda *arguments: part(*arguments[:-1], view(arguments[-1])))
-    return found
+    compiled: Callable[..., Any] = njit(lambda *arguments: part(*arguments[:-1], view(arguments[-1])))
+    return compiled
 
 
 def rigid_stations(points: NDArray[np.float64], strips: int) -> NDArray[np.void]:

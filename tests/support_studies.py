@@ -194,10 +194,10 @@ class Case:
         data: dict[str, Any] = yaml.safe_load(self.config.read_text(encoding="utf-8"))
         return data
 
-    def command(self, *words: object) -> None:
+    def command(self, *arguments: object) -> None:
         """Run a command; raises Refused with what it says unless it ends well."""
         self._said()
-        code = cli.main([*map(str, words)])
+        code = cli.main([*map(str, arguments)])
         said = self._said()
         if code not in (0, 5):  # 5: two steps of 1 ms are too coarse for a result to be usable, which is told
             raise Refused(said.strip() or f"exit code {code}")
@@ -243,16 +243,16 @@ def _fit(case: Case) -> None:
     data = case.folder / "measured.csv"
     rows = [f"{t!r},{x!r}" for t, x in zip(time.tolist(), values.tolist(), strict=True)]
     data.write_text("\n".join([f"time_s,{case.model.measured}", *rows, ""]), encoding="utf-8")
-    words = ("--parameters", case.model.coefficient, "--starts", 1, "--workers", 1, "--no-plots")
-    case.command("fit", case.config, data, *words, "--out", case.folder / "fitted")
+    options = ("--parameters", case.model.coefficient, "--starts", 1, "--workers", 1, "--no-plots")
+    case.command("fit", case.config, data, *options, "--out", case.folder / "fitted")
 
 
 def _compare(case: Case) -> None:
     config = case.plain()
     del config["medium"]["scatter"]  # which the engine alone has
     file = case.file("without_scatter", yaml.safe_dump(config))
-    words = ("--modes", 0, "--elements", 2, "--no-plots", "--out", case.folder / "compared")
-    case.command("compare", file, *words)
+    options = ("--modes", 0, "--elements", 2, "--no-plots", "--out", case.folder / "compared")
+    case.command("compare", file, *options)
 
 
 def _compare_media(case: Case) -> None:
@@ -266,8 +266,8 @@ def _report(case: Case) -> None:
 
 
 def _animate(case: Case) -> None:
-    words = ("--animate", "--no-plots", "--quiet", "--out", case.folder / "film")
-    case.command("run", case.config, *words)
+    options = ("--animate", "--no-plots", "--quiet", "--out", case.folder / "film")
+    case.command("run", case.config, *options)
     assert (case.folder / "film" / "animation.gif").is_file()
 
 
@@ -292,9 +292,9 @@ def _simulation(case: Case) -> None:
 
 def _save_and_open(case: Case) -> None:
     results = simulate(load(case.config))
-    again = Results.open(results.save(case.folder / "saved", figures=False))
-    assert again.names == results.names
-    again.figures()
+    reopened = Results.open(results.save(case.folder / "saved", figures=False))
+    assert reopened.names == results.names
+    reopened.figures()
 
 
 def _check(case: Case) -> None:
@@ -378,9 +378,9 @@ def page() -> str:
     ]
     for study in STUDIES:
         cells = [REFUSALS.get((study, model)) for model in MODELS]
-        shown = ["yes" if one is None else f"({sentences.index(one) + 1})" for one in cells]
+        shown = ["yes" if sentence is None else f"({sentences.index(sentence) + 1})" for sentence in cells]
         lines.append(f"| {study} | {' | '.join(shown)} |")
-    lines += ["", *(f"{i}. `{one}`" for i, one in enumerate(sentences, 1)), "", *NOTES, ""]
+    lines += ["", *(f"{i}. `{sentence}`" for i, sentence in enumerate(sentences, 1)), "", *NOTES, ""]
     return "\n".join(lines)
 
 

@@ -70,13 +70,13 @@ def _commands(code: str, ends: int, out: io.StringIO) -> None:
     from granular_contact.cli import main
 
     for line in code.replace("\\\n", " ").splitlines():
-        words = shlex.split(line, comments=True)
-        if not words:
+        arguments = shlex.split(line, comments=True)
+        if not arguments:
             continue
-        assert words[0] == "granular-contact", f"{line}: is not run here; say so in a comment above the block"
-        if words[1] == "run" and "--animate" not in words:
-            words.append("--no-plots")
-        assert main(words[1:]) == ends, f"{line}\n{out.getvalue()}"
+        assert arguments[0] == "granular-contact", f"{line}: is not run here; say so in a comment above the block"
+        if arguments[1] == "run" and "--animate" not in arguments:
+            arguments.append("--no-plots")
+        assert main(arguments[1:]) == ends, f"{line}\n{out.getvalue()}"
 
 
 def assert_told(expected: str, printed: str) -> None:
@@ -92,11 +92,11 @@ def _same(line: str, other: str) -> bool:
     return all(_agree(*pair) for pair in zip(NUMBER.findall(line), NUMBER.findall(other), strict=True))
 
 
-def _agree(shown: str, found: str) -> bool:
+def _agree(shown: str, printed: str) -> bool:
     """Whether two numbers agree to a unit and a half of the last digit that is shown, or to 0.2 %."""
     digits = len(shown.partition("e")[0].partition(".")[2])
     size = 10.0**-digits * 10.0 ** float(shown.partition("e")[2] or 0)
-    return abs(float(shown) - float(found)) <= max(1.5 * size * ("." in shown), 2e-3 * abs(float(shown)))
+    return abs(float(shown) - float(printed)) <= max(1.5 * size * ("." in shown), 2e-3 * abs(float(shown)))
 
 
 def forget(tag: str) -> None:

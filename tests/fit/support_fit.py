@@ -90,7 +90,7 @@ def fitted(folder: Path, text: str) -> Fit:
     return fit(problem(folder, text))
 
 
-def near(found: Fit, labels: Sequence[str] = tuple(TRUE)) -> list[float]:
+def near(fit: Fit, labels: Sequence[str] = tuple(TRUE)) -> list[float]:
     """Distances of estimates from the true values, in their own standard errors."""
-    by_label = {one.parameter.label: one for one in found.uncertainty.estimates}
+    by_label = {estimate.parameter.label: estimate for estimate in fit.uncertainty.estimates}
     return [abs(by_label[label].value - TRUE[label]) / by_label[label].error for label in labels]

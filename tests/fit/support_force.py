@@ -48,9 +48,9 @@ def fitted(folder: Path, text: str) -> Fit:
     return fit(problem(folder, text))
 
 
-def found(one: Fit) -> dict[str, tuple[float, float]]:
+def estimates_of(fit: Fit) -> dict[str, tuple[float, float]]:
     """Values and standard errors by label."""
-    return {e.parameter.label: (e.value, e.error) for e in one.uncertainty.estimates}
+    return {e.parameter.label: (e.value, e.error) for e in fit.uncertainty.estimates}
 
 
-__all__ = ["DRAGGED", "PLATE", "WIDTH", "ForceTest", "fitted", "forces", "found", "problem", "table"]
+__all__ = ["DRAGGED", "PLATE", "WIDTH", "ForceTest", "estimates_of", "fitted", "forces", "problem", "table"]

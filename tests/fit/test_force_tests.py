@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from support_force import DRAGGED, PLATE, WIDTH, fitted, forces, found, problem, table
+from support_force import DRAGGED, PLATE, WIDTH, estimates_of, fitted, forces, problem, table
 from support_runs import CONFIGS, simulate
 
 from granular_contact import cli
@@ -138,7 +138,7 @@ def test_drag_at_several_speeds_in_one_table_tells_inertia_from_friction(tmp_pat
     table(tmp_path / "drag.csv", "speed_cm_s,force_mN", 100 * speed, 1e3 * drag, noise=30.0)
     text = "parameters: [medium.zeta, medium.lambda]\nset: {medium: {law: drft, density_kg_m3: 900, lambda: 2}}\n"
     text += "force_test: {direction: right, depth_m: 0.06}\n"
-    values = found(fitted(tmp_path, f"{text}runs: [{{config: {DRAGGED}, data: drag.csv}}]"))
+    values = estimates_of(fitted(tmp_path, f"{text}runs: [{{config: {DRAGGED}, data: drag.csv}}]"))
     for key, true in (("medium.zeta", 0.8), ("medium.lambda", 1.1)):
         value, error = values[key]
         assert abs(value - true) < 4.0 * error
@@ -156,18 +156,18 @@ def test_density_and_friction_from_pressures_of_one_table_with_two_plates(tmp_pa
         text += f"  - {{config: {PLATE}, data: both.csv, name: plate_{size}, rows: {{diameter_mm: {size}}}}}\n"
     one = problem(tmp_path, text)
     assert [len(run.measured.time) for run in one.runs] == [40, 40]
-    value, error = found(fit(one))["medium.mu_int"]
+    value, error = estimates_of(fit(one))["medium.mu_int"]
     assert abs(value - 0.5) < 4.0 * error < 0.01
 
 
 def test_geometry_and_two_media_can_be_fitted_too(tmp_path: Path) -> None:
     table(tmp_path / "a.csv", "depth_m,force_N", DEPTH, forces(PLATE, [RFT], DEPTH)["force_N"], noise=0.05)
     text = f"parameters: {{{WIDTH}: {{from: 0.03, to: 0.1, start: 0.07}}}}\nset: {{medium: {{law: rft, zeta: 0.9}}}}\n"
-    value, error = found(fitted(tmp_path, f"{text}runs: [{{config: {PLATE}, data: a.csv}}]"))[WIDTH]
+    value, error = estimates_of(fitted(tmp_path, f"{text}runs: [{{config: {PLATE}, data: a.csv}}]"))[WIDTH]
     assert abs(value - 0.0532) < 4.0 * error
     text = "parameters: {medium.1.zeta: {from: 0.1, to: 2}}\n"
     text += "set: {medium: [{law: rft, zeta: 0.2}, {law: rft, zeta: 0.5}]}\n"
-    value, error = found(fitted(tmp_path, f"{text}runs: [{{config: {PLATE}, data: a.csv}}]"))["medium.1.zeta"]
+    value, error = estimates_of(fitted(tmp_path, f"{text}runs: [{{config: {PLATE}, data: a.csv}}]"))["medium.1.zeta"]
     assert abs(value - 0.7) < 4.0 * error
 
 
@@ -178,7 +178,9 @@ def test_zeros_of_depth_and_force_are_found_or_said_to_be_one(tmp_path: Path) ->
     table(tmp_path / "b.csv", "depth_mm,force_N", 1e3 * DEPTH, force + zero, noise=0.1)
     run = "runs: [{{config: {}, data: {}.csv, force_test: {{{}}}}}]"
     for name, key, true in (("a", "depth_offset_m", shift), ("b", "force_offset_N", zero)):
-        values = found(fitted(tmp_path, f"parameters: [medium.zeta]\n{START}" + run.format(PLATE, name, f"{key}: fit")))
+        values = estimates_of(
+            fitted(tmp_path, f"parameters: [medium.zeta]\n{START}" + run.format(PLATE, name, f"{key}: fit"))
+        )
         assert abs(values["medium.zeta"][0] - 0.9) < 4.0 * values["medium.zeta"][1]
         value, error = values[f"{key} @ {name}"]
         assert abs(value - true) < 4.0 * error < 0.2 * true
@@ -193,7 +195,7 @@ def test_forces_of_a_run_over_time_are_fitted_where_the_columns_say_so(tmp_path:
     table(tmp_path / "a.csv", "t,F", results["time_s"], results["rail_force_N"], noise=0.01)
     text = "parameters: [medium.zeta]\nset: {solver.end_time_s: 0.02, solver.step_s: 1e-3}\n"
     text += f"runs: [{{config: {DRAGGED}, data: a.csv, "
-    value, error = found(fitted(tmp_path, text + "columns: {time_s: t, rail_force_N: F}}]"))["medium.zeta"]
+    value, error = estimates_of(fitted(tmp_path, text + "columns: {time_s: t, rail_force_N: F}}]"))["medium.zeta"]
     assert abs(value - 1.3) < 4.0 * error < 0.05
 
 
@@ -243,7 +245,7 @@ def test_rows_of_unloading_can_be_left_out_and_that_is_told(tmp_path: Path) -> N
     table(tmp_path / "data.csv", "depth_mm,force_N", jitter, there, noise=0.2)
     text = f"parameters: [medium.zeta]\n{START}force_test: {{unloading: leave_out}}\n"
     one = fitted(tmp_path, f"{text}runs: [{{config: {PLATE}, data: data.csv}}]")
-    assert abs(found(one)["medium.zeta"][0] - 0.9) < 4.0 * found(one)["medium.zeta"][1]
+    assert abs(estimates_of(one)["medium.zeta"][0] - 0.9) < 4.0 * estimates_of(one)["medium.zeta"][1]
     assert any("lines 42 to 59 are left out, because the body moves back in them" in words for words in one.warnings)
 
 

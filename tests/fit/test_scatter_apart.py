@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
-from support_force import PLATE, fitted, found, problem, table
+from support_force import PLATE, estimates_of, fitted, problem, table
 
 from granular_contact import cli
 from granular_contact.errors import ConfigError
@@ -71,7 +71,7 @@ def _value(signs: np.ndarray, t: np.ndarray) -> np.ndarray:
 @pytest.mark.slow
 def test_scatter_noise_and_coefficient_are_told_apart(tmp_path: Path) -> None:
     one = fitted(tmp_path, text(tmp_path, 4, 1, True))
-    value, error = found(one)["medium.zeta"]
+    value, error = estimates_of(one)["medium.zeta"]
     assert abs(value - ZETA) < 4.0 * error
     assert one.goodness.status == "fits"
     told = one.scatter
@@ -83,7 +83,7 @@ def test_scatter_noise_and_coefficient_are_told_apart(tmp_path: Path) -> None:
     path = (tmp_path / "fit.yaml").read_text(encoding="utf-8").replace("scatter: true", "scatter: false")
     usual = fit(problem(tmp_path, path))
     assert usual.goodness.status == "misfit"
-    assert found(usual)["medium.zeta"][1] < 0.7 * error
+    assert estimates_of(usual)["medium.zeta"][1] < 0.7 * error
 
 
 def test_without_scatter_none_is_found(tmp_path: Path) -> None:

@@ -59,7 +59,7 @@ def sample(law: type[Coefficients], scale: tuple[float, float, float] = (1.0, 1.
         if name in (*METADATA, "law"):
             continue
         if isinstance(field.default, Coefficients):  # a set of numbers of one unit
-            given[name] = kind(**{one: factor * value for one, value in dict(field.default).items()})
+            given[name] = kind(**{key: factor * value for key, value in dict(field.default).items()})
         elif isinstance(kind, type) and issubclass(kind, Coefficients) and field.is_required():
             given[name] = sample(kind, scale)
         elif field.is_required() or name in more:
@@ -79,7 +79,7 @@ def table(law: type[Coefficients], scale: tuple[float, float, float]) -> Any:
                 factor = 1e5 * z * (1.0 + z / 0.1) * mass / length / time**2
                 of_x.append(factor * x)
                 of_z.append(factor * up)
-    angles = [tuple(map(float, one)) for one in (beta, gamma)]
+    angles = [tuple(map(float, pair)) for pair in (beta, gamma)]
     return law(tuple(length * z for z in depth), *angles, tuple(of_x), tuple(of_z))
 
 
@@ -98,11 +98,11 @@ def bodies(medium: Law, depth: float, scale: float = 1.0, mass: float = 1.0) -> 
     """
     if "ball" in medium.takes:
         return [ball(depth, 0.025 * scale, 7700.0 * mass / scale**3)]
-    size, found = 0.03 * scale, []
+    size, probes = 0.03 * scale, []
     for beta in (35.0, -60.0):
         flat = plate(0.0, beta, size)
-        found.append(Probe(flat.points - np.array([0.0, depth + flat.points[:, 1].min()]), size))
-    return found
+        probes.append(Probe(flat.points - np.array([0.0, depth + flat.points[:, 1].min()]), size))
+    return probes
 
 
 def motions(count: int = 12) -> Array:

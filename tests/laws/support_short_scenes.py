@@ -84,7 +84,7 @@ def final(text: str, medium: Any, *overrides: str) -> dict[str, float]:
     scenario = scenario.replace(medium) if isinstance(medium, dict) else scenario.replace({"medium": medium})
     results = run(build(scenario), scenario)
     assert results.status.code == "end_time", results.status
-    return {one.name: float(results[one.name][-1]) for one in results.columns}
+    return {column.name: float(results[column.name][-1]) for column in results.columns}
 
 
 def by_mujoco(geom: str, medium: Any, **options: Any) -> dict[str, float]:
@@ -103,8 +103,8 @@ def by_mujoco(geom: str, medium: Any, **options: Any) -> dict[str, float]:
     for _ in range(3):
         kept = bed.apply(data)
         mujoco.mj_step(model, data)
-    found = {f"{i}": float(value) for i, value in enumerate((*data.qpos, *data.qvel, *data.xfrc_applied.ravel()))}
-    return found | {"work": kept.work, "depth_m": kept.depth}
+    state = {f"{i}": float(value) for i, value in enumerate((*data.qpos, *data.qvel, *data.xfrc_applied.ravel()))}
+    return state | {"work": kept.work, "depth_m": kept.depth}
 
 
 def laws() -> Iterator[tuple[str, Any]]:
@@ -166,15 +166,15 @@ def numbers() -> dict[str, dict[str, float]]:
 
 def walk() -> list[str]:
     """Files and functions from Exudyn's call before a residual to the drag on a strip; where nothing is compiled."""
-    found: list[str] = []
+    names_called: list[str] = []
     drag = lee_marghitu.drag_force
 
     def noting(*arguments: Any) -> None:
         frames = [(Path(frame.filename), frame.name) for frame in traceback.extract_stack()[:-1]]
         names, functions = [path.name for path, _ in frames], {name for _, name in frames}
-        if not found and "predictor.py" in names and "evaluate" in functions:
+        if not names_called and "predictor.py" in names and "evaluate" in functions:
             called = [*frames[names.index("predictor.py") :], (PACKAGE / "laws" / "lee_marghitu.py", "drag_force")]
-            found.extend(f"{path.relative_to(PACKAGE).as_posix()} {name}" for path, name in called)
+            names_called.extend(f"{path.relative_to(PACKAGE).as_posix()} {name}" for path, name in called)
         drag(*arguments)
 
     lee_marghitu.drag_force = noting
@@ -182,7 +182,7 @@ def walk() -> list[str]:
         final("pendulum", {}, "solver.end_time_s=2e-3")
     finally:
         lee_marghitu.drag_force = drag
-    return found
+    return names_called
 
 
 if __name__ == "__main__":
