@@ -65,12 +65,16 @@ def bed_slope_faults(scenario: Any) -> Iterator[Fault]:
 
 
 def media_notes(scenario: Any, bed: Any, uneven_key: str) -> Iterator[Fault]:
-    """Notes on media: on gravity unlike that of their source, and on steep pieces of the surface.
+    """Notes on media: on gravity unlike that of their source or upward, and on steep pieces of the surface.
 
     bed: of the scene, or None; uneven_key: key of the config for a surface of several pieces.
     """
-    for medium, key, *_ in media_layers(scenario):
-        yield from (scene_fault(key, words) for words in gravity_notes(medium, scenario.gravity_m_s2))
+    gravity, media = scenario.gravity_m_s2, list(media_layers(scenario))
+    if media and gravity < 0.0:
+        words = f"got {gravity:g}, which lifts every body out of the medium: positive gravity is downward"
+        yield scene_fault("gravity_m_s2", words)
+    for medium, key, *_ in media:
+        yield from (scene_fault(key, words) for words in gravity_notes(medium, gravity))
     if bed is not None:
         yield from (scene_fault(uneven_key, words) for words in slope_notes(bed.media, bed.pieces()))
 

@@ -173,3 +173,10 @@ def test_every_preset_says_its_gravity() -> None:
 
     for name in medium_names():
         assert "measured_gravity" in load_medium(name).model_fields_set, name
+
+
+@pytest.mark.parametrize("medium", ["cmu_dry_sand", None])
+def test_gravity_that_points_out_of_the_medium_is_told(medium: str | None) -> None:
+    notes = [note for note in scene(planar(medium=medium, gravity_m_s2=-9.81)).notes if note.key == "gravity_m_s2"]
+    assert len(notes) == (medium is not None)
+    assert all("got -9.81" in note.message and "positive gravity is downward" in note.message for note in notes)
