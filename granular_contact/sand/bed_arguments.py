@@ -108,8 +108,8 @@ def medium_records(
     ValueError
         An argument is not allowed, or a coefficient is missing.
     """
-    if np.ndim(gravity) != 0 or not np.isfinite(gravity):
-        raise ValueError(f"gravity: got {gravity}, allowed is a finite number, its magnitude (m/s2)")
+    if np.ndim(gravity) != 0 or not np.isfinite(numbers(gravity)):
+        raise ValueError(f"gravity: got {gravity!r}, allowed is a finite number, its magnitude (m/s2)")
     static = Elastoplastic() if static is None else static
     _expect("static", [static], (Elastoplastic, Smooth), "Elastoplastic() or Smooth()")
     return [layer.medium.record(static, gravity) for layer in layers]
@@ -135,19 +135,35 @@ def surface_profile(surface: ArrayLike, slope: float) -> Vector:
     ValueError
         An argument is not allowed.
     """
-    given = np.asarray(surface, float)
+    given = numbers(surface)
     profile = np.array([[0.0, float(given)]]) if given.ndim == 0 else given
     if profile.ndim != 2 or profile.shape[1] != 2 or len(profile) == 0:
         raise ValueError(f"surface: got an array of shape {given.shape}, allowed are a number and (k, 2) corners")
     if not np.isfinite(profile).all():
-        raise ValueError(f"surface: got {given.tolist()}, allowed are finite numbers")
+        raise ValueError(f"surface: got {np.asarray(surface).tolist()!r}, allowed are finite numbers")
     if (np.diff(profile[:, 0]) <= 0.0).any():
         raise ValueError("surface: x of the corners must rise from one to the next")
-    if np.ndim(slope) != 0 or not np.isfinite(slope):
-        raise ValueError(f"slope: got {slope}, allowed is a finite number, the rise per length")
+    if np.ndim(slope) != 0 or not np.isfinite(numbers(slope)):
+        raise ValueError(f"slope: got {slope!r}, allowed is a finite number, the rise per length")
     if slope != 0.0 and len(profile) > 1:
         raise ValueError(f"slope: got {slope} and corners of the surface; allowed is one of the two")
     return np.ascontiguousarray(corners(profile, slope))
+
+
+def numbers(given: Any) -> Vector:
+    """Array of numbers in place of an argument; NaN if it holds anything else, as text or None.
+
+    Parameters
+    ----------
+    given : array_like
+        The argument.
+
+    Returns
+    -------
+    array
+    """
+    array = np.asarray(given)
+    return array.astype(float) if array.dtype.kind in "iuf" else np.full(array.shape, np.nan)
 
 
 def direction(name: str, given: ArrayLike) -> Vector:
@@ -169,10 +185,7 @@ def direction(name: str, given: ArrayLike) -> Vector:
     ValueError
         It is not a direction.
     """
-    try:
-        vector = np.asarray(given, float)
-    except (TypeError, ValueError):  # such as "z"
-        vector = np.zeros(0)
+    vector = numbers(given)
     if vector.shape != (3,) or not np.isfinite(vector).all() or np.linalg.norm(vector) < 1e-12:
         got = given if isinstance(given, str) else np.asarray(given).tolist()
         raise ValueError(f"{name}: got {got!r}, allowed is a direction of three finite numbers")

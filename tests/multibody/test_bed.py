@@ -658,6 +658,12 @@ def test_an_outline_whose_sides_cross_is_refused() -> None:
         ({"static": "elastoplastic"}, r"Elastoplastic\(\)"),
         ({"floor": -0.1}, "a Floor"),
         ({"gravity": [0, -9.81, 0]}, "magnitude"),
+        ({"gravity": "9.81"}, "gravity: got '9.81', allowed is a finite number"),
+        ({"gravity": None, "up": (0, 0, 1)}, "gravity: got None, allowed is a finite number"),
+        ({"surface": "0"}, "surface: got '0', allowed are finite numbers"),
+        ({"surface": "0", "up": (0, 0, 1)}, "surface: got '0', allowed in space is a finite number"),
+        ({"surface": None, "up": (0, 0, 1)}, "surface: got None, allowed in space is a finite number"),
+        ({"slope": "0", "up": (0, 0, 1)}, "slope: got 0, allowed in space are three finite numbers"),
         ({"up": "z"}, "up: got 'z', allowed is a direction of three finite numbers"),
         ({"floor": Floor(0.1, 1e6)}, r"floor: got a height of 0\.1 m, with the surface at 0 m; allowed is below it"),
         ({"floor": Floor(0.0), "up": (0, 0, 1)}, "floor: got a height of 0 m, with the surface at 0 m"),
@@ -679,6 +685,12 @@ def test_a_floor_of_numbers_that_can_not_be_is_told() -> None:
             Floor(*numbers)
     steep = GranularBed(script().mbs, SAND, 0.0, slope=0.1, floor=Floor(0.1, 1e6))  # below it from x = 1 m on
     assert steep.load.floor is not None
+
+
+@pytest.mark.parametrize(("up", "first"), [(None, "add_rigid"), ((0, 0, 1), "add_body")])
+def test_a_bed_without_bodies_names_the_method_that_adds_them(up: Any, first: str) -> None:
+    bed = GranularBed(script().mbs, SAND if up is None else preset("rft3d_sand"), 0.0, up=up)
+    assert f"no body was named: use {first} or add_cables first" in refused(bed, "attach")
 
 
 def test_a_beam_in_several_pieces_is_one_body() -> None:

@@ -325,7 +325,8 @@ class GranularBed(Attached):
         """
         self.load.check_open()
         if not self.load.lines:
-            raise scene_error("bed", "no body was named: use add_rigid or add_cables first")
+            first = "add_body" if self.in_space else "add_rigid"
+            raise scene_error("bed", f"no body was named: use {first} or add_cables first")
         self.coupling.attach(constant or {}, warns=True)
 
     @contextmanager

@@ -17,7 +17,7 @@ from granular_contact.laws.floor import Floor, InSpace
 from granular_contact.laws.law import Law
 from granular_contact.laws.layer import Layer
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
-from granular_contact.sand.bed_arguments import check_floor, check_slope, direction, layers_from
+from granular_contact.sand.bed_arguments import check_floor, check_slope, direction, layers_from, numbers
 from granular_contact.sand.contact_lines import Body
 from granular_contact.sand.history import SPACE, HistoryTable
 from granular_contact.sand.kernels import facet_paths, space_sand
@@ -320,13 +320,13 @@ def rotation_to_z(up: ArrayLike) -> Vector:
 
 def _ground(surface: ArrayLike, slope: ArrayLike, turn: Vector) -> Vector:
     """The surface as the kernels read it, (4,), see `kernels.ground`."""
-    if np.ndim(surface) != 0 or not np.isfinite(float(np.asarray(surface))):
-        raise ValueError(
-            f"surface: got {np.asarray(surface)}, allowed in space is a finite number, its height along up (m)"
-        )
-    rise = np.zeros(3) if np.ndim(slope) == 0 and float(np.asarray(slope)) == 0.0 else np.asarray(slope, float)
+    height, rise = numbers(surface), numbers(slope)
+    if height.ndim != 0 or not np.isfinite(height):
+        got = np.asarray(surface).tolist()
+        raise ValueError(f"surface: got {got!r}, allowed in space is a finite number, its height along up (m)")
+    rise = np.zeros(3) if rise.ndim == 0 and rise == 0.0 else rise
     if rise.shape != (3,) or not np.isfinite(rise).all():
         allowed = "allowed in space are three finite numbers, the rise per length along x, y, z"
         raise ValueError(f"slope: got {np.asarray(slope)}, {allowed}")
     x, y, _ = turn @ rise
-    return np.array([float(np.asarray(surface)), x, y, np.sqrt(1.0 + x * x + y * y)])
+    return np.array([float(height), x, y, np.sqrt(1.0 + x * x + y * y)])
