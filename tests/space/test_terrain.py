@@ -142,6 +142,38 @@ def test_what_begins_beside_a_map_is_told(tmp_path: Path) -> None:
     assert build(load(run(around))).notes == ()
 
 
+def test_slopes_of_a_map_are_those_of_its_heights() -> None:
+    """Central differences of 1e-5 m over cells of 0.1 m are off by some 1e-8 of the curvature's size."""
+    random = np.random.default_rng(5)
+    heights = Heights(random.normal(size=(5, 7)), (-0.2, 0.1), 0.1)
+    x, y = random.uniform(-0.4, 0.6, 400), random.uniform(-0.1, 0.7, 400)
+    height, along, across = heights.tangent(x, y)
+    np.testing.assert_allclose(height, heights.at(x, y), rtol=0, atol=1e-13)
+    h = 1e-5
+    np.testing.assert_allclose(along, (heights.at(x + h, y) - heights.at(x - h, y)) / (2 * h), rtol=0, atol=1e-4)
+    np.testing.assert_allclose(across, (heights.at(x, y + h) - heights.at(x, y - h)) / (2 * h), rtol=0, atol=1e-4)
+    assert not along[(x < -0.2) | (x > 0.4)].any()
+    assert not across[(y < 0.1) | (y > 0.5)].any()
+
+
+def test_what_leaves_a_map_in_a_run_is_told(tmp_path: Path) -> None:
+    ball = {"type": "rigid", "density_kg_m3": 800, "shapes": [{"type": "sphere", "diameter_m": 0.06}]}
+    model = {"in_space": True, "name": "ball", "bodies": {"ball": ball}}
+    model["joints"] = {"air": {"type": "free", "parent": "ground", "child": "ball"}}
+    start = {"joints": {"air": {"x_m": 0.05, "z_m": 0.035, "vx_m_s": 1.0}}}
+    given = {"model": model, "medium": "rft3d_sand", "initial": start, "solver": {"end_time_s": 0.3}}
+    told = {}
+    for columns in (6, 30):  # to x = 0.15 m, or 1.35 m
+        ground = written(tmp_path, np.zeros((5, columns)), cell_m=0.05, corner_m=[-0.1, -0.1])
+        found = simulate(load(given | {"bed": ground}))
+        told[columns] = [one for one in found.warnings if "left the map of heights" in one]
+        touching = found["ball_x_m"][found["ball_granular_z_N"] != 0.0].max()
+    assert not told[30]
+    (words,) = told[6]
+    assert "the map is from x = -0.1 to 0.15 m and from y = -0.1 to 0.1 m" in words
+    assert float(words.split(" by ")[1].split()[0]) == pytest.approx(touching - 0.15, rel=0.01)
+
+
 def test_a_picture_is_a_map_of_its_grey_levels(tmp_path: Path) -> None:
     """Upper rows lie farther to the left; a picture of 16 bits is read to the last of them."""
     levels = np.random.default_rng(5).integers(0, 65536, (4, 6)).astype(np.uint16)

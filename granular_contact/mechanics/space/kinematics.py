@@ -210,7 +210,8 @@ class SpatialKinematics(Kinematics):
             depth = deeper + bed.height(center[:, 0], center[:, 1]) - center[:, 2] + part.reach(*bed.rise)
         else:
             x, y, z = np.moveaxis(center + np.einsum("nij,kj->kni", R, part.points), 2, 0)
-            depth = bed.height(x, y) - z + part.reach(*bed.slope(x, y))
+            height, *slopes = bed.tangent(x, y)
+            depth = height - z + part.reach(*slopes)
         tracks = []
         for k in np.unique(depth.argmax(axis=0)):
             arm = R @ part.points[k]

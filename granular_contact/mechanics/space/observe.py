@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import partial
 
@@ -39,6 +39,7 @@ def observe(system: SpatialSystem, trajectory: Trajectory) -> SpatialObservation
         fields = observed(motion, forces, depths, [track for tracks in depths.values() for track in tracks])
         fields["motion"] |= body_columns(motion, forces, depths)
         add_wheels(fields, wheel_histories(motion, forces))
+        fields["notices"] += (*_left_map(motion, on_bodies),)
         if trajectory.load is not None and (facets := facet_sizes.numbers(motion, error)):
             fields["more"]["facets"] = facets
         for beam in motion.beams.values():
@@ -46,6 +47,28 @@ def observe(system: SpatialSystem, trajectory: Trajectory) -> SpatialObservation
             fields["deflection"] = beam.bend()
         motion_at = partial(moved, system, trajectory, on_bodies)
         return SpatialObservation(**fields, moved=motion_at)
+
+
+def _left_map(motion: SpatialKinematics, forces: Mapping[str, Vector]) -> Iterator[str]:
+    """Yield a sentence if bodies on which the medium acts left the map of heights on which they began.
+
+    forces: wrenches (n, 6) of the medium by body.
+    """
+    heights = None if motion.scene.bed is None else motion.scene.bed.heights
+    if heights is None:
+        return
+    low, high = heights.extent
+    left: dict[str, float] = {}
+    for body, wrench in forces.items():
+        place = motion.center(body)[0][:, :2]
+        beyond = np.maximum(low - place, place - high).max(axis=1)
+        farthest = float(beyond[wrench.any(axis=1)].max(initial=0.0))
+        if beyond[0] <= 0.0 < farthest:
+            left[link_of(body)] = max(farthest, left.get(link_of(body), 0.0))
+    if left:
+        name = max(left, key=lambda body: left[body])
+        map_is = f"the map is from x = {low[0]:g} to {high[0]:g} m and from y = {low[1]:g} to {high[1]:g} m"
+        yield f"{name} left the map of heights by {left[name]:.3g} m; {map_is}, and the ground is level beyond it"
 
 
 def as_reported(forces: Mapping[str, Vector]) -> dict[str, Vector]:

@@ -68,16 +68,58 @@ class Heights:
         array
             Heights (m).
         """
-        rows, columns = self.values.shape
-        u = np.clip((np.asarray(x, float) - self.corner[0]) / self.cell, 0.0, columns - 1.0)
-        v = np.clip((np.asarray(y, float) - self.corner[1]) / self.cell, 0.0, rows - 1.0)
-        i, j = np.minimum(u.astype(int), columns - 2), np.minimum(v.astype(int), rows - 2)
+        (i, u, _), (j, v, _) = self._intervals(x, y)
         height = np.zeros(np.broadcast(u, v).shape)
-        for wy, row in zip(_spline_weights(v - j), range(-1, 3), strict=True):
-            for wx, column in zip(_spline_weights(u - i), range(-1, 3), strict=True):
-                indices = np.clip(j + row, 0, rows - 1), np.clip(i + column, 0, columns - 1)
-                height = height + wy * wx * self.values[indices]
+        for wy, row in zip(_spline_weights(v), self._around(j, 0), strict=True):
+            for wx, column in zip(_spline_weights(u), self._around(i, 1), strict=True):
+                height = height + wy * wx * self.values[row, column]
         return height
+
+    def tangent(self, x: Vector, y: Vector) -> tuple[Vector, Vector, Vector]:
+        """Height of the surface and its slopes.
+
+        Parameters
+        ----------
+        x, y : array
+            Places (m), of any shape.
+
+        Returns
+        -------
+        tuple of three arrays
+            Height (m), and rise per length along x and along y; beyond the edge the surface is level.
+        """
+        (i, u, in_x), (j, v, in_y) = self._intervals(x, y)
+        height, along, across = np.zeros((3, *np.broadcast(u, v).shape))
+        columns = list(self._around(i, 1))
+        for wy, dy, row in zip(_spline_weights(v), _spline_slopes(v), self._around(j, 0), strict=True):
+            values = [self.values[row, column] for column in columns]
+            in_row = sum(w * value for w, value in zip(_spline_weights(u), values, strict=True))
+            height += wy * in_row
+            along += wy * sum(d * value for d, value in zip(_spline_slopes(u), values, strict=True))
+            across += dy * in_row
+        return height, along * in_x / self.cell, across * in_y / self.cell
+
+    def _intervals(self, x: Vector, y: Vector) -> Iterator[tuple[NDArray[np.int64], Vector, NDArray[np.bool_]]]:
+        """Yield for x and y: index of the interval, relative place within it, and whether the place is on the map."""
+        for place, first, count in zip((x, y), self.corner, self.values.shape[::-1], strict=True):
+            cells = (np.asarray(place, float) - first) / self.cell
+            on_map = np.clip(cells, 0.0, count - 1.0)
+            interval = np.minimum(on_map.astype(int), count - 2)
+            yield interval, on_map - interval, on_map == cells
+
+    def _around(self, interval: NDArray[np.int64], axis: int) -> Iterator[NDArray[np.int64]]:
+        """Yield the indices of the four points around intervals along an axis of `values`."""
+        yield from (np.clip(interval + k, 0, self.values.shape[axis] - 1) for k in range(-1, 3))
+
+
+def _spline_slopes(t: Vector) -> tuple[Vector, Vector, Vector, Vector]:
+    """Derivatives of `_spline_weights` by t."""
+    return (
+        0.5 * (-1.0 + t * (4.0 - 3.0 * t)),
+        0.5 * t * (9.0 * t - 10.0),
+        0.5 * (1.0 + t * (8.0 - 9.0 * t)),
+        0.5 * t * (3.0 * t - 2.0),
+    )
 
 
 def _spline_weights(t: Vector) -> tuple[Vector, Vector, Vector, Vector]:

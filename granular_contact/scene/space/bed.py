@@ -129,12 +129,16 @@ class SpatialBed:
 
     def slope(self, x: Vector, y: Vector) -> tuple[Vector, Vector]:
         """Slope of the surface along x and along y, at x, y (m)."""
-        zeros = np.zeros_like(np.asarray(x, float))
+        return self.tangent(x, y)[1:]
+
+    def tangent(self, x: Vector, y: Vector) -> tuple[Vector, Vector, Vector]:
+        """Height of the surface (m), and its slope along x and along y, at x, y (m), arrays of any shape."""
+        level: Vector = self.origin + self.rise[0] * np.asarray(x) + self.rise[1] * np.asarray(y)
         if self.heights is None:
-            return zeros + self.rise[0], zeros + self.rise[1]
-        h = 1e-3 * self.heights.cell
-        along = (self.height(x + h, y) - self.height(x - h, y)) / (2.0 * h)
-        return along, (self.height(x, y + h) - self.height(x, y - h)) / (2.0 * h)
+            zeros = np.zeros_like(level)
+            return level, zeros + self.rise[0], zeros + self.rise[1]
+        height, along, across = self.heights.tangent(x, y)
+        return level + height, along + self.rise[0], across + self.rise[1]
 
     def pieces(self) -> Iterator[tuple[float, float]]:
         """Slope (rise per length) and area (m2) of the cells of a map of heights."""
