@@ -61,8 +61,8 @@ class Browser:
 
     def faults(self) -> list[str]:
         """What scripts and the browser complained of since this was asked last."""
-        told = self._post(f"/session/{self._session}/se/log", {"type": "browser"})
-        return [str(one["message"]) for one in told]
+        entries = self._post(f"/session/{self._session}/se/log", {"type": "browser"})
+        return [str(entry["message"]) for entry in entries]
 
     def pdf(self) -> bytes:
         """The page as printed."""

@@ -22,6 +22,6 @@ def sketched(dpi: int = 30) -> Iterator[None]:
         patched.setattr("granular_contact.report.figures.DPI", dpi)
         patched.setattr("granular_contact.report.figures._laid_out", _unlaid)
         patched.setattr(
-            "granular_contact.report.figures.panels.save", lambda one, file: _unlaid(one).savefig(file, dpi=dpi)
+            "granular_contact.report.figures.panels.save", lambda figure, file: _unlaid(figure).savefig(file, dpi=dpi)
         )
         yield

@@ -178,8 +178,8 @@ class Refused(Exception):
 class Case:
     """A model in a folder, with what a study needs of it."""
 
-    def __init__(self, name: str, folder: Path, said: Callable[[], str]) -> None:
-        self.model, self.folder, self._said = MODELS[name], folder, said
+    def __init__(self, name: str, folder: Path, printed: Callable[[], str]) -> None:
+        self.model, self.folder, self._said = MODELS[name], folder, printed
         (folder / "robot.urdf").write_text(ROBOT, encoding="utf-8")
         self.config = self.file("model", self.model.config + "output: {figures: false}\n")
 
@@ -198,9 +198,9 @@ class Case:
         """Run a command; raises Refused with what it says unless it ends well."""
         self._said()
         code = cli.main([*map(str, arguments)])
-        said = self._said()
+        printed = self._said()
         if code not in (0, 5):  # 5: two steps of 1 ms are too coarse for a result to be usable, which is told
-            raise Refused(said.strip() or f"exit code {code}")
+            raise Refused(printed.strip() or f"exit code {code}")
 
     def run(self) -> Path:
         """The folder of a run with its figures."""

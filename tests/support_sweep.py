@@ -23,8 +23,8 @@ TIME = "cost.solve_s"  # the only number that is not the same each time
 ENVIRONMENT = {**os.environ, "PYTHONPATH": f"{ROOT}{os.pathsep}{ROOT / 'tests'}"}
 
 
-def arguments(*words: object) -> list[str]:
-    return [sys.executable, "-m", "granular_contact", *map(str, words)]
+def arguments(*parameters: object) -> list[str]:
+    return [sys.executable, "-m", "granular_contact", *map(str, parameters)]
 
 
 def read(folder: Path) -> list[dict[str, str]]:

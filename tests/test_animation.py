@@ -77,9 +77,9 @@ def test_a_run_of_one_row_has_one_frame() -> None:
 def test_resampling_is_exact_for_what_is_straight_and_holds_beyond_the_ends() -> None:
     time = np.array([0.0, 0.1, 0.4, 1.0])
     at = np.array([-1.0, 0.0, 0.05, 0.4, 0.9, 1.0, 2.0])
-    found = resample(time, np.column_stack([2 * time, -time]), at)
+    resampled = resample(time, np.column_stack([2 * time, -time]), at)
     inside = np.clip(at, 0.0, 1.0)
-    np.testing.assert_allclose(found, np.column_stack([2 * inside, -inside]), atol=1e-15)
+    np.testing.assert_allclose(resampled, np.column_stack([2 * inside, -inside]), atol=1e-15)
 
 
 @pytest.mark.parametrize("way", WAYS)
@@ -101,7 +101,7 @@ def test_frames_show_the_motion_of_the_table(way: str) -> None:
 def test_forces_are_those_of_the_table_and_act_on_their_line(way: str) -> None:
     results = filmed(way)
     names = ("drag", "horizontal_static", "vertical_static")
-    columns = [sum(results[f"{n}_{what}"] for n in names) for what in ("force_x_N", "force_y_N", "moment_Nm")]
+    columns = [sum(results[f"{n}_{component}"] for n in names) for component in ("force_x_N", "force_y_N", "moment_Nm")]
     seen = [frame for frame in results.frames if frame.forces]
     assert len(seen) > 10
     checked = 0
@@ -153,8 +153,8 @@ def test_every_arrow_of_a_run_starts_at_a_body_below_the_surface(way: str) -> No
     assert len(forces) > 10
     for frame, force in forces:
         assert results.surface is not None
-        own = [one for one in frame.outlines if one.part in force.body.split("+")] or frame.outlines
-        assert np.min(np.linalg.norm(immersed(own, results.surface) - force.point, axis=1)) == 0.0
+        outlines = [outline for outline in frame.outlines if outline.part in force.body.split("+")] or frame.outlines
+        assert np.min(np.linalg.norm(immersed(outlines, results.surface) - force.point, axis=1)) == 0.0
 
 
 def test_a_run_keeps_no_frames_unless_asked_and_is_the_same_with_them() -> None:
@@ -271,8 +271,8 @@ def test_a_picture_does_not_depend_on_those_before_it() -> None:
     results = filmed()
     alone = dataclasses.replace(results, frames=(results.frames[0], *results.frames[-1:]))
     # The pace in the corner and the view are another; the sand and the body are not where they differ in nothing.
-    again = list(animation.pictures(results))[-1]
-    np.testing.assert_array_equal(drawn()[-1], again)
+    last = list(animation.pictures(results))[-1]
+    np.testing.assert_array_equal(drawn()[-1], last)
     assert len(list(animation.pictures(alone))) == 2
 
 
@@ -335,13 +335,15 @@ def test_an_mp4_decodes_to_all_frames(tmp_path: Path) -> None:
     results = filmed()
     film.write(results, tmp_path / "a.mp4")
     ask = ["ffprobe", "-v", "error", "-count_frames", "-show_entries", "stream=nb_read_frames,r_frame_rate"]
-    told = subprocess.run([*ask, "-of", "csv=p=0", str(tmp_path / "a.mp4")], capture_output=True, text=True, check=True)
-    assert told.stdout.strip() == f"{RATE}/1,{len(results.frames)}"
+    printed = subprocess.run(
+        [*ask, "-of", "csv=p=0", str(tmp_path / "a.mp4")], capture_output=True, text=True, check=True
+    )
+    assert printed.stdout.strip() == f"{RATE}/1,{len(results.frames)}"
 
 
 def test_a_film_of_one_frame(tmp_path: Path) -> None:
-    one = dataclasses.replace(filmed(), frames=filmed().frames[:1])
-    film.write(one, tmp_path / "a.gif")
+    still = dataclasses.replace(filmed(), frames=filmed().frames[:1])
+    film.write(still, tmp_path / "a.gif")
     with Image.open(tmp_path / "a.gif") as image:
         assert getattr(image, "n_frames", 1) == 1
 

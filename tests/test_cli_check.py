@@ -31,8 +31,8 @@ def command(monkeypatch, capsys):
     def run(*arguments: str, folder: Path = ROOT) -> SimpleNamespace:
         monkeypatch.chdir(folder)
         code = main(list(arguments))
-        said = capsys.readouterr()
-        return SimpleNamespace(returncode=code, stdout=said.out, stderr=said.err)
+        printed = capsys.readouterr()
+        return SimpleNamespace(returncode=code, stdout=printed.out, stderr=printed.err)
 
     return run
 
@@ -62,18 +62,18 @@ def test_a_model_is_no_config_and_says_so(command):
     """Of bodies, and from a robot file; its own keys are not told as unknown."""
     for name in ("walker", "hexapod"):
         done = command("check", f"models/{name}.yaml")
-        said = f"models/{name}.yaml: is a model, and not the config of a run, which names it: `model: FILE`\n"
-        assert (done.returncode, done.stderr) == (2, said)
+        message = f"models/{name}.yaml: is a model, and not the config of a run, which names it: `model: FILE`\n"
+        assert (done.returncode, done.stderr) == (2, message)
 
 
 def test_a_robot_file_and_a_file_without_its_ending_are_told_from_configs(command, tmp_path):
     done = command("run", "models/hexapod/hexapod.urdf")
-    said = "is a robot file, and not the config of a run, which names it: `model: {urdf: FILE}`\n"
-    assert (done.returncode, done.stderr) == (2, f"models/hexapod/hexapod.urdf: {said}")
+    message = "is a robot file, and not the config of a run, which names it: `model: {urdf: FILE}`\n"
+    assert (done.returncode, done.stderr) == (2, f"models/hexapod/hexapod.urdf: {message}")
     (tmp_path / "rover.yaml").write_text("model: compound_pendulum\n")
     done = command("run", "rover", folder=tmp_path)
-    said = "rover: no such file, and no config of this name is shipped; did you mean rover.yaml?\n"
-    assert (done.returncode, done.stderr) == (2, said)
+    message = "rover: no such file, and no config of this name is shipped; did you mean rover.yaml?\n"
+    assert (done.returncode, done.stderr) == (2, message)
 
 
 def test_a_fault_of_the_geometry_gets_its_line(command, tmp_path):
@@ -95,7 +95,7 @@ initial:
 
 
 @pytest.mark.parametrize(
-    ("arguments", "words"),
+    ("arguments", "message"),
     [
         (["check", "/"], "is a folder"),
         (["check", os.devnull], "is empty"),
@@ -109,10 +109,10 @@ initial:
     ],
     ids=lambda value: " ".join(value)[-30:] if isinstance(value, list) else "",
 )
-def test_bad_input_ends_with_2_and_no_traceback(command, arguments, words, tmp_path):
+def test_bad_input_ends_with_2_and_no_traceback(command, arguments, message, tmp_path):
     done = command(*arguments, folder=tmp_path)
     assert done.returncode == 2
-    assert words in done.stderr
+    assert message in done.stderr
     assert "Traceback" not in done.stderr
     assert len(done.stderr.splitlines()) == 1
     assert list(tmp_path.iterdir()) == []
@@ -172,10 +172,10 @@ def fake_run(monkeypatch, tmp_path):
 def test_run_tells_how_it_ended_and_saves(fake_run, capsys, status, code):
     fake_run(status)
     assert main(["run", CONFIG, "--no-plots"]) == code
-    said = capsys.readouterr().out.splitlines()
-    assert said[0] == f"strike: it was {status}"
-    assert "  stopping time   25.40 ms, mean rate" in said
-    assert said[-2:] == ["  saved in        results/pendulum", "warning: too fast"]
+    printed = capsys.readouterr().out.splitlines()
+    assert printed[0] == f"strike: it was {status}"
+    assert "  stopping time   25.40 ms, mean rate" in printed
+    assert printed[-2:] == ["  saved in        results/pendulum", "warning: too fast"]
     assert Path("results/pendulum/summary.json").is_file()
     assert main(["run", CONFIG, "--no-plots", "--quiet"]) == code
     quiet = capsys.readouterr()

@@ -78,9 +78,9 @@ def in_a_process(code: str, cache: Path | None = None) -> subprocess.CompletedPr
 def test_compiling_is_no_wall_time() -> None:
     code = SLOWLY.replace("TESTS", repr(str(ROOT / "tests"))).replace("SOLVERS", repr(SOLVERS))
     done = in_a_process(code)
-    found = {name: rest for name, *rest in map(json.loads, done.stdout.splitlines())}
-    assert found.keys() == SOLVERS.keys(), done.stderr
-    for solver, (status, seconds, kernels) in found.items():
+    times = {name: rest for name, *rest in map(json.loads, done.stdout.splitlines())}
+    assert times.keys() == SOLVERS.keys(), done.stderr
+    for solver, (status, seconds, kernels) in times.items():
         assert kernels > 0, solver
         assert status == "end_time", solver
         assert seconds < 60.0, solver
@@ -92,24 +92,24 @@ def test_compiling_is_told_once_when_it_begins_and_not_when_it_is_done() -> None
     from granular_contact.jit import compiled  # noqa: F401  # listens
     from granular_contact.jit.compiling import announced, seconds
 
-    told: list[str] = []
+    sentences: list[str] = []
     before, begin = seconds(), time.perf_counter()
     kernel = njit(lambda x: x + 1.0)
-    with announced(told.append, "a sum"):
-        assert told == []
+    with announced(sentences.append, "a sum"):
+        assert sentences == []
         kernel(1.0)
-        assert told == ["compiling a sum, once in an installation: 2 to 40 s"]
+        assert sentences == ["compiling a sum, once in an installation: 2 to 40 s"]
         kernel(1)
-        assert len(told) == 1
+        assert len(sentences) == 1
     spent = seconds() - before
     assert 0.0 < spent < time.perf_counter() - begin  # nothing is counted twice
-    told.clear()
-    with announced(told.append, "a sum"):
+    sentences.clear()
+    with announced(sentences.append, "a sum"):
         kernel(2.0)
     njit(lambda x: x - 1.0)(1.0)
     with announced(None, "a sum"):
         njit(lambda x: x - 2.0)(1.0)
-    assert told == []
+    assert sentences == []
 
 
 def test_nobody_collects_what_is_unused_while_something_is_compiled_and_as_before_after_it() -> None:
@@ -152,11 +152,11 @@ def test_what_is_compiled_after_the_solve_is_told_and_is_no_wall_time(monkeypatc
         njit(lambda x: x + 3.0)(1.0)
         return made(*given)
 
-    made, told, before = runs.results, list[str](), seconds()
+    made, announced, before = runs.results, list[str](), seconds()
     monkeypatch.setattr(runs, "results", results)
     scene = build(load(str(ROOT / "configs" / "pendulum_rigid.yaml"), ["solver.end_time_s=0.002"]))
-    runs.run(scene, compiling=lambda what: told.append(what))
-    assert len(told) == 1
+    runs.run(scene, compiling=lambda sentence: announced.append(sentence))
+    assert len(announced) == 1
     assert seconds() > before
 
 
@@ -179,8 +179,8 @@ def test_the_command_says_on_stderr_what_it_compiles_the_first_time_only(tmp_pat
     run = ["run", str(ROOT / "configs" / "pendulum_rigid.yaml"), "--set", "solver.end_time_s=0.005", "--no-plots"]
     code = f"from granular_contact.cli import main; main({[*run, '--out', str(tmp_path / 'out')]!r})"
     first, second = (in_a_process(code, cache) for _ in range(2))
-    words = "compiling the law lee_marghitu for round bars, once in an installation: 2 to 40 s\n"
-    assert (first.stderr, second.stderr) == (words, "")
+    message = "compiling the law lee_marghitu for round bars, once in an installation: 2 to 40 s\n"
+    assert (first.stderr, second.stderr) == (message, "")
     assert [" s of compiling, once" in done.stdout for done in (first, second)] == [True, False]
 
 

@@ -55,7 +55,7 @@ def wheel(slip: float, speed: float = 0.02) -> dict[str, np.ndarray]:
 def test_what_several_columns_tell_is_shown_once_and_sinkage_in_one_sense() -> None:
     runs = [History(name, wheel(slip)) for name, slip in (("a", 0.2), ("b", 0.5))]
     columns = table(runs)
-    shown = {group.name: [one.title for one in group.panels] for group in panels(["a", "b"], columns)}
+    shown = {group.name: [panel.title for panel in group.panels] for group in panels(["a", "b"], columns)}
     assert shown["wheel"] == ["slip", "sinkage", "drawbar pull", "load", "torque"]
     assert shown["travel"] == ["carriage, ahead: x"]  # at a constant speed, the same for both
     assert shown["joints"] == ["speed of sliders: post"]
@@ -63,10 +63,10 @@ def test_what_several_columns_tell_is_shown_once_and_sinkage_in_one_sense() -> N
 
 
 def test_a_run_keeps_what_stands_still_and_a_panel_with_anything_new() -> None:
-    own = wheel(0.2)
-    column = own.__getitem__
-    every = groups(list(own), ["static"], column)
-    titles = [one.title for group in distinct(every, column) for one in group.panels]
+    results = wheel(0.2)
+    column = results.__getitem__
+    every = groups(list(results), ["static"], column)
+    titles = [panel.title for group in distinct(every, column) for panel in group.panels]
     assert titles == [
         "slip",
         "sinkage",
@@ -78,15 +78,15 @@ def test_a_run_keeps_what_stands_still_and_a_panel_with_anything_new() -> None:
         "speed of sliders",
     ]
     two = Panel("two", "m", tuple(Curve(name, ((name, 1.0),)) for name in ("wheel_sinkage_m", "carriage_x_m")))
-    one = Panel("one", "m", two.curves[:1])
-    assert [p.title for p in distinct([Group("x", "", "", (one, two))], column)[0].panels] == ["one", "two"]
-    assert [p.title for p in distinct([Group("x", "", "", (two, one))], column)[0].panels] == ["two"]
+    panel = Panel("one", "m", two.curves[:1])
+    assert [p.title for p in distinct([Group("x", "", "", (panel, two))], column)[0].panels] == ["one", "two"]
+    assert [p.title for p in distinct([Group("x", "", "", (two, panel))], column)[0].panels] == ["two"]
 
 
 def sweep(folder: Path, slips: np.ndarray) -> Folder:
     """A folder of a sweep of a wheel, whose speed is given."""
-    found = "max_depth_m,forward_speed_m_s,cost_of_transport,wheel.drawbar_pull_N,wheel.sinkage_m"
-    head = f"case,wheel.slip,name,status,message,{found}"
+    header = "max_depth_m,forward_speed_m_s,cost_of_transport,wheel.drawbar_pull_N,wheel.sinkage_m"
+    head = f"case,wheel.slip,name,status,message,{header}"
     rows = [
         f"c{i},{slip},w,end_time,ended,{0.02 + slip**2},{0.02 * (1 + 1e-15 * i)!r},{1 + slip},{slip},{0.02 + slip**2}"
         for i, slip in enumerate(slips)
@@ -104,8 +104,8 @@ def test_the_page_of_a_wheel_over_slip_draws_nothing_twice_and_nothing_constant(
         tmp_path / "figures" / "wheel_over_slip.png",
     )
     made = content(folder, tmp_path)
-    words = [caption.partition(" of every case")[0] for _, caption in made["pictures"][1:]]
-    assert words == ["Cost of transport"]
+    titles = [caption.partition(" of every case")[0] for _, caption in made["pictures"][1:]]
+    assert titles == ["Cost of transport"]
     assert [column["label"] for column in made["cases"]["columns"]][:2] == ["slip", "largest depth (mm)"]
     assert made["cases"]["joined"]
 
@@ -166,14 +166,14 @@ def test_no_number_is_zero_to_the_eye(capsys: pytest.CaptureFixture[str]) -> Non
         "links": {"rod": {"strain": 1e-9, "stress_Pa": 2.0}, "wire": {"strain": 2e-9, "stress_Pa": None}},
     }
     results = Results("rod", Status("rest", "at rest"), (), np.zeros((0, 0)), summary, {}, (), None)
-    said = "\n".join(_summary(results, False, "1 s", Path("r")))
-    for words in (
+    printed = "\n".join(_summary(results, False, "1 s", Path("r")))
+    for line in (
         "largest depth   260.0 nm",
         "stopping time   4.000 µs",
         "forward speed   1.000e-07 m/s",
         "2e-07 % at most, at the skin of wire\n",
     ):
-        assert words in said
+        assert line in printed
     print_numbers(
         ["case"],
         [("max_depth_m", "depth mm", 1e3, ".2f"), ("x", "x", 1.0, ".1f")],

@@ -26,17 +26,17 @@ def rows(values: np.ndarray) -> list[Row]:
     made = []
     for i, x in enumerate(values):
         end = 1.0 + i % 2
-        told = {"status": "rest", "message": "", "max_depth_m": float(x), "same": 3.0, "cost.solve_s": float(i)}
-        told |= {"series.time_s": np.linspace(0, end, INSTANTS).tolist(), "series.depth_m": [float(x)] * INSTANTS}
-        made.append(Row(i, str(i), {}, told))
+        row = {"status": "rest", "message": "", "max_depth_m": float(x), "same": 3.0, "cost.solve_s": float(i)}
+        row |= {"series.time_s": np.linspace(0, end, INSTANTS).tolist(), "series.depth_m": [float(x)] * INSTANTS}
+        made.append(Row(i, str(i), {}, row))
     return [Row(len(values), "bad", {}, {"status": "error", "message": "no"}), *made[::-1]]
 
 
 def test_numbers_of_an_ensemble() -> None:
     values = np.random.default_rng(3).normal(0.2, 0.03, 500)
-    found = ensemble.of_rows(rows(values))
-    assert (found.count, found.failed, list(found.numbers)) == (500, 1, ["max_depth_m"])
-    depth = found.numbers["max_depth_m"]
+    statistics = ensemble.of_rows(rows(values))
+    assert (statistics.count, statistics.failed, list(statistics.numbers)) == (500, 1, ["max_depth_m"])
+    depth = statistics.numbers["max_depth_m"]
     np.testing.assert_array_equal(depth.values, values)
     assert depth.mean == pytest.approx(values.mean())
     assert depth.error == pytest.approx(values.std(ddof=1) / np.sqrt(500))
@@ -45,8 +45,8 @@ def test_numbers_of_an_ensemble() -> None:
         at = int(np.flatnonzero(runs == n)[0])
         assert mean[at] == pytest.approx(values[:n].mean())
         assert half[at] == pytest.approx(1.96 * values[:n].std(ddof=1) / np.sqrt(n), rel=1e-9)
-    assert found.time[-1] == 2.0
-    np.testing.assert_allclose(found.bands["depth_m"][2], np.median(values), rtol=1e-12)
+    assert statistics.time[-1] == 2.0
+    np.testing.assert_allclose(statistics.bands["depth_m"][2], np.median(values), rtol=1e-12)
 
 
 def test_an_ensemble_can_be_run_again_in_its_folder(tmp_path: Path) -> None:
@@ -58,8 +58,8 @@ def test_an_ensemble_can_be_run_again_in_its_folder(tmp_path: Path) -> None:
 def test_members_differ_in_their_seed_alone() -> None:
     sweep = ensemble.cases(scenario_of("pendulum_rigid", SCATTER), 3)
     members = [sweep.scenario(case) for case in sweep.cases]
-    assert [one.media[0].scatter.seed for one in members] == [5, 6, 7]
-    assert {one.media[0].model_copy(update={"scatter": None}).model_dump_json() for one in members} == {
+    assert [member.media[0].scatter.seed for member in members] == [5, 6, 7]
+    assert {member.media[0].model_copy(update={"scatter": None}).model_dump_json() for member in members} == {
         scenario_of("pendulum_rigid").media[0].model_dump_json()
     }
 
@@ -85,10 +85,10 @@ def test_a_run_without_scatter_is_no_ensemble(capsys: pytest.CaptureFixture[str]
 
 
 def test_a_finished_ensemble_is_said_to_be_one(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    words = ["ensemble", "configs/pendulum_rigid.yaml", "--set", SCATTER, "--set", "output.figures=false"]
-    words += ["--count", "2", "--workers", "1", "--out", str(tmp_path / "out")]
-    assert main([*words, "--quiet"]) == 0
-    assert main(words) == 0
+    command = ["ensemble", "configs/pendulum_rigid.yaml", "--set", SCATTER, "--set", "output.figures=false"]
+    command += ["--count", "2", "--workers", "1", "--out", str(tmp_path / "out")]
+    assert main([*command, "--quiet"]) == 0
+    assert main(command) == 0
     assert "holds all runs of this ensemble already; --restart" in capsys.readouterr().out
 
 
@@ -96,6 +96,6 @@ def test_what_scatters_is_for_the_engine_and_for_distributed_loads() -> None:
     from granular_contact.errors import SceneError
     from granular_contact.scene import build
 
-    for override, words in (("method={reduced: {modes: 0}}", "scatters"), ("load.form=resultant", "load.form")):
-        with pytest.raises(SceneError, match=words):
+    for override, message in (("method={reduced: {modes: 0}}", "scatters"), ("load.form=resultant", "load.form")):
+        with pytest.raises(SceneError, match=message):
             build(scenario_of("pendulum_rigid", SCATTER, override))

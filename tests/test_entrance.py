@@ -22,8 +22,8 @@ from granular_contact.config import json_schema, load, medium_names
 
 def test_the_bare_command_lists_the_commands(capsys: pytest.CaptureFixture[str]) -> None:
     assert main([]) == 0
-    told = capsys.readouterr().out
-    assert all(f"\n    {name} " in told for name in ("new", "run", "check", "schema", "warm"))
+    printed = capsys.readouterr().out
+    assert all(f"\n    {name} " in printed for name in ("new", "run", "check", "schema", "warm"))
 
 
 def test_what_a_command_does_not_take_is_told_with_what_it_takes(capsys: pytest.CaptureFixture[str]) -> None:
@@ -31,9 +31,9 @@ def test_what_a_command_does_not_take_is_told_with_what_it_takes(capsys: pytest.
     for given, usage in commands:
         with pytest.raises(SystemExit):
             main(given.split())
-        said = capsys.readouterr().err
-        assert usage in said
-        assert f"unrecognized arguments: {given.split()[-1]}" in said
+        errors = capsys.readouterr().err
+        assert usage in errors
+        assert f"unrecognized arguments: {given.split()[-1]}" in errors
 
 
 def test_the_version_names_the_engine_too(capsys: pytest.CaptureFixture[str]) -> None:
@@ -120,14 +120,14 @@ def test_the_schemas_that_lines_for_editors_name_are_written(tmp_path: Path, mon
 
 def test_paths_of_set_start_where_one_stands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Those in a config start from its folder."""
-    configs, here = tmp_path / "configs", tmp_path / "here"
-    for folder, density in ((configs, 1000), (here, 2000)):
+    configs, working_folder = tmp_path / "configs", tmp_path / "here"
+    for folder, density in ((configs, 1000), (working_folder, 2000)):
         folder.mkdir()
         medium = f"{{law: albert, density_kg_m3: {density}, eta_h: 8}}"
         (folder / "sand.yaml").write_text(medium, encoding="utf-8")
-    (here / "turn.csv").write_text("time_s,angle\n0,1\n1,2\n", encoding="utf-8")
+    (working_folder / "turn.csv").write_text("time_s,angle\n0,1\n1,2\n", encoding="utf-8")
     (configs / "run.yaml").write_text("model: compound_pendulum\nmedium: sand.yaml\n", encoding="utf-8")
-    monkeypatch.chdir(here)
+    monkeypatch.chdir(working_folder)
     assert load("../configs/run.yaml").scenario.media[0].density_kg_m3 == 1000
     for changed in (
         load("../configs/run.yaml", ["medium=sand.yaml"]),
@@ -141,9 +141,9 @@ def test_paths_of_set_start_where_one_stands(tmp_path: Path, monkeypatch: pytest
 
 def test_kernels_are_compiled_ahead(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["warm", "pendulum_rigid"]) == 0
-    told = capsys.readouterr()
-    assert told.out.startswith("1 kinds of runs are ready: ")
-    assert "pendulum_rigid (the law lee_marghitu for round bars, minimal)" in told.err
+    printed = capsys.readouterr()
+    assert printed.out.startswith("1 kinds of runs are ready: ")
+    assert "pendulum_rigid (the law lee_marghitu for round bars, minimal)" in printed.err
 
 
 @pytest.mark.skipif(not hasattr(os, "openpty"), reason="no terminals of this kind here")
@@ -163,11 +163,11 @@ print_table("case", heads, [["case_1", "2", "39.28", "34.27", "4e-6"]])
     os.close(ours)
     assert done.returncode == 0
     assert max(len(line.rstrip()) for line in lines) <= columns
-    words = " ".join(" ".join(lines).split())
-    assert "25.46 ms, from touch to the first zero of the mean rate, about the pivot of the link" in words
+    text = " ".join(" ".join(lines).split())
+    assert "25.46 ms, from touch to the first zero of the mean rate, about the pivot of the link" in text
     listed = "impact_speed_rad_s 2 stop ms 39.28 angle deg 34.27 imbalance 4e-6"
-    assert (listed in words) == (columns == 44)
-    assert ("case_1 2 39.28 34.27 4e-6" in words) == (columns == 130)
+    assert (listed in text) == (columns == 44)
+    assert ("case_1 2 39.28 34.27 4e-6" in text) == (columns == 130)
 
 
 OF_WORKERS = """

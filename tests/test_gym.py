@@ -43,10 +43,12 @@ def arm(**options: Any) -> GranularEnv:
 
 
 def test_gymnasium_finds_nothing_but_that_positions_have_no_bounds() -> None:
-    with warnings.catch_warnings(record=True) as told:
+    with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         check_env(gymnasium.make(RUNNER, end_time_s=0.05).unwrapped)
-    assert all("A Box observation space m" in str(one.message) for one in told), [str(one.message) for one in told]
+    assert all("A Box observation space m" in str(warning.message) for warning in caught), [
+        str(warning.message) for warning in caught
+    ]
 
 
 def test_an_episode_is_cut_at_the_end_and_rewarded_by_the_way() -> None:
@@ -64,12 +66,14 @@ def test_an_episode_is_cut_at_the_end_and_rewarded_by_the_way() -> None:
         env.step(np.zeros(1))
     results = env.simulation.results()
     np.testing.assert_allclose(results["hinge_torque_Nm"], 0.3)  # 1 is the end of its range
-    assert not any("beyond its range" in words for words in results.warnings)
+    assert not any("beyond its range" in warning for warning in results.warnings)
     env.reset(seed=1)
     env.step(np.array([-3.0]))  # as of a policy without bounds
     results = env.simulation.results()
     assert results["hinge_torque_Nm"][-1] == -0.1
-    assert any("hinge_torque_Nm was given beyond its range, -0.1 to 0.3, once" in words for words in results.warnings)
+    assert any(
+        "hinge_torque_Nm was given beyond its range, -0.1 to 0.3, once" in warning for warning in results.warnings
+    )
     fallen = arm(terminated=lambda seen: seen["hinge_angle_deg"] > 20.1)
     fallen.reset(seed=1)
     *_, ended, cut, _ = fallen.step(np.ones(1))
@@ -97,10 +101,10 @@ def test_seeds_hold_for_what_is_drawn_at_resets() -> None:
         return [*first, *env.step(np.zeros(1))[0], env.simulation.scenario.medium.eta_d]
 
     env = arm(vary=vary)
-    one, next_one = seen(env, 5), seen(env, None)
-    assert one != next_one
-    assert seen(env, 5) == one
-    assert seen(arm(vary=vary), 5) == one
+    seeded, next_draw = seen(env, 5), seen(env, None)
+    assert seeded != next_draw
+    assert seen(env, 5) == seeded
+    assert seen(arm(vary=vary), 5) == seeded
     env.reset(seed=5, options={"medium.eta_d": 7.5})
     assert env.simulation.scenario.medium.eta_d == 7.5
 
@@ -115,10 +119,10 @@ def test_a_state_of_mid_episode_goes_on_as_it_did() -> None:
     other = arm()
     other.restore(pickle.loads(kept))
     for (seen, *rest), action in zip(future, actions, strict=True):
-        again = other.step(action)
-        np.testing.assert_array_equal(again[0], seen)
-        assert list(again[1:4]) == rest
-    assert max(one[0][2] for one in future) > 0.0  # in the sand
+        restored = other.step(action)
+        np.testing.assert_array_equal(restored[0], seen)
+        assert list(restored[1:4]) == rest
+    assert max(outcome[0][2] for outcome in future) > 0.0  # in the sand
 
 
 def test_a_picture_shows_the_mechanism_and_the_sand() -> None:
@@ -138,9 +142,9 @@ def test_environments_in_processes_are_the_same() -> None:
     # Forked ones have loaded all that this process has, kernels too.
     context = "fork" if "fork" in multiprocessing.get_all_start_methods() else "spawn"
     options: dict[str, Any] = {"end_time_s": 0.04, "vary": {"initial.joints.trunk.y_m": (0.045, 0.046)}}
-    one = gymnasium.make(RUNNER, **options)
-    first = one.reset(seed=4)[0]
-    alone = one.step(np.full(4, 0.5, np.float32))
+    env = gymnasium.make(RUNNER, **options)
+    first = env.reset(seed=4)[0]
+    alone = env.step(np.full(4, 0.5, np.float32))
     envs = gymnasium.make_vec(
         RUNNER, num_envs=2, vectorization_mode="async", vector_kwargs={"context": context}, **options
     )
@@ -215,9 +219,9 @@ def test_what_can_not_be_set_is_told() -> None:
             arm(vary={"medium.zeta": how})
     env = arm()
     env.reset(seed=1)
-    for words in ("left", [[1.0], [2.0, 3.0]]):
+    for action in ("left", [[1.0], [2.0, 3.0]]):
         with pytest.raises(ControlError, match=r"action: got .* allowed is an array of numbers"):
-            env.step(words)  # type: ignore[arg-type]
+            env.step(action)  # type: ignore[arg-type]
     with pytest.raises(ControlError, match=r"action: got the shape \(2,\), allowed is \(1,\)"):
         env.step(np.zeros(2))
     for bad in (np.nan, np.inf):

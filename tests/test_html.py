@@ -192,8 +192,8 @@ WORDS = {
 @pytest.mark.parametrize("kind", KINDS)
 def test_pages_tell_what_they_are_for(kind: str, pages: dict[str, Path]) -> None:
     text = "".join(Outline(pages[kind].read_text(encoding="utf-8")).text)
-    for words in WORDS[kind]:
-        assert words in text
+    for sentence in WORDS[kind]:
+        assert sentence in text
 
 
 def test_a_run_shows_all_its_figures_and_its_motion_once(pages: dict[str, Path]) -> None:
@@ -206,9 +206,9 @@ def test_a_run_shows_all_its_figures_and_its_motion_once(pages: dict[str, Path])
 
 
 def test_a_failed_run_is_shown_as_failed(tmp_path: Path) -> None:
-    one = make(stopped=False)
-    summary = one.summary | {"status": "failed", "message": "Newton's method did not converge at 0.01 s"}
-    report.write(dataclasses.replace(one, summary=summary), tmp_path / "r", figures=False)
+    results = make(stopped=False)
+    summary = results.summary | {"status": "failed", "message": "Newton's method did not converge at 0.01 s"}
+    report.write(dataclasses.replace(results, summary=summary), tmp_path / "r", figures=False)
     page = html(tmp_path / "r")
     assert '<span class="status bad">failed</span>' in page
     assert "No stop was found." in page
@@ -216,8 +216,10 @@ def test_a_failed_run_is_shown_as_failed(tmp_path: Path) -> None:
 
 
 def test_a_run_that_is_not_usable_is_shown_as_such(tmp_path: Path) -> None:
-    one = make()
-    report.write(dataclasses.replace(one, summary=one.summary | {"usable": False}), tmp_path / "r", figures=False)
+    results = make()
+    report.write(
+        dataclasses.replace(results, summary=results.summary | {"usable": False}), tmp_path / "r", figures=False
+    )
     assert '<span class="status bad">came to rest, not usable</span>' in html(tmp_path / "r")
 
 
@@ -306,7 +308,7 @@ def test_warnings_that_differ_in_numbers_are_one_kind(tmp_path: Path) -> None:
 
 
 def test_contacts_travel_and_work_of_a_mechanism_are_told(tmp_path: Path) -> None:
-    one = make()
+    results = make()
     more = {
         "stopping_time_s": None,
         "stopping_time_measure": None,
@@ -316,15 +318,15 @@ def test_contacts_travel_and_work_of_a_mechanism_are_told(tmp_path: Path) -> Non
         "contacts": {"front": [[0.01, 0.02], [0.05, 0.09]], "rear": [[0.1 * i, 0.1 * i + 0.01] for i in range(20)]},
         "energy": {"initial_J": 0.1, "drive_work_J": 3.9, "imbalance_relative": 1e-5},
     }
-    report.write(dataclasses.replace(one, summary=one.summary | more), tmp_path / "r", figures=False)
+    report.write(dataclasses.replace(results, summary=results.summary | more), tmp_path / "r", figures=False)
     text = "".join(Outline(html(tmp_path / "r")).text)
-    for words in (
+    for phrase in (
         "It travelled 343.2 mm, with a mean speed of 0.2288 m/s. Its cost of transport was 3.25.",
         "10 ms to 20 ms; 50 ms to 90 ms",
         "and 12 more",
         "work of drives3.9 J",
     ):
-        assert words in text
+        assert phrase in text
     assert "No stop" not in text
 
 
@@ -351,8 +353,10 @@ def test_several_runs_make_a_gallery(tmp_path: Path, capsys: pytest.CaptureFixtu
     assert capsys.readouterr().out == f"saved in {tmp_path / 'gallery.html'}\n"
     outline = Outline((tmp_path / "gallery.html").read_text(encoding="utf-8"))
     assert not outline.open
-    assert [str(one["src"])[:14] for one in outline.all("img")] == ["data:image/png"]
-    assert [one["href"] for one in outline.all("a") if not str(one["href"]).startswith("#")] == ["two/report.html"]
+    assert [str(element["src"])[:14] for element in outline.all("img")] == ["data:image/png"]
+    assert [element["href"] for element in outline.all("a") if not str(element["href"]).startswith("#")] == [
+        "two/report.html"
+    ]
     assert "stopping time (ms)" in "".join(outline.text)
 
 
@@ -366,9 +370,9 @@ def test_only_our_scripts_run_and_plotly_is_in_the_page(pages: dict[str, Path]) 
         page = write_page([pages["run"].parent]).read_text(encoding="utf-8") if kind == "gallery" else page
         policy = re.search(r"default-src 'none'; [^\"]*script-src ([^\"]*)\"", page)
         assert policy is not None
-        found = re.findall(r"<script([^>]*)>(.*?)</script>", page, re.DOTALL)
-        texts = [text for attributes, text in found if not attributes]
-        texts += [zlib.decompress(b64decode(text)).decode() for attributes, text in found if "plotly" in attributes]
+        scripts = re.findall(r"<script([^>]*)>(.*?)</script>", page, re.DOTALL)
+        texts = [text for attributes, text in scripts if not attributes]
+        texts += [zlib.decompress(b64decode(text)).decode() for attributes, text in scripts if "plotly" in attributes]
         hashes = [f"'sha256-{b64encode(sha256(text.encode()).digest()).decode()}'" for text in texts]
         assert policy[1].split() == hashes
         assert len(hashes) == count
@@ -377,19 +381,19 @@ def test_only_our_scripts_run_and_plotly_is_in_the_page(pages: dict[str, Path]) 
 
 def test_whatever_is_written_stays_text(tmp_path: Path) -> None:
     evil = "</p><script>alert('x')</script>\"&amp;"
-    one = make()
-    summary = one.summary | {"name": evil, "message": evil, "warnings": [evil], "versions": {evil: evil}}
-    columns = tuple(dataclasses.replace(column, description=evil) for column in one.columns)
-    results = dataclasses.replace(one, summary=summary, columns=columns, scenario={"name": evil})
+    pendulum = make()
+    summary = pendulum.summary | {"name": evil, "message": evil, "warnings": [evil], "versions": {evil: evil}}
+    columns = tuple(dataclasses.replace(column, description=evil) for column in pendulum.columns)
+    results = dataclasses.replace(pendulum, summary=summary, columns=columns, scenario={"name": evil})
     report.write(results, tmp_path / "r", figures=False)
     page = html(tmp_path / "r")
     outline = Outline(page)
-    assert [one.get("id") for one in outline.all("script")] == ["page-data", "plotly", None]
+    assert [pendulum.get("id") for pendulum in outline.all("script")] == ["page-data", "plotly", None]
     assert "".join(outline.text).count(evil) >= len(columns) + 4
 
 
 @pytest.mark.parametrize(
-    ("key", "value", "words"),
+    ("key", "value", "shown"),
     [
         ("stopping_time_s", 0.0254, "25.4 ms"),
         ("tip_speed_m_s", -1.25, "\N{MINUS SIGN}1.25 m/s"),
@@ -402,8 +406,8 @@ def test_whatever_is_written_stays_text(tmp_path: Path) -> None:
         ("moment_Nm", 2.0, "2 N\N{MIDDLE DOT}m"),
     ],
 )
-def test_quantities_have_the_unit_of_their_key(key: str, value: object, words: str) -> None:
-    assert quantity(key, value) == words
+def test_quantities_have_the_unit_of_their_key(key: str, value: object, shown: str) -> None:
+    assert quantity(key, value) == shown
 
 
 def test_keys_are_put_into_words_and_columns_get_one_unit() -> None:
@@ -478,11 +482,11 @@ def broken(folder: Path) -> Iterator[str]:
 
 
 def test_broken_folders_are_refused_in_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    for words in broken(tmp_path / "r"):
+    for message in broken(tmp_path / "r"):
         assert cli.main(["report", str(tmp_path / "r")]) == 2
-        told = capsys.readouterr().err
-        assert words in told
-        assert told.count("\n") == 1
+        errors = capsys.readouterr().err
+        assert message in errors
+        assert errors.count("\n") == 1
         assert not (tmp_path / "r" / "report.html").exists()
 
 
@@ -517,17 +521,17 @@ def undamaged(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("name", "content", "words"), DAMAGES)
+@pytest.mark.parametrize(("name", "content", "message"), DAMAGES)
 def test_a_damaged_file_is_named(
-    undamaged: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str, content: bytes, words: str
+    undamaged: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], name: str, content: bytes, message: str
 ) -> None:
     shutil.copytree(undamaged, tmp_path / "run")
     (tmp_path / "run" / name).write_bytes(content)
     assert cli.main(["report", str(tmp_path / "run")]) == 2
-    told = capsys.readouterr().err
-    assert told.startswith(f"report: {tmp_path / 'run' / name}")
-    assert words in told
-    assert told.count("\n") == 1
+    errors = capsys.readouterr().err
+    assert errors.startswith(f"report: {tmp_path / 'run' / name}")
+    assert message in errors
+    assert errors.count("\n") == 1
 
 
 @pytest.mark.parametrize("key", FIT)
@@ -537,10 +541,10 @@ def test_a_fit_of_other_types_is_shown_or_named(tmp_path: Path, key: str, value:
     try:
         write_page(tmp_path)
     except FolderError as error:
-        words = str(error)
+        text = str(error)
     else:
-        words = (tmp_path / "report.html").read_text(encoding="utf-8") and str(tmp_path / "fit.json")
-    assert str(tmp_path / "fit.json") in words
+        text = (tmp_path / "report.html").read_text(encoding="utf-8") and str(tmp_path / "fit.json")
+    assert str(tmp_path / "fit.json") in text
 
 
 # ---- in a browser ----
@@ -574,8 +578,8 @@ return least;
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
-    with Browser() as one:
-        yield one
+    with Browser() as session:
+        yield session
 
 
 @IN_BROWSER
@@ -653,15 +657,15 @@ def opened(browser: Browser, page: Path) -> None:
 def test_the_player_moves_mechanism_cursor_and_numbers_together(pages: dict[str, Path], browser: Browser) -> None:
     opened(browser, pages["run"])
     table = np.genfromtxt(pages["run"].parent / "timeseries.csv", delimiter=",", names=True)
-    told = json.loads((pages["run"].parent / "motion.json").read_text(encoding="utf-8"))
-    ruler, words = browser.run(
+    motion = json.loads((pages["run"].parent / "motion.json").read_text(encoding="utf-8"))
+    ruler, labels = browser.run(
         """return [document.querySelector('#stage .ruler path').getAttribute('d'),
                    document.querySelector('#stage > text.words').textContent]"""
     )
-    px, (length, unit) = float(re.findall(r"M-([\d.]+) ", ruler)[0]), words.split()
+    px, (length, unit) = float(re.findall(r"M-([\d.]+) ", ruler)[0]), labels.split()
     scale = px / (float(length) * {"mm": 1e-3, "m": 1.0}[unit])  # px of a metre
     for share in (0.0, 0.37, 1.0):
-        at = told["time_s"][0] + share * (told["time_s"][-1] - told["time_s"][0])
+        at = motion["time_s"][0] + share * (motion["time_s"][-1] - motion["time_s"][0])
         seen = browser.run(
             f"""const slider = document.querySelector('input[type=range]');
             slider.value = {at}; slider.dispatchEvent(new Event('input'));
@@ -669,7 +673,7 @@ def test_the_player_moves_mechanism_cursor_and_numbers_together(pages: dict[str,
                     [...document.querySelectorAll('.panel')].map(p => [p.querySelector('h3').textContent,
                         p.querySelector('.key b').textContent.replace('\N{MINUS SIGN}', '-')])]"""
         )
-        x = np.interp(at, told["time_s"], [poses[1][0] for poses in told["poses"]])
+        x = np.interp(at, motion["time_s"], [poses[1][0] for poses in motion["poses"]])
         assert float(re.findall(r"-?\d[-\d.e]*", seen[0])[0]) == pytest.approx(scale * x, abs=1e-3)
         numbers = dict(seen[1])
         angle = np.interp(at, table["time_s"], table["pivot_angle_deg"])
@@ -769,12 +773,12 @@ def spun() -> Motion:
 def test_a_motion_in_space_is_saved_and_fine_meshes_are_made_coarser(tmp_path: Path) -> None:
     moved = spun()
     report.write(dataclasses.replace(make(), motion=moved), tmp_path / "r", figures=False)
-    again = Folder(tmp_path / "r", "run").motion()
-    assert again is not None
-    assert again.in_space
-    np.testing.assert_allclose(again.points(0), moved.points(0), atol=1e-7)
+    reread = Folder(tmp_path / "r", "run").motion()
+    assert reread is not None
+    assert reread.in_space
+    np.testing.assert_allclose(reread.points(0), moved.points(0), atol=1e-7)
     # Half a turn about the vertical: what was behind is ahead, 0.1 m further.
-    np.testing.assert_allclose(again.points(0)[-1, 0], [0.13, 0.02, 0.04], atol=1e-6)
+    np.testing.assert_allclose(reread.points(0)[-1, 0], [0.13, 0.02, 0.04], atol=1e-6)
     turn, height = np.meshgrid(np.linspace(0, 2 * np.pi, 201), np.linspace(0, 1, 101))
     points = np.column_stack([np.cos(turn.ravel()), np.sin(turn.ravel()), height.ravel()])
     rows = np.arange(100)[:, None] * 201 + np.arange(200)
@@ -848,7 +852,7 @@ def test_a_foreign_script_is_not_run(pages: dict[str, Path], browser: Browser) -
     opened(browser, pages["run"])
     add = "const s = document.createElement('script'); s.textContent = 'window.evil = 1'; document.body.append(s);"
     assert browser.run(f"{add} return window.evil === undefined") is True
-    assert any("Content Security Policy" in one for one in browser.faults())
+    assert any("Content Security Policy" in fault for fault in browser.faults())
 
 
 @pytest.mark.slow
@@ -858,12 +862,14 @@ def test_the_player_in_the_plane_draws_any_size_in_pixels(size: float) -> None:
     bar = Part("rod", size * np.array([[-0.5, 0.0], [0.5, 0.0]]), None, 0.1 * size)
     poses, force = np.zeros((2, 1, 3)), (np.zeros((2, 2)), np.ones((2, 2)))
     poses[1, 0, :2] = 0.2 * size
-    one = stage(Motion(np.array([0.0, 1.0]), (bar,), poses, {}, {"rod": force}), Bed(-0.1 * size), 0, poses[:, 0, :2])
-    (part,) = one["parts"]
+    drawing = stage(
+        Motion(np.array([0.0, 1.0]), (bar,), poses, {}, {"rod": force}), Bed(-0.1 * size), 0, poses[:, 0, :2]
+    )
+    (part,) = drawing["parts"]
     left, right = (float(x) for x in re.findall(r"[ML]([-\d.e]+) ", part["line"]))
     assert right - left == pytest.approx(10 * part["size"], rel=1e-5)  # six digits are written
-    assert 0.6 * one["width"] < right - left < one["width"]
-    assert one["motion"].poses[1, 0, 0] == pytest.approx(2 * part["size"])
-    assert one["left"] < left < right < one["left"] + one["width"]
-    assert float(re.findall(r" ([-\d.e]+)", one["sand"]["surface"])[0]) == pytest.approx(-part["size"], rel=1e-5)
-    assert one["bar"]["words"] == {1e-6: "200 nm", 1.0: "200 mm", 1e3: "200 m"}[size]
+    assert 0.6 * drawing["width"] < right - left < drawing["width"]
+    assert drawing["motion"].poses[1, 0, 0] == pytest.approx(2 * part["size"])
+    assert drawing["left"] < left < right < drawing["left"] + drawing["width"]
+    assert float(re.findall(r" ([-\d.e]+)", drawing["sand"]["surface"])[0]) == pytest.approx(-part["size"], rel=1e-5)
+    assert drawing["bar"]["words"] == {1e-6: "200 nm", 1.0: "200 mm", 1e3: "200 m"}[size]

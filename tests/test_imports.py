@@ -76,8 +76,8 @@ NAMES = {dotted(path) for path in MODULES} - {""}
 
 def part(name: str, names: set[str]) -> str:
     """The longest of some names that a module's name begins with; its first word if there is none."""
-    found = [n for n in names if f"{name}.".startswith(f"{n}.")]
-    return max(found, key=len, default=name.split(".")[0])
+    parents = [n for n in names if f"{name}.".startswith(f"{n}.")]
+    return max(parents, key=len, default=name.split(".")[0])
 
 
 @cache
@@ -88,8 +88,12 @@ def nodes(path: Path) -> list[ast.AST]:
 @cache
 def imports(path: Path, *, when_run: bool = False) -> set[str]:
     """Dotted names of all that a file imports, inside functions too; when_run: without what only types need."""
-    checks = [one for one in nodes(path) if isinstance(one, ast.If) and ast.unparse(one.test) == "TYPE_CHECKING"]
-    left_out = {node for one in checks for node in ast.walk(one)} if when_run else set()
+    checks = [
+        statement
+        for statement in nodes(path)
+        if isinstance(statement, ast.If) and ast.unparse(statement.test) == "TYPE_CHECKING"
+    ]
+    left_out = {node for statement in checks for node in ast.walk(statement)} if when_run else set()
     names: set[str] = set()
     for node in nodes(path):
         if node in left_out:
@@ -102,7 +106,7 @@ def imports(path: Path, *, when_run: bool = False) -> set[str]:
     return names
 
 
-def own(path: Path) -> set[str]:
+def own_modules(path: Path) -> set[str]:
     """The package's modules that a file imports."""
     ours = {name for name in imports(path) if name.startswith("granular_contact.")}
     found = {name.removeprefix("granular_contact.") for name in ours} & NAMES
@@ -115,17 +119,19 @@ def ids(path: Path) -> str:
 
 def wrong(of: Callable[[Path], set[str]], modules: Sequence[Path] = MODULES) -> dict[str, set[str]]:
     """What is wrong with each module, of those with which something is."""
-    return {ids(path): found for path in modules if (found := of(path))}
+    return {ids(path): names for path in modules if (names := of(path))}
 
 
 def below(name: str) -> set[str]:
     """Rooms that a module may import: its own, those on lower floors, and what it may load late."""
     room = part(name, set(ROOMS))
     floor = next((i for i, rooms in enumerate(FLOORS) if room in rooms), len(FLOORS))
-    lower = {one for rooms in FLOORS[:floor] for one in rooms} | {room}
+    lower = {module for rooms in FLOORS[:floor] for module in rooms} | {room}
     never = NEVER.get(room, set())
-    late = set().union(*(more for one, more in LATE.items() if f"{name}.".startswith(f"{one}.")))
-    return {one for one in lower if one == room or not any(f"{one}.".startswith(f"{no}.") for no in never)} | late
+    late = set().union(*(more for module, more in LATE.items() if f"{name}.".startswith(f"{module}.")))
+    return {
+        module for module in lower if module == room or not any(f"{module}.".startswith(f"{no}.") for no in never)
+    } | late
 
 
 def test_imports_go_one_way() -> None:
@@ -134,7 +140,7 @@ def test_imports_go_one_way() -> None:
         if part(name, set(ROOMS)) not in ROOMS:  # at the top, and free
             return set()
         allowed = below(name)
-        return {other for other in own(path) if not {part(other, set(ROOMS)), part(other, allowed)} & allowed}
+        return {other for other in own_modules(path) if not {part(other, set(ROOMS)), part(other, allowed)} & allowed}
 
     assert len(MODULES) > 300
     assert wrong(forbidden) == {}
@@ -176,12 +182,12 @@ def test_only_the_command_line_prints_and_exits() -> None:
     # (os._exit is left out: a worker process has to end without its parent.)
     shouts = {"print", "exit", "quit", "sys.exit", "sys.stdout.write", "sys.stderr.write"}
 
-    def said(path: Path) -> set[str]:
+    def output_calls(path: Path) -> set[str]:
         calls = {ast.unparse(node.func) for node in nodes(path) if isinstance(node, ast.Call)} & shouts
         raised = {ast.unparse(one.exc) for one in nodes(path) if isinstance(one, ast.Raise) and one.exc is not None}
         return calls | {error for error in raised if "SystemExit" in error}
 
-    assert wrong(said, [path for path in MODULES if not dotted(path).startswith(("__main__", "cli"))]) == {}
+    assert wrong(output_calls, [path for path in MODULES if not dotted(path).startswith(("__main__", "cli"))]) == {}
 
 
 RUN = """

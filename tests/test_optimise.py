@@ -81,7 +81,7 @@ def study(folder: Path, text: str = FILE, name: str = "search.yaml") -> Study:
     return load_optimise(folder / name, probe=build)
 
 
-def found(held: Study, workers: int = 1, function=hill, **more) -> Outcome:
+def outcome_of(held: Study, workers: int = 1, function=hill, **more) -> Outcome:
     with WorkerPool(workers, Threads) as pool:
         return search(held, pool, function=function, **more)
 
@@ -93,7 +93,7 @@ def found(held: Study, workers: int = 1, function=hill, **more) -> Outcome:
 @pytest.mark.parametrize("method", METHODS)
 def test_the_top_is_found_and_workers_do_not_matter(tmp_path, method):
     held = study(tmp_path, f"{FILE}method: {method}\nseed: 3\n")
-    outcome = found(held)
+    outcome = outcome_of(held)
     best = outcome.numbers
     # The paraboloid falls by 1e-3 within 3 % of the range of the angle and of the logarithm of the speed.
     assert outcome.value > 1 - 1e-3
@@ -103,42 +103,42 @@ def test_the_top_is_found_and_workers_do_not_matter(tmp_path, method):
     assert outcome.start.value < 0.9
     assert outcome.gain == pytest.approx(outcome.value / outcome.start.value - 1)
     assert (len(outcome.runs), outcome.failed, outcome.ended) == (150, [], "")
-    assert found(held, workers=3).rows == outcome.rows
+    assert outcome_of(held, workers=3).rows == outcome.rows
     few = FILE.replace("evaluations: 150", "evaluations: 20")
-    other = found(study(tmp_path, f"{few}method: {method}\nseed: 4\n", "other.yaml"))
+    other = outcome_of(study(tmp_path, f"{few}method: {method}\nseed: 4\n", "other.yaml"))
     assert other.rows[2] != outcome.rows[2]
 
 
 @pytest.mark.parametrize("method", METHODS)
 def test_constraints_are_kept_though_better_lies_beyond(tmp_path, method):
     text = f"{FILE}method: {method}\nconstraints: {{speed: {{at_most: 3, at_least: 2}}}}\n"
-    outcome = found(study(tmp_path, text))
+    outcome = outcome_of(study(tmp_path, text))
     assert outcome.best.is_allowed
     assert 2.9 < outcome.best.row.summary["speed"] <= 3  # the top is at 4
     assert outcome.gain is None  # the config has a speed of 6, which is not allowed
-    assert max(one.value for one in outcome.runs) > outcome.value
+    assert max(run.value for run in outcome.runs) > outcome.value
 
 
 def test_what_no_run_keeps_is_broken_least(tmp_path):
-    outcome = found(study(tmp_path, f"{FILE}constraints: {{speed: {{at_most: 0.5}}}}\n"))
+    outcome = outcome_of(study(tmp_path, f"{FILE}constraints: {{speed: {{at_most: 0.5}}}}\n"))
     assert not outcome.best.is_allowed
     assert outcome.best.row.summary["speed"] == pytest.approx(1, rel=0.02)  # the lowest of the range
 
 
 @pytest.mark.parametrize("method", METHODS)
 def test_failed_runs_count_as_worst_and_are_told(tmp_path, method):
-    outcome = found(study(tmp_path, f"{FILE}method: {method}\n"), function=breaking)
+    outcome = outcome_of(study(tmp_path, f"{FILE}method: {method}\n"), function=breaking)
     assert outcome.value > 1 - 1e-2
     assert 20 <= outcome.numbers[ANGLE] <= 50
-    reasons = {one.failure for one in outcome.failed}
+    reasons = {run.failure for run in outcome.failed}
     assert "ArithmeticError: too steep" in reasons
     assert "the energy balance has an error of 50%: the result is not usable" in reasons
-    assert all(one.cost > 1e35 for one in outcome.failed)
+    assert all(run.cost > 1e35 for run in outcome.failed)
 
 
 def test_weights_and_the_sense_of_the_objective(tmp_path):
     text = FILE.replace("{maximise: height}", "{minimise: {height: -2, speed: 0.0, energy.initial_J: 1.0e-9}}")
-    outcome = found(study(tmp_path, text))
+    outcome = outcome_of(study(tmp_path, text))
     assert outcome.value == pytest.approx(-2, abs=2e-3)
     assert outcome.study.file.objective.formula == "-2 height + 0 speed + 1e-09 energy.initial_J"
 
@@ -156,16 +156,16 @@ def test_one_number_of_a_parameter_goes_to_all_its_keys(tmp_path):
 
 def test_what_is_in_the_journal_is_not_run_again(tmp_path):
     held, ran = study(tmp_path), []
-    whole = found(held)
+    whole = outcome_of(held)
     writer = Journal(tmp_path).writer()
-    for one in whole.runs[:70:2]:
-        writer.append(one.row.line())
+    for run in whole.runs[:70:2]:
+        writer.append(run.row.line())
     writer.close()
-    again = found(held, journal=Journal(tmp_path), advance=lambda: ran.append(1))
-    assert again.rows == whole.rows
+    resumed = outcome_of(held, journal=Journal(tmp_path), advance=lambda: ran.append(1))
+    assert resumed.rows == whole.rows
     assert len(ran) == 150 - 35
     with pytest.raises(FolderRefused, match=r"run_001 in the journal has other numbers than this search asks for"):
-        found(study(tmp_path, f"{FILE}seed: 5\n", "other.yaml"), journal=Journal(tmp_path))
+        outcome_of(study(tmp_path, f"{FILE}seed: 5\n", "other.yaml"), journal=Journal(tmp_path))
 
 
 REAL = f"""config: {CONFIGS / "pendulum_rigid.yaml"}
@@ -185,22 +185,22 @@ def history(folder: Path) -> list[dict[str, str]]:
 @pytest.mark.slow
 def test_a_search_killed_goes_on_to_the_same_best(tmp_path, monkeypatch, capsys):
     (tmp_path / "search.yaml").write_text(REAL, encoding="utf-8")
-    words = ["optimise", str(tmp_path / "search.yaml"), "--out", str(tmp_path / "out"), "--workers", "2"]
+    command = ["optimise", str(tmp_path / "search.yaml"), "--out", str(tmp_path / "out"), "--workers", "2"]
 
     def lines(out: Path) -> int:
         return sum(file.read_bytes().count(b"\n") for file in (out.with_suffix(".part") / "journal").glob("*.jsonl"))
 
-    with subprocess.Popen(arguments(*words), env=HERE, stdout=subprocess.DEVNULL) as process:
+    with subprocess.Popen(arguments(*command), env=HERE, stdout=subprocess.DEVNULL) as process:
         until(lambda: process.poll() is not None or lines(tmp_path / "out") >= 8, 100)
         process.send_signal(signal.SIGKILL)
     kept = lines(tmp_path / "out")
     assert 8 <= kept < 30
     assert not (tmp_path / "out").exists()
     monkeypatch.setattr(shared, "pool", lambda *_: WorkerPool(2, Threads))  # other workers go on
-    assert main(words) == 0
-    told = capsys.readouterr().out
-    assert f"going on in {tmp_path / 'out.part'}: " in told
-    assert "better by" in told
+    assert main(command) == 0
+    printed = capsys.readouterr().out
+    assert f"going on in {tmp_path / 'out.part'}: " in printed
+    assert "better by" in printed
     # Undisturbed, from Python, on one worker.
     settings = {"method": {"reduced": {"modes": 0}}, "output": {"figures": False}}
     whole = granular_contact.optimise(
@@ -212,11 +212,11 @@ def test_a_search_killed_goes_on_to_the_same_best(tmp_path, monkeypatch, capsys)
         seed=1,
         workers=1,
     )
-    there = history(tmp_path / "out")
-    assert [float(row["objective"]) for row in there] == [one.value for one in whole.runs]
-    told = json.loads((tmp_path / "out" / "optimise.json").read_text(encoding="utf-8"))
-    assert told["best"] == whole.value
-    assert {name: one["best"] for name, one in told["parameters"].items()} == whole.numbers
+    rows = history(tmp_path / "out")
+    assert [float(row["objective"]) for row in rows] == [entry.value for entry in whole.runs]
+    printed = json.loads((tmp_path / "out" / "optimise.json").read_text(encoding="utf-8"))
+    assert printed["best"] == whole.value
+    assert {name: entry["best"] for name, entry in printed["parameters"].items()} == whole.numbers
     # What was found is a config that runs, and gives what was found.
     best = load(tmp_path / "out" / "best.yaml").scenario
     assert scenario_to_dict(best) == scenario_to_dict(whole.scenario)
@@ -234,7 +234,7 @@ def test_a_search_killed_goes_on_to_the_same_best(tmp_path, monkeypatch, capsys)
 
 
 @pytest.fixture
-def here(monkeypatch):
+def runs_in_this_process(monkeypatch):
     """Let the command take its runs in threads of this process, and draw them soon."""
     monkeypatch.setattr(shared, "pool", lambda *_: WorkerPool(2, Threads))
     with sketched():
@@ -245,7 +245,7 @@ TINY = REAL.replace("evaluations: 30", "evaluations: 20").replace("false", "true
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("here")
+@pytest.mark.usefixtures("runs_in_this_process")
 def test_the_command_its_folder_and_its_page(tmp_path, capsys):
     text = TINY.replace("constraints: {max_depth_m: {at_most: 0.02}}\n", "")
     text = text.replace("{minimise: stopping_time_s}", "{minimise: {stopping_time_s: 1, max_depth_m: 0.01}}")
@@ -277,7 +277,7 @@ def test_the_command_its_folder_and_its_page(tmp_path, capsys):
     assert {"parameters", "objective"} <= json.loads(capsys.readouterr().out.partition("\n")[2])["properties"].keys()
 
 
-@pytest.mark.usefixtures("here")
+@pytest.mark.usefixtures("runs_in_this_process")
 def test_without_the_package_one_line_says_so(tmp_path, capsys, monkeypatch):
     def missing(name: str) -> str:
         raise searching.metadata.PackageNotFoundError(name)
@@ -321,14 +321,14 @@ FAULTY = {
 }
 
 
-@pytest.mark.parametrize("what", FAULTY)
-def test_faults_are_told_at_their_lines(tmp_path, what):
-    change, line, words = FAULTY[what]
+@pytest.mark.parametrize("case", FAULTY)
+def test_faults_are_told_at_their_lines(tmp_path, case):
+    change, line, message = FAULTY[case]
     with pytest.raises(ConfigError) as caught:
         study(tmp_path, FILE.replace(*change))
     places = [(fault.file, fault.line) for fault in caught.value.faults]
     assert places[0] == (str(tmp_path / "search.yaml"), line)
-    assert words in caught.value.faults[0].message
+    assert message in caught.value.faults[0].message
 
 
 def test_faults_of_the_file_of_its_keys_and_of_the_ends_are_told_at_once(tmp_path):
@@ -339,7 +339,7 @@ def test_faults_of_the_file_of_its_keys_and_of_the_ends_are_told_at_once(tmp_pat
 
 
 @pytest.mark.parametrize(
-    ("change", "key", "words"),
+    ("change", "key", "message"),
     [
         (("maximise: height", "maximise: hight"), "objective.maximise", "no number of a summary; did you mean height?"),
         (("maximise: height", "maximise: status"), "objective.maximise", "got 'status', which is no number"),
@@ -347,9 +347,9 @@ def test_faults_of_the_file_of_its_keys_and_of_the_ends_are_told_at_once(tmp_pat
         (("evaluations", "constraints: {sped: {at_most: 1}}\nevaluations"), "constraints.sped", "did you mean speed?"),
     ],
 )
-def test_an_objective_that_no_run_has_ends_the_search(tmp_path, change, key, words):
+def test_an_objective_that_no_run_has_ends_the_search(tmp_path, change, key, message):
     with pytest.raises(ConfigError) as caught:
-        found(study(tmp_path, FILE.replace(*change)))
+        outcome_of(study(tmp_path, FILE.replace(*change)))
     (fault,) = caught.value.faults
     assert (fault.key, fault.line is not None) == (key, True)
-    assert words in fault.message
+    assert message in fault.message

@@ -46,8 +46,8 @@ def test_a_run_without_files() -> None:
 def test_what_is_public_is_told_by_help() -> None:
     """The first page of `help(granular_contact)` names all of it; completion offers it and nothing else."""
     assert dir(granular_contact) == granular_contact.__all__
-    words = set(re.findall(r"\w+", granular_contact.__doc__ or ""))
-    assert set(granular_contact.__all__) - words == {"RftCoefficients", "VerticalResistance"}  # parts of their laws
+    mentioned = set(re.findall(r"\w+", granular_contact.__doc__ or ""))
+    assert set(granular_contact.__all__) - mentioned == {"RftCoefficients", "VerticalResistance"}  # parts of their laws
 
 
 def calls(name: str, thing: object) -> Iterator[tuple[str, FunctionType]]:
@@ -55,9 +55,9 @@ def calls(name: str, thing: object) -> Iterator[tuple[str, FunctionType]]:
     if isinstance(thing, FunctionType):
         yield name, thing
     for key, value in vars(thing).items() if isinstance(thing, type) else ():
-        found = getattr(value, "__func__", value)
-        if not key.startswith("_") and isinstance(found, FunctionType):
-            yield f"{name}.{key}", found
+        function = getattr(value, "__func__", value)
+        if not key.startswith("_") and isinstance(function, FunctionType):
+            yield f"{name}.{key}", function
 
 
 def test_what_users_call_says_what_it_takes_gives_and_raises() -> None:
@@ -68,15 +68,17 @@ def test_what_users_call_says_what_it_takes_gives_and_raises() -> None:
     homes = [getattr(granular_contact, name) for name in ("GranularBed", "Results", "Simulation")]
     homes += map(extra, ("gym.GranularEnv", "mujoco.MujocoBed"))
     functions = [getattr(granular_contact, name) for name in granular_contact.__all__]
-    things = [*homes, Loaded, *(one for one in functions if isinstance(one, FunctionType))]
-    found = dict(call for thing in things for call in calls(thing.__name__, thing))
-    found |= {"Scenario.replace": Scenario.replace, "Mesh.read": granular_contact.Mesh.read.__func__}
+    things = [*homes, Loaded, *(parameter for parameter in functions if isinstance(parameter, FunctionType))]
+    public = dict(call for thing in things for call in calls(thing.__name__, thing))
+    public |= {"Scenario.replace": Scenario.replace, "Mesh.read": granular_contact.Mesh.read.__func__}
     lacking = []
-    for name, function in found.items():
+    for name, function in public.items():
         text, given = inspect.getdoc(function) or "", inspect.signature(function)
         sections = dict(re.findall(r"^(\w+)\n-{4,}\n(.*?)(?=^\w+\n-{4,}|\Z)", text, re.M | re.S))
-        told = set(re.findall(r"\w+", " ".join(re.findall(r"^\S.*", sections.get("Parameters", ""), re.M))))
-        lacking += [f"{name}: {one}" for one in given.parameters if one not in told | {"self", "cls"}]
+        documented = set(re.findall(r"\w+", " ".join(re.findall(r"^\S.*", sections.get("Parameters", ""), re.M))))
+        lacking += [
+            f"{name}: {parameter}" for parameter in given.parameters if parameter not in documented | {"self", "cls"}
+        ]
         if given.return_annotation != "None" and "Returns" not in sections:
             lacking.append(f"{name}: Returns")
         if re.search(r"^\s+raise \w", inspect.getsource(function), re.M) and "Raises" not in sections:
@@ -84,7 +86,7 @@ def test_what_users_call_says_what_it_takes_gives_and_raises() -> None:
         if "." not in name and "Examples" not in sections:
             lacking.append(f"{name}: Examples")
     assert lacking == []
-    assert len(found) > 40
+    assert len(public) > 40
 
 
 def test_laws_and_shapes_say_what_they_are_made_of() -> None:
@@ -92,20 +94,20 @@ def test_laws_and_shapes_say_what_they_are_made_of() -> None:
     from granular_contact.laws.catalogue import LAWS
 
     named = [getattr(granular_contact, name) for name in granular_contact.__all__]
-    kinds = [one for one in named if isinstance(one, type) and hasattr(one, "__dataclass_fields__")]
+    kinds = [kind_ for kind_ in named if isinstance(kind_, type) and hasattr(kind_, "__dataclass_fields__")]
     for kind in {*kinds, *LAWS.values()} - {granular_contact.Results}:
-        texts = (inspect.cleandoc(one.__doc__ or "") for one in kind.__mro__)
-        found = " ".join(line for text in texts for line in re.findall(r"^\S.* : .*", text, re.M))
-        own = [name for name, field in kind.__dataclass_fields__.items() if getattr(field, "init", True)]
-        assert set(own) <= set(re.findall(r"\w+", found)), kind.__name__
+        texts = (inspect.cleandoc(kind_.__doc__ or "") for kind_ in kind.__mro__)
+        documented = " ".join(line for text in texts for line in re.findall(r"^\S.* : .*", text, re.M))
+        fields = [name for name, field in kind.__dataclass_fields__.items() if getattr(field, "init", True)]
+        assert set(fields) <= set(re.findall(r"\w+", documented)), kind.__name__
 
 
 def extra(path: str) -> type:
     """A class that needs an extra of the package."""
     module, _, name = path.partition(".")
     pytest.importorskip({"gym": "gymnasium"}.get(module, module))
-    found: type = getattr(import_module(f"granular_contact.{module}"), name)
-    return found
+    kind: type = getattr(import_module(f"granular_contact.{module}"), name)
+    return kind
 
 
 def test_media_and_simulations_are_shown_in_a_line() -> None:

@@ -41,38 +41,38 @@ MEDIUM = {"joints", "forces", "energy", "mechanism"}
 
 def two_hinges() -> Results:
     """A second hinge that does as the first one does, mirrored in x so that the link points left."""
-    one = make(flexible=True)
-    extra = np.column_stack([2 * one["pivot_angle_deg"] + 100, -one["pivot_rate_rad_s"]])
+    results = make(flexible=True)
+    extra = np.column_stack([2 * results["pivot_angle_deg"] + 100, -results["pivot_rate_rad_s"]])
     knee = Column("knee_angle_deg", "angle of shin at knee, relative to thigh, clockwise positive")
-    columns = (*one.columns, knee, Column("knee_rate_rad_s", ""))
+    columns = (*results.columns, knee, Column("knee_rate_rad_s", ""))
     mirrored = tuple(
         dataclasses.replace(
             shot, outlines=tuple(dataclasses.replace(o, points=o.points * [-1, 1]) for o in shot.outlines)
         )
-        for shot in one.snapshots
+        for shot in results.snapshots
     )
-    return dataclasses.replace(one, columns=columns, table=np.hstack([one.table, extra]), snapshots=mirrored)
+    return dataclasses.replace(results, columns=columns, table=np.hstack([results.table, extra]), snapshots=mirrored)
 
 
 def free_disc() -> Results:
     """A dropped disc: no hinge, no mean rate."""
-    one = make()
-    keep = [i for i, column in enumerate(one.columns) if "_deg" not in column.name and "rad_s" not in column.name]
-    depth = one.summary["max_depth_m"]
+    results = make()
+    keep = [i for i, column in enumerate(results.columns) if "_deg" not in column.name and "rad_s" not in column.name]
+    depth = results.summary["max_depth_m"]
     shots = tuple(
-        Snapshot(label, at, (Outline("ball", np.array([[0.3, one.surface + 0.01 - sunk]]), 0.02),))
+        Snapshot(label, at, (Outline("ball", np.array([[0.3, results.surface + 0.01 - sunk]]), 0.02),))
         for label, at, sunk in (("touch", 0.0, 0.0), ("deepest", 0.03, depth), ("end", 0.03, depth))
     )
-    columns = tuple(one.columns[i] for i in keep)
-    summary = {**one.summary, "angle_at_stop_deg": None}
-    return dataclasses.replace(one, columns=columns, table=one.table[:, keep], snapshots=shots, summary=summary)
+    columns = tuple(results.columns[i] for i in keep)
+    summary = {**results.summary, "angle_at_stop_deg": None}
+    return dataclasses.replace(results, columns=columns, table=results.table[:, keep], snapshots=shots, summary=summary)
 
 
 def walker() -> Results:
     """A body on four legs of arcs with feet, all of which walk up a slope; the medium has a profile."""
-    one = make()
+    results = make()
     surface = np.array([[0.0, -0.1], [1.0, 0.1]])
-    sunk = one.summary["max_depth_m"]
+    sunk = results.summary["max_depth_m"]
     turn = np.linspace(0.0, np.pi, 12)
     shots = []
     for label, at, x in (("touch", 0.0, 0.2), ("deepest", 0.02, 0.5), ("end", 0.03, 0.8)):
@@ -84,29 +84,31 @@ def walker() -> Results:
             foot = hip - [0, 0.1] + 0.01 * np.array([[-1, 0.5], [1, 0.5], [1, 0], [-1, 0], [-1, 0.5]])
             outlines += [Outline(f"leg{i}", leg, 0.004), Outline(f"foot{i}", foot, 0.0)]
         shots.append(Snapshot(label, at, tuple(outlines)))
-    keep = [i for i, column in enumerate(one.columns) if "_deg" not in column.name and "rad_s" not in column.name]
-    columns = tuple(one.columns[i] for i in keep)
-    return dataclasses.replace(one, surface=surface, snapshots=tuple(shots), columns=columns, table=one.table[:, keep])
+    keep = [i for i, column in enumerate(results.columns) if "_deg" not in column.name and "rad_s" not in column.name]
+    columns = tuple(results.columns[i] for i in keep)
+    return dataclasses.replace(
+        results, surface=surface, snapshots=tuple(shots), columns=columns, table=results.table[:, keep]
+    )
 
 
 def chain() -> Results:
     """A pendulum of nine hinges in a medium of two layers on a floor, with six terms of its force."""
-    one = make()
-    extra, columns = [], list(one.columns)
+    results = make()
+    extra, columns = [], list(results.columns)
     for i in range(2, 10):
-        extra += [one["pivot_angle_deg"] / i, -one["pivot_rate_rad_s"] / i]
+        extra += [results["pivot_angle_deg"] / i, -results["pivot_rate_rad_s"] / i]
         columns.append(
             Column(f"hinge_{i}_angle_deg", f"angle of link_{i} at hinge_{i}, relative to link_{i - 1}, clockwise")
         )
         columns.append(Column(f"hinge_{i}_rate_rad_s", ""))
-    for term in one.terms:
-        for what in ("force_x_N", "force_y_N", "moment_Nm"):
-            extra.append(0.5 * one[f"{term}_{what}"])
-            columns.append(Column(f"second_{term}_{what}", ""))
-    table = np.column_stack([one.table, *extra])
-    terms = (*one.terms, *(f"second_{term}" for term in one.terms))
-    floor = float(one.surface) - 0.04
-    return dataclasses.replace(one, columns=tuple(columns), table=table, terms=terms, layers=(0.01,), floor=floor)
+    for term in results.terms:
+        for component in ("force_x_N", "force_y_N", "moment_Nm"):
+            extra.append(0.5 * results[f"{term}_{component}"])
+            columns.append(Column(f"second_{term}_{component}", ""))
+    table = np.column_stack([results.table, *extra])
+    terms = (*results.terms, *(f"second_{term}" for term in results.terms))
+    floor = float(results.surface) - 0.04
+    return dataclasses.replace(results, columns=tuple(columns), table=table, terms=terms, layers=(0.01,), floor=floor)
 
 
 def over_time(results: Results, name: str) -> Figure:
@@ -162,8 +164,8 @@ def test_figures_are_those_with_data_and_pngs_of_printed_width(case: str, expect
 
 
 def test_nothing_recorded_draws_nothing(tmp_path: Path) -> None:
-    one = make()
-    figures.draw(dataclasses.replace(one, table=one.table[:0], snapshots=()), tmp_path)
+    results = make()
+    figures.draw(dataclasses.replace(results, table=results.table[:0], snapshots=()), tmp_path)
     assert not list(tmp_path.iterdir())
 
 
@@ -174,27 +176,27 @@ def tick_labels(axis: Axis) -> list[Text]:
 
 
 def words_of(figure: Figure) -> list[Text]:
-    found: list[Text] = [text for legend in figure.legends for text in legend.get_texts()]
+    texts: list[Text] = [text for legend in figure.legends for text in legend.get_texts()]
     for axes in figure.axes:
-        found += tick_labels(axes.xaxis) if axes.xaxis.get_tick_params().get("labelbottom", True) else []
-        found += tick_labels(axes.yaxis)
-        found += [axes.xaxis.label, axes.yaxis.label, axes.title, axes._left_title, *axes.texts]  # type: ignore[attr-defined]
-        found += [axes.xaxis.get_offset_text(), axes.yaxis.get_offset_text()]
+        texts += tick_labels(axes.xaxis) if axes.xaxis.get_tick_params().get("labelbottom", True) else []
+        texts += tick_labels(axes.yaxis)
+        texts += [axes.xaxis.label, axes.yaxis.label, axes.title, axes._left_title, *axes.texts]  # type: ignore[attr-defined]
+        texts += [axes.xaxis.get_offset_text(), axes.yaxis.get_offset_text()]
         legend = axes.get_legend()
-        found += legend.get_texts() if legend else []
-    return [text for text in found if text.get_text() and text.get_visible()]
+        texts += legend.get_texts() if legend else []
+    return [text for text in texts if text.get_text() and text.get_visible()]
 
 
 def test_words_do_not_overlap_nor_leave_the_page(drawn: dict[str, Figure]) -> None:
     for name, figure in drawn.items():
         page = Bbox.from_bounds(0, 0, *figure.canvas.get_width_height())
-        words = [(text.get_text(), text.get_window_extent()) for text in words_of(figure)]
-        assert len(words) > 6
-        for text, box in words:
+        labelled = [(text.get_text(), text.get_window_extent()) for text in words_of(figure)]
+        assert len(labelled) > 6
+        for text, box in labelled:
             inside = box.x0 >= page.x0 and box.y0 >= page.y0 and box.x1 <= page.x1 and box.y1 <= page.y1
             assert inside, f"{name}: {text!r} leaves the page"
-        for (one, box), (other, box2) in itertools.combinations(words, 2):
-            assert not box.overlaps(box2), f"{name}: {one!r} lies over {other!r}"
+        for (label, box), (other, box2) in itertools.combinations(labelled, 2):
+            assert not box.overlaps(box2), f"{name}: {label!r} lies over {other!r}"
 
 
 def test_the_overlap_test_can_fail() -> None:
@@ -240,10 +242,10 @@ def test_axes_are_named_with_units_and_have_no_offsets(drawn: dict[str, Figure])
             assert not axes.yaxis.get_offset_text().get_text()
 
 
-@pytest.mark.parametrize(("speed", "words"), [(1.0, "time (ms)"), (0.01, "time (s)")])
-def test_time_unit_follows_the_span(speed: float, words: str) -> None:
+@pytest.mark.parametrize(("speed", "label"), [(1.0, "time (ms)"), (0.01, "time (s)")])
+def test_time_unit_follows_the_span(speed: float, label: str) -> None:
     with figures.style():
-        assert over_time(make(speed=speed), "joints").axes[-1].get_xlabel() == words
+        assert over_time(make(speed=speed), "joints").axes[-1].get_xlabel() == label
 
 
 def test_stop_is_drawn_at_its_instant_and_written() -> None:
@@ -269,29 +271,33 @@ def test_of_many_hinges_the_first_and_the_last_are_named() -> None:
 
 
 def test_captions_tell_the_angle_of_the_pivot_wherever_its_column_is() -> None:
-    one = two_hinges()
-    order = sorted(range(len(one.columns)), key=lambda i: "pivot" in one.columns[i].name)
-    moved = dataclasses.replace(one, columns=tuple(one.columns[i] for i in order), table=one.table[:, order])
+    original = two_hinges()
+    order = sorted(range(len(original.columns)), key=lambda i: "pivot" in original.columns[i].name)
+    moved = dataclasses.replace(
+        original, columns=tuple(original.columns[i] for i in order), table=original.table[:, order]
+    )
     with figures.style():
-        words = [[text.get_text() for text in mechanism(results).legends[0].get_texts()] for results in (one, moved)]
-    assert words[0][0] == "touch: 0 ms, 45.00°"
-    assert words[1] == words[0]
+        captions = [
+            [text.get_text() for text in mechanism(results).legends[0].get_texts()] for results in (original, moved)
+        ]
+    assert captions[0][0] == "touch: 0 ms, 45.00°"
+    assert captions[1] == captions[0]
 
 
 @pytest.mark.parametrize("flexible", [False, True])
 def test_damping_is_drawn_for_a_flexible_link_only(flexible: bool) -> None:
     with figures.style():
-        words = legend_words(over_time(make(flexible=flexible), "energy").axes[0])
-    assert "kinetic" in words
-    assert ("dissipated by damping" in words) == flexible
+        labels = legend_words(over_time(make(flexible=flexible), "energy").axes[0])
+    assert "kinetic" in labels
+    assert ("dissipated by damping" in labels) == flexible
 
 
 def test_long_names_of_hinges_stay_within_the_panel() -> None:
-    one = two_hinges()
+    results = two_hinges()
     name = "a_hinge_with_a_rather_long_name"
-    columns = tuple(dataclasses.replace(c, name=c.name.replace("knee", name)) for c in one.columns)
+    columns = tuple(dataclasses.replace(c, name=c.name.replace("knee", name)) for c in results.columns)
     with figures.style():
-        figure = over_time(dataclasses.replace(one, columns=columns), "joints")
+        figure = over_time(dataclasses.replace(results, columns=columns), "joints")
         figure.canvas.draw()  # type: ignore[attr-defined]
         test_words_do_not_overlap_nor_leave_the_page({"joints": figure})
         test_legends_hide_no_data({"joints": figure})
@@ -344,8 +350,8 @@ def test_unit_brings_the_largest_into_one_to_a_thousand(largest: float, name: st
 
 def test_a_long_run_with_a_gap_is_drawn_by_few_of_its_rows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """What a figure costs is its points: curves of 30 000 rows are drawn with as many as can be seen."""
-    one = make(flexible=True, rows=30_000)
-    one.table[-1, 1:] = np.nan
+    results = make(flexible=True, rows=30_000)
+    results.table[-1, 1:] = np.nan
     points: list[int] = []
     drawn = Line2D.draw
 
@@ -355,7 +361,7 @@ def test_a_long_run_with_a_gap_is_drawn_by_few_of_its_rows(tmp_path: Path, monke
 
     monkeypatch.setattr(Line2D, "draw", counted)
     with sketched():
-        figures.draw(one, tmp_path)
+        figures.draw(results, tmp_path)
     assert {path.stem for path in tmp_path.iterdir()} == MEDIUM | {"deflection"}
     assert len(points) > 20
     assert max(points) <= 3000
@@ -366,43 +372,43 @@ def test_a_long_run_with_a_gap_is_drawn_by_few_of_its_rows(tmp_path: Path, monke
 
 def with_round_off(columns: tuple[str, ...], size: float) -> Results:
     """Results in which these columns are round-off of this size."""
-    one = make(flexible=True)
-    table, random = one.table.copy(), np.random.default_rng(1)
-    for i, column in enumerate(one.columns):
+    results = make(flexible=True)
+    table, random = results.table.copy(), np.random.default_rng(1)
+    for i, column in enumerate(results.columns):
         if column.name.endswith(columns):
             table[:, i] = size * random.normal(size=len(table))
-    return dataclasses.replace(one, table=table)
+    return dataclasses.replace(results, table=table)
 
 
 @pytest.mark.parametrize("column", ["imbalance_J", "deflection_m"])
 def test_what_is_round_off_alone_is_not_drawn(column: str) -> None:
     with style():
         shown, true = (
-            {axes.get_ylabel() for figure in figures.figures(one).values() for axes in figure.axes}
-            for one in (with_round_off((column,), 1e-17), make(flexible=True))
+            {axes.get_ylabel() for figure in figures.figures(results).values() for axes in figure.axes}
+            for results in (with_round_off((column,), 1e-17), make(flexible=True))
         )
     (lost,) = true - shown
     assert column.split("_")[0] in lost
 
 
 @pytest.mark.parametrize(
-    ("end", "words", "size"), [("_moment_Nm", "moment", 1e-18), ("force_x_N", "horizontal", 1e-15)]
+    ("end", "curve", "size"), [("_moment_Nm", "moment", 1e-18), ("force_x_N", "horizontal", 1e-15)]
 )
-def test_forces_that_are_round_off_have_no_panel(end: str, words: str, size: float) -> None:
+def test_forces_that_are_round_off_have_no_panel(end: str, curve: str, size: float) -> None:
     with style():
         shown, true = (
-            [axes.get_ylabel() for axes in over_time(one, "forces").axes]
-            for one in (with_round_off((end,), size), make(flexible=True))
+            [axes.get_ylabel() for axes in over_time(results, "forces").axes]
+            for results in (with_round_off((end,), size), make(flexible=True))
         )
-    assert shown == [label for label in true if not label.startswith(words)]
+    assert shown == [label for label in true if not label.startswith(curve)]
     assert len(shown) == len(true) - 1
 
 
 def test_energies_that_are_round_off_have_no_curve() -> None:
     with style():
         labels = [
-            over_time(one, "energy").axes[0].get_legend_handles_labels()[1]
-            for one in (make(flexible=True), with_round_off(("elastic_J",), 1e-17))
+            over_time(results, "energy").axes[0].get_legend_handles_labels()[1]
+            for results in (make(flexible=True), with_round_off(("elastic_J",), 1e-17))
         ]
     assert "elastic" in labels[0]
     assert "elastic" not in labels[1]

@@ -37,10 +37,12 @@ def content(folder: Path) -> dict[str, bytes]:
 
 def awkward() -> Results:
     """Numbers that are hard to write down."""
-    one = make(rows=40)
-    table = one.table.copy()
+    results = make(rows=40)
+    table = results.table.copy()
     table[:8, 3] = [0.1, 1 / 3, -0.0, 5e-324, 1.7976931348623157e308, np.nan, np.inf, -np.inf]
-    return dataclasses.replace(one, table=table, summary={**one.summary, "extra": (np.float64("inf"), np.int64(3))})
+    return dataclasses.replace(
+        results, table=table, summary={**results.summary, "extra": (np.float64("inf"), np.int64(3))}
+    )
 
 
 @pytest.mark.slow
@@ -153,9 +155,9 @@ class TestWholeOrNotAtAll:
             raise error
 
         monkeypatch.setattr(figures, "mechanism", fail)
-        with pytest.warns(FigureWarning, match=r"figures/mechanism\.png is missing, as drawing it failed") as told:
+        with pytest.warns(FigureWarning, match=r"figures/mechanism\.png is missing, as drawing it failed") as caught:
             report.write(make(), tmp_path / "run")
-        assert len(told) == 1
+        assert len(caught) == 1
         assert names(tmp_path / "run") == NAMES
         assert names(tmp_path / "run" / "figures") == ["energy.png", "forces.png", "joints.png"]
 
@@ -171,14 +173,14 @@ class TestWholeOrNotAtAll:
 
 
 def test_the_exchange_is_one_call_on_linux(tmp_path: Path) -> None:
-    one, other = tmp_path / "one", tmp_path / "other"
-    for folder in (one, other):
+    first, second = tmp_path / "one", tmp_path / "other"
+    for folder in (first, second):
         folder.mkdir()
         (folder / folder.name).touch()
-    if not report._exchange(one, other):
+    if not report._exchange(first, second):
         pytest.skip("this system has no exchange of folders")
-    assert names(one) == ["other"]
-    assert names(other) == ["one"]
+    assert names(first) == ["other"]
+    assert names(second) == ["one"]
 
 
 def test_the_old_folder_comes_back_when_the_second_rename_fails(tmp_path: Path) -> None:
@@ -219,8 +221,8 @@ def test_matplotlib_is_imported_for_figures_only_and_pyplot_never(tmp_path: Path
     ):
         code += f"\nreport.write(make(rows=20), Path({str(tmp_path / 'run')!r}), figures={drawn})"
         code += f"\nassert not [name for name in {unwanted!r} if name in sys.modules]"
-    here = Path(__file__).parent
-    paths = f"import sys; sys.path[:0] = [{str(here)!r}, {str(here.parent)!r}]\n"
+    tests = Path(__file__).parent
+    paths = f"import sys; sys.path[:0] = [{str(tests)!r}, {str(tests.parent)!r}]\n"
     subprocess.run([sys.executable, "-c", paths + code], check=True)
 
 
@@ -294,7 +296,7 @@ def test_runs_are_put_on_one_clock() -> None:
     poses = np.stack([np.stack([at, 0 * at, 50 * at], axis=1)], axis=1)
     bar = Motion(at, (Part("link", np.array([[0.0, 0.0], [0.1, 0.0]])),), poses)
     early = dataclasses.replace(bar, time=0.5 * at)
-    both = [dataclasses.replace(run, motion=one) for run, one in zip(runs, (bar, early), strict=True)]
+    both = [dataclasses.replace(run, motion=motion) for run, motion in zip(runs, (bar, early), strict=True)]
     moved = overlay.motion(both)
     assert moved is not None
     assert [part.name for part in moved.parts] == ["whole: link", "a, b: link"]

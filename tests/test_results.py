@@ -62,20 +62,20 @@ def test_the_motion_is_a_film_that_a_notebook_shows(tmp_path: Path) -> None:
 
 def test_what_was_saved_is_opened_again(tmp_path: Path) -> None:
     results = swung()
-    again = Results.open(results.save(tmp_path / "run", figures=False))
-    np.testing.assert_array_equal(again.table, results.table)
-    assert (again.columns, again.warnings, again.status) == (results.columns, results.warnings, results.status)
-    assert again.summary == json.loads(json.dumps(results.summary))
-    assert again.scenario == results.scenario
-    assert (again.surface, again.layers, again.floor) == (results.surface, results.layers, results.floor)
-    assert again.terms == results.terms != ()
-    for one, other in zip(again.frames, results.frames, strict=True):  # to 7 digits of the largest
-        for a, b in zip(one.outlines, other.outlines, strict=True):
+    reopened = Results.open(results.save(tmp_path / "run", figures=False))
+    np.testing.assert_array_equal(reopened.table, results.table)
+    assert (reopened.columns, reopened.warnings, reopened.status) == (results.columns, results.warnings, results.status)
+    assert reopened.summary == json.loads(json.dumps(results.summary))
+    assert reopened.scenario == results.scenario
+    assert (reopened.surface, reopened.layers, reopened.floor) == (results.surface, results.layers, results.floor)
+    assert reopened.terms == results.terms != ()
+    for read, saved in zip(reopened.frames, results.frames, strict=True):  # to 7 digits of the largest
+        for a, b in zip(read.outlines, saved.outlines, strict=True):
             np.testing.assert_allclose(a.points, b.points, atol=1e-7)
-        now, then = (sum((force.force for force in shot.forces), np.zeros(2)) for shot in (one, other))
-        np.testing.assert_allclose(now, then, rtol=1e-6, atol=1e-5)
-    assert len(again.frames) > 20
-    again.save(tmp_path / "again", figures=False)
+        force_read, force_saved = (sum((force.force for force in shot.forces), np.zeros(2)) for shot in (read, saved))
+        np.testing.assert_allclose(force_read, force_saved, rtol=1e-6, atol=1e-5)
+    assert len(reopened.frames) > 20
+    reopened.save(tmp_path / "again", figures=False)
     for name in ("summary.json", "timeseries.csv", "scenario.yaml"):
         assert (tmp_path / "again" / name).read_bytes() == (tmp_path / "run" / name).read_bytes()
 
@@ -106,10 +106,10 @@ def damaged() -> dict[str, tuple[dict[str, bytes | None], str]]:
 
 
 def test_damaged_folders_are_told_in_one_line(tmp_path: Path) -> None:
-    for what, (other, words) in damaged().items():
+    for damage, (other, message) in damaged().items():
         with pytest.raises(ResultsError) as caught:
-            Results.open(folder_of(tmp_path / what, **other))
-        assert words in str(caught.value), what
+            Results.open(folder_of(tmp_path / damage, **other))
+        assert message in str(caught.value), damage
         assert "\n" not in str(caught.value)
 
 
@@ -139,15 +139,15 @@ def test_a_column_of_a_welded_body_is_that_of_the_body_it_is_welded_to() -> None
     for parent, child in (("arm", "finger"), ("finger", "nail")):
         joints[f"at_{child}"] = {"type": "weld", "parent": parent, "child": child, "parent_point_m": [0.1, 0]}
     model = {"name": "hand", "bodies": dict.fromkeys(("arm", "finger", "nail"), arm), "joints": joints}
-    found = simulate({"model": model, "medium": None, "solver": {"end_time_s": 0.002}, "output": {"bodies": "all"}})
+    results = simulate({"model": model, "medium": None, "solver": {"end_time_s": 0.002}, "output": {"bodies": "all"}})
     for body in ("finger", "nail"):
         with pytest.raises(KeyError, match=f"{body} is welded to arm: .* whose names begin with arm_"):
-            found[f"{body}_x_m"]
+            results[f"{body}_x_m"]
     simulation = Simulation({"model": model, "medium": None})
     with pytest.raises(KeyError, match=r"no observation 'nail_x_m'; nail is welded to arm: .* names begin with arm_"):
         simulation.step(None, 1e-3)["nail_x_m"]
     with pytest.raises(KeyError) as caught:
-        found["arm_q_m"]
+        results["arm_q_m"]
     assert "welded" not in str(caught.value)
 
 
@@ -222,9 +222,9 @@ def test_files_names_and_mappings_are_the_same() -> None:
 def test_all_that_runs_a_config_takes_what_load_takes(function) -> None:
     """Each loads what it is given: a name that is none, and a mapping with a fault, are refused as `load` does."""
     for given in ("pendulun", {"model": "no_such"}):
-        with pytest.raises(ConfigError) as told:
+        with pytest.raises(ConfigError) as caught:
             load(given)
-        with pytest.raises(ConfigError, match=re.escape(str(told.value))):
+        with pytest.raises(ConfigError, match=re.escape(str(caught.value))):
             function(given)
     assert granular_contact.build("pendulum_rigid").name == "pendulum_rigid"
 
@@ -259,12 +259,12 @@ def test_what_says_its_kind_replaces_another_kind() -> None:
     ],
 )
 def test_faults_are_told_as_on_the_command_line(text: str, changes: dict[str, object]) -> None:
-    said = []
+    messages = []
     for call in (lambda: load("runner", [text]), lambda: load("runner", **changes)):
         with pytest.raises(ConfigError) as caught:
             call()
-        said.append([(fault.key, fault.message) for fault in caught.value.faults])
-    assert said[0] == said[1] != []
+        messages.append([(fault.key, fault.message) for fault in caught.value.faults])
+    assert messages[0] == messages[1] != []
 
 
 def test_what_is_nowhere_is_told() -> None:

@@ -100,8 +100,8 @@ def test_drives_of_a_robot_with_a_clock_can_be_replaced() -> None:
 
 
 def test_several_values_at_once() -> None:
-    found = pendulum().replace({"medium": "poppy_seeds_loose", "medium.zeta": 0.5, "gravity_m_s2": 1.62})
-    assert found == pendulum("medium=poppy_seeds_loose", "medium.zeta=0.5", "gravity_m_s2=1.62")
+    changed = pendulum().replace({"medium": "poppy_seeds_loose", "medium.zeta": 0.5, "gravity_m_s2": 1.62})
+    assert changed == pendulum("medium=poppy_seeds_loose", "medium.zeta=0.5", "gravity_m_s2=1.62")
     assert pendulum().replace({}) == pendulum()
 
 
@@ -111,8 +111,8 @@ def test_replace_refuses_what_set_refuses_in_the_same_words(key: str, value: obj
         pendulum(f"{key}={text}")
     with pytest.raises(ConfigError) as by_replace:
         pendulum().replace({key: value})
-    said = [[(fault.key, fault.message) for fault in error.value.faults] for error in (by_replace, by_set)]
-    assert said[0] == said[1]
+    reported = [[(fault.key, fault.message) for fault in error.value.faults] for error in (by_replace, by_set)]
+    assert reported[0] == reported[1]
     assert by_replace.value.faults[0].file.startswith(f"replace {key}=")
 
 
@@ -130,18 +130,18 @@ def test_a_changed_medium_is_not_what_was_published() -> None:
 
 
 def test_what_was_said_of_a_medium_is_left_alone() -> None:
-    said = {"medium.eta_d": 5, "medium.provenance": "fitted", "medium.standing": "our own tests"}
-    medium = build(pendulum().replace(said)).scenario.medium
+    changes = {"medium.eta_d": 5, "medium.provenance": "fitted", "medium.standing": "our own tests"}
+    medium = build(pendulum().replace(changes)).scenario.medium
     assert (medium.provenance, medium.standing) == ("fitted", "our own tests")
     for name in ("play_sand", "rft_generic", "hill_cylinders", "rft3d_sand"):
-        own = load_medium(name)
-        assert pendulum().replace({"medium": own}).medium == own
+        loaded = load_medium(name)
+        assert pendulum().replace({"medium": loaded}).medium == loaded
     open_number = pendulum().replace({"medium": {"from": "hill_cylinders", "density_kg_m3": 1500}})
     assert build(open_number).scenario.medium.provenance == load_medium("hill_cylinders").provenance
 
 
 @pytest.mark.parametrize(
-    ("update", "key", "words"),
+    ("update", "key", "message"),
     [
         ({"gravity_m_s2": "down"}, "gravity_m_s2", "got the text 'down'; allowed is a finite number"),
         ({"surface_height_m": float("nan")}, "surface_height_m", "allowed is a finite number"),
@@ -149,10 +149,10 @@ def test_what_was_said_of_a_medium_is_left_alone() -> None:
         ({"windy": 3}, "windy", "unknown key"),
     ],
 )
-def test_what_model_copy_let_pass_is_refused_when_built(update: dict[str, object], key: str, words: str) -> None:
+def test_what_model_copy_let_pass_is_refused_when_built(update: dict[str, object], key: str, message: str) -> None:
     with pytest.raises(ConfigError) as caught:
         build(pendulum().model_copy(update=update))
-    assert (caught.value.faults[0].key, words in caught.value.faults[0].message) == (key, True)
+    assert (caught.value.faults[0].key, message in caught.value.faults[0].message) == (key, True)
 
 
 def test_what_no_config_may_say_deep_down_is_refused_when_built() -> None:
@@ -194,8 +194,8 @@ def test_a_copy_with_changed_numbers_is_run_as_such() -> None:
     """The scenario that was built may be given again, though what it says of its medium was put right meanwhile."""
     scenario = pendulum(*SHORT)
     copied = scenario.model_copy(update={"medium": scenario.medium.model_copy(update={"eta_d": 5.0})})
-    told = granular_contact.simulate(build(copied), copied).scenario["medium"]
-    assert (told["eta_d"], told["provenance"]) == (5.0, "own")
+    medium = granular_contact.simulate(build(copied), copied).scenario["medium"]
+    assert (medium["eta_d"], medium["provenance"]) == (5.0, "own")
 
 
 def test_a_link_too_stiff_to_bend_keeps_the_scenario_that_was_asked_for() -> None:

@@ -78,8 +78,8 @@ def go_on(simulation: Simulation, pauses: int) -> list[np.ndarray]:
     pause, seen = simulation.scenario.solver.end_time_s / PAUSES, []
     for _ in range(pauses):
         count = round(simulation.time / pause)
-        now = simulation.step(swing(count, simulation.controls), pause)
-        seen.append(np.array(list(now.values())))
+        reached = simulation.step(swing(count, simulation.controls), pause)
+        seen.append(np.array(list(reached.values())))
     return seen
 
 
@@ -176,7 +176,7 @@ def test_bristles_floor_and_friction_are_in_the_test_above() -> None:
     assert np.abs(results["floor_friction_force_y_N" if "floor_friction" in results.terms else "depth_m"]).max() > 0.0
     assert results["depth_m"].max() > 0.03
     assert results["friction_work_J"][-1] < -1e-3
-    assert np.ptp([one[1] for one in seen]) > 10.0
+    assert np.ptp([row[1] for row in seen]) > 10.0
 
 
 def test_a_state_of_another_scene_is_refused() -> None:
@@ -204,9 +204,9 @@ def test_observations_are_the_columns_of_the_results(name: str) -> None:
     go_on(simulation, 7)
     seen, results = simulation.observe(), simulation.results()
     shared = [column.name for column in results.columns if column.name in seen]
-    own = [key for key in seen if key not in shared]
+    unshared = [key for key in seen if key not in shared]
     assert len(shared) >= 10
-    assert all(key.endswith(("_rad", "_depth_m", "_contact")) for key in own)
+    assert all(key.endswith(("_rad", "_depth_m", "_contact")) for key in unshared)
     for key in shared:
         assert seen[key] == pytest.approx(results[key][-1], rel=1e-9, abs=1e-9 * np.abs(results[key]).max()), key
     np.testing.assert_allclose(seen.array(shared), [seen[key] for key in shared])
@@ -248,22 +248,22 @@ def test_what_is_set_acts_as_a_drive_does() -> None:
 
 def test_what_is_beyond_a_range_is_set_to_its_end_and_told() -> None:
     simulation = of("leg")
-    assert not any("beyond" in words for words in simulation.results().warnings)
+    assert not any("beyond" in warning for warning in simulation.results().warnings)
     simulation.step({"knee_torque_Nm": 0.5, "hip_angle_rad": np.radians(120.0)}, 0.01)  # the ends themselves
     before = simulation.state()
     simulation.step({"knee_torque_Nm": 7.0}, 0.01)
     simulation.step([-60.0, 0.6], 0.01)
     results = simulation.results()
     assert results["knee_torque_Nm"][-1] == 0.5
-    told = (
+    expected = (
         "hip_angle_deg was given beyond its range, -45 to 120, once, by 15 at the most: ",
         "knee_torque_Nm was given beyond its range, -0.5 to 0.5, 2 times, by 6.5 at the most: ",
     )
-    for words in told:
-        assert f"{words}it was set to the end of the range" in results.warnings
+    for warning in expected:
+        assert f"{warning}it was set to the end of the range" in results.warnings
     simulation.restore(before)
     simulation.step([120.0, 0.5], 0.01)
-    assert not any("beyond" in words for words in simulation.results().warnings)
+    assert not any("beyond" in warning for warning in simulation.results().warnings)
 
 
 def test_the_energy_balance_holds_under_a_controller_that_switches() -> None:
@@ -295,12 +295,12 @@ BAD: tuple[tuple[Any, Any, str], ...] = (
 )
 
 
-@pytest.mark.parametrize(("controls", "dt", "words"), BAD)
-def test_bad_controls_are_told_and_change_nothing(controls: Any, dt: float, words: str) -> None:
+@pytest.mark.parametrize(("controls", "dt", "message"), BAD)
+def test_bad_controls_are_told_and_change_nothing(controls: Any, dt: float, message: str) -> None:
     simulation = of("leg")
     simulation.step({"knee_torque_Nm": 0.1}, 0.01)
     kept = simulation.state()
-    with pytest.raises(ControlError, match=words):
+    with pytest.raises(ControlError, match=message):
         simulation.step(controls, dt)
     assert simulation.time == kept.time
     assert simulation.state().controls == kept.controls
@@ -341,13 +341,13 @@ CONTROLLERS: dict[str, tuple[Callable[..., Any], str]] = {
 
 @pytest.mark.parametrize("case", CONTROLLERS)
 def test_what_was_reached_is_kept_where_a_controller_fails(case: str) -> None:
-    last, words = CONTROLLERS[case]
+    last, message = CONTROLLERS[case]
     controls = {"knee_torque_Nm": 0.1}
     with pytest.raises(ControllerError) as caught:
         simulate(scenario_of(LEG), control=lambda t, _: last() if t > 0.0199 else controls, control_rate_Hz=100)
     results = caught.value.results
     assert results.status.code == "failed"
-    assert re.match(f"the controller failed at 0.02 s: {words}", results.status.message)
+    assert re.match(f"the controller failed at 0.02 s: {message}", results.status.message)
     assert str(caught.value) == results.status.message
     assert type(caught.value.__cause__) is (RuntimeError if case == "raises" else ControlError)
     assert results.summary["status"] == "failed"
@@ -377,9 +377,9 @@ def test_a_simulation_raises_it_too_and_keeps_what_was_reached() -> None:
 def test_its_exception_goes_to_another_process_with_the_results() -> None:
     with pytest.raises(ControllerError) as caught:
         simulate(scenario_of(LEG), control=raising)
-    again = pickle.loads(pickle.dumps(caught.value))
-    assert str(again) == str(caught.value)
-    np.testing.assert_array_equal(again.results.table, caught.value.results.table)
+    unpickled = pickle.loads(pickle.dumps(caught.value))
+    assert str(unpickled) == str(caught.value)
+    np.testing.assert_array_equal(unpickled.results.table, caught.value.results.table)
 
 
 def test_of_many_names_the_nearest_is_told() -> None:
@@ -387,8 +387,8 @@ def test_of_many_names_the_nearest_is_told() -> None:
     assert unknown_name("control", "leg_17_torqe_Nm", names).startswith(
         "no control 'leg_17_torqe_Nm'; did you mean leg_17"
     )
-    words = unknown_name("control", "hip", names)
-    assert words.endswith("leg_11_torque_Nm, and 188 more")
+    message = unknown_name("control", "hip", names)
+    assert message.endswith("leg_11_torque_Nm, and 188 more")
     simulation = of("leg")
     for holder, name in ((simulation.observe(), "hip_angel_deg"), (simulation.results(), "hip_angel_deg")):
         with pytest.raises(KeyError, match=r"did you mean hip_angle_deg"):

@@ -18,54 +18,54 @@ def test_strides_that_grow_have_their_mean_and_scatter() -> None:
     ends = 2.2 - 0.5 * np.arange(5)[::-1]  # 0.2, 0.7, ...
     place = np.interp(time, ends, [0.0, 0.1, 0.3, 0.6, 1.0])
     power = 2.0 * np.sin(2.0 * np.pi * (time - 0.2) / 0.5)
-    told = stride_numbers(time, place, [power], [0.5 * power], weight=5.0, period=0.5)
-    assert told is not None
-    assert told["count"] == 3  # the first, in which a gait sets in, is left out
-    assert told["distance_m"]["mean"] == pytest.approx(0.3)
-    assert told["speed_m_s"] == pytest.approx({"mean": 0.6, "standard_deviation": 0.2})
+    numbers = stride_numbers(time, place, [power], [0.5 * power], weight=5.0, period=0.5)
+    assert numbers is not None
+    assert numbers["count"] == 3  # the first, in which a gait sets in, is left out
+    assert numbers["distance_m"]["mean"] == pytest.approx(0.3)
+    assert numbers["speed_m_s"] == pytest.approx({"mean": 0.6, "standard_deviation": 0.2})
     # Trapezoids of 0.5 ms: the error of a sine is (2 pi h / T)^2 / 12 of it, 3e-6.
-    assert told["drive_work_put_in_J"]["mean"] == pytest.approx(1.0 / np.pi, rel=1e-5)
-    assert told["largest_drive_torque_Nm"]["mean"] == pytest.approx(1.0, rel=1e-4)
+    assert numbers["drive_work_put_in_J"]["mean"] == pytest.approx(1.0 / np.pi, rel=1e-5)
+    assert numbers["largest_drive_torque_Nm"]["mean"] == pytest.approx(1.0, rel=1e-4)
     costs = [1.0 / np.pi / (5.0 * way) for way in (0.2, 0.3, 0.4)]
-    assert told["cost_of_transport"]["mean"] == pytest.approx(np.mean(costs), rel=1e-5)
-    assert told["cost_of_transport"]["standard_deviation"] == pytest.approx(np.std(costs, ddof=1), rel=1e-4)
+    assert numbers["cost_of_transport"]["mean"] == pytest.approx(np.mean(costs), rel=1e-5)
+    assert numbers["cost_of_transport"]["standard_deviation"] == pytest.approx(np.std(costs, ddof=1), rel=1e-4)
     assert stride_numbers(time[:1900], place[:1900], [power[:1900]], [], 5.0, 0.5) is None  # 0.95 s: one whole stride
 
 
 def test_strides_that_just_fit_are_counted() -> None:
     for whole, count in ((2, 2), (3, 2), (4, 3)):  # of three and more the first is left out
         time = 0.7 + np.linspace(0.0, 0.5 * whole, 20 * whole + 1)
-        told = stride_numbers(time, time, [], [], 5.0, 0.5)
-        assert told is not None
-        assert told["count"] == count
-        assert told["distance_m"] == pytest.approx({"mean": 0.5, "standard_deviation": 0.0})
+        numbers = stride_numbers(time, time, [], [], 5.0, 0.5)
+        assert numbers is not None
+        assert numbers["count"] == count
+        assert numbers["distance_m"] == pytest.approx({"mean": 0.5, "standard_deviation": 0.0})
 
 
 def test_what_goes_nowhere_or_weighs_nothing_has_no_cost_of_transport() -> None:
     time = np.linspace(0.0, 2.0, 81)
     for place, weight, has in ((time, 5.0, True), (0.0 * time, 5.0, False), (time, 0.0, False)):
-        told = stride_numbers(time, place, [np.ones_like(time)], [], weight, 0.5)
-        assert told is not None
-        assert ("cost_of_transport" in told) == has
+        numbers = stride_numbers(time, place, [np.ones_like(time)], [], weight, 0.5)
+        assert numbers is not None
+        assert ("cost_of_transport" in numbers) == has
 
 
 def test_numbers_of_a_drive() -> None:
     time = np.linspace(0.0, 1.0, 2001)
     torque, rate = 3.0 * np.sin(2 * np.pi * time), 2.0 * np.sin(2 * np.pi * time)
-    told = drive_numbers(time, Driving(torque, torque * rate, accumulate(time, torque * rate)), rate, rotary=True)
-    assert told["largest_torque_Nm"] == pytest.approx(3.0, rel=1e-5)
-    assert told["rms_torque_Nm"] == pytest.approx(3.0 / np.sqrt(2), rel=1e-6)
-    assert told["work_J"] == pytest.approx(3.0, rel=1e-6)
-    assert told["mean_power_W"] == told["work_J"] == pytest.approx(told["work_put_in_J"])
+    numbers = drive_numbers(time, Driving(torque, torque * rate, accumulate(time, torque * rate)), rate, rotary=True)
+    assert numbers["largest_torque_Nm"] == pytest.approx(3.0, rel=1e-5)
+    assert numbers["rms_torque_Nm"] == pytest.approx(3.0 / np.sqrt(2), rel=1e-6)
+    assert numbers["work_J"] == pytest.approx(3.0, rel=1e-6)
+    assert numbers["mean_power_W"] == numbers["work_J"] == pytest.approx(numbers["work_put_in_J"])
     jumps = np.array([[0.4001 - 1e-10, -7.0, 8.0], [0.4001 + 1e-10, 6.0, -9.0]])  # sampled by no step
     back = Driving(torque, -torque * rate, accumulate(time, -torque * rate), jumps)
-    told = drive_numbers(time, back, -rate, rotary=False)
-    assert (told["work_put_in_J"], told["largest_force_N"], told["largest_power_W"]) == (0.0, 7.0, 8.0)
+    numbers = drive_numbers(time, back, -rate, rotary=False)
+    assert (numbers["work_put_in_J"], numbers["largest_force_N"], numbers["largest_power_W"]) == (0.0, 7.0, 8.0)
 
 
 def test_a_run_that_ended_as_it_began_has_no_means() -> None:
-    told = drive_numbers(np.zeros(1), Driving(np.full(1, 3.0), np.zeros(1), np.zeros(1)), np.zeros(1), rotary=True)
-    assert (told["largest_torque_Nm"], told["rms_torque_Nm"], told["mean_power_W"]) == (3.0, 0.0, 0.0)
+    numbers = drive_numbers(np.zeros(1), Driving(np.full(1, 3.0), np.zeros(1), np.zeros(1)), np.zeros(1), rotary=True)
+    assert (numbers["largest_torque_Nm"], numbers["rms_torque_Nm"], numbers["mean_power_W"]) == (3.0, 0.0, 0.0)
 
 
 def test_the_mean_square_of_few_steps_is_that_of_many() -> None:
@@ -86,8 +86,8 @@ def test_a_jump_between_steps_is_no_slope_in_the_mean_square() -> None:
     """Of a torque that jumps in the middle of one of five steps, from 1 to 3 N m."""
     time, torque = np.arange(6.0), np.array([1.0, 1.0, 1.0, 3.0, 3.0, 3.0])
     jumps = np.array([[2.5 - 1e-10, 1.0, 0.0], [2.5 + 1e-10, 3.0, 0.0]])
-    told = drive_numbers(time, Driving(torque, 0.0 * torque, 0.0 * torque, jumps), 0.0 * time, rotary=True)
-    assert told["rms_torque_Nm"] == pytest.approx(np.sqrt((2.5 + 9 * 2.5) / 5.0))
+    numbers = drive_numbers(time, Driving(torque, 0.0 * torque, 0.0 * torque, jumps), 0.0 * time, rotary=True)
+    assert numbers["rms_torque_Nm"] == pytest.approx(np.sqrt((2.5 + 9 * 2.5) / 5.0))
 
 
 def test_only_signals_that_repeat_have_a_period() -> None:

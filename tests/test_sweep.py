@@ -68,8 +68,8 @@ def test_a_script_that_does_not_ask_whether_it_is_the_main_program_is_told_so(tm
 def paper(tmp_path_factory: pytest.TempPathFactory) -> tuple[subprocess.CompletedProcess[str], Path]:
     """The twelve cases, run on two workers."""
     folder = tmp_path_factory.mktemp("paper") / "out"
-    words = ["sweep", CONFIGS / "paper_cases.yaml", "--out", folder, "--workers", "2"]
-    line = [sys.executable, "-c", SMALL, *map(str, words)]
+    command = ["sweep", CONFIGS / "paper_cases.yaml", "--out", folder, "--workers", "2"]
+    line = [sys.executable, "-c", SMALL, *map(str, command)]
     return subprocess.run(line, cwd=ROOT, env=ENVIRONMENT, capture_output=True, text=True, check=False), folder
 
 
@@ -115,7 +115,7 @@ def test_every_number_is_that_of_a_single_run(paper):
         assert float(rows[i][TIME]) > 0.0
 
 
-@pytest.mark.usefixtures("here")
+@pytest.mark.usefixtures("cases_in_this_process")
 def test_the_saved_sweep_gives_the_same_table(paper, tmp_path, capsys):
     assert ended("sweep", paper[1] / "sweep.yaml", "--out", tmp_path / "again", "--quiet") == 0
     assert capsys.readouterr() == ("", "")
@@ -208,7 +208,7 @@ def test_neither_workers_nor_executor_change_a_row(numbered, plain, workers, exe
 
 
 @pytest.mark.parametrize(
-    ("function", "lost", "words"),
+    ("function", "lost", "message"),
     [
         (raising, {3}, "ZeroDivisionError: three is too much"),
         (exiting, {3}, "SystemExit: leaving"),
@@ -216,7 +216,7 @@ def test_neither_workers_nor_executor_change_a_row(numbered, plain, workers, exe
         (unsendable, {3}, "TypeError: function is not plain data"),
     ],
 )
-def test_a_case_that_fails_costs_its_own_row_only(numbered, plain, function, lost, words, tmp_path):
+def test_a_case_that_fails_costs_its_own_row_only(numbered, plain, function, lost, message, tmp_path):
     rows = rows_of(numbered, function)
     assert {row.index for row in rows if row.failed} == lost
     good = {row.index: row.summary for row in plain}
@@ -224,7 +224,7 @@ def test_a_case_that_fails_costs_its_own_row_only(numbered, plain, function, los
         if row.index in lost:
             assert set(row.summary) == {"status", "message"}
             assert row.summary["status"] == "error"
-            assert words in row.summary["message"]
+            assert message in row.summary["message"]
             assert "\n" not in row.summary["message"]
         else:
             assert row.summary == good[row.index]
@@ -240,7 +240,7 @@ def test_a_case_that_was_only_near_a_crash_is_run_again(numbered, plain, tmp_pat
     assert (tmp_path / "marker").exists()
 
 
-@pytest.mark.usefixtures("here")
+@pytest.mark.usefixtures("cases_in_this_process")
 def test_real_failures_are_rows_and_told(tmp_path, capsys, monkeypatch):
     path = tmp_path / "many.yaml"
     path.write_text(
@@ -259,7 +259,7 @@ def test_real_failures_are_rows_and_told(tmp_path, capsys, monkeypatch):
     assert f"stuck failed: {stuck['message']}" in out
 
 
-@pytest.mark.usefixtures("here")
+@pytest.mark.usefixtures("cases_in_this_process")
 def test_what_cases_warn_of_is_told_and_a_useless_one_has_an_exit_code(tmp_path, capsys):
     fixed = "set: {output.figures: false, solver.end_time_s: 0.06, solver.rest_time_s: null}\n"
     path = write(tmp_path, f"{fixed}vary: {{solver.step_s: [1.0e-2, 2.0e-4, 1.2e-2]}}\n")
@@ -267,8 +267,8 @@ def test_what_cases_warn_of_is_told_and_a_useless_one_has_an_exit_code(tmp_path,
         assert ended("sweep", path, "--out", tmp_path / "out") == 5
         err = capsys.readouterr().err.splitlines()
         assert err[-1].startswith("2 of 3 cases are not usable, see their warnings; saved in")
-        told = [line for line in err if line.startswith("warning: ") and "not usable" in line]
-        assert once_more or "(2 of 3 cases, in other cases with other numbers)" in told[0]
+        warnings = [line for line in err if line.startswith("warning: ") and "not usable" in line]
+        assert once_more or "(2 of 3 cases, in other cases with other numbers)" in warnings[0]
     assert [row["usable"] for row in read(tmp_path / "out")] == ["false", "true", "false"]
 
 
@@ -299,18 +299,18 @@ def test_the_saved_sweep_stands_alone(tmp_path):
     (tmp_path / "away" / "sweep.yaml").write_text(table.sweep_text(cases), encoding="utf-8")
     for name in ("arm.yaml", "base.yaml", "many.yaml"):
         (tmp_path / name).unlink()
-    again = load_sweep(tmp_path / "away" / "sweep.yaml", probe=scene.build)
-    assert [again.scenario(case) for case in again.cases] == [cases.scenario(case) for case in cases.cases]
-    assert [case.name for case in again.cases] == ["a", "b", "c", "d"]
+    reloaded = load_sweep(tmp_path / "away" / "sweep.yaml", probe=scene.build)
+    assert [reloaded.scenario(case) for case in reloaded.cases] == [cases.scenario(case) for case in cases.cases]
+    assert [case.name for case in reloaded.cases] == ["a", "b", "c", "d"]
 
 
 @pytest.fixture
-def here(monkeypatch):
+def cases_in_this_process(monkeypatch):
     """Let the command take its runs in a thread of this process."""
     monkeypatch.setattr(many, "pool", lambda *_: sweep.WorkerPool(1, threads))
 
 
-@pytest.mark.usefixtures("here")
+@pytest.mark.usefixtures("cases_in_this_process")
 def test_plots_give_each_case_its_results(tmp_path, capsys):
     path = write(tmp_path, f"cases:\n  slow: {{{SPEED}: 2}}\n  fast: {{{SPEED}: 9, output.figures: false}}\n")
     with sketched():
@@ -335,7 +335,7 @@ def test_plots_give_each_case_its_results(tmp_path, capsys):
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("command", "message"),
     [
         (["many.yaml", "--workers", "0"], "got '0'; allowed is a whole number from 1 to 256"),
         (["many.yaml", "--workers", "two"], "got 'two'"),
@@ -348,7 +348,7 @@ def test_plots_give_each_case_its_results(tmp_path, capsys):
     ],
     ids=lambda value: " ".join(map(str, value))[-30:] if isinstance(value, list) else "",
 )
-def test_bad_input_ends_with_2_before_anything_runs(tmp_path, capsys, monkeypatch, words, said):
+def test_bad_input_ends_with_2_before_anything_runs(tmp_path, capsys, monkeypatch, command, message):
     write(tmp_path, "cases:\n  a: {}\n")
     write(tmp_path, "cases: {a: {},\n  b: {medium.eta_q: 1}}\n", "bad.yaml")
     write(tmp_path, "cases:\n  a: {}\n  b: {bed.depth_m: 0.01, surface_height_m: 0}\n", "steep.yaml")
@@ -356,17 +356,17 @@ def test_bad_input_ends_with_2_before_anything_runs(tmp_path, capsys, monkeypatc
     (tmp_path / "run" / "summary.json").touch()
     before = sorted(tmp_path.rglob("*"))
     monkeypatch.chdir(tmp_path)
-    assert ended("sweep", *words) == 2
-    told = capsys.readouterr().err
-    assert said in told
-    assert "Traceback" not in told
+    assert ended("sweep", *command) == 2
+    errors = capsys.readouterr().err
+    assert message in errors
+    assert "Traceback" not in errors
     assert sorted(tmp_path.rglob("*")) == before
 
 
-def ended(*words: object) -> int:
+def ended(*command: object) -> int:
     """What the command would end with, in this process."""
     try:
-        return main([str(word) for word in words])
+        return main([str(word) for word in command])
     except SystemExit as end:
         return int(end.code or 0)
 
@@ -376,9 +376,9 @@ def test_check_reads_sweeps_too(tmp_path, capsys, monkeypatch):
     write(tmp_path, "cases:\n  a: {}\n  b: {bed.depth_m: 0.01, surface_height_m: 0}\n", "bad.yaml")
     monkeypatch.chdir(tmp_path)
     assert ended("check", "bad.yaml", good.name) == 2
-    told = capsys.readouterr()
-    assert told.out == "good.yaml: ok\n"
-    assert told.err.startswith("bad.yaml:4: bed.depth_m: ")
+    printed = capsys.readouterr()
+    assert printed.out == "good.yaml: ok\n"
+    assert printed.err.startswith("bad.yaml:4: bed.depth_m: ")
 
 
 @pytest.fixture
@@ -387,9 +387,9 @@ def under_way(tmp_path) -> Iterator[subprocess.Popen[str]]:
     text = f"set: {{output.figures: false}}\nvary:\n  {SPEED}: {{from: 1, to: 9, count: 300}}\n"
     path = write(tmp_path, text)
     path.write_text(path.read_text().replace("pendulum_rigid", "pendulum"))
-    words = arguments("sweep", path, "--out", tmp_path / "out", "--plots", "--workers", 2)
+    command = arguments("sweep", path, "--out", tmp_path / "out", "--plots", "--workers", 2)
     process = subprocess.Popen(
-        words, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
+        command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
         env={**os.environ, "PYTHONPATH": str(ROOT)},
         preexec_fn=functools.partial(signal.signal, signal.SIGINT, signal.SIG_DFL),  # tests in the background ignore it
     )  # fmt: skip
@@ -504,7 +504,7 @@ class Terminal(io.StringIO):
 
 
 @pytest.mark.parametrize(
-    ("stream", "quiet", "said"),
+    ("stream", "quiet", "expected"),
     [
         (io.StringIO(), False, r"6 of 9 cases\n(\d+ of 9 cases, [\d.e+]+ per s, about \d+ s left\n){3}"),
         (io.StringIO(), True, ""),
@@ -512,15 +512,15 @@ class Terminal(io.StringIO):
         (Terminal(), True, ""),
     ],
 )
-def test_progress_is_a_bar_on_a_terminal_and_lines_in_a_log(monkeypatch, stream, quiet, said):
+def test_progress_is_a_bar_on_a_terminal_and_lines_in_a_log(monkeypatch, stream, quiet, expected):
     monkeypatch.setattr(many, "LINE_SECONDS", 0.0)
     with many.progress(stream, 9, 5, quiet) as advance:
         for _ in range(4):
             advance()
-    assert re.fullmatch(said, stream.getvalue())
+    assert re.fullmatch(expected, stream.getvalue())
 
 
-@pytest.mark.usefixtures("here")
+@pytest.mark.usefixtures("cases_in_this_process")
 def test_what_varies_and_the_speed_are_shown(tmp_path, capsys):
     text = "set: {method: {reduced: {modes: 0}}, output.figures: false}\nvary:\n  medium.eta_d: [4, 5.123456789]\n"
     path = write(tmp_path, f"{text}  initial.impact_speed_rad_s: [2, 3]\n")

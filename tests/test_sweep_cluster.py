@@ -35,29 +35,29 @@ vary:
 
 
 def free_port() -> int:
-    with socket.socket() as one:
-        one.bind(("127.0.0.1", 0))
-        return int(one.getsockname()[1])
+    with socket.socket() as listener:
+        listener.bind(("127.0.0.1", 0))
+        return int(listener.getsockname()[1])
 
 
-def daemon(folder: Path, *words: str) -> subprocess.Popen[bytes]:
+def daemon(folder: Path, *command: str) -> subprocess.Popen[bytes]:
     """A process of Dask's; one crash is enough to blame a task."""
     environment = {**ENVIRONMENT, "DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES": "0"}
     quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-    return subprocess.Popen([sys.executable, "-m", *words], cwd=folder, env=environment, **quiet)
+    return subprocess.Popen([sys.executable, "-m", *command], cwd=folder, env=environment, **quiet)
 
 
 def end(process: subprocess.Popen[bytes]) -> None:
-    for one in [*psutil.Process(process.pid).children(recursive=True), process]:
-        one.kill()
+    for member in [*psutil.Process(process.pid).children(recursive=True), process]:
+        member.kill()
     process.wait()
 
 
 @pytest.fixture(scope="module")
 def scheduler(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[str, subprocess.Popen[bytes]]]:
     port = free_port()
-    words = ["distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", str(port), "--no-dashboard"]
-    process = daemon(tmp_path_factory.mktemp("scheduler"), *words)
+    command = ["distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", str(port), "--no-dashboard"]
+    process = daemon(tmp_path_factory.mktemp("scheduler"), *command)
     yield f"tcp://127.0.0.1:{port}", process
     if process.poll() is None:
         end(process)
@@ -68,8 +68,8 @@ def cluster_of_two(scheduler, tmp_path_factory: pytest.TempPathFactory) -> Itera
     """Address of a scheduler to which two workers come, and come again when they have died."""
     address, _ = scheduler
     folder = tmp_path_factory.mktemp("workers")
-    words = ["--nworkers", "2", "--nthreads", "1", "--no-dashboard", "--local-directory", str(folder)]
-    process = daemon(folder, "distributed.cli.dask_worker", address, *words)
+    command = ["--nworkers", "2", "--nthreads", "1", "--no-dashboard", "--local-directory", str(folder)]
+    process = daemon(folder, "distributed.cli.dask_worker", address, *command)
     yield address
     end(process)
 
@@ -92,8 +92,8 @@ def numbered(tmp_path) -> sweep.WorkerPool:
 def test_a_scheduler_without_workers_is_told(scheduler, tmp_path, capsys):
     path = write(tmp_path, QUICK)
     assert main(["sweep", str(path), "--out", str(tmp_path / "out"), "--scheduler", scheduler[0]]) == 2
-    said = f"--scheduler {scheduler[0]}: it has no workers; start some with dask worker {scheduler[0]}\n"
-    assert capsys.readouterr() == ("", said)
+    message = f"--scheduler {scheduler[0]}: it has no workers; start some with dask worker {scheduler[0]}\n"
+    assert capsys.readouterr() == ("", message)
     assert list(tmp_path.iterdir()) == [path]
 
 
@@ -108,21 +108,21 @@ def in_a_thread(monkeypatch) -> Callable[[], None]:
     return lambda: monkeypatch.setattr(many, "pool", pool)
 
 
-def ran(*words: object) -> None:
+def ran(*command: object) -> None:
     """A command, with its own process beside the workers'."""
-    assert main([*map(str, words), "--quiet"]) == 0
+    assert main([*map(str, command), "--quiet"]) == 0
 
 
 def test_an_ensemble_is_the_same_here_and_on_a_cluster(workers, in_a_thread, tmp_path) -> None:
-    words = ("ensemble", CONFIGS / "pendulum_rigid.yaml", "--set", SCATTER, "--set", "output.figures=false")
+    command = ("ensemble", CONFIGS / "pendulum_rigid.yaml", "--set", SCATTER, "--set", "output.figures=false")
     in_a_thread()
-    found = {}
+    written = {}
     for name, where in (("here", ()), ("there", ("--scheduler", workers))):
-        ran(*words, "--count", 7, "--out", tmp_path / name, *where)
+        ran(*command, "--count", 7, "--out", tmp_path / name, *where)
         tables = ("statistics.csv", "convergence.csv", "bands.csv")
-        found[name] = [(tmp_path / name / table).read_bytes() for table in tables]
-    assert found["here"] == found["there"]
-    assert found["here"][0].count(b"\n") > 5
+        written[name] = [(tmp_path / name / table).read_bytes() for table in tables]
+    assert written["here"] == written["there"]
+    assert written["here"][0].count(b"\n") > 5
 
 
 def test_a_cluster_gives_the_table_of_a_thread(workers, in_a_thread, tmp_path, monkeypatch):
@@ -144,10 +144,10 @@ def test_a_search_on_a_cluster_is_that_of_this_machine(workers, tmp_path):
     (tmp_path / "search.yaml").write_text(text, encoding="utf-8")
     study = load_optimise(tmp_path / "search.yaml")
     with cluster_pool(workers) as pool:
-        there = search(study, pool, function=of_speed, journal=sweep.Journal(tmp_path))
+        on_cluster = search(study, pool, function=of_speed, journal=sweep.Journal(tmp_path))
     with sweep.WorkerPool(1, ThreadPoolExecutor) as pool:
-        assert search(study, pool, function=of_speed).rows == there.rows
-    assert there.value > 8
+        assert search(study, pool, function=of_speed).rows == on_cluster.rows
+    assert on_cluster.value > 8
     assert [row.index for row in sweep.Journal(tmp_path)] == list(range(20))
 
 
@@ -166,7 +166,7 @@ def test_a_case_that_crashes_its_worker_is_a_failed_row(workers, numbered, tmp_p
 
 
 @pytest.mark.parametrize(
-    ("package", "version", "said"),
+    ("package", "version", "message"),
     [
         ("exudyn", "0.1", "has exudyn 1"),
         ("granular-contact", "0.0", f"has granular-contact {__version__}, but this process has 0.0"),
@@ -174,12 +174,12 @@ def test_a_case_that_crashes_its_worker_is_a_failed_row(workers, numbered, tmp_p
         ("nothing-like-this", "1", "has no nothing-like-this, but this process has 1"),
     ],
 )
-def test_workers_that_are_not_like_this_process_are_refused(workers, monkeypatch, package, version, said):
+def test_workers_that_are_not_like_this_process_are_refused(workers, monkeypatch, package, version, message):
     monkeypatch.setattr(cluster, "versions", lambda: {package: version})
     with pytest.raises(sweep.WorkerPoolError) as caught:
         cluster_pool(workers)
     assert str(caught.value).startswith(f"--scheduler {workers}: the worker tcp://127.0.0.1:")
-    assert said in str(caught.value)
+    assert message in str(caught.value)
     assert "\n" not in str(caught.value)
 
 
@@ -205,11 +205,11 @@ def test_a_scheduler_that_does_not_answer_is_named(listening, tmp_path, monkeypa
     """Nobody there, and somebody who says nothing."""
     monkeypatch.setattr(cluster, "ANSWER_SECONDS", 0.5)
     path = write(tmp_path, QUICK)
-    with socket.socket() as one:
-        one.bind(("127.0.0.1", 0))
+    with socket.socket() as listener:
+        listener.bind(("127.0.0.1", 0))
         if listening:
-            one.listen()
-        address = f"tcp://127.0.0.1:{one.getsockname()[1]}"
+            listener.listen()
+        address = f"tcp://127.0.0.1:{listener.getsockname()[1]}"
         begin = time.monotonic()
         assert main(["sweep", str(path), "--out", str(tmp_path / "out"), "--scheduler", address]) == 2
         assert time.monotonic() - begin < 5.0

@@ -66,8 +66,8 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def start(folder: Path) -> subprocess.Popen[str]:
-    words = arguments("sweep", folder / "many.yaml", "--out", folder / "out", "--workers", 2)
-    return subprocess.Popen(words, env=ENVIRONMENT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    command = arguments("sweep", folder / "many.yaml", "--out", folder / "out", "--workers", 2)
+    return subprocess.Popen(command, env=ENVIRONMENT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
 
 def lines(folder: Path) -> list[bytes]:
@@ -97,9 +97,9 @@ def test_a_sweep_killed_whose_workers_are_killed_too_gives_the_same_table(whole,
     process = start(tmp_path)
     until(lambda: len(lines(tmp_path)) >= len(kept) + 10, 60)
     # Each line is one run: those of before are there as they were, and no case was run again.
-    found = lines(tmp_path)
-    assert set(kept) < set(found)
-    assert set(Counter(json.loads(line)["index"] for line in found).values()) == {1}
+    finished = lines(tmp_path)
+    assert set(kept) < set(finished)
+    assert set(Counter(json.loads(line)["index"] for line in finished).values()) == {1}
     kill_workers(process)
     out, err = process.communicate(timeout=100)
     assert (process.returncode, err) == (0, "")
@@ -162,14 +162,14 @@ def state(folder: Path) -> dict[str, str]:
 
 
 @pytest.mark.parametrize(
-    ("cases", "said"),
+    ("cases", "message"),
     [
         ("  a: {}\n  b: {gravity_m_s2: 9.5}\n", "cases.b.gravity_m_s2 is 9 there, but 9.5 is requested"),
         ("  a: {}\n  c: {gravity_m_s2: 9}\n", "cases.c is not in that folder"),
         ("  a: {}\n", "cases.b is in that folder alone"),
     ],
 )
-def test_a_finished_folder_of_another_sweep_is_refused(tmp_path, capsys, cases, said):
+def test_a_finished_folder_of_another_sweep_is_refused(tmp_path, capsys, cases, message):
     out = str(tmp_path / "out")
     assert main(["sweep", str(small(tmp_path)), "--out", out, "--quiet"]) == 0
     small(tmp_path, cases)
@@ -177,7 +177,7 @@ def test_a_finished_folder_of_another_sweep_is_refused(tmp_path, capsys, cases, 
     for more in ([], ["--restart"]):
         assert main(["sweep", str(tmp_path / "many.yaml"), "--out", out, *more]) == 2
         seen = capsys.readouterr()
-        assert seen.err == f"{out} contains another sweep ({said}); give another --out, or remove the folder\n"
+        assert seen.err == f"{out} contains another sweep ({message}); give another --out, or remove the folder\n"
         assert state(tmp_path) == before
 
 
@@ -221,16 +221,16 @@ SAMPLE = f"{QUICK}sample:\n  method: latin_hypercube\n  count: 8\n  ranges: {{{S
 def test_an_unfinished_folder_of_another_sweep_is_refused(tmp_path, capsys, monkeypatch):
     path, out = write(tmp_path, SAMPLE), str(tmp_path / "out")
     interrupted(tmp_path, monkeypatch)
-    said = capsys.readouterr().err
+    errors = capsys.readouterr().err
     went_on = f"of 8 cases are kept in {out}.part, and the same command goes on from there\n"
-    assert said.startswith("interrupted; ")
-    assert said.endswith(went_on)
+    assert errors.startswith("interrupted; ")
+    assert errors.endswith(went_on)
     path.write_text(path.read_text().replace("count: 8", "count: 9"))
     before = state(tmp_path)
     assert main(["sweep", str(path), "--out", out]) == 2
     difference = "(sample.count is 8 there, but 9 is requested)"
-    words = f"{out}.part contains another sweep {difference}; --restart discards it and starts again\n"
-    assert capsys.readouterr().err == words
+    message = f"{out}.part contains another sweep {difference}; --restart discards it and starts again\n"
+    assert capsys.readouterr().err == message
     assert state(tmp_path) == before
     assert main(["sweep", str(path), "--out", out, "--restart", "--quiet"]) == 0
     assert len(read(tmp_path / "out")) == 9
@@ -280,10 +280,10 @@ def test_a_full_disk_keeps_what_is_there(tmp_path, capsys, monkeypatch):
         assert main(["sweep", str(path), "--out", str(out)]) == 2
     seen = capsys.readouterr()
     kept = "3 of 8 cases are kept in"
-    words = (
+    message = (
         f"the sweep can't go on: No space left on device; {kept} {out}.part, and the same command goes on from there\n"
     )
-    assert (seen.out, seen.err) == ("", words)
+    assert (seen.out, seen.err) == ("", message)
     assert len(Journal(tmp_path / "out.part" / "journal")) == 3
     assert main(["sweep", str(path), "--out", str(out)]) == 0
     assert "3 of 8 cases are there" in capsys.readouterr().out

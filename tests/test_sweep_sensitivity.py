@@ -29,18 +29,18 @@ def design(folder: Path, count: int, ends: tuple[float, float], seed: int = 0) -
 
 def rows(sweep: Sweep, function: Callable[..., float | None]) -> list[Row]:
     """What a sweep would give if a run was this function of the three values."""
-    told = {"status": "rest", "message": ""}
+    ending = {"status": "rest", "message": ""}
     return [
-        Row(i, case.name, case.values, {**told, OUTPUT: function(*(case.values[key] for key in KEYS))})
+        Row(i, case.name, case.values, {**ending, OUTPUT: function(*(case.values[key] for key in KEYS))})
         for i, case in enumerate(sweep.cases)
     ]
 
 
-def within(found: np.ndarray, ends: np.ndarray, exact: list[float], share: float) -> None:
+def within(intervals_of: np.ndarray, ends: np.ndarray, exact: list[float], share: float) -> None:
     """The exact values lie in the intervals, or as near as one in twenty may miss, and these are as narrow as said."""
     width = ends[1] - ends[0]
     assert np.all(width < share)
-    assert np.all(np.abs(found - exact) <= np.maximum(width, 1e-3))
+    assert np.all(np.abs(intervals_of - exact) <= np.maximum(width, 1e-3))
 
 
 @pytest.mark.slow
@@ -48,26 +48,26 @@ def test_a_linear_function(tmp_path):
     """Of a1 x1 + a2 x2 + a3 x3, x even over one range: a_i^2 over their sum, alone and in total."""
     slopes = np.array([1.0, 2.0, 4.0])
     sweep = design(tmp_path, 256, (1.0, 2.0))
-    [found] = sensitivity.of_sweep(sweep, rows(sweep, lambda *x: float(slopes @ x)))
+    [result] = sensitivity.of_sweep(sweep, rows(sweep, lambda *x: float(slopes @ x)))
     exact = list(slopes**2 / np.sum(slopes**2))
-    assert (found.output, found.inputs, found.refused) == (OUTPUT, KEYS, "")
-    within(found.first, found.first_interval, exact, 0.3)
-    within(found.total, found.total_interval, exact, 0.3)
+    assert (result.output, result.inputs, result.refused) == (OUTPUT, KEYS, "")
+    within(result.first, result.first_interval, exact, 0.3)
+    within(result.total, result.total_interval, exact, 0.3)
 
 
 @pytest.mark.slow
 def test_too_few_points_are_told(tmp_path):
     slopes = np.array([1.0, 2.0, 4.0])
-    for count, told in ((2, True), (256, False)):
+    for count, warned in ((2, True), (256, False)):
         sweep = design(tmp_path, count, (1.0, 2.0))
-        found = sensitivity.of_sweep(sweep, rows(sweep, lambda *x: float(slopes @ x)))
-        said = sensitivity.warnings(found[0])
-        assert bool(said) == told
-        sensitivity.write(found, tmp_path, figures=False)
+        results = sensitivity.of_sweep(sweep, rows(sweep, lambda *x: float(slopes @ x)))
+        warnings = sensitivity.warnings(results[0])
+        assert bool(warnings) == warned
+        sensitivity.write(results, tmp_path, figures=False)
         with (tmp_path / "sensitivity.csv").open(encoding="utf-8") as file:
             notes = [row["note"] for row in csv.DictReader(file) if row["note"]]
-        assert [words.partition(": ")[2] for words in said] == notes
-        assert all(words.endswith("take a greater count") for words in said)
+        assert [warning.partition(": ")[2] for warning in warnings] == notes
+        assert all(warning.endswith("take a greater count") for warning in warnings)
 
 
 @pytest.mark.parametrize(
@@ -77,10 +77,10 @@ def test_too_few_points_are_told(tmp_path):
 )  # fmt: skip
 def test_what_makes_indices_doubtful(first, total, width, why):
     ends = np.array([[0.0], [width]])
-    one = sensitivity.Indices(OUTPUT, KEYS[:1], np.array([first]), np.array([total]), ends, ends)
-    found = sensitivity.imprecision(one, 0)
-    assert why in found
-    assert bool(found) == bool(why)
+    indices = sensitivity.Indices(OUTPUT, KEYS[:1], np.array([first]), np.array([total]), ends, ends)
+    imprecision = sensitivity.imprecision(indices, 0)
+    assert why in imprecision
+    assert bool(imprecision) == bool(why)
 
 
 @pytest.mark.slow
@@ -99,14 +99,14 @@ def test_ishigami(tmp_path):
     total = [(alone + both) / variance, second / variance, both / variance]
     assert first[0] == pytest.approx(0.3139, abs=1e-4)
     sweep = design(tmp_path, 512, (10.0 - math.pi, 10.0 + math.pi), seed=1)
-    [found] = sensitivity.of_sweep(sweep, rows(sweep, ishigami))
-    within(found.first, found.first_interval, first, 0.3)
-    within(found.total, found.total_interval, total, 0.3)
+    [result] = sensitivity.of_sweep(sweep, rows(sweep, ishigami))
+    within(result.first, result.first_interval, first, 0.3)
+    within(result.total, result.total_interval, total, 0.3)
     # What tells the two kinds apart is far wider than any interval.
-    assert found.total[2] - found.first[2] > 0.2
+    assert result.total[2] - result.first[2] > 0.2
     # The same rows, the same numbers, intervals too.
-    [again] = sensitivity.of_sweep(sweep, rows(sweep, ishigami))
-    assert np.array_equal(again.total_interval, found.total_interval)
+    [repeated] = sensitivity.of_sweep(sweep, rows(sweep, ishigami))
+    assert np.array_equal(repeated.total_interval, result.total_interval)
 
 
 @pytest.mark.slow
@@ -118,32 +118,32 @@ def test_intervals_hold_what_they_say(tmp_path):
     for seed in range(8):
         sweep = design(tmp_path, 64, (1.0, 2.0), seed)
         values = np.array([row.summary[OUTPUT] for row in rows(sweep, lambda *x: float(slopes @ x))])
-        found = sensitivity.indices(OUTPUT, KEYS, values.reshape(5, 64), seed)
-        low, high = found.total_interval
+        result = sensitivity.indices(OUTPUT, KEYS, values.reshape(5, 64), seed)
+        low, high = result.total_interval
         missed += int(np.sum((exact < low) | (exact > high)))
     # Sobol points are more even than the random ones that a bootstrap thinks of, so fewer than 5 % of 24 are missed.
     assert missed <= 2
 
 
 @pytest.mark.parametrize(
-    ("function", "status", "said"),
+    ("function", "status", "message"),
     [
         (lambda *x: None if x[0] > 1.98 else 1.0 * x[0], "end_time", "cases have no y (case_"),
         (lambda *x: math.nan if x[0] > 1.98 else x[0], "rest", "cases have no y (case_"),
         (lambda *_: 2.5, "rest", "it is the same in all cases"),
     ],
 )
-def test_indices_are_refused_rather_than_wrong(tmp_path, function, status, said):
+def test_indices_are_refused_rather_than_wrong(tmp_path, function, status, message):
     sweep = design(tmp_path, 64, (1.0, 2.0))
     given = [Row(r.index, r.name, r.values, {**r.summary, "status": status}) for r in rows(sweep, function)]
-    [found] = sensitivity.of_sweep(sweep, given)
-    assert said in found.refused
-    assert len(found.first) == 0
-    sensitivity.write([found], tmp_path)
+    [result] = sensitivity.of_sweep(sweep, given)
+    assert message in result.refused
+    assert len(result.first) == 0
+    sensitivity.write([result], tmp_path)
     with (tmp_path / "sensitivity.csv").open(encoding="utf-8") as file:
         lines = list(csv.DictReader(file))
     assert [line["input"] for line in lines] == list(KEYS)
-    assert {(line["first_order"], line["total"], line["note"]) for line in lines} == {("", "", found.refused)}
+    assert {(line["first_order"], line["total"], line["note"]) for line in lines} == {("", "", result.refused)}
     assert not (tmp_path / "figures").exists()
 
 
@@ -151,8 +151,8 @@ def test_a_failed_case_refuses_them(tmp_path):
     sweep = design(tmp_path, 64, (1.0, 2.0))
     given = rows(sweep, lambda *x: x[0])
     given[7] = Row(7, given[7].name, given[7].values, {"status": "error", "message": "boom"})
-    [found] = sensitivity.of_sweep(sweep, given)
-    assert found.refused == "1 of 320 cases failed (case_008)"
+    [result] = sensitivity.of_sweep(sweep, given)
+    assert result.refused == "1 of 320 cases failed (case_008)"
 
 
 RUN = f"""set: {{method: {{reduced: {{modes: 0}}}}}}
@@ -167,13 +167,13 @@ sample:
 
 
 @pytest.fixture
-def here(monkeypatch):
+def cases_in_this_process(monkeypatch):
     """Let the command take its runs in a thread of this process."""
     monkeypatch.setattr(many, "pool", lambda *_: WorkerPool(1, ThreadPoolExecutor))
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("here")
+@pytest.mark.usefixtures("cases_in_this_process")
 def test_as_users_run_it(tmp_path, capsys):
     """A rigid link has no deflection, which refuses the indices of that; faster impacts stop sooner, whatever eta_d."""
     path = write(tmp_path, RUN)
@@ -197,16 +197,16 @@ def test_as_users_run_it(tmp_path, capsys):
     ]
     assert float(lines[0]["total"]) > 0.8 > 0.2 > float(lines[1]["total"])
     # The saved sweep is the same design.
-    again = load_sweep(tmp_path / "out" / "sweep.yaml")
-    assert [case.values for case in again.cases] == [case.values for case in load_sweep(path).cases]
+    reloaded = load_sweep(tmp_path / "out" / "sweep.yaml")
+    assert [case.values for case in reloaded.cases] == [case.values for case in load_sweep(path).cases]
     assert main(["sweep", str(tmp_path / "out" / "sweep.yaml"), "--out", str(tmp_path / "out")]) == 0
     assert "holds all cases of this sweep already" in capsys.readouterr().out
 
 
-@pytest.mark.usefixtures("here")
+@pytest.mark.usefixtures("cases_in_this_process")
 def test_an_output_that_no_run_has_ends_it_at_once(tmp_path, capsys):
     path = write(tmp_path, RUN.replace("max_deflection_m", "stoping_time_s"))
     assert main(["sweep", str(path), "--out", str(tmp_path / "out")]) == 2
-    said = "sample.outputs: got 'stoping_time_s', which is not a number of a summary; did you mean stopping_time_s?"
-    assert capsys.readouterr().err == f"{path}: {said}\n"
+    message = "sample.outputs: got 'stoping_time_s', which is not a number of a summary; did you mean stopping_time_s?"
+    assert capsys.readouterr().err == f"{path}: {message}\n"
     assert list(tmp_path.iterdir()) == [path]

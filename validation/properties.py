@@ -6,7 +6,7 @@ A seed determines a scene (validation/random_scenes). The scenes have all kinds 
 laws, beds, and all methods of solution. The loader of the command line reads each scene. It runs unchanged and in these
 forms:
 
-- mirrored in x; moved by a kilometre; with its parts in another order (its *images*);
+- mirrored in x; translated by 1 km; with its parts in another order (its *images*);
 - with half the step, and with a quarter to a sixteenth of the step;
 - with a quarter of the step (less if that is too long), eight times the strips and four times the elements; in space
   with half the step and facets of a third of the size;
@@ -128,7 +128,7 @@ WORLDS = {
         draw,
         {
             "mirror image": images.mirrored,
-            "moved by a kilometre": images.shifted,
+            "translated by 1 km": images.shifted,
             "parts in another order": images.reordered,
         },
         lambda tree, factor: images.divided(images.finer(tree, factor), STRIPS, ELEMENTS),
@@ -141,7 +141,7 @@ WORLDS = {
         {
             "mirror image": images_in_space.mirrored,
             "turned about the vertical": images_in_space.turned,
-            "moved by a kilometre": images_in_space.shifted,
+            "translated by 1 km": images_in_space.shifted,
             "parts in another order": images.reordered,
         },
         lambda tree, factor: images_in_space.finer(images.finer(tree, factor), FACETS),

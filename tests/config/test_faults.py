@@ -116,14 +116,14 @@ def _name(value: object) -> str | None:
     return value[:40] if isinstance(value, str) else ""
 
 
-@pytest.mark.parametrize(("old", "new", "line", "key", "words"), SCHEMA_FAULTS, ids=_name)
-def test_schema_fault(faults, old, new, line, key, words):
+@pytest.mark.parametrize(("old", "new", "line", "key", "message"), SCHEMA_FAULTS, ids=_name)
+def test_schema_fault(faults, old, new, line, key, message):
     text = changed(old, new)
-    found = faults(text)
-    assert [(fault.file, fault.line, fault.key) for fault in found] == [("run.yaml", line, key)]
-    assert [word for word in words if word not in found[0].message] == []
-    assert "\n" not in found[0].message
-    assert len(found[0].message) < 250
+    reported = faults(text)
+    assert [(fault.file, fault.line, fault.key) for fault in reported] == [("run.yaml", line, key)]
+    assert [word for word in message if word not in reported[0].message] == []
+    assert "\n" not in reported[0].message
+    assert len(reported[0].message) < 250
 
 
 BODIES = GOOD[: GOOD.index("  joints:")]
@@ -156,20 +156,20 @@ STRUCTURES = {
 def test_bodies_that_do_not_hang_on_the_ground(faults, case):
     joints, expected = STRUCTURES[case]
     lines = [f"    j{i}: {{type: weld, parent: {p}, child: {c}}}\n" for i, (p, c) in enumerate(joints)]
-    found = faults(BODIES + "  joints:\n" + "".join(lines) + REST)
-    assert [fault.key for fault in found] == [f"model.{key}" for _, key, _ in expected]
-    for fault, (line, key, words) in zip(found, expected, strict=True):
+    reported = faults(BODIES + "  joints:\n" + "".join(lines) + REST)
+    assert [fault.key for fault in reported] == [f"model.{key}" for _, key, _ in expected]
+    for fault, (line, key, message) in zip(reported, expected, strict=True):
         assert fault.line == (FIRST + line if key.startswith("joints") else 11)
-        assert words in fault.message
+        assert message in fault.message
 
 
 def test_names(faults):
-    found = faults(GOOD.replace("arm:\n", "a b:\n").replace("child: arm", "child: a b"))
-    assert [(f.line, f.key) for f in found] == [(11, "model.bodies.a b")]
-    assert "letters, digits, _ and - are allowed" in found[0].message
-    found = faults(GOOD.replace("    arm:\n", "    ground:\n").replace("child: arm", "child: hub"))
+    reported = faults(GOOD.replace("arm:\n", "a b:\n").replace("child: arm", "child: a b"))
+    assert [(f.line, f.key) for f in reported] == [(11, "model.bodies.a b")]
+    assert "letters, digits, _ and - are allowed" in reported[0].message
+    reported = faults(GOOD.replace("    arm:\n", "    ground:\n").replace("child: arm", "child: hub"))
     assert (11, "model.bodies.ground", "the name ground is that of the fixed frame; give the body another") in [
-        (f.line, f.key, f.message) for f in found
+        (f.line, f.key, f.message) for f in reported
     ]
 
 
@@ -188,8 +188,8 @@ def test_all_faults_at_once(faults):
     ]:
         assert text.count(old) == 1
         text = text.replace(old, new)
-    found = faults(text, "output.figures=1", "nonsense")
-    assert [(f.file, f.line, f.key) for f in found] == [
+    reported = faults(text, "output.figures=1", "nonsense")
+    assert [(f.file, f.line, f.key) for f in reported] == [
         ("--set nonsense", None, ""),
         ("--set output.figures=1", None, "output.figures"),
         ("run.yaml", 1, "nmae"),
@@ -236,6 +236,6 @@ def test_numbers_whose_powers_are_none_are_refused(faults):
 def test_corners_whose_squares_are_none_are_refused(faults):
     corners = "[[0, 0], [1e+300, 0], [1e+300, 1e+300], [0, 0.1]]"
     polygon = f"        - {{type: polygon, width_m: 0.1, points_m: {corners}}}\n"
-    found = faults(changed("      shapes:\n", f"      shapes:\n{polygon}"))
-    assert {fault.message for fault in found} == {"got the number 1e+300; allowed are numbers up to 1e+60 in size"}
-    assert {fault.line for fault in found} == {9}
+    reported = faults(changed("      shapes:\n", f"      shapes:\n{polygon}"))
+    assert {fault.message for fault in reported} == {"got the number 1e+300; allowed are numbers up to 1e+60 in size"}
+    assert {fault.line for fault in reported} == {9}

@@ -201,21 +201,21 @@ FAULTS = {
 
 @pytest.mark.parametrize("case", FAULTS)
 def test_mechanism_fault(faults, case):
-    old, new, line, key, words = FAULTS[case]
+    old, new, line, key, message = FAULTS[case]
     text = HEAD.replace(old, new) if old else HEAD + DRIVES + new
     assert text != HEAD
-    found = faults(text)
-    assert [(fault.line, fault.key) for fault in found] == [(line, key)]
-    assert words in found[0].message
-    assert len(found[0].message) < 250
+    reported = faults(text)
+    assert [(fault.line, fault.key) for fault in reported] == [(line, key)]
+    assert message in reported[0].message
+    assert len(reported[0].message) < 250
 
 
 def test_a_signal_that_nobody_follows_is_told_of(tmp_path):
     text = HEAD + f"signals:\n  gait: {SINE}\n  idle: {SINE}\ndrives:\n  knee: {{type: motion, angle_deg: gait}}\n"
     path = tmp_path / "idle.yaml"
     path.write_text(text, encoding="utf-8")
-    told = f"{path}:15: signals.idle: no drive uses it; a drive gives its name as the signal"
-    assert [notice for notice in load(path).sources.notices if "signals" in notice] == [told]
+    message = f"{path}:15: signals.idle: no drive uses it; a drive gives its name as the signal"
+    assert [notice for notice in load(path).sources.notices if "signals" in notice] == [message]
 
 
 def test_the_phase_of_a_shared_signal_needs_a_period(faults):
@@ -269,11 +269,11 @@ CHAIN_FAULTS = {
 
 @pytest.mark.parametrize("case", CHAIN_FAULTS)
 def test_chain_fault(faults, case):
-    old, new, line, key, words = CHAIN_FAULTS[case]
-    found = faults(CHAIN.replace(old, new))
-    assert [(fault.line, fault.key) for fault in found] == [(line, key)]
-    assert words in found[0].message
-    assert len(found[0].message) < 250
+    old, new, line, key, message = CHAIN_FAULTS[case]
+    reported = faults(CHAIN.replace(old, new))
+    assert [(fault.line, fault.key) for fault in reported] == [(line, key)]
+    assert message in reported[0].message
+    assert len(reported[0].message) < 250
 
 
 def test_a_chain_beside_bodies_of_its_names(faults):
@@ -313,11 +313,11 @@ COLUMNS = {
 
 @pytest.mark.parametrize("case", COLUMNS)
 def test_faulty_columns(faults, tmp_path, monkeypatch, case):
-    text, place, key, words = COLUMNS[case]
+    text, place, key, message = COLUMNS[case]
     monkeypatch.chdir(tmp_path)
     if text is not None:
         (tmp_path / "gait.csv").write_text(text)
-    found = faults(HEAD + CSV)
-    assert words in found[0].message
-    assert {(fault.file, fault.line) for fault in found} == {place}
-    assert {fault.key for fault in found} == {key}
+    reported = faults(HEAD + CSV)
+    assert message in reported[0].message
+    assert {(fault.file, fault.line) for fault in reported} == {place}
+    assert {fault.key for fault in reported} == {key}

@@ -54,8 +54,8 @@ def test_the_installed_model_is_found_from_anywhere(folder):
 
 
 def test_a_medium_has_the_measured_scatter_of_one_that_it_names(folder):
-    own = "medium: {law: rft, zeta: 1, measured_scatter: cmu_dry_sand, scatter: {measured: locked_wheel}}\n"
-    medium = run(folder, START + "model: compound_pendulum\n" + own).scenario.medium
+    medium_text = "medium: {law: rft, zeta: 1, measured_scatter: cmu_dry_sand, scatter: {measured: locked_wheel}}\n"
+    medium = run(folder, START + "model: compound_pendulum\n" + medium_text).scenario.medium
     assert (
         medium.measured_scatter
         == preset("cmu_dry_sand").measured_scatter
@@ -65,7 +65,7 @@ def test_a_medium_has_the_measured_scatter_of_one_that_it_names(folder):
     with pytest.raises(
         ConfigError, match=r"run.yaml:3: medium.measured_scatter: got 'cmu', but there is no such medium"
     ):
-        run(folder, START + "model: compound_pendulum\n" + own.replace("cmu_dry_sand", "cmu"))
+        run(folder, START + "model: compound_pendulum\n" + medium_text.replace("cmu_dry_sand", "cmu"))
 
 
 def test_a_path_is_relative_to_the_file_that_names_it(folder):
@@ -111,13 +111,13 @@ BAD_REFERENCES = [
 ]
 
 
-@pytest.mark.parametrize(("text", "line", "key", "words"), BAD_REFERENCES, ids=lambda value: str(value)[:30])
-def test_a_reference_to_nothing(folder, text, line, key, words):
+@pytest.mark.parametrize(("text", "line", "key", "message"), BAD_REFERENCES, ids=lambda value: str(value)[:30])
+def test_a_reference_to_nothing(folder, text, line, key, message):
     with pytest.raises(ConfigError) as caught:
         run(folder, START + text + "\n")
     [fault] = caught.value.faults
     assert (Path(fault.file).name, fault.line, fault.key) == ("run.yaml", line, key)
-    assert [word for word in words if word not in fault.message] == []
+    assert [word for word in message if word not in fault.message] == []
 
 
 def test_a_fault_in_a_model_file_is_located_there(folder):
@@ -226,13 +226,13 @@ BAD_OVERRIDES = [
 ]
 
 
-@pytest.mark.parametrize(("override", "key", "words"), BAD_OVERRIDES, ids=lambda value: value[:40])
-def test_a_bad_override(faults, override, key, words):
-    found = faults(GOOD, override)
-    assert (found[0].file, found[0].line, found[0].key) == (f"--set {override}", None, key)
-    assert words in found[0].message
+@pytest.mark.parametrize(("override", "key", "message"), BAD_OVERRIDES, ids=lambda value: value[:40])
+def test_a_bad_override(faults, override, key, message):
+    reported = faults(GOOD, override)
+    assert (reported[0].file, reported[0].line, reported[0].key) == (f"--set {override}", None, key)
+    assert message in reported[0].message
     if override.isprintable():
-        assert str(found[0]).startswith(f"--set {override}: ")
+        assert str(reported[0]).startswith(f"--set {override}: ")
 
 
 CONFIGS = sorted(path for path in (Path(__file__).parents[2] / "configs").glob("*.yaml") if is_run(path))
@@ -301,8 +301,8 @@ def test_changed_numbers_are_told_in_lists_and_layers(folder):
     bed = "bed: {layers: [{top_m: 0.01, medium: play_sand}, {top_m: 0.02, medium: rft_generic}]}\n"
     text = START + "model: compound_pendulum\nmedium: [play_sand, rft_generic]\n" + bed
     scenario = run(folder, text, "medium.1.zeta=2", "bed.layers.0.medium.eta_h=2").scenario
-    said = [one.provenance for one in (*scenario.media, *(layer.medium for layer in scenario.bed.layers))]
-    assert said == ["published", "own", "own", "published"]
+    provenances = [medium.provenance for medium in (*scenario.media, *(layer.medium for layer in scenario.bed.layers))]
+    assert provenances == ["published", "own", "own", "published"]
 
 
 def test_what_a_preset_lacks_is_told_where_it_is_named(folder):
@@ -317,7 +317,7 @@ def test_what_a_preset_lacks_is_told_where_it_is_named(folder):
 
 def test_a_law_is_no_medium_and_stays_under_from(folder):
     start = START + "model: compound_pendulum\nmedium: "
-    for medium, key, words in (
+    for medium, key, message in (
         ("albert", "medium", "which is a law and no medium; give its numbers, as medium: {law: albert, ...}"),
         ("{from: play_sand, law: rft}", "medium.law", "play_sand is of the law lee_marghitu, and law can't change"),
     ):
@@ -325,4 +325,4 @@ def test_a_law_is_no_medium_and_stays_under_from(folder):
             run(folder, start + medium + "\n")
         [fault] = caught.value.faults
         assert (fault.line, fault.key) == (3, key)
-        assert words in fault.message
+        assert message in fault.message

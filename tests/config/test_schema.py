@@ -53,8 +53,8 @@ def test_every_class_is_closed_and_frozen():
     ]
     for choices in (BODIES, JOINTS, CLOSURES, DRIVES, SIGNALS, SHAPES, FRICTIONS, LAWS):
         classes += choices.values()
-    for one in classes:
-        assert (one.model_config["extra"], one.model_config["frozen"], one.model_config["strict"]) == (
+    for model in classes:
+        assert (model.model_config["extra"], model.model_config["frozen"], model.model_config["strict"]) == (
             "forbid",
             True,
             True,
@@ -104,7 +104,9 @@ def fits(part: dict[str, Any], data: Any, whole: dict[str, Any]) -> bool:
     """Whether data fit a part of a JSON Schema, by the words that ours use of it."""
     if "$ref" in part:
         return fits(whole["$defs"][part["$ref"].rpartition("/")[2]], data, whole)
-    among = [sum(fits(one, data, whole) for one in part[key]) for key in ("anyOf", "oneOf") if key in part]
+    among = [
+        sum(fits(alternative, data, whole) for alternative in part[key]) for key in ("anyOf", "oneOf") if key in part
+    ]
     kind = part.get("type")
     if kind == "null" or not all(among) or ("enum" in part and data not in part["enum"]):
         return kind == "null" and data is None
@@ -116,11 +118,11 @@ def fits(part: dict[str, Any], data: Any, whole: dict[str, Any]) -> bool:
         return all(fits(part.get("items", {}), item, whole) for item in data) and len(data) >= part.get("minItems", 0)
     if not isinstance(data, dict):
         return part.get("minimum", data) <= data if kind in ("number", "integer") else True
-    own, others = part.get("properties", {}), part.get("additionalProperties", True)
-    if not set(part.get("required", ())) <= set(data) or (others is False and not set(data) <= set(own)):
+    properties, others = part.get("properties", {}), part.get("additionalProperties", True)
+    if not set(part.get("required", ())) <= set(data) or (others is False and not set(data) <= set(properties)):
         return False
     return all(
-        fits(own.get(key, others if isinstance(others, dict) else {}), item, whole) for key, item in data.items()
+        fits(properties.get(key, others if isinstance(others, dict) else {}), item, whole) for key, item in data.items()
     )
 
 
@@ -137,9 +139,10 @@ def test_every_shipped_file_fits_the_printed_schema(capsys):
     assert [list(kinds.values()).count(kind) for kind in ("sweep", "optimise")] == [3, 5]
     for path, kind in kinds.items():
         data = plain(read_file(path, []))  # PyYAML takes 1e-3 for a text
-        assert {one: fits(schemas[one], data, schemas[one]) for one in ("run", "sweep", "optimise")} == {
-            one: one == kind for one in ("run", "sweep", "optimise")
-        }, path
+        assert {
+            schema_name: fits(schemas[schema_name], data, schemas[schema_name])
+            for schema_name in ("run", "sweep", "optimise")
+        } == {schema_name: schema_name == kind for schema_name in ("run", "sweep", "optimise")}, path
     example = yaml.safe_load(fit.__doc__.partition("\n\n")[2])
     assert fits(schemas["fit"], example, schemas["fit"])
     assert fit.FitFile.model_validate(example).starts == 8

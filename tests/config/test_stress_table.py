@@ -20,7 +20,7 @@ DEPTH, ANGLES = (0.02, 0.1), np.arange(-90.0, 91.0, 10.0)
 
 def rows() -> list[tuple[float, float, float, float, float]]:
     """The generic set of resistive force theory, on a grid."""
-    found = []
+    table = []
     for z, b, g in product(DEPTH, ANGLES, ANGLES):
         beta, gamma = np.radians([b, g])
         c = GENERIC
@@ -28,8 +28,8 @@ def rows() -> list[tuple[float, float, float, float, float]]:
         x += c.D10 * np.sin(2 * beta)
         up = c.A00 + c.A10 * np.cos(2 * beta) + c.B11 * np.sin(2 * beta + gamma) + c.B01 * np.sin(gamma)
         up += c.B_11 * np.sin(-2 * beta + gamma)
-        found.append((z, b, g, 1e6 * z * x, 1e6 * z * up))
-    return found
+        table.append((z, b, g, 1e6 * z * x, 1e6 * z * up))
+    return table
 
 
 def written(folder: Path, lines: list[str], name: str = "sand.csv") -> Path:
@@ -50,14 +50,14 @@ def test_a_table_of_a_law_is_that_law_between_its_rows_too(tmp_path: Path) -> No
     scenario = load(written(tmp_path, [text(given[i]) for i in order])).scenario
     medium = scenario.media[0]
     assert isinstance(medium, StressTable)
-    again = type(medium).model_validate(scenario_to_dict(scenario)["medium"])  # needs no file any more
+    reloaded = type(medium).model_validate(scenario_to_dict(scenario)["medium"])  # needs no file any more
     for depth, beta, gamma in ((0.02, 20.0, 40.0), (0.1, -60.0, -10.0), (0.05, 33.0, 71.0), (0.2, -15.0, 200.0)):
         g = np.radians(gamma)
         body, v = plate(depth, beta, 0.01), 0.1 * np.array([np.cos(g), -np.sin(g)])
         want = force(Rft(GENERIC), body, v)
         # Linear between angles 10 degrees apart, of waves of 2 beta: (20 deg in rad)^2 / 8 = 1.5 %.
         np.testing.assert_allclose(force(medium, body, v), want, atol=0.02 * np.abs(want).max())
-        np.testing.assert_array_equal(force(again, body, v), force(medium, body, v))
+        np.testing.assert_array_equal(force(reloaded, body, v), force(medium, body, v))
 
 
 def faults_of(config: Path) -> list[str]:
@@ -71,25 +71,27 @@ def test_faults_are_told_with_file_and_line(tmp_path: Path) -> None:
     push = list(rows()[5])
     push[3:] = [-2000.0 * np.cos(np.radians(push[2])), -2000.0 * np.sin(np.radians(push[2]))]
     changed = [*lines[:5], text(tuple(push)), *lines[6:40], "0.02,-60,x,1,2", *lines[41:], lines[0]]
-    found = faults_of(written(tmp_path, changed))
+    reported = faults_of(written(tmp_path, changed))
     file = str(tmp_path / "sand.csv")
     assert any(
-        one.startswith(f"{file}:7: pushes an element at beta -90 deg that moves at gamma -40 deg") for one in found
+        fault.startswith(f"{file}:7: pushes an element at beta -90 deg that moves at gamma -40 deg")
+        for fault in reported
     )
-    assert any(one.startswith(f"{file}:42: gamma_deg: got no finite number") for one in found)
+    assert any(fault.startswith(f"{file}:42: gamma_deg: got no finite number") for fault in reported)
     assert any(
-        one.startswith(f"{file}:{len(changed) + 1}: has the depth and angles of line 2 once more") for one in found
+        fault.startswith(f"{file}:{len(changed) + 1}: has the depth and angles of line 2 once more")
+        for fault in reported
     )
     hole = faults_of(written(tmp_path, [*lines[:9], *lines[10:]]))
     assert hole == [
         f"{file}:1: has no row for depth 0.02 m, beta -90 deg, gamma 0 deg, though others have each of these"
     ]
     narrow = faults_of(written(tmp_path, [line for line in lines if ",90.0," not in line]))
-    assert any("beta_deg: goes from -90 to 80; allowed is from -90 to 90" in one for one in narrow)
-    assert any("gamma_deg: goes from -90 to 80" in one for one in narrow)
+    assert any("beta_deg: goes from -90 to 80; allowed is from -90 to 90" in fault for fault in narrow)
+    assert any("gamma_deg: goes from -90 to 80" in fault for fault in narrow)
     (tmp_path / "sand.csv").unlink()
     config = tmp_path / "case.yaml"
-    assert any(f"{config}:2: medium.file: got 'sand.csv', but" in one for one in faults_of(config))
+    assert any(f"{config}:2: medium.file: got 'sand.csv', but" in fault for fault in faults_of(config))
 
 
 def test_numbers_that_would_drive_are_refused_in_a_config_too() -> None:

@@ -179,16 +179,16 @@ FAULTS = {
 @pytest.mark.slow
 @pytest.mark.parametrize("case", FAULTS)
 def test_one_fault_at_its_line(faults, case):
-    text, line, key, words = FAULTS[case]
-    found = faults(text)
-    assert [(fault.file, fault.line, fault.key) for fault in found] == [("many.yaml", line, key)]
-    assert [word for word in words if word not in found[0].message] == []
-    assert "\n" not in found[0].message
+    text, line, key, message = FAULTS[case]
+    reported = faults(text)
+    assert [(fault.file, fault.line, fault.key) for fault in reported] == [("many.yaml", line, key)]
+    assert [word for word in message if word not in reported[0].message] == []
+    assert "\n" not in reported[0].message
 
 
 def test_all_faults_at_once(faults, tmp_path):
     (tmp_path / "run.yaml").write_text(GOOD)
-    found = faults(
+    reported = faults(
         "config: run.yaml\n"
         "colour: red\n"
         "cases:\n"
@@ -197,7 +197,7 @@ def test_all_faults_at_once(faults, tmp_path):
         "  fast: {initial.impact_angle_deg: steep, solver.step_s: !!float 1}\n"
         "  slow: {}\n"
     )
-    assert [(f.line, f.key) for f in found] == [
+    assert [(f.line, f.key) for f in reported] == [
         (2, "colour"),
         (4, "cases.a b"),
         (5, "medium.eta_h"),
@@ -216,12 +216,12 @@ def test_a_faulty_config_is_told_once_and_in_its_own_lines(faults, tmp_path):
 
 def test_a_fault_of_two_values_names_the_case(faults):
     """The step of the config, 1 ms, exceeds an end time that two of the cases set."""
-    [one, other] = faults(named("  a: {solver.end_time_s: 1e-4}\n  b: {}\n  c: {solver.end_time_s: 1e-5}\n"))
-    assert (one.file, one.line, one.key) == ("run.yaml", 38, "solver.step_s")
-    assert one.message.endswith("exceeds end_time_s, 0.0001 (in case a)")
-    assert other.message.endswith("exceeds end_time_s, 1e-05 (in case c)")
-    [one] = faults(vary("  solver.end_time_s: [1e-4, 1]\n"))
-    assert one.message.endswith("(in case case_1, solver.end_time_s = 0.0001)")
+    [first, second] = faults(named("  a: {solver.end_time_s: 1e-4}\n  b: {}\n  c: {solver.end_time_s: 1e-5}\n"))
+    assert (first.file, first.line, first.key) == ("run.yaml", 38, "solver.step_s")
+    assert first.message.endswith("exceeds end_time_s, 0.0001 (in case a)")
+    assert second.message.endswith("exceeds end_time_s, 1e-05 (in case c)")
+    [first] = faults(vary("  solver.end_time_s: [1e-4, 1]\n"))
+    assert first.message.endswith("(in case case_1, solver.end_time_s = 0.0001)")
 
 
 def test_the_geometry_is_asked_too(faults):
@@ -231,8 +231,8 @@ def test_the_geometry_is_asked_too(faults):
         if scenario.initial.impact_speed_rad_s > 8:
             raise scene_error("solver.step_s", "is too long")
 
-    found = faults(named(f"  a: {{gravity_m_s2: 9}}\n  b: {{gravity_m_s2: 11}}\n  c: {{{SPEED}: 9}}\n"), probe=probe)
-    assert [(f.file, f.line, f.key, f.message) for f in found] == [
+    reported = faults(named(f"  a: {{gravity_m_s2: 9}}\n  b: {{gravity_m_s2: 11}}\n  c: {{{SPEED}: 9}}\n"), probe=probe)
+    assert [(f.file, f.line, f.key, f.message) for f in reported] == [
         ("many.yaml", 4, "gravity_m_s2", "is too much"),
         ("run.yaml", 38, "solver.step_s", "is too long (in case c)"),
     ]
@@ -240,10 +240,10 @@ def test_the_geometry_is_asked_too(faults):
 
 def test_of_very_many_faults_the_first_are_told(faults):
     cases = "".join(f"  c{i}: {{medium.eta_h: -{i + 1}}}\n" for i in range(MOST_FAULTS + 7))
-    found = faults(named(cases))
-    assert len(found) == MOST_FAULTS + 1
-    assert found[0].line == 3
-    assert "7 more faults" in found[-1].message
+    reported = faults(named(cases))
+    assert len(reported) == MOST_FAULTS + 1
+    assert reported[0].line == 3
+    assert "7 more faults" in reported[-1].message
 
 
 def test_a_sweep_is_no_config(tmp_path):
@@ -301,9 +301,9 @@ def test_a_case_is_the_config_with_overrides(read, tmp_path):
         "  other: {medium: null, model: compound_pendulum, load.friction: {type: elastoplastic}}\n"
     )
     common = ["medium=play_sand", "medium.eta_h=9"]
-    own = ["medium.eta_h=7", "model.bodies.hub.shapes.0.diameter_m=0.03"]
+    overrides = ["medium.eta_h=7", "model.bodies.hub.shapes.0.diameter_m=0.03"]
     other = ["medium=null", "model=compound_pendulum", "load.friction={type: elastoplastic}"]
-    expected = [load(tmp_path / "run.yaml", common + more).scenario for more in ([], own, other)]
+    expected = [load(tmp_path / "run.yaml", common + more).scenario for more in ([], overrides, other)]
     assert [sweep.scenario(case) for case in sweep.cases] == expected
     assert len({str(scenario) for scenario in expected}) == 3
 
@@ -328,10 +328,10 @@ def values(read, text: str) -> list[float]:
 def test_ranges(read):
     assert values(read, "{from: 1, to: 2, count: 5}") == [1.0, 1.25, 1.5, 1.75, 2.0]
     assert values(read, "{from: 3, to: -1, count: 5}") == [3, 2, 1, 0, -1]
-    found = values(read, "{from: 0.1, to: 1e3, count: 81, scale: log}")
-    assert (found[0], found[-1], len(found)) == (0.1, 1e3, 81)
+    numbers = values(read, "{from: 0.1, to: 1e3, count: 81, scale: log}")
+    assert (numbers[0], numbers[-1], len(numbers)) == (0.1, 1e3, 81)
     # Equal ratios, to a few roundings of a power.
-    assert all(math.isclose(b / a, 10 ** (4 / 80), rel_tol=1e-14) for a, b in pairwise(found))
+    assert all(math.isclose(b / a, 10 ** (4 / 80), rel_tol=1e-14) for a, b in pairwise(numbers))
 
 
 def test_a_range_of_whole_numbers_fits_whole_numbers(read):
@@ -367,9 +367,9 @@ def test_sobol_points_are_even_in_powers_of_two(read):
 
 @pytest.mark.parametrize("method", ["latin_hypercube", "sobol", "saltelli"])
 def test_a_seed_gives_the_same_cases(read, method):
-    one, same, other = (sampled(read, method, 16, f"  seed: {seed}\n") for seed in (1, 1, 2))
-    assert np.array_equal(one, same)
-    assert not np.isclose(one, other).all(axis=1).any()
+    original, same, other = (sampled(read, method, 16, f"  seed: {seed}\n") for seed in (1, 1, 2))
+    assert np.array_equal(original, same)
+    assert not np.isclose(original, other).all(axis=1).any()
     assert np.array_equal(sampled(read, method, 16), sampled(read, method, 16, "  seed: 0\n"))
 
 
@@ -377,8 +377,8 @@ def test_one_at_a_time(read):
     key = "model.bodies.arm.flexible.elements"
     ranges = f"{{{SPEED}: [2, 10], {key}: {{from: 2, to: 8, scale: log}}}}"
     sweep = read(sample("  method: one_at_a_time\n  count: 3\n", ranges))
-    found = [case.values for case in sweep.cases]
-    assert found == [{}, {SPEED: 2}, {SPEED: 6}, {SPEED: 10}, {key: 2}, {key: 4}, {key: 8}]
+    varied = [case.values for case in sweep.cases]
+    assert varied == [{}, {SPEED: 2}, {SPEED: 6}, {SPEED: 10}, {key: 2}, {key: 4}, {key: 8}]
     assert sweep.keys == (SPEED, key)
     assert sweep.scenario(sweep.cases[0]) == sweep.base
     assert sweep.scenario(sweep.cases[-1]).model.bodies["arm"].flexible.elements == 8
@@ -445,9 +445,9 @@ def test_shipped_files_are_found_by_name(tmp_path, monkeypatch) -> None:
     assert load_sweep("mine.yaml").base.name == "hexapod"
     assert load_sweep("wheel_slip").base.name == "wheel"
     assert load_optimise("optimise_c_leg").sweep.base.name == "runner"
-    own = (ROOT / "configs" / "pendulum.yaml").read_text(encoding="utf-8")
+    config = (ROOT / "configs" / "pendulum.yaml").read_text(encoding="utf-8")
     (tmp_path / "hexapod").write_text(
-        own.replace("model: compound_pendulum", "name: own\nmodel: compound_pendulum"), encoding="utf-8"
+        config.replace("model: compound_pendulum", "name: own\nmodel: compound_pendulum"), encoding="utf-8"
     )
     assert load_sweep("mine.yaml").base.name == "own"
 

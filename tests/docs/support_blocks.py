@@ -61,8 +61,8 @@ def _run(block: re.Match[str], page: Page, note: str) -> str:
         if block["kind"] == "python":
             exec(compile(block["code"], "block", "exec", dont_inherit=True), page.names)
         elif block["kind"] == "sh":
-            told = re.fullmatch(r"exit code (\d)", note)
-            _commands(block["code"], int(told[1]) if told else 0, out)
+            exit_code = re.fullmatch(r"exit code (\d)", note)
+            _commands(block["code"], int(exit_code[1]) if exit_code else 0, out)
     return out.getvalue()
 
 

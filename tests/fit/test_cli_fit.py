@@ -38,11 +38,11 @@ def test_what_a_fit_leaves_behind(folder: Path) -> None:
     figures = {path.name: path.stat().st_size for path in (folder / "figures").iterdir()}
     assert set(figures) == {"run_01.png", "residuals.png", "correlation.png"}
     assert min(figures.values()) > 10_000
-    found = json.loads((folder / "fit.json").read_text(encoding="utf-8"))
-    assert found["status"] == "fits"
-    eta = found["parameters"]["medium.eta_d"]
+    saved = json.loads((folder / "fit.json").read_text(encoding="utf-8"))
+    assert saved["status"] == "fits"
+    eta = saved["parameters"]["medium.eta_d"]
     assert eta["interval_95"][0] < 6.5 < eta["interval_95"][1]
-    assert np.array(found["correlation"]["matrix"]).shape == (2, 2)
+    assert np.array(saved["correlation"]["matrix"]).shape == (2, 2)
 
 
 def test_residuals_are_data_less_model(folder: Path, data: Path) -> None:
@@ -69,8 +69,8 @@ def test_the_medium_is_ready_to_use_and_says_where_it_is_from(folder: Path, tmp_
     (tmp_path / "run.yaml").write_text(text, encoding="utf-8")
     scenario = config.load(tmp_path / "run.yaml").scenario
     assert scenario.medium is not None
-    found = json.loads((folder / "fit.json").read_text())["parameters"]["medium.eta_d"]["value"]
-    assert scenario.medium.eta_d == found
+    estimate = json.loads((folder / "fit.json").read_text())["parameters"]["medium.eta_d"]["value"]
+    assert scenario.medium.eta_d == estimate
     build(scenario)
 
 
@@ -98,8 +98,8 @@ def test_the_ends_of_an_interval_are_told_apart(value: float, error: float) -> N
 def test_a_misfit_is_printed_even_when_quiet(tmp_path: Path, capsys) -> None:
     file = measure(tmp_path / "other.csv", RIGID, "gravity_m_s2=40")
     out = str(tmp_path / "out")
-    words = ("--parameters", "medium.eta_d", *FAST, "--quiet", "--no-plots")
-    assert main(["fit", str(CONFIG), str(file), *words, "--out", out]) == 0
+    options = ("--parameters", "medium.eta_d", *FAST, "--quiet", "--no-plots")
+    assert main(["fit", str(CONFIG), str(file), *options, "--out", out]) == 0
     assert "warning: misfit: residuals" in capsys.readouterr().err
     assert "# misfit" in (tmp_path / "out" / "medium.yaml").read_text(encoding="utf-8")
     assert "does not describe" in yaml.safe_load((tmp_path / "out" / "medium.yaml").read_text())["source"]
@@ -112,10 +112,10 @@ def test_several_runs_and_named_columns_on_the_command_line(tmp_path: Path) -> N
     arguments = ["fit", str(CONFIG), str(tmp_path / "0.csv"), str(tmp_path / "1.csv"), *KEYS, *FAST, "--no-plots"]
     arguments += ["--columns", "time_s=t,tip_x_mm=X,tip_y_mm=Y", "--time-offset", "0.005", "--loss", "linear"]
     assert main([*arguments, "--out", str(tmp_path / "out")]) == 0
-    found = json.loads((tmp_path / "out" / "fit.json").read_text(encoding="utf-8"))
-    assert [run["name"] for run in found["runs"]] == ["0", "1"]
-    assert found["solver"]["loss"] == "linear"
-    assert found["goodness"]["columns"]["tip_x_m"]["rows"] == 100
+    saved = json.loads((tmp_path / "out" / "fit.json").read_text(encoding="utf-8"))
+    assert [run["name"] for run in saved["runs"]] == ["0", "1"]
+    assert saved["solver"]["loss"] == "linear"
+    assert saved["goodness"]["columns"]["tip_x_m"]["rows"] == 100
 
 
 REFUSED = {
@@ -138,11 +138,11 @@ REFUSED = {
 
 @pytest.mark.parametrize("name", REFUSED)
 def test_refusals(data: Path, tmp_path: Path, capsys, name: str) -> None:
-    arguments, words = REFUSED[name]
+    arguments, message = REFUSED[name]
     out = tmp_path / "out"
     code = main(["fit", *(str(data) if a == "DATA" else a for a in arguments), "--out", str(out)])
     assert code == 2
-    assert words in capsys.readouterr().err
+    assert message in capsys.readouterr().err
     assert not out.exists()
 
 

@@ -39,33 +39,33 @@ def residuals(seed: int) -> list[np.ndarray]:
 
 def test_of_noise_nothing_is_said(two: Problem) -> None:
     # 4 standard deviations and a correlation of 4 of its own: for 300 values and 9 pairs, 2 % and 0.06 % of the draws.
-    assert [words for seed in range(30) for words in data_warnings(two, residuals(seed), SIGMA)] == []
+    assert [warning for seed in range(30) for warning in data_warnings(two, residuals(seed), SIGMA)] == []
 
 
 def test_a_column_made_of_another_is_found_under_a_pattern(two: Problem) -> None:
     f = residuals(0)
     f[0][:, 2] = f[0][:, 1] + 0.3 * f[0][:, 2]
     smooth = np.sin(np.linspace(0.0, 3.0, 50))[:, None]
-    (words,) = data_warnings(two, [0.5 * one + smooth for one in f], SIGMA)
-    assert words.startswith("the noise of tip_y_m and pivot_angle_deg is mostly the same")
+    (warning,) = data_warnings(two, [0.5 * noise + smooth for noise in f], SIGMA)
+    assert warning.startswith("the noise of tip_y_m and pivot_angle_deg is mostly the same")
 
 
 def test_columns_with_the_same_noise_are_named_once(two: Problem) -> None:
-    f = [np.repeat(one[:, :1], 3, axis=1) for one in residuals(0)]
-    (words,) = data_warnings(two, f, SIGMA)
-    assert words.startswith("the noise of tip_x_m and tip_y_m and pivot_angle_deg is mostly the same")
+    f = [np.repeat(noise[:, :1], 3, axis=1) for noise in residuals(0)]
+    (warning,) = data_warnings(two, f, SIGMA)
+    assert warning.startswith("the noise of tip_x_m and tip_y_m and pivot_angle_deg is mostly the same")
 
 
 def test_a_pattern_in_two_columns_is_no_common_noise(two: Problem) -> None:
     smooth = 2.0 * np.sin(np.linspace(0.0, 3.0, 50))[:, None]
-    assert data_warnings(two, [0.5 * one + smooth for one in residuals(0)], SIGMA) == []
+    assert data_warnings(two, [0.5 * noise + smooth for noise in residuals(0)], SIGMA) == []
 
 
 def test_runs_with_the_same_noise_are_found(two: Problem) -> None:
     f = residuals(0)
     f[1][:, 0] = -f[0][:, 0]
-    (words,) = data_warnings(two, f, SIGMA)
-    assert words.startswith("the noise of tip_x_m in 0 and 1 is mostly the same")
+    (warning,) = data_warnings(two, f, SIGMA)
+    assert warning.startswith("the noise of tip_x_m in 0 and 1 is mostly the same")
 
 
 def test_the_same_numbers_twice_are_refused(tmp_path: Path) -> None:
@@ -78,26 +78,26 @@ def test_the_same_numbers_twice_are_refused(tmp_path: Path) -> None:
     assert fault.message.endswith("0.csv; a measurement may be used only once")
 
 
-@pytest.mark.parametrize(("factor", "told"), [(1.0, False), (1.5, False), (1e4, True)])
-def test_a_noise_given_far_too_large(two: Problem, factor: float, told: bool) -> None:
+@pytest.mark.parametrize(("factor", "warned"), [(1.0, False), (1.5, False), (1e4, True)])
+def test_a_noise_given_far_too_large(two: Problem, factor: float, warned: bool) -> None:
     given = replace(two, noise=dict.fromkeys(two.noise) | {"tip_x_m": factor * NOISE})
-    f = [one / [factor, 1.0, 1.0] for one in residuals(0)]
-    found = data_warnings(given, f, SIGMA * [factor, 1.0, 1.0])
-    assert len(found) == told
-    if told:
-        assert "of the given noise, 1: is its unit right?" in found[0]
+    f = [noise / [factor, 1.0, 1.0] for noise in residuals(0)]
+    warnings = data_warnings(given, f, SIGMA * [factor, 1.0, 1.0])
+    assert len(warnings) == warned
+    if warned:
+        assert "of the given noise, 1: is its unit right?" in warnings[0]
 
 
 def test_outliers_are_named_by_file_and_line(two: Problem) -> None:
     f = residuals(0)
     f[1][10:12, 1] = 400.0
-    (words,) = data_warnings(two, f, SIGMA)
+    (warning,) = data_warnings(two, f, SIGMA)
     # line 1 holds the names
-    assert words.startswith("2 values are outliers, farther than 4 times the noise from the model: ")
-    assert words.endswith("1.csv lines 12, 13")
+    assert warning.startswith("2 values are outliers, farther than 4 times the noise from the model: ")
+    assert warning.endswith("1.csv lines 12, 13")
     bare = [replace(run, measured=replace(run.measured, lines=())) for run in two.runs]
     assert data_warnings(replace(two, runs=tuple(bare)), f, SIGMA)[0].endswith("1.csv rows 11, 12")
-    assert data_warnings(two, [100.0 * one for one in residuals(0)], SIGMA) == []  # all of them are no exceptions
+    assert data_warnings(two, [100.0 * noise for noise in residuals(0)], SIGMA) == []  # all of them are no exceptions
 
 
 def test_rounding_is_seen_and_told(two: Problem) -> None:
@@ -106,8 +106,8 @@ def test_rounding_is_seen_and_told(two: Problem) -> None:
         replace(run, measured=replace(run.measured, values=np.round(run.measured.values / step) * step))
         for run in two.runs
     ]
-    found = data_warnings(replace(two, runs=tuple(runs)), residuals(0), np.array([0.5 * step, 0.5 * step, 0.02]))
-    assert [words.partition(",")[0] for words in found] == [
+    warnings = data_warnings(replace(two, runs=tuple(runs)), residuals(0), np.array([0.5 * step, 0.5 * step, 0.02]))
+    assert [warning.partition(",")[0] for warning in warnings] == [
         "tip_x_m is rounded to 0.0002",
         "tip_y_m is rounded to 0.0002",
     ]

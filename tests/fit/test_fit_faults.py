@@ -87,14 +87,14 @@ DATA = {
 
 @pytest.mark.parametrize("name", DATA)
 def test_faulty_data(faults, good, name: str) -> None:
-    change, line, key, words = DATA[name]
+    change, line, key, message = DATA[name]
     text = FIT
     if change is None:
         text = FIT.replace("modes: 0}", "modes: 0, solver.end_time_s: 0.03}")
-    found = faults(text, change(good) if change else good)
-    assert found[0][:3] == ("data.csv", line, key)
-    assert words in found[0][3]
-    assert len(found) == 1
+    reported = faults(text, change(good) if change else good)
+    assert reported[0][:3] == ("data.csv", line, key)
+    assert message in reported[0][3]
+    assert len(reported) == 1
 
 
 def test_all_faulty_rows_at_once_and_not_too_many(faults, good) -> None:
@@ -102,9 +102,9 @@ def test_all_faulty_rows_at_once_and_not_too_many(faults, good) -> None:
     assert [(line, key) for _, line, key, _ in faults(lines=spoilt)] == [(4, "tip_x_m"), (9, "tip_y_m"), (12, "time_s")]
     for line in range(2, 52):
         spoilt = cell(spoilt, line, 1, "")
-    found = faults(lines=spoilt)
-    assert len(found) == 10 + 1 + 1 + 1
-    assert ("data.csv", 12, "", "has 40 more such lines from here on") in found
+    reported = faults(lines=spoilt)
+    assert len(reported) == 10 + 1 + 1 + 1
+    assert ("data.csv", 12, "", "has 40 more such lines from here on") in reported
 
 
 def test_names_units_separators_and_comments(tmp_path: Path) -> None:
@@ -130,11 +130,11 @@ def test_names_units_separators_and_comments(tmp_path: Path) -> None:
 def test_ends_of_spreadsheets_and_comments_of_others(tmp_path: Path, good, form: str) -> None:
     file = tmp_path / "data.csv"
     body = "".join(f"{row},\n" if form.startswith("{0},") else f"{row}\n" for row in good[1:])
-    found: list[Fault] = []
+    reported: list[Fault] = []
     for head in (form, "{0}\n"):  # cells too many in all rows, or but in the header
         file.write_text(head.format(good[0]) + body, encoding="utf-8")
-        table = read_table(file, found)
-        assert found == []
+        table = read_table(file, reported)
+        assert reported == []
         assert table is not None
         assert table.header == ("time_s", "tip_x_m", "tip_y_m")
         assert {len(row) for row in table.rows} == {3}
@@ -142,22 +142,22 @@ def test_ends_of_spreadsheets_and_comments_of_others(tmp_path: Path, good, form:
 
 def test_a_table_of_a_link_that_bends_is_data_of_one_that_does_not(tmp_path: Path) -> None:
     for names, refused in (("time_s,tip_x_m,deflection_m,drag_force_x_N", 0), ("time_s,tip_x_m,deflection_m", 1)):
-        found: list[Fault] = []
+        reported: list[Fault] = []
         rows = [",".join([str(i)] * (names.count(",") + 1)) for i in range(9)]
         (tmp_path / "t.csv").write_text("\n".join([names, *rows]), encoding="utf-8")
-        table = read_table(tmp_path / "t.csv", found)
+        table = read_table(tmp_path / "t.csv", reported)
         assert table is not None
-        with gathered(found):
+        with gathered(reported):
             select(table, ["tip_x_m"], {})
-        assert len(found) == refused
+        assert len(reported) == refused
 
 
 def test_a_runs_own_table_is_data(tmp_path: Path) -> None:
     # what a camera can't see is left out
     names = "time_s,pivot_angle_deg,mean_rate_rad_s,tip_x_m,drag_force_x_N,kinetic_J"
     (tmp_path / "t.csv").write_text("\n".join([names, *(f"{i},1,2,3,4,5" for i in range(9))]), encoding="utf-8")
-    found: list[Fault] = []
-    table = read_table(tmp_path / "t.csv", found)
+    reported: list[Fault] = []
+    table = read_table(tmp_path / "t.csv", reported)
     assert table is not None
     measured = select(table, ["pivot_angle_deg", "tip_x_m"], {})
     assert measured.columns == ("pivot_angle_deg", "tip_x_m")
@@ -223,24 +223,24 @@ TEXTS = {
 
 @pytest.mark.parametrize("name", TEXTS)
 def test_faulty_fit_file(faults, name: str) -> None:
-    (old, new), file, line, key, words = TEXTS[name]
+    (old, new), file, line, key, message = TEXTS[name]
     assert FIT.count(old) == 1
     text = FIT.replace(old, new)
     if name == "unused":  # the true sign has no bristles
         text = text.replace("modes: 0", "modes: 0, method.reduced.static: true_sign")
-    found = faults(text)
+    reported = faults(text)
     if name == "no runs":  # that they are missing stands in line 1
-        assert found.pop(0)[1:3] == (1, "runs")
-    assert found[0][:3] == (file, line, key)
-    assert words in found[0][3]
-    assert len(found) == 1
+        assert reported.pop(0)[1:3] == (1, "runs")
+    assert reported[0][:3] == (file, line, key)
+    assert message in reported[0][3]
+    assert len(reported) == 1
 
 
 def test_faults_of_all_files_come_together(faults, good, tmp_path: Path) -> None:
     (tmp_path / "other.csv").write_text("1,2,3\n", encoding="utf-8")
     text = FIT + f"  - {{config: {CONFIG}, data: other.csv}}\n  - {{config: {CONFIG}, data: gone.csv}}\n"
-    found = faults(text, cell(good, 5, 1, ""))
-    assert [(file, line) for file, line, *_ in found] == [("data.csv", 5), ("gone.csv", None), ("other.csv", 1)]
+    reported = faults(text, cell(good, 5, 1, ""))
+    assert [(file, line) for file, line, *_ in reported] == [("data.csv", 5), ("gone.csv", None), ("other.csv", 1)]
 
 
 @pytest.mark.parametrize(
@@ -248,28 +248,28 @@ def test_faults_of_all_files_come_together(faults, good, tmp_path: Path) -> None
 )
 def test_data_before_a_start_that_can_not_be_followed_back(faults, good, more: str) -> None:
     early = [good[0], f"-0.002,{good[1].partition(',')[2]}", *good[1:]]
-    found = faults(FIT.replace("method.reduced.modes: 0", f"method: engine, {more}"), early)
-    assert found[0][:3] == ("data.csv", 2, "")
-    assert "begins 0.002 s before the start" in found[0][3]
-    assert found[0][3].endswith("leave these rows out, or let the run start earlier")
+    reported = faults(FIT.replace("method.reduced.modes: 0", f"method: engine, {more}"), early)
+    assert reported[0][:3] == ("data.csv", 2, "")
+    assert "begins 0.002 s before the start" in reported[0][3]
+    assert reported[0][3].endswith("leave these rows out, or let the run start earlier")
 
 
 def test_bounds_of_the_clock_that_keep_it_after_the_start_are_named(faults, good) -> None:
     more = "method: engine, model.joints.pivot.damping_Nm_s_per_rad: 1e-3"
     text = FIT.replace("method.reduced.modes: 0", more) + "    time_offset_s: fit\n"
-    ((*_, words),) = faults(text, good)
-    assert words.endswith("narrower bounds in a fit file, as time_offset_s: {from: -0.02, to: 0}")
+    ((*_, message),) = faults(text, good)
+    assert message.endswith("narrower bounds in a fit file, as time_offset_s: {from: -0.02, to: 0}")
 
 
 @pytest.mark.parametrize(("shift", "more"), [(0.05, "time_offset_s: fit"), (12.3, "time_offset_s: 0.1"), (12.3, "")])
 def test_a_clock_outside_the_run(faults, good, shift: float, more: str) -> None:
     rows = [line.partition(",") for line in good[1:]]
     late = [good[0], *(f"{float(time) + shift!r},{rest}" for time, _, rest in rows)]
-    ((file, line, key, words),) = faults(f"{FIT}    {more}\n", late)
+    ((file, line, key, message),) = faults(f"{FIT}    {more}\n", late)
     assert (file, line, key) == ("data.csv", 2, "")
     earliest = {0.05: 0.03, 12.3: 12.2 if more else 12.3}[shift]  # an offset that is fitted goes to 20 ms
-    assert f"begins {earliest:.4g} s after the start of the run at the earliest" in words
-    assert "is the clock shifted" in words
+    assert f"begins {earliest:.4g} s after the start of the run at the earliest" in message
+    assert "is the clock shifted" in message
 
 
 def test_default_bounds_go_as_far_as_the_schema(tmp_path: Path, good) -> None:
@@ -277,7 +277,7 @@ def test_default_bounds_go_as_far_as_the_schema(tmp_path: Path, good) -> None:
     keys = "medium.eta_d, medium.plunging.lambda, initial.impact_angle_deg"
     (tmp_path / "fit.yaml").write_text(FIT.replace("medium.eta_d", keys), encoding="utf-8")
     parameters = prepare(load_specification(tmp_path / "fit.yaml")).parameters
-    found = {p.label: (p.low, p.high, p.start, p.log) for p in parameters}
-    assert found["medium.eta_d"] == pytest.approx((0.65, 65.0, 6.5, True))
-    assert found["medium.plunging.lambda"] == pytest.approx((0.11, 3.3, 1.1, True))  # at most 5
-    assert found["initial.impact_angle_deg"] == pytest.approx((3.1, 46.5, 31.0, True))  # at most 90, so not 93
+    bounds = {p.label: (p.low, p.high, p.start, p.log) for p in parameters}
+    assert bounds["medium.eta_d"] == pytest.approx((0.65, 65.0, 6.5, True))
+    assert bounds["medium.plunging.lambda"] == pytest.approx((0.11, 3.3, 1.1, True))  # at most 5
+    assert bounds["initial.impact_angle_deg"] == pytest.approx((3.1, 46.5, 31.0, True))  # at most 90, so not 93

@@ -154,9 +154,9 @@ def test_density_and_friction_from_pressures_of_one_table_with_two_plates(tmp_pa
     text += "force_test: {area_m2: 0.00283024}\nruns:\n"
     for size in (60, 80):
         text += f"  - {{config: {PLATE}, data: both.csv, name: plate_{size}, rows: {{diameter_mm: {size}}}}}\n"
-    one = problem(tmp_path, text)
-    assert [len(run.measured.time) for run in one.runs] == [40, 40]
-    value, error = estimates_of(fit(one))["medium.mu_int"]
+    problem_of_both = problem(tmp_path, text)
+    assert [len(run.measured.time) for run in problem_of_both.runs] == [40, 40]
+    value, error = estimates_of(fit(problem_of_both))["medium.mu_int"]
     assert abs(value - 0.5) < 4.0 * error < 0.01
 
 
@@ -185,8 +185,10 @@ def test_zeros_of_depth_and_force_are_found_or_said_to_be_one(tmp_path: Path) ->
         value, error = values[f"{key} @ {name}"]
         assert abs(value - true) < 4.0 * error < 0.2 * true
     both = "depth_offset_m: fit, force_offset_N: fit"
-    one = fitted(tmp_path, f"parameters: [medium.zeta]\n{START}" + run.format(PLATE, "a", both))
-    assert any("depth_offset_m @ a and force_offset_N @ a can't be distinguished" in words for words in one.warnings)
+    result = fitted(tmp_path, f"parameters: [medium.zeta]\n{START}" + run.format(PLATE, "a", both))
+    assert any(
+        "depth_offset_m @ a and force_offset_N @ a can't be distinguished" in warning for warning in result.warnings
+    )
 
 
 def test_forces_of_a_run_over_time_are_fitted_where_the_columns_say_so(tmp_path: Path) -> None:
@@ -229,24 +231,26 @@ FAULTY: dict[str, tuple[Callable[[], list[str]], int, str, str]] = {
 
 @pytest.mark.parametrize("name", FAULTY)
 def test_faulty_tables(tmp_path: Path, name: str) -> None:
-    lines, line, key, words = FAULTY[name]
+    lines, line, key, message = FAULTY[name]
     (tmp_path / "data.csv").write_text("\n".join(lines()) + "\n", encoding="utf-8")
     with pytest.raises(ConfigError) as caught:
         problem(tmp_path, f"parameters: [medium.zeta]\n{START}runs: [{{config: {PLATE}, data: data.csv}}]")
     first = caught.value.faults[0]
     assert (Path(first.file).name, first.line, first.key) == ("data.csv", line, key)
-    assert words in first.message
+    assert message in first.message
 
 
 def test_rows_of_unloading_can_be_left_out_and_that_is_told(tmp_path: Path) -> None:
     law = forces(PLATE, [RFT], 1e-3 * Z)["force_N"]
-    there = np.concatenate([law, 0.1 * law[-2:20:-1]])
+    forth_and_back = np.concatenate([law, 0.1 * law[-2:20:-1]])
     jitter = BACK + 0.01 * np.random.default_rng(0).standard_normal(len(BACK))  # a tenth of a per cent is no way back
-    table(tmp_path / "data.csv", "depth_mm,force_N", jitter, there, noise=0.2)
+    table(tmp_path / "data.csv", "depth_mm,force_N", jitter, forth_and_back, noise=0.2)
     text = f"parameters: [medium.zeta]\n{START}force_test: {{unloading: leave_out}}\n"
-    one = fitted(tmp_path, f"{text}runs: [{{config: {PLATE}, data: data.csv}}]")
-    assert abs(estimates_of(one)["medium.zeta"][0] - 0.9) < 4.0 * estimates_of(one)["medium.zeta"][1]
-    assert any("lines 42 to 59 are left out, because the body moves back in them" in words for words in one.warnings)
+    result = fitted(tmp_path, f"{text}runs: [{{config: {PLATE}, data: data.csv}}]")
+    assert abs(estimates_of(result)["medium.zeta"][0] - 0.9) < 4.0 * estimates_of(result)["medium.zeta"][1]
+    assert any(
+        "lines 42 to 59 are left out, because the body moves back in them" in warning for warning in result.warnings
+    )
 
 
 def test_tests_in_units_that_do_not_belong_together_are_told(tmp_path: Path) -> None:
@@ -261,7 +265,7 @@ def test_tests_in_units_that_do_not_belong_together_are_told(tmp_path: Path) -> 
 
 
 @pytest.mark.parametrize(
-    ("more", "key", "words"),
+    ("more", "key", "message"),
     [
         ("force_test: {direction: sideways}", "force_test.direction", "down, up, right, left, or an angle"),
         ("force_test: {body: plough}", "", "there is no rigid body 'plough' that meets the medium; there are plate"),
@@ -272,11 +276,11 @@ def test_tests_in_units_that_do_not_belong_together_are_told(tmp_path: Path) -> 
         ("set: {bed: {slope_deg: 5}}", "", "a steady motion needs a medium with a level surface"),
     ],
 )
-def test_faulty_requests(tmp_path: Path, more: str, key: str, words: str) -> None:
+def test_faulty_requests(tmp_path: Path, more: str, key: str, message: str) -> None:
     (tmp_path / "data.csv").write_text("\n".join(rows(Z, F)) + "\n", encoding="utf-8")
     with pytest.raises(ConfigError) as caught:
         problem(
             tmp_path, f"parameters: [medium.zeta]\n{START}runs:\n  - config: {PLATE}\n    data: data.csv\n    {more}"
         )
-    assert any(words in fault.message and fault.key.endswith(key) for fault in caught.value.faults)
+    assert any(message in fault.message and fault.key.endswith(key) for fault in caught.value.faults)
     assert all(fault.file for fault in caught.value.faults)

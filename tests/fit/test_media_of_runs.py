@@ -23,35 +23,35 @@ def two(folder: Path, first: str, second: str = "", keys: str = "medium.plunging
 
 
 def test_the_medium_is_that_of_a_run_that_has_the_coefficient(tmp_path: Path) -> None:
-    found = fitted(tmp_path, two(tmp_path, ALBERT))
-    (medium,) = media(found).values()
+    result = fitted(tmp_path, two(tmp_path, ALBERT))
+    (medium,) = media(result).values()
     assert medium["law"] == "lee_marghitu"
-    assert medium["plunging"]["eta_v"] == found.values[0]
+    assert medium["plunging"]["eta_v"] == result.values[0]
     assert "to 1 run (" in medium["source"]
-    assert any("differ in law, " in one and one.endswith("that of run_1") for one in found.warnings)
-    assert summary(found)["parameters"]["medium.plunging.eta_v"]["runs"] == ["run_1"]
+    assert any("differ in law, " in warning and warning.endswith("that of run_1") for warning in result.warnings)
+    assert summary(result)["parameters"]["medium.plunging.eta_v"]["runs"] == ["run_1"]
 
 
 def test_what_the_run_of_the_medium_does_not_have_is_said_to_be_left_out(tmp_path: Path) -> None:
     other = "medium: {law: rft}"
     made = problem(tmp_path, two(tmp_path, "", other, "medium.plunging.eta_v, medium.zeta"))
-    said = list(media_warnings(made, made.values(made.start)))
-    assert said[0].endswith("the written medium is that of run_0, without medium.zeta")
+    warnings = list(media_warnings(made, made.values(made.start)))
+    assert warnings[0].endswith("the written medium is that of run_0, without medium.zeta")
     assert reference_run(made) == 0
 
 
 @pytest.mark.parametrize("more", ["medium.eta_h: 9", "medium: null"])
 def test_unfitted_keys_that_differ_are_told(tmp_path: Path, more: str) -> None:
-    found = fitted(tmp_path, two(tmp_path, "", more))
+    result = fitted(tmp_path, two(tmp_path, "", more))
     key = "law" if more == "medium: null" else "eta_h"
-    assert any(f"differ in {key}" in one and one.endswith("that of run_0") for one in found.warnings)
+    assert any(f"differ in {key}" in warning and warning.endswith("that of run_0") for warning in result.warnings)
 
 
 def test_media_that_are_alike_are_no_matter(tmp_path: Path) -> None:
-    found = fitted(
+    result = fitted(
         tmp_path,
         two(tmp_path, "medium.plunging.eta_v: 20", "medium.name: mine", "medium.plunging.eta_v").replace(
             "[medium.plunging.eta_v]", "{medium.plunging.eta_v: {start: 20}}"
         ),
     )
-    assert found.warnings == ()
+    assert result.warnings == ()

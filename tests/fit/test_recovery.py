@@ -60,9 +60,9 @@ def test_noise_is_found(recovered) -> None:
 def test_the_beam_of_the_engine_fits_as_well(tmp_path: Path) -> None:
     measure(tmp_path / "data.csv", "method=engine", end=0.06)
     text = "parameters: {medium.eta_d: {start: 7}}\nset: {method: engine}\n" + "\n".join(one_run().split("\n")[1:])
-    found = fitted(tmp_path, text)
-    assert max(near(found, ["medium.eta_d"])) < FAR
-    assert found.goodness.status == "fits"
+    result = fitted(tmp_path, text)
+    assert max(near(result, ["medium.eta_d"])) < FAR
+    assert result.goodness.status == "fits"
 
 
 OTHERS = {
@@ -81,42 +81,42 @@ def test_data_of_another_model_are_a_misfit(tmp_path: Path, overrides: tuple[str
     keys = "parameters: [medium.eta_d, medium.eta_h, medium.plunging.eta_v]"
     # (With two impacts the static coefficients take the place of the exponent.)
     cases = FOUR if "medium.plunging.lambda=1.8" in overrides else TWO
-    found = fitted(tmp_path, f"{keys}\n{four(tmp_path, *overrides, cases=cases)}")
-    assert found.goodness.status == "misfit"
-    assert found.goodness.ljung_box < 1e-6
-    assert any("the model does not describe these data" in warning for warning in found.warnings)
+    result = fitted(tmp_path, f"{keys}\n{four(tmp_path, *overrides, cases=cases)}")
+    assert result.goodness.status == "misfit"
+    assert result.goodness.ljung_box < 1e-6
+    assert any("the model does not describe these data" in warning for warning in result.warnings)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(1, 3))
 def test_the_right_model_is_no_misfit(tmp_path: Path, seed: int) -> None:
-    found = fitted(tmp_path, f"parameters: [medium.eta_d, medium.plunging.eta_v]\n{four(tmp_path, seed=seed)}")
-    assert found.goodness.status == "fits"
+    result = fitted(tmp_path, f"parameters: [medium.eta_d, medium.plunging.eta_v]\n{four(tmp_path, seed=seed)}")
+    assert result.goodness.status == "fits"
 
 
 def test_a_given_noise_that_is_too_small_is_a_misfit(tmp_path: Path) -> None:
     measure(tmp_path / "data.csv")
     text = one_run("noise: {tip_x_mm: 0.05, tip_y_mm: 0.1}")
-    found = fitted(tmp_path, text)
+    result = fitted(tmp_path, text)
     # 50 values that scatter by twice what was said: chi-square of 4 a degree of freedom.
-    by_column = {column.column: column for column in found.goodness.columns}
+    by_column = {column.column: column for column in result.goodness.columns}
     assert by_column["tip_x_m"].reduced_chi_square == pytest.approx(4.0, rel=0.6)
     assert by_column["tip_y_m"].reduced_chi_square == pytest.approx(1.0, rel=0.6)
-    assert found.goodness.status == "misfit"
-    assert "tip_x_m are" in found.goodness.reasons[0]
-    assert len(found.goodness.reasons) == 1
+    assert result.goodness.status == "misfit"
+    assert "tip_x_m are" in result.goodness.reasons[0]
+    assert len(result.goodness.reasons) == 1
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("end", [0.06, 0.1])
 def test_an_unknown_clock_is_found(tmp_path: Path, end: float) -> None:
     measure(tmp_path / "data.csv", offset=0.0113, end=end)
-    found = fitted(tmp_path, one_run("    time_offset_s: fit"))
-    clock = found.uncertainty.estimates[-1]
+    result = fitted(tmp_path, one_run("    time_offset_s: fit"))
+    clock = result.uncertainty.estimates[-1]
     assert clock.parameter.label == "time_offset_s @ data"
     assert abs(clock.value - 0.0113) < FAR * clock.error
     assert clock.error < 1e-4
-    assert max(near(found, ["medium.eta_d", "medium.plunging.eta_v"])) < FAR
+    assert max(near(result, ["medium.eta_d", "medium.plunging.eta_v"])) < FAR
 
 
 def test_rows_before_the_touch_are_used(tmp_path: Path) -> None:
@@ -128,8 +128,8 @@ def test_rows_before_the_touch_are_used(tmp_path: Path) -> None:
     early = [-1e-3 * k for k in (10, 8, 6, 4, 2)]
     rows = [f"{t!r},{float(np.degrees(angle + rate * t + 0.5 * acceleration * t * t))!r}" for t in early]
     (tmp_path / "data.csv").write_text("\n".join([exact[0], *rows, *exact[1:]]), encoding="utf-8")
-    found = fitted(tmp_path, one_run())
-    before = found.residuals[0][:5, 0]
+    result = fitted(tmp_path, one_run())
+    before = result.residuals[0][:5, 0]
     assert np.max(np.abs(before)) < np.degrees(3e-5)
     # straight lines would be off by a hundred times that
     assert np.degrees(0.5 * acceleration * 1e-4) > 50 * np.max(np.abs(before))
@@ -138,8 +138,8 @@ def test_rows_before_the_touch_are_used(tmp_path: Path) -> None:
 def test_a_parameter_of_one_run_alone(tmp_path: Path) -> None:
     measure(tmp_path / "data.csv", RIGID, "initial.impact_speed_rad_s=6.4")
     text = one_run("    parameters: {initial.impact_speed_rad_s: {from: 5.5, to: 7}}")
-    found = fitted(tmp_path, text)
-    speed = found.uncertainty.estimates[-1]
+    result = fitted(tmp_path, text)
+    speed = result.uncertainty.estimates[-1]
     assert speed.parameter.label == "initial.impact_speed_rad_s @ data"
     assert abs(speed.value - 6.4) < FAR * speed.error
     assert speed.error < 0.1
@@ -168,28 +168,28 @@ def test_outliers_pull_a_robust_fit_less(tmp_path: Path) -> None:
 
 def test_data_without_noise_are_met(tmp_path: Path) -> None:
     measure(tmp_path / "data.csv", noise=0.0)
-    found = fitted(tmp_path, one_run())
-    np.testing.assert_allclose(found.values, [6.5, 22.0], rtol=1e-3)
-    assert found.goodness.status == "fits"
-    assert found.uncertainty.estimates[0].error > 1e-6  # the computation has errors too
+    result = fitted(tmp_path, one_run())
+    np.testing.assert_allclose(result.values, [6.5, 22.0], rtol=1e-3)
+    assert result.goodness.status == "fits"
+    assert result.uncertainty.estimates[0].error > 1e-6  # the computation has errors too
 
 
 @pytest.mark.slow
 def test_one_impact_does_not_tell_the_static_coefficients_apart(tmp_path: Path) -> None:
     measure(tmp_path / "data.csv")
     text = one_run().replace("[medium.eta_d, medium.plunging.eta_v]", "[medium.eta_h, medium.plunging.eta_v]")
-    found = fitted(tmp_path, text)
-    (words,) = (w for w in found.uncertainty.warnings if "only their combination" in w)
-    assert words.startswith("medium.eta_h and medium.plunging.eta_v: only their combination is determined")
-    assert abs(found.uncertainty.correlation[0, 1]) > 0.99
+    result = fitted(tmp_path, text)
+    (warning,) = (w for w in result.uncertainty.warnings if "only their combination" in w)
+    assert warning.startswith("medium.eta_h and medium.plunging.eta_v: only their combination is determined")
+    assert abs(result.uncertainty.correlation[0, 1]) > 0.99
 
 
 def test_a_coefficient_beyond_its_bounds_is_told(tmp_path: Path) -> None:
     measure(tmp_path / "data.csv")
     text = one_run().replace("[medium.eta_d, medium.plunging.eta_v]", "{medium.eta_d: {from: 7, to: 9}}")
-    found = fitted(tmp_path, text)
-    assert found.values[0] == pytest.approx(7.0, abs=1e-3)
-    assert "medium.eta_d is at its lower bound, 7: the best value is beyond it" in found.warnings[-1]
+    result = fitted(tmp_path, text)
+    assert result.values[0] == pytest.approx(7.0, abs=1e-3)
+    assert "medium.eta_d is at its lower bound, 7: the best value is beyond it" in result.warnings[-1]
 
 
 @pytest.mark.slow
@@ -201,8 +201,8 @@ def test_starts_agree_and_are_the_same_for_a_seed(tmp_path: Path) -> None:
     assert len(points) == 4
     assert all(np.all((low <= p) & (p <= high)) for p in points)
     np.testing.assert_array_equal(points, starting_points(made))
-    found = fit(made)
-    assert found.agreeing == 4
+    result = fit(made)
+    assert result.agreeing == 4
 
 
 @pytest.mark.slow
@@ -211,10 +211,10 @@ def test_workers_change_nothing(tmp_path: Path, monkeypatch) -> None:
     measure(tmp_path / "data.csv")
     made = problem(tmp_path, one_run("starts: 2"))
     monkeypatch.setattr(processes, "local_processes", Pickling)
-    told: list[tuple[int, int]] = []
-    alone, both = fit(made), fit(made, workers=2, progress=lambda done, count: told.append((done, count)))
+    progress: list[tuple[int, int]] = []
+    alone, both = fit(made), fit(made, workers=2, progress=lambda done, count: progress.append((done, count)))
     np.testing.assert_array_equal(alone.solution.scaled, both.solution.scaled)
-    assert told == [(1, 2), (2, 2)]
+    assert progress == [(1, 2), (2, 2)]
 
 
 class Pickling(ThreadPoolExecutor):

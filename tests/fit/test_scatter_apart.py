@@ -56,8 +56,10 @@ def test_the_correlation_is_that_of_the_form() -> None:
     random = np.random.default_rng(0)
     signs, t = random.choice([-1.0, 1.0], (20_000, 4)), random.random(20_000)
     lag = 0.7
-    here, there = (_value(signs, t + x) for x in (0.0, lag))
-    assert float(np.mean(here * there)) == pytest.approx(correlation(np.array([lag]))[0], abs=4 / np.sqrt(20_000))
+    values, values_after_lag = (_value(signs, t + x) for x in (0.0, lag))
+    assert float(np.mean(values * values_after_lag)) == pytest.approx(
+        correlation(np.array([lag]))[0], abs=4 / np.sqrt(20_000)
+    )
 
 
 def _value(signs: np.ndarray, t: np.ndarray) -> np.ndarray:
@@ -70,15 +72,15 @@ def _value(signs: np.ndarray, t: np.ndarray) -> np.ndarray:
 
 @pytest.mark.slow
 def test_scatter_noise_and_coefficient_are_told_apart(tmp_path: Path) -> None:
-    one = fitted(tmp_path, text(tmp_path, 4, 1, True))
-    value, error = estimates_of(one)["medium.zeta"]
+    result = fitted(tmp_path, text(tmp_path, 4, 1, True))
+    value, error = estimates_of(result)["medium.zeta"]
     assert abs(value - ZETA) < 4.0 * error
-    assert one.goodness.status == "fits"
-    told = one.scatter
-    assert told is not None
-    assert abs(told.length - LENGTH) < 4.0 * told.length_error < 0.5 * LENGTH
-    assert abs(told.relative - RELATIVE) < 4.0 * told.relative_error < 0.6 * RELATIVE
-    assert told.noise == pytest.approx(NOISE, rel=0.1)
+    assert result.goodness.status == "fits"
+    scatter = result.scatter
+    assert scatter is not None
+    assert abs(scatter.length - LENGTH) < 4.0 * scatter.length_error < 0.5 * LENGTH
+    assert abs(scatter.relative - RELATIVE) < 4.0 * scatter.relative_error < 0.6 * RELATIVE
+    assert scatter.noise == pytest.approx(NOISE, rel=0.1)
     # What scatters is alike over grains, so that the rows are fewer than they seem, and the usual errors far too small.
     path = (tmp_path / "fit.yaml").read_text(encoding="utf-8").replace("scatter: true", "scatter: false")
     usual = fit(problem(tmp_path, path))
@@ -90,10 +92,10 @@ def test_without_scatter_none_is_found(tmp_path: Path) -> None:
     force = 2550.0 * DEPTH
     table(tmp_path / "0.csv", "depth_m,force_N", DEPTH, force, noise=NOISE)
     head = "scatter: true\nparameters: [medium.zeta]\nset: {medium: {law: rft, zeta: 0.5}}\n"
-    one = fitted(tmp_path, f"{head}runs: [{{config: {PLATE}, data: 0.csv}}]")
-    assert one.scatter is not None
-    assert one.scatter.force < 0.005
-    assert one.scatter.noise == pytest.approx(NOISE, rel=0.2)
+    result = fitted(tmp_path, f"{head}runs: [{{config: {PLATE}, data: 0.csv}}]")
+    assert result.scatter is not None
+    assert result.scatter.force < 0.005
+    assert result.scatter.noise == pytest.approx(NOISE, rel=0.2)
 
 
 @pytest.mark.slow

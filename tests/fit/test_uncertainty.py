@@ -31,10 +31,10 @@ def noisy(made: Problem, seed: int) -> tuple[Problem, np.ndarray]:
     random = np.random.default_rng(seed)
     added = [NOISE * random.standard_normal(run.measured.values.shape) for run in made.runs]
     runs = [
-        replace(run, measured=replace(run.measured, values=run.measured.values + one))
-        for run, one in zip(made.runs, added, strict=True)
+        replace(run, measured=replace(run.measured, values=run.measured.values + noise))
+        for run, noise in zip(made.runs, added, strict=True)
     ]
-    return replace(made, runs=tuple(runs)), np.concatenate([one.ravel() for one in added])
+    return replace(made, runs=tuple(runs)), np.concatenate([noise.ravel() for noise in added])
 
 
 @pytest.mark.slow
@@ -45,9 +45,9 @@ def test_a_small_noise_moves_the_estimates_as_linear_theory_says(exact: Problem,
     slopes = jacobian(exact, start, exact.times())
     expected = np.linalg.lstsq(slopes, added, rcond=None)[0]
     deviation = NOISE * np.sqrt(np.diag(np.linalg.inv(slopes.T @ slopes)))
-    found = minimise(made, start, np.full(2, NOISE), "linear").x - start
+    shift = minimise(made, start, np.full(2, NOISE), "linear").x - start
     # Curvature adds the square of the shift, 1 % of 1 %, against a shift of 1 %: 0.1 of a deviation is plenty.
-    assert np.all(np.abs(found - expected) < 0.1 * deviation)
+    assert np.all(np.abs(shift - expected) < 0.1 * deviation)
     assert np.max(np.abs(expected) / deviation) > 0.3  # there is something to see
 
 
@@ -55,22 +55,25 @@ def test_a_small_noise_moves_the_estimates_as_linear_theory_says(exact: Problem,
 def test_covariance_is_that_of_linear_least_squares(exact: Problem) -> None:
     made, _ = noisy(exact, 0)
     solution = solve(made)
-    found = uncertainty(made, solution)
+    result = uncertainty(made, solution)
     # Noise of each column as the residuals have it, with as many degrees of freedom as the fit has left it.
     free = 1.0 - 3 / len(solution.residuals)
     column = made.column_indices()
     sizes = np.array([np.sqrt(np.mean(solution.residuals[column == k] ** 2) / free) for k in range(2)])
     slopes = solution.jacobian / sizes[column][:, None]
     # The noise that the fit weighed with is that of its last round but one, settled to 1e-3.
-    np.testing.assert_allclose(found.covariance, np.linalg.inv(slopes.T @ slopes), rtol=3e-3)
-    for one, row in zip(found.estimates, found.covariance.diagonal(), strict=True):
-        value, unit = one.value, one.parameter.value(one.parameter.scaled(one.value)) if one.parameter.log else 1.5
-        assert one.error == pytest.approx(unit * np.sqrt(row), rel=1e-9)
+    np.testing.assert_allclose(result.covariance, np.linalg.inv(slopes.T @ slopes), rtol=3e-3)
+    for estimate, row in zip(result.estimates, result.covariance.diagonal(), strict=True):
+        value, unit = (
+            estimate.value,
+            estimate.parameter.value(estimate.parameter.scaled(estimate.value)) if estimate.parameter.log else 1.5,
+        )
+        assert estimate.error == pytest.approx(unit * np.sqrt(row), rel=1e-9)
         # Student's t of 405 - 3 degrees of freedom at 97.5 % is 1.966.
         ends = (
-            np.log([one.low / value, one.high / value])
-            if one.parameter.log
-            else (np.array([one.low, one.high]) - value) / 1.5
+            np.log([estimate.low / value, estimate.high / value])
+            if estimate.parameter.log
+            else (np.array([estimate.low, estimate.high]) - value) / 1.5
         )
         np.testing.assert_allclose(ends, [-1.966 * np.sqrt(row), 1.966 * np.sqrt(row)], rtol=1e-3)
 
@@ -88,8 +91,8 @@ def test_a_noise_given_far_too_large_leaves_the_errors_of_the_other_column(exact
     slopes = jacobian(made, made.start, made.times())
     stated = np.sqrt(np.diag(uncertainty(made, at_truth(made, added, slopes)).covariance))
     # x says next to nothing, being 50 times as rough: the errors are those of y alone, with its 202 values.
-    own = slopes[made.column_indices() == 1]
-    alone = NOISE * np.sqrt(np.diag(np.linalg.inv(own.T @ own)))
+    slopes_of_column = slopes[made.column_indices() == 1]
+    alone = NOISE * np.sqrt(np.diag(np.linalg.inv(slopes_of_column.T @ slopes_of_column)))
     # A scatter of 202 values is known to 1 in sqrt(404), 5 %; three of these. Pooled, errors would be 0.7 of this.
     np.testing.assert_allclose(stated, alone, rtol=0.15)
 
@@ -99,16 +102,18 @@ def test_what_the_data_do_not_move_is_not_determined(exact: Problem) -> None:
     slopes = jacobian(made, made.start, made.times())
     slopes[:, 1] = 0.0
     with np.errstate(all="raise"):
-        found = uncertainty(made, at_truth(made, added, slopes))
-    assert found.warnings[0] == "medium.plunging.eta_v is not determined by these data: its standard error is unlimited"
-    one = found.estimates[1]
-    assert (one.error, one.low, one.high) == (np.inf, 0.0, np.inf)
+        result = uncertainty(made, at_truth(made, added, slopes))
+    assert (
+        result.warnings[0] == "medium.plunging.eta_v is not determined by these data: its standard error is unlimited"
+    )
+    estimate = result.estimates[1]
+    assert (estimate.error, estimate.low, estimate.high) == (np.inf, 0.0, np.inf)
     # and the others are as if it were not there
     without = np.delete(slopes, 1, axis=1)
     sizes = np.array([np.std(added[made.column_indices() == k]) for k in range(2)])[made.column_indices()][:, None]
     rest = np.linalg.inv((without / sizes).T @ (without / sizes))
-    np.testing.assert_allclose(found.covariance[np.ix_([0, 2], [0, 2])], rest, rtol=0.1)
-    assert np.isnan(found.correlation[0, 1])
+    np.testing.assert_allclose(result.covariance[np.ix_([0, 2], [0, 2])], rest, rtol=0.1)
+    assert np.isnan(result.correlation[0, 1])
 
 
 @pytest.mark.slow
@@ -120,7 +125,7 @@ def test_derivatives_are_right(tmp_path: Path, modes: int) -> None:
         for rtol in ("1e-6", "1e-10")
     ]
     start = both[0].start
-    found = jacobian(both[0], start, both[0].times())
+    derivatives = jacobian(both[0], start, both[0].times())
     for j in range(3):
         # Four points of the fine model: the error is of fourth order in the step.
         values = []
@@ -129,7 +134,7 @@ def test_derivatives_are_right(tmp_path: Path, modes: int) -> None:
             moved[j] += k * STEP
             values.append(both[1].model(moved, both[1].times()))
         exact = (values[0] - 8.0 * values[1] + 8.0 * values[2] - values[3]) / (12.0 * STEP)
-        error = np.max(np.abs(found[:, j] - exact)) / np.max(np.abs(exact))
+        error = np.max(np.abs(derivatives[:, j] - exact)) / np.max(np.abs(exact))
         assert error < (1e-4 if modes == 0 else 2.4e-2)  # as in test_jacobian
 
 
@@ -186,7 +191,7 @@ def test_ljung_box_is_fair_to_noise() -> None:
 def test_ljung_box_sees_a_pattern_and_ignores_one_outlier() -> None:
     random = np.random.default_rng(2)
     series = random.standard_normal((4, 60))
-    assert ljung_box([one + 0.8 * np.sin(np.linspace(0, 6, 60)) for one in series], 3) < 1e-3
+    assert ljung_box([residual + 0.8 * np.sin(np.linspace(0, 6, 60)) for residual in series], 3) < 1e-3
     series[0, 30] = 100.0
     assert ljung_box(list(series), 3) > 1e-3
 

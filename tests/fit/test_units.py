@@ -27,8 +27,8 @@ def warnings(folder: Path, head: str, factors: tuple[float, float], force: np.nd
     """Warnings about units of a fit to depths (m) and forces (N), times these factors."""
     columns = factors[0] * DEPTH, factors[1] * force
     table(folder / "test.csv", head, *columns, noise=0.02 * columns[1].max())
-    found = fitted(folder, f"{more}\nruns: [{{config: {PLATE}, data: test.csv}}]")
-    return [one for one in found.warnings if one.endswith(ASKED)]
+    result = fitted(folder, f"{more}\nruns: [{{config: {PLATE}, data: test.csv}}]")
+    return [sentence for sentence in result.warnings if sentence.endswith(ASKED)]
 
 
 FREE = "set: {medium: {law: rft, zeta: 1}}\nparameters: {medium.zeta: {from: 1.e-5, to: 1.e+5}}"
@@ -48,20 +48,20 @@ def test_a_coefficient_that_no_sand_has_is_told(
     tmp_path: Path, force: np.ndarray, head: str, factors: tuple[float, float], size: float
 ) -> None:
     low, high = min(published()["zeta"]), max(published()["zeta"])
-    (words,) = warnings(tmp_path, head, factors, force, FREE)
+    (sentence,) = warnings(tmp_path, head, factors, force, FREE)
     beyond = (
         f"{size * ZETA / high:.2g} times the greatest" if size > 1.0 else f"1/{low / (size * ZETA):.2g} of the least"
     )
-    assert words.startswith("medium.zeta, ")
-    assert beyond in words
+    assert sentence.startswith("medium.zeta, ")
+    assert beyond in sentence
 
 
 @pytest.mark.parametrize(("head", "size"), [("depth_mm,force_N", 1e3), ("depth_mm,force_mN", 1.0)])
 def test_a_force_that_the_law_does_not_reach_within_its_bounds_is_told(
     tmp_path: Path, force: np.ndarray, head: str, size: float
 ) -> None:
-    words = warnings(tmp_path, head, (1e3, size), force, BOUND)
-    assert any("force_N is " in one and "times what the fitted law gives" in one for one in words)
+    sentences = warnings(tmp_path, head, (1e3, size), force, BOUND)
+    assert any("force_N is " in sentence and "times what the fitted law gives" in sentence for sentence in sentences)
 
 
 def test_right_units_are_not_told_of(tmp_path: Path, force: np.ndarray) -> None:
@@ -97,9 +97,9 @@ def test_of_drag_and_of_a_plate_pulled_out_too(tmp_path: Path, force: np.ndarray
 
 
 def test_a_body_that_comes_from_above_is_none_of_it(tmp_path: Path, force: np.ndarray) -> None:
-    said = refused(tmp_path, DEPTH - 0.03, force)
-    assert "above the surface" in said
-    assert TURN not in said
+    message = refused(tmp_path, DEPTH - 0.03, force)
+    assert "above the surface" in message
+    assert TURN not in message
 
 
 # ---- nothing in the place of a medium ----

@@ -20,10 +20,10 @@ pytestmark = pytest.mark.slow
 COUNT = 50
 
 
-def test_no_case_offends() -> None:
-    found = [(seed, outcome) for seed, outcome in fuzz.outcomes(range(COUNT), 1)]
-    assert [(seed, outcome) for seed, outcome in found if outcome.offends] == []
-    count = Counter(outcome.kind.split(":")[0].split(",")[0] for _, outcome in found)
+def test_no_case_ends_in_a_fault() -> None:
+    results = [(seed, outcome) for seed, outcome in fuzz.outcomes(range(COUNT), 1)]
+    assert [(seed, outcome) for seed, outcome in results if outcome.is_fault] == []
+    count = Counter(outcome.kind.split(":")[0].split(",")[0] for _, outcome in results)
     # A generator that is refused, or that never leaves the beaten track, tests nothing.
     assert count["engine"] > 0.1 * COUNT
     assert count["minimal"] > 0.1 * COUNT
@@ -34,8 +34,8 @@ def test_no_case_offends() -> None:
 def test_a_seed_is_a_case(tmp_path: Path) -> None:
     for seed in range(20):
         texts = set()
-        for again in "ab":
-            folder = tmp_path / f"{seed}{again}"
+        for copy in "ab":
+            folder = tmp_path / f"{seed}{copy}"
             folder.mkdir()
             texts.add(cases.write(seed, folder).read_text(encoding="utf-8"))
         assert len(texts) == 1
@@ -54,12 +54,14 @@ def test_damage_is_damage() -> None:
         (lambda *_: (_ for _ in ()).throw(judgement.SolveError("two\nlines")), "bad sentence"),
     ],
 )
-def test_an_offence_would_be_seen(monkeypatch: pytest.MonkeyPatch, broken: object, kind: str) -> None:
+def test_a_traceback_or_bad_sentence_is_judged_a_fault(
+    monkeypatch: pytest.MonkeyPatch, broken: object, kind: str
+) -> None:
     monkeypatch.setattr(judgement, "run", broken)
     assert judge(cases.ROOT / "configs" / "pendulum.yaml").kind == kind
 
 
-def test_a_hang_would_be_seen(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_hang_is_judged_late(monkeypatch: pytest.MonkeyPatch) -> None:
     def hang(*_: object) -> None:
         while True:
             pass

@@ -83,11 +83,11 @@ class Sand:
 
     def add_tangent(self, fq: float, fv: float, out: Array) -> None:
         geometry, run, profile, *_ = self.around
-        here, places = self.force(self.q, self.v), np.zeros((len(geometry), 2))
+        total, places = self.force(self.q, self.v), np.zeros((len(geometry), 2))
         stations(self.q, self.v, geometry, places, np.zeros_like(places))
         if called(lines.immersed)(places, run[0], profile):
             room = np.zeros((3, self.q.size))
-            called(lines.differences)(self.q, self.v, self.v, self.around, room, here, fq, fv, out)
+            called(lines.differences)(self.q, self.v, self.v, self.around, room, total, fq, fv, out)
 
     def moved(self, j: int, fq: float, fv: float) -> Array:
         """Force where coordinate j has gone on by fq, and its rate by fv."""
@@ -120,17 +120,17 @@ def check(case: Callable[[np.random.Generator], Case], record: np.ndarray, run: 
         sand = Sand(case(rng), record, run, rng)
         # Any mixture, forces by positions alone, by velocities alone, and as time integration with 0.2 ms has it.
         fq, fv = [tuple(rng.uniform(-2.0, 2.0, 2)), (1.0, 0.0), (0.0, 1.0), (1.0, 1e4)][i % 4]
-        got, d, here = sand.tangent(fq, fv), step(sand.q, fq, fv), sand.force(sand.q, sand.v)
+        got, d, force = sand.tangent(fq, fv), step(sand.q, fq, fv), sand.force(sand.q, sand.v)
         h = 20.0 * d
-        stiffness = max(np.abs(sand.moved(j, 1e-8, 0.0) - here).max() / 1e-8 for j in range(sand.q.size))
+        stiffness = max(np.abs(sand.moved(j, 1e-8, 0.0) - force).max() / 1e-8 for j in range(sand.q.size))
         for j in range(sand.q.size):
             f = {k: sand.moved(j, k * h * fq, k * h * fv) for k in (-2, -1, 1, 2)}
             want = (8 * (f[1] - f[-1]) - (f[2] - f[-2])) / (12 * h)
-            bend = np.abs(f[1] - 2 * here + f[-1]).max() / h**2
+            bend = np.abs(f[1] - 2 * force + f[-1]).max() / h**2
             # A forward difference is off by d / 2 times the second derivative (1 in place of 1/2: it varies over the
             # stencil), and by round-off over d: of forces (depth integrals cancel to 1e-13), and of positions of about
             # 1 m, which are seen through the stiffness.
-            allowed = d * bend + (1e-13 * np.abs(here).max() + 2e-16 * stiffness) / d
+            allowed = d * bend + (1e-13 * np.abs(force).max() + 2e-16 * stiffness) / d
             np.testing.assert_allclose(got[:, j], want, rtol=0.0, atol=allowed)
             loaded += np.abs(want).max() > 100.0 * allowed
     assert loaded > 0.25 * STATES * sand.q.size  # a ball stays what it was when its body turns
@@ -170,8 +170,8 @@ def test_coordinates_moved_together_give_what_each_alone_gives(elements: int, re
     for _ in range(10):
         sand = Sand(cable(rng, elements), record, run_of(resultant), rng)
         fq, fv = rng.uniform(-2.0, 2.0, 2)
-        d, here = step(sand.q, fq, fv), sand.force(sand.q, sand.v)
-        columns = [(sand.moved(j, d * fq, d * fv) - here) / d for j in range(sand.q.size)]
+        d, force = step(sand.q, fq, fv), sand.force(sand.q, sand.v)
+        columns = [(sand.moved(j, d * fq, d * fv) - force) / d for j in range(sand.q.size)]
         dense = np.stack(columns, axis=1)
         np.testing.assert_array_equal(sand.tangent(fq, fv), dense)
         seen += dense.any()
@@ -180,7 +180,7 @@ def test_coordinates_moved_together_give_what_each_alone_gives(elements: int, re
     assert seen > 5
 
 
-def test_a_sole_that_slides_along_itself_has_the_same_tangent_a_kilometre_away() -> None:
+def test_tangent_of_a_sliding_sole_is_the_same_after_translation_by_1_km() -> None:
     """In a step of 6 us it is led by its rates: it begins to lead within 0.1 mm/s."""
     yields, fq, fv = 1e-5, 1.0, 2.0 / 6e-6
     record = SURFACE_LAWS[0].record(Elastoplastic(yields, 1e-4), G)
@@ -196,20 +196,20 @@ def test_a_sole_that_slides_along_itself_has_the_same_tangent_a_kilometre_away()
         anchors[:, 0], anchors[:, 1] = behind, y - 0.01
         sand.around = sand.around._replace(profile=surface + np.array([x, y]))
         tangents.append(sand.tangent(fq, fv))
-    here, there = tangents
-    scale = np.abs(here).max(axis=0)
+    at_origin, translated = tangents
+    scale = np.abs(at_origin).max(axis=0)
     assert scale.min() > 1e3
     # Places there are known to 1e-13 m, and one is moved by 3 pm.
-    np.testing.assert_allclose(there / scale, here / scale, rtol=0.0, atol=0.02)
+    np.testing.assert_allclose(translated / scale, at_origin / scale, rtol=0.0, atol=0.02)
 
 
 def test_tangents_are_added_to_what_is_there() -> None:
     rng = np.random.default_rng(18)
     sand = Sand(cable(rng), BAR_LAWS[0].record(STATIC[0], G), run_of(False), rng)
-    one, out = sand.tangent(1.0, 0.5), np.full((16, 16), 3.0)
+    tangent, out = sand.tangent(1.0, 0.5), np.full((16, 16), 3.0)
     sand.add_tangent(1.0, 0.5, out)
     # Round-off of a sum of up to 1e4.
-    np.testing.assert_allclose(out, 3.0 + one, rtol=1e-12)
+    np.testing.assert_allclose(out, 3.0 + tangent, rtol=1e-12)
 
 
 def test_no_tangent_above_the_surface() -> None:

@@ -16,28 +16,28 @@ STEP, ACCURACY, SPEED = 2e-3, 1e-2, 0.5  # s, -, m/s
 def need(changes: list[float], groups: list[int], *, excess: float, both: float, expected: bool = True) -> float:
     """How many times too long a step was in which accelerations changed so (m/s2), as in the one before if expected."""
     change = np.array(changes)
-    zero, one = np.zeros_like(change), np.ones_like(change)
-    arrays = {"a": change, "v": SPEED * one, "lever": one, "start": zero, "change": zero.copy()}
-    arrays |= {"slope": change / STEP if expected else zero, "group": np.array(groups), "means": np.zeros(0, MEAN)}
+    zeros, ones = np.zeros_like(change), np.ones_like(change)
+    arrays = {"a": change, "v": SPEED * ones, "lever": ones, "start": zeros, "change": zeros.copy()}
+    arrays |= {"slope": change / STEP if expected else zeros, "group": np.array(groups), "means": np.zeros(0, MEAN)}
     choice = np.zeros(1, step_choice.CHOICE)
     choice["accuracy"], choice["excess"], choice["both"] = ACCURACY, excess, both
-    found, _ = step_choice.judge(CHANGES.addresses(arrays), STEP, choice, SPEED, SPEED)
-    return float(found)
+    needed, _ = step_choice.judge(CHANGES.addresses(arrays), STEP, choice, SPEED, SPEED)
+    return float(needed)
 
 
 @pytest.mark.parametrize("excess", [0.0, 0.2])
 def test_positions_are_off_by_the_coefficient_of_the_scheme_and_by_velocities_over_the_run(excess: float) -> None:
     """h (excess 7 + 3 / 12) / v: what counts not by itself, as links that bend, is in the first term alone."""
     drift = STEP * (excess * 7.0 + 3.0 / 12.0) / SPEED
-    found = need([3.0, 7.0], [EACH, NONE], excess=excess, both=0.0)
-    assert found == pytest.approx(math.sqrt(drift / ACCURACY), rel=1e-12)
+    needed = need([3.0, 7.0], [EACH, NONE], excess=excess, both=0.0)
+    assert needed == pytest.approx(math.sqrt(drift / ACCURACY), rel=1e-12)
 
 
 def test_a_slow_motion_is_held_to_its_own_speed() -> None:
-    found = need([3.0], [EACH], excess=0.0, both=0.3)
-    assert found == pytest.approx(math.sqrt(STEP * 0.3 * 3.0 / SPEED / ACCURACY), rel=1e-12)
+    needed = need([3.0], [EACH], excess=0.0, both=0.3)
+    assert needed == pytest.approx(math.sqrt(STEP * 0.3 * 3.0 / SPEED / ACCURACY), rel=1e-12)
 
 
 def test_a_jump_of_the_force_acts_for_half_of_the_step() -> None:
-    found = need([300.0], [EACH], excess=0.0, both=0.0, expected=False)
-    assert found == pytest.approx(0.5 * STEP * 300.0 / SPEED / ACCURACY, rel=1e-12)
+    needed = need([300.0], [EACH], excess=0.0, both=0.0, expected=False)
+    assert needed == pytest.approx(0.5 * STEP * 300.0 / SPEED / ACCURACY, rel=1e-12)

@@ -118,8 +118,8 @@ def laws() -> Iterator[tuple[str, Any]]:
             "minimal": lambda text, m=medium, **_: final(text, m, "method=minimal"),
             "mujoco": lambda _, m=medium, g=geom, **options: by_mujoco(g, m, **options),
         }
-        own = [name for name in ways if name != "mujoco" or shape != BAR]  # MuJoCo has no bars in the plane
-        method = own[turn % len(own)]
+        methods = [name for name in ways if name != "mujoco" or shape != BAR]  # MuJoCo has no bars in the plane
+        method = methods[turn % len(methods)]
         yield f"{tag}, plane, {method}", lambda t=flat, way=ways[method]: way(t, plane=(1, 0, 0))
         method = [*ways][(turn + 1) % len(ways)]
         yield f"{tag}, space, {method}", lambda t=space, way=ways[method]: way(t)

@@ -39,15 +39,15 @@ def schema_of_a_run() -> dict[str, Any]:
 
 def coefficients(law: type[Coefficients]) -> dict[str, type[Coefficients]]:
     """Keys of all numbers of a law, those of its parts too, with their class."""
-    found: dict[str, type[Coefficients]] = {}
+    classes: dict[str, type[Coefficients]] = {}
     for name, field in law.model_fields.items():
         if name in (*METADATA, "law"):
             continue
         if isinstance(field.annotation, type) and issubclass(field.annotation, Coefficients):
-            found |= coefficients(field.annotation)
+            classes |= coefficients(field.annotation)
         else:
-            found[field.alias or name] = law
-    return found
+            classes[field.alias or name] = law
+    return classes
 
 
 def test_random_media_draw_every_law(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -93,16 +93,16 @@ def test_its_forces_scale_as_the_units_of_its_keys_say(law: type[Law]) -> None:
     # which gravity has the same number, as its value is a constant of some laws.
     mass, length = 3.0, 1.7
     time = math.sqrt(length)
-    one, other = sample(law), sample(law, (mass, length, time))
+    original, scaled = sample(law), sample(law, (mass, length, time))
     if law.tag() == "tsimring_volfson":  # its k is given at the depth of 1 m, so that its unit is N/m^p
-        other = replace(other, friction=other.friction / length**one.exponent)
-    here = bodies(one, DEPTH)
-    there = bodies(other, DEPTH * length, length, mass)
-    for body, image in zip(here, there, strict=True):
+        scaled = replace(scaled, friction=scaled.friction / length**original.exponent)
+    forces_original = bodies(original, DEPTH)
+    forces_scaled = bodies(scaled, DEPTH * length, length, mass)
+    for body, image in zip(forces_original, forces_scaled, strict=True):
         for v in motions():
-            want = total(one, body, v) * mass * length / time**2
+            want = total(original, body, v) * mass * length / time**2
             np.testing.assert_allclose(
-                total(other, image, v * length / time), want, rtol=1e-9, atol=1e-9 * abs(want).max()
+                total(scaled, image, v * length / time), want, rtol=1e-9, atol=1e-9 * abs(want).max()
             )
 
 

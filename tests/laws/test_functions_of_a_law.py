@@ -34,7 +34,7 @@ class Winkler(Law):
         return {"k": 2e5}
 
 
-def own(**members: Any) -> type[Law]:
+def law_with(**members: Any) -> type[Law]:
     """A law with these members."""
     return type("Own", (Winkler,), {"__module__": __name__, **members})
 
@@ -55,13 +55,15 @@ def test_what_is_wanted_is_what_kernels_call() -> None:
         **{f"facet_{name}": getattr(facet_blocks, name) for name in ("stress", "traction", "inertia", "force")},
     }
     for name, stub in stubs.items():
-        assert arguments(name) == ["m" if one == "medium" else one for one in inspect.signature(stub).parameters], name
+        assert arguments(name) == [
+            "m" if argument == "medium" else argument for argument in inspect.signature(stub).parameters
+        ], name
     assert (IN_PLANE | IN_SPACE).keys() - stubs.keys() == {"bar_force", "bar_cap", "space_ball_force"}
 
 
 def test_laws_of_the_package_have_what_is_wanted() -> None:
-    for one in LAWS.values():
-        check_law(one)
+    for known_law in LAWS.values():
+        check_law(known_law)
 
 
 def other_arguments(name: str) -> dict[str, Callable[..., Any]]:
@@ -77,21 +79,21 @@ def other_arguments(name: str) -> dict[str, Callable[..., Any]]:
         f"(*, {', '.join(right)})": f"*, {', '.join(right)}",
         f"with {right[1]}, {right[0]} at another place": ", ".join(swapped),
     }
-    return {said: eval(f"lambda {given}: None") for said, given in lists.items()}
+    return {message: eval(f"lambda {given}: None") for message, given in lists.items()}
 
 
 @pytest.mark.parametrize("name", [*IN_PLANE, *IN_SPACE])
 def test_other_arguments_are_refused_with_those_wanted(name: str) -> None:
-    for said, function in other_arguments(name).items():
+    for message, function in other_arguments(name).items():
         with pytest.raises(TypeError) as caught:
             check_law(_with(name, function))
-        (line,) = [one for one in str(caught.value).splitlines() if f"Own.{name}:" in one]
-        assert said in line
+        (line,) = [text_line for text_line in str(caught.value).splitlines() if f"Own.{name}:" in text_line]
+        assert message in line
         assert f"wanted is a static method {name}({', '.join(arguments(name))})" in line
 
 
 def _with(name: str, function: Any) -> type[Law]:
-    return own(**{name: staticmethod(function)})
+    return law_with(**{name: staticmethod(function)})
 
 
 def test_what_raises_is_refused() -> None:
@@ -103,15 +105,15 @@ def test_what_raises_is_refused() -> None:
         return 0.0, -m.k
 
     with pytest.raises(TypeError, match=r"Own.stress: it raises or asserts.*wanted is a static method stress\("):
-        check_law(own(stress=staticmethod(stress)))
+        check_law(law_with(stress=staticmethod(stress)))
 
 
 def test_names_of_arguments_are_free() -> None:
-    check_law(own(stress=staticmethod(lambda a, b, numbers: (0.0, 0.0))))  # noqa: ARG005
+    check_law(law_with(stress=staticmethod(lambda a, b, numbers: (0.0, 0.0))))  # noqa: ARG005
 
 
 @pytest.mark.parametrize(
-    ("members", "said"),
+    ("members", "message"),
     [
         ({}, r"Own takes flat, outline, round, but has no stress\(t, u, m\)"),
         ({"takes": frozenset({"ball"})}, r"Own takes ball, but has no ball_force\(z, v, e, line, m, f\)"),
@@ -121,9 +123,9 @@ def test_names_of_arguments_are_free() -> None:
         ({"takes": frozenset({"plate"})}, "Own.takes: got plate, allowed are round, flat, outline, ball"),
     ],
 )
-def test_a_class_that_is_no_law_is_refused(members: dict[str, Any], said: str) -> None:
-    with pytest.raises(TypeError, match=said):
-        check_law(own(**members))
+def test_a_class_that_is_no_law_is_refused(members: dict[str, Any], message: str) -> None:
+    with pytest.raises(TypeError, match=message):
+        check_law(law_with(**members))
 
 
 def disc(law: type[Law]) -> None:
@@ -142,7 +144,7 @@ def undefined(t, u, m):  # type: ignore[no-untyped-def]  # noqa: ARG001
 @pytest.mark.slow
 @pytest.mark.usefixtures("forgotten")
 @pytest.mark.parametrize(
-    ("members", "said"),
+    ("members", "message"),
     [
         ({"stress": staticmethod(undefined)}, "the law Own can't be compiled: stress: .*'something' is not defined"),
         (
@@ -167,9 +169,9 @@ def undefined(t, u, m):  # type: ignore[no-untyped-def]  # noqa: ARG001
     ],
     ids=["name", "result", "constant", "plane", "numbers"],
 )
-def test_what_cant_be_compiled_is_one_sentence(members: dict[str, Any], said: str) -> None:
-    with pytest.raises(TypeError, match=said) as caught:
-        disc(own(**members))
+def test_what_cant_be_compiled_is_one_sentence(members: dict[str, Any], message: str) -> None:
+    with pytest.raises(TypeError, match=message) as caught:
+        disc(law_with(**members))
     assert len(str(caught.value).splitlines()) == 1
 
 
@@ -184,4 +186,4 @@ def through_an_array(t, u, m):  # type: ignore[no-untyped-def]  # noqa: ARG001
 def test_it_may_make_arrays() -> None:
     """Functions of the package make none, and are compiled without what arrays need."""
     # Another constant, or its record would be that of the laws above.
-    disc(own(stress=staticmethod(through_an_array), constants=("q",), numbers=lambda self, gravity: {"q": 2e5}))  # noqa: ARG005
+    disc(law_with(stress=staticmethod(through_an_array), constants=("q",), numbers=lambda self, gravity: {"q": 2e5}))  # noqa: ARG005

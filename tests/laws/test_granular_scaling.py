@@ -40,7 +40,7 @@ COLUMNS = {  # powers of r, s, q in a column
 def claims(law: type[Law]) -> bool:
     """Whether all that a medium of the law has to have is known to scale."""
     needed = {name for name, field in law.model_fields.items() if field.is_required()}
-    return all(one.power is not None for name, one in scalings(law).items() if name in needed)
+    return all(scaling.power is not None for name, scaling in scalings(law).items() if name in needed)
 
 
 CLAIM = [tag for tag, law in LAWS.items() if claims(law)]
@@ -52,12 +52,12 @@ TIMES_CUBE = [(tag, R**3) for tag in CLAIM] + [(tag, 1.9) for tag in FREE]
 def medium(tag: str, r: float) -> dict[str, Any]:
     """A medium of a law, in which coefficients with a length in them, for bodies of one size, go by the size."""
     law, mass, time = LAWS[tag], r**3, math.sqrt(r)
-    found = sample(law, (mass, r, time))
-    left_out = {name for name, one in scalings(law).items() if one.power is None or name == "cohesion"}
-    found = replace(found, **{name: law.model_fields[name].default for name in left_out})
+    scaled = sample(law, (mass, r, time))
+    left_out = {name for name, scaling in scalings(law).items() if scaling.power is None or name == "cohesion"}
+    scaled = replace(scaled, **{name: law.model_fields[name].default for name in left_out})
     if tag == "tsimring_volfson":  # its k is given at the depth of 1 m
-        found = replace(found, friction=found.friction / r**found.exponent)
-    return found.model_dump(mode="json", by_alias=True) | {"measured_gravity_m_s2": 9.81}
+        scaled = replace(scaled, friction=scaled.friction / r**scaled.exponent)
+    return scaled.model_dump(mode="json", by_alias=True) | {"measured_gravity_m_s2": 9.81}
 
 
 def scenario(tag: str, r: float = 1.0, s: float = 1.0, q: float = 1.0) -> dict[str, Any]:
@@ -105,13 +105,13 @@ def run(given: dict[str, Any]) -> dict[str, NDArray[np.float64]]:
 
 @pytest.mark.parametrize(("tag", "s"), TIMES_CUBE, ids=[f"{tag}-{s:.3g}" for tag, s in TIMES_CUBE])
 def test_scaled_runs_are_the_same(tag: str, s: float) -> None:
-    one, other = run(scenario(tag)), run(scenario(tag, R, s, Q))
+    original, scaled = run(scenario(tag)), run(scenario(tag, R, s, Q))
     for name, (of_r, of_s, of_q) in COLUMNS.items():
-        want = one[name] * R**of_r * s**of_s * Q**of_q
+        want = original[name] * R**of_r * s**of_s * Q**of_q
         scale = np.abs(want).max()
         assert scale > 0.0
         # The equations are the same in these units, and so are the steps: what is left is Newton's tolerance, 1e-9.
-        np.testing.assert_allclose(other[name], want, rtol=0.0, atol=1e-3 * scale, err_msg=name)
+        np.testing.assert_allclose(scaled[name], want, rtol=0.0, atol=1e-3 * scale, err_msg=name)
 
 
 def test_laws_that_do_not_claim_it_are_those_known() -> None:
@@ -121,8 +121,8 @@ def test_laws_that_do_not_claim_it_are_those_known() -> None:
 @pytest.mark.parametrize("law", LAWS.values(), ids=list(LAWS))
 def test_powers_are_those_of_the_units(law: type[Law]) -> None:
     """Where a density is all that has a unit, gravity alone has a time in it: the power is half of that of 1/s."""
-    for name, one in scalings(law).items():
+    for name, scaling in scalings(law).items():
         key = key_of(law, name)
         (_, _, time), _ = unit(key)
-        if one.power is not None and key != "cohesion_Pa":
-            assert one.power == -0.5 * time
+        if scaling.power is not None and key != "cohesion_Pa":
+            assert scaling.power == -0.5 * time

@@ -34,19 +34,19 @@ def python_alone() -> Any:
 
 @pytest.fixture(scope="module")
 def interpreted(python_alone: Any) -> dict[str, dict[str, float]]:
-    found: dict[str, dict[str, float]] = python_alone["numbers"]
-    return found
+    numbers: dict[str, dict[str, float]] = python_alone["numbers"]
+    return numbers
 
 
-def differing(one: dict[str, float], other: dict[str, float]) -> Iterator[str]:
+def differing(compiled: dict[str, float], interpreted: dict[str, float]) -> Iterator[str]:
     """Numbers that differ by more than CLOSE of themselves, and by more than round-off of the largest of their kind."""
-    assert one.keys() == other.keys()
-    for name, value in one.items():
-        there = other[name]
-        if math.isnan(value) and math.isnan(there):
+    assert compiled.keys() == interpreted.keys()
+    for name, value in compiled.items():
+        expected = interpreted[name]
+        if math.isnan(value) and math.isnan(expected):
             continue
-        if not math.isclose(value, there, rel_tol=CLOSE, abs_tol=SMALL):
-            yield f"{name}: {value} and {there}"
+        if not math.isclose(value, expected, rel_tol=CLOSE, abs_tol=SMALL):
+            yield f"{name}: {value} and {expected}"
 
 
 # The same operations in the same order, but for sums that compilers contract (a b + c in one rounding): round-off of
@@ -62,15 +62,15 @@ def test_to_the_same_numbers(interpreted: dict[str, dict[str, float]]) -> None:
 
 
 def test_every_scene_is_in_sand(interpreted: dict[str, dict[str, float]]) -> None:
-    for name, found in interpreted.items():
-        assert found["depth_m"] > 1e-3, name
-        assert any(abs(value) > 1e-7 for key, value in found.items() if "work" in key), name
+    for name, values in interpreted.items():
+        assert values["depth_m"] > 1e-3, name
+        assert any(abs(value) > 1e-7 for key, value in values.items() if "work" in key), name
 
 
 def test_the_walk_in_the_docs_is_the_one_that_is_taken(python_alone: Any) -> None:
     page = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
     section = page.split("## Follow a pose")[1].split("\n## ")[0]
-    told = [" ".join(row) for row in re.findall(r"^\| `([^`]+)` \| `([^`]+)` \|", section, re.M)]
+    documented = [" ".join(row) for row in re.findall(r"^\| `([^`]+)` \| `([^`]+)` \|", section, re.M)]
     taken = [row for row in python_alone["walk"] if row != "jit/calls.py call"]
-    assert told == taken
+    assert documented == taken
     assert len(python_alone["walk"]) - len(taken) == 3  # calls by address

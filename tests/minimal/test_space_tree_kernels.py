@@ -80,11 +80,11 @@ def placed(w: dict[str, Array], s: Array) -> list[tuple[Array, Array]]:
 
 def jacobian(w: dict[str, Array], s: Array) -> Array:
     """(6 n, n): velocities and angular velocities by rates; central differences of fourth order, 1e-12 of a length."""
-    h, here, columns = 1e-3, placed(w, s), []
+    h, placement, columns = 1e-3, placed(w, s), []
     for e in np.eye(len(s)):
         f = {k: placed(w, s + k * h * e) for k in (-2, -1, 1, 2)}
         column = []
-        for i, (_, R) in enumerate(here):
+        for i, (_, R) in enumerate(placement):
             x, turn = ({k: f[k][i][part] for k in f} for part in (0, 1))
             slope, change = ((8.0 * (d[1] - d[-1]) - (d[2] - d[-2])) / (12.0 * h) for d in (x, turn))
             spin = change @ R.T
@@ -144,8 +144,8 @@ def test_folded_matrix_is_the_dense_one(count: int) -> None:
         of_tree(space_tree.place)(addresses(w))
         of_tree(space_elimination.inertias)(0.0, addresses(w))
         masses = w["body"].reshape(n, 6, 6).copy()
-        own = dense_masses(w).reshape(n, 6, n, 6)
-        np.testing.assert_allclose(masses, own[np.arange(n), :, np.arange(n)], atol=1e-15)
+        dense = dense_masses(w).reshape(n, 6, n, 6)
+        np.testing.assert_allclose(masses, dense[np.arange(n), :, np.arange(n)], atol=1e-15)
         body = masses + rng.uniform(-0.05, 0.05, masses.shape) * np.sqrt(np.abs(masses @ np.ones((6, 6)) @ masses))
         body[~bodies] = 0.0
         balls = w["nodes"]["kind"] == BALL
@@ -158,8 +158,8 @@ def test_folded_matrix_is_the_dense_one(count: int) -> None:
         for step in (space_elimination.eliminate, space_elimination.solve):
             of_tree(step)(addresses(w))
         J, B, free = jacobian(w, w["s"]), np.zeros((6 * n, 6 * n)), w["prescribed"] == 0
-        for i, one in enumerate(body):
-            B[6 * i : 6 * i + 6, 6 * i : 6 * i + 6] = one
+        for i, block in enumerate(body):
+            B[6 * i : 6 * i + 6, 6 * i : 6 * i + 6] = block
         whole = (J.T @ B @ J + c)[np.ix_(free, free)]
         change = np.zeros(n)
         change[free] = np.linalg.solve(whole, -w["residual"][free])
@@ -199,8 +199,8 @@ def test_coefficients_of_the_chart_are_those_of_their_power_series(square: float
     values = [sum(c * square**k for k, c in enumerate(of)) for of in (a, b)]
     slopes = [sum(2.0 * k * c * square ** (k - 1) for k, c in enumerate(of) if k > 0) for of in (a, b)]
     # Closed forms lose what cancels in 1 - cos and the like: 1e-16 over x^2 or less.
-    found = space_rotations.jacobian_coefficients((np.sqrt(square), 0.0, 0.0))
-    np.testing.assert_allclose(found, values + slopes, rtol=0.0, atol=2e-15 if square < 0.1 else 1e-13)
+    coefficients = space_rotations.jacobian_coefficients((np.sqrt(square), 0.0, 0.0))
+    np.testing.assert_allclose(coefficients, values + slopes, rtol=0.0, atol=2e-15 if square < 0.1 else 1e-13)
 
 
 def test_a_new_chart_leaves_the_motion_as_it_is() -> None:
@@ -230,8 +230,8 @@ def test_matrix_of_newton_is_the_slope_of_what_joints_lack() -> None:
     of_tree(space_load.forces_on_nodes)(march._addresses)
     of_tree(space_load.tangent)(fq, fv, march._addresses)
     c, J, B = w["stiffness"].copy(), jacobian(w, w["s"]), np.zeros((6 * n, 6 * n))
-    for i, one in enumerate(w["body"].reshape(-1, 6, 6)):
-        B[6 * i : 6 * i + 6, 6 * i : 6 * i + 6] = one
+    for i, block in enumerate(w["body"].reshape(-1, 6, 6)):
+        B[6 * i : 6 * i + 6, 6 * i : 6 * i + 6] = block
     slopes = slopes_of_residuals(
         march, (space_load.forces_on_nodes, space_tree.node_accelerations, space_tree.residuals), fq, fv, 1e-3
     )

@@ -70,7 +70,7 @@ def of_two_rods(_: float, y: Array) -> Array:
     y: quaternions (scalar last) and angular velocities, world frame, of both.
     """
     e, w = y[:8].reshape(2, 4), y[8:].reshape(2, 3)
-    turns = [Rotation.from_quat(one) for one in e]
+    turns = [Rotation.from_quat(quaternion) for quaternion in e]
     J = [R.as_matrix() @ np.diag(INERTIA) @ R.as_matrix().T for R in turns]
     near, far = [-0.1 * R.as_matrix()[:, 0] for R in turns], [0.1 * R.as_matrix()[:, 0] for R in turns]
     A, b = np.zeros((18, 18)), np.zeros(18)  # r_1'', w_1', r_2'', w_2', force of a on one, force of b on two
@@ -87,9 +87,9 @@ def of_two_rods(_: float, y: Array) -> Array:
     A[0:3, 15:18], A[3:6, 15:18] = np.eye(3), skew(far[0])
     A[15:18, 0:3], A[15:18, 3:6] = -np.eye(3), skew(far[0])
     b[15:18] += np.cross(w[0], np.cross(w[0], far[0]))
-    found = np.linalg.solve(A, b)
+    solution = np.linalg.solve(A, b)
     rates = [0.5 * np.concatenate([e[k, 3] * w[k] + np.cross(w[k], e[k, :3]), [-w[k] @ e[k, :3]]]) for k in range(2)]
-    return np.concatenate([*rates, found[3:6], found[9:12]])
+    return np.concatenate([*rates, solution[3:6], solution[9:12]])
 
 
 @pytest.mark.slow
@@ -168,8 +168,8 @@ def test_an_arm_of_four_links_moves_as_kane_says() -> None:
     steps, errors = [2e-3, 1e-3, 5e-4], []
     for step in steps:
         motion = solved(config, step_s=step, tolerance=1e-10)
-        found = [motion.coordinate(joint)[0][-1] for joint in motion.scene.joints]
-        errors.append(float(np.abs(found - way.y[:4, -1]).max()))
+        coordinates = [motion.coordinate(joint)[0][-1] for joint in motion.scene.joints]
+        errors.append(float(np.abs(coordinates - way.y[:4, -1]).max()))
     assert order(steps, errors) == pytest.approx(2.0, abs=0.2)
     assert errors[-1] < 2e-3  # rad, of some radians
 
@@ -182,7 +182,7 @@ def test_a_heavy_top_precesses_steadily() -> None:
     precession = (I_3 * spin - np.sqrt((I_3 * spin) ** 2 - 4.0 * c * m * GRAVITY * high)) / (2.0 * c)
     axis, R = np.array([0.0, -np.sin(tilt), np.cos(tilt)]), Rotation.from_euler("x", tilt).as_matrix()
     # The part of the precession along the axis is in w_3.
-    own = precession * np.array([0.0, 0.0, 1.0]) + (spin - precession * np.cos(tilt)) * axis
+    angular_velocity = precession * np.array([0.0, 0.0, 1.0]) + (spin - precession * np.cos(tilt)) * axis
     inertia = {"xx": 0.5 * I_3, "yy": 0.5 * I_3, "zz": I_3}
     top = {"type": "rigid", "mass_kg": m, "inertia_kg_m2": inertia, "center_of_mass_m": [0, 0, high]}
     config: dict[str, Any] = {
@@ -193,7 +193,7 @@ def test_a_heavy_top_precesses_steadily() -> None:
             "joints": {"tip": {"type": "ball", "parent": "ground", "child": "top"}},
         },
         "medium": None,
-        "initial": {"joints": {"tip": {"rpy_deg": [30, 0, 0], "spin_rad_s": own.tolist()}}},
+        "initial": {"joints": {"tip": {"rpy_deg": [30, 0, 0], "spin_rad_s": angular_velocity.tolist()}}},
         "solver": {"end_time_s": 1.0, "step_s": 1e-3, "rest_time_s": None},
     }
     steps, errors = [2e-3, 1e-3, 5e-4], []
@@ -218,9 +218,9 @@ def momentum_and_energy(motion: SpatialKinematics) -> tuple[Array, Array]:
     for body in bodies:
         x, v = motion.center(body.name)
         w, R = motion.spin(body.name), motion.rotation(body.name)
-        own = np.einsum("nij,jk,nlk,nl->ni", R, body.inertia, R, w)
-        L += body.mass * np.cross(x - center, v - speed) + own
-        E += 0.5 * body.mass * np.sum(v * v, axis=1) + 0.5 * np.sum(w * own, axis=1)
+        angular_momentum = np.einsum("nij,jk,nlk,nl->ni", R, body.inertia, R, w)
+        L += body.mass * np.cross(x - center, v - speed) + angular_momentum
+        E += 0.5 * body.mass * np.sum(v * v, axis=1) + 0.5 * np.sum(w * angular_momentum, axis=1)
     return L, E
 
 
@@ -395,7 +395,7 @@ def test_results_are_those_of_the_engine() -> None:
     for method in ("minimal", "engine"):
         given = robot, f"method={method}", "solver.end_time_s=0.12", "solver.accuracy=1e-3"
         runs[method] = simulate("hexapod", *given)
-    assert len({str(one.summary["facets"]["bodies"]) for one in runs.values()}) == 1
+    assert len({str(run.summary["facets"]["bodies"]) for run in runs.values()}) == 1
     ours, theirs = runs["minimal"], runs["engine"]
     assert [column.name for column in ours.columns] == [column.name for column in theirs.columns]
     times = np.linspace(0.02, 0.12, 50)
@@ -419,8 +419,8 @@ def test_a_state_of_a_tree_in_space_goes_on_bit_for_bit() -> None:
     kept = simulation.state()
     first = [np.array(list(simulation.step(None, 0.03).values())) for _ in range(3)]
     simulation.restore(kept)
-    again = [np.array(list(simulation.step(None, 0.03).values())) for _ in range(3)]
-    np.testing.assert_array_equal(first, again)
+    resumed = [np.array(list(simulation.step(None, 0.03).values())) for _ in range(3)]
+    np.testing.assert_array_equal(first, resumed)
 
 
 @pytest.mark.slow

@@ -26,7 +26,7 @@ SIDES = "0 2 1 0 3 2 4 5 6 4 6 7 0 1 5 0 5 4 2 3 7 2 7 6 0 4 7 0 7 3 1 2 6 1 6 5
 
 
 def area(bed: Any) -> float:
-    return float(sum(one.rows[:, 7].sum() for one in bed.load.lines))
+    return float(sum(line.rows[:, 7].sum() for line in bed.load.lines))
 
 
 def test_geoms_are_taken_as_they_are() -> None:
@@ -110,29 +110,31 @@ def warned(xml: str, **options: Any) -> list[str]:
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         bed.apply(mujoco.MjData(model))
-    assert not any("\n" in str(one.message) for one in caught)
-    return [str(one.message) for one in caught]
+    assert not any("\n" in str(warning.message) for warning in caught)
+    return [str(warning.message) for warning in caught]
 
 
 def test_what_doubles_the_sand_or_keeps_it_from_acting_is_told() -> None:
     body = f'<body name="robot" pos="0 0 0.1"><freejoint/>{BOX}</body>'
     floor = '<geom name="floor" type="plane" size="1 1 0.1"{}/>'
     assert warned(f"<mujoco><worldbody>{body}</worldbody></mujoco>") == []
-    (said,) = warned(f"<mujoco><worldbody>{floor.format('')}{body}</worldbody></mujoco>")
-    assert said.startswith("geom floor is rigid at the surface of the sand and carries robot instead of it: remove it")
+    (warning,) = warned(f"<mujoco><worldbody>{floor.format('')}{body}</worldbody></mujoco>")
+    assert warning.startswith(
+        "geom floor is rigid at the surface of the sand and carries robot instead of it: remove it"
+    )
     off = ' contype="0" conaffinity="0"'
     assert warned(f"<mujoco><worldbody>{floor.format(off)}{body}</worldbody></mujoco>") == []
     assert (
         warned(f"<mujoco><worldbody>{floor.format('')}{body}</worldbody></mujoco>", surface=0.3) == []
     )  # a deep bottom
     pair = '<contact><pair geom1="floor" geom2="box"/></contact>'
-    (said,) = warned(f"<mujoco><worldbody>{floor.format(off)}{body}</worldbody>{pair}</mujoco>")
-    assert "contact pair 0 of geoms floor and box is left on beside the sand" in said or "box and floor" in said
+    (warning,) = warned(f"<mujoco><worldbody>{floor.format(off)}{body}</worldbody>{pair}</mujoco>")
+    assert "contact pair 0 of geoms floor and box is left on beside the sand" in warning or "box and floor" in warning
     leg = '<body name="trunk" pos="0 0 0.5"><geom size="0.1"/>'
     leg += f'<body name="leg" pos="0 0 -0.3"><joint/>{BOX}</body></body>'
-    (said,) = warned(f"<mujoco><worldbody>{leg}</worldbody></mujoco>")
-    assert said.startswith("body trunk is fixed to the world")
-    assert said.endswith("give it a <freejoint/>")
+    (warning,) = warned(f"<mujoco><worldbody>{leg}</worldbody></mujoco>")
+    assert warning.startswith("body trunk is fixed to the world")
+    assert warning.endswith("give it a <freejoint/>")
 
 
 def robot(path: str) -> Any:
@@ -195,9 +197,9 @@ def test_examples_run(
     monkeypatch.syspath_prepend(str(ROOT / "examples" / "mujoco"))
     monkeypatch.setattr(sys, "argv", [name, "--seconds", "0.1", "--video", str(film)])
     runpy.run_path(str(ROOT / "examples" / "mujoco" / f"{name}.py"), run_name="__main__")
-    told = capsys.readouterr().out
-    assert re.search(EXAMPLES[name], told), told
-    assert film.exists() != ("no film: " in told)
+    printed = capsys.readouterr().out
+    assert re.search(EXAMPLES[name], printed), printed
+    assert film.exists() != ("no film: " in printed)
 
 
 def test_without_mujoco_one_line_says_how_to_get_it() -> None:

@@ -67,15 +67,15 @@ def fallen(kind: str, count: int, medium: str, turn: float = 0.0, **options: Any
         mbs.AddObject(items.ObjectConnectorCoordinate(markerNumbers=[ground, marker]))
     elements = [element(mbs, kind, pair, LENGTH / count) for pair in pairwise(nodes)]
     down = [0, -9.81, 0] if kind in PLANAR else [0, 0, -9.81]
-    for one in elements:
-        marker = mbs.AddMarker(items.MarkerBodyMass(bodyNumber=one))
+    for number in elements:
+        marker = mbs.AddMarker(items.MarkerBodyMass(bodyNumber=number))
         mbs.AddLoad(items.LoadMassProportional(markerNumber=marker, loadVector=down))
     up = {} if kind in PLANAR else {"up": (0, 0, 1)}
     bed = GranularBed(mbs, preset(medium), SURFACE, **up)
     bed.add_cables(elements, DIAMETER, name="rod", **options)
     bed.attach()
-    what = exu.OutputVariableType.Position
-    sensor = mbs.AddSensor(items.SensorNode(nodeNumber=nodes[-1], storeInternal=True, outputVariableType=what))
+    position = exu.OutputVariableType.Position
+    sensor = mbs.AddSensor(items.SensorNode(nodeNumber=nodes[-1], storeInternal=True, outputVariableType=position))
     mbs.Assemble()
     mbs.SolveDynamic(implicit(END, STEP))
     kept = mbs.GetSensorStoredData(sensor)
@@ -99,13 +99,13 @@ def test_a_rod_of_a_script_falls_as_that_of_a_scene(medium: str) -> None:
 
     Sand stops the tip 8 mm below; facets of a length are met at another instant than others of it, some 50 um apart.
     """
-    found = scene(medium)
+    results = scene(medium)
     for kind, count in (("cable", 8), ("exact", 16)):
         (t, z), bed = fallen(kind, count, medium)
-        off = np.abs(np.interp(found["time_s"], t, z) - found["rod_deflection_z_m"]).max()
-        way = np.abs(np.diff(found["rod_deflection_z_m"])).sum()
+        off = np.abs(np.interp(results["time_s"], t, z) - results["rod_deflection_z_m"]).max()
+        way = np.abs(np.diff(results["rod_deflection_z_m"])).sum()
         assert off < (0.01 if medium == "play_sand" else 0.1) * way
-        assert bed.work == pytest.approx(found["granular_work_J"][-1], rel=0.03 if medium == "play_sand" else 0.2)
+        assert bed.work == pytest.approx(results["granular_work_J"][-1], rel=0.03 if medium == "play_sand" else 0.2)
         assert bed.work < -1e-4
 
 
@@ -156,12 +156,12 @@ def test_a_piece_of_a_cable_is_met_as_a_rigid_body_at_its_place(medium: str) -> 
     e = rotations.quaternion_of(rotations.of_vector(turn))
     body = cables.Piece(Body("c", range(7)), np.array([-0.05, 0, 0]), np.array([0.05, 0, 0]), np.zeros(3))
     cables.add(rigid, [body], 0.01, 4, True)
-    there, moves = np.concatenate([x, e]), np.concatenate([u, rotations.quaternion_rates(e, spin)])
-    rigid.start(there)
-    rigid.accept(0.0, there, moves)
+    coordinates, rates = np.concatenate([x, e]), np.concatenate([u, rotations.quaternion_rates(e, spin)])
+    rigid.start(coordinates)
+    rigid.accept(0.0, coordinates, rates)
     assert np.linalg.norm(f) > 0.1
     np.testing.assert_allclose(made.history.bodies[-1], rigid.history.bodies[-1], rtol=1e-9, atol=1e-9)
-    assert f @ v == pytest.approx(rigid.force(there, moves, np.zeros(7)) @ moves, rel=1e-9)
+    assert f @ v == pytest.approx(rigid.force(coordinates, rates, np.zeros(7)) @ rates, rel=1e-9)
 
 
 @pytest.mark.parametrize(("medium", "near"), [("play_sand", 1e-3), ("rft3d_sand", 0.05)])
@@ -225,9 +225,9 @@ def test_a_row_is_of_one_kind_and_two_nodes_each() -> None:
     with pytest.raises(SceneError, match="has 3 nodes, allowed are 2"):
         GranularBed(mbs, preset("play_sand"), 0.0).add_cables([three], 0.01)
     bed = GranularBed(mbs, preset("play_sand"), 0.0, form="resultant")
-    one = element(mbs, "exact2d", nodes_of(mbs, "exact2d", 1, 0.0), LENGTH)
+    beam = element(mbs, "exact2d", nodes_of(mbs, "exact2d", 1, 0.0), LENGTH)
     with pytest.raises(SceneError, match="resultant"):
-        bed.add_cables([one], 0.01)
+        bed.add_cables([beam], 0.01)
 
 
 def test_bodies_of_one_name_are_still_bodies_of_their_own() -> None:

@@ -255,8 +255,8 @@ def test_same_system_solved_twice_has_the_same_history() -> None:
         made.mbs.SolveDynamic(settings(2e-4))
         h = bed.history
         histories.append([np.copy(x) for x in (h.time, h.work, h.power, h.depth, h.terms)])
-    for one, two in zip(*histories, strict=True):
-        np.testing.assert_array_equal(one, two)
+    for first, second in zip(*histories, strict=True):
+        np.testing.assert_array_equal(first, second)
     assert len(histories[0][0]) == 201
 
 
@@ -349,13 +349,13 @@ def solved_with(wrap: Any = None, reader: Any = None) -> tuple[np.ndarray, Granu
 
 def test_repeated_tries_of_a_step_advance_nothing() -> None:
     def thrice(_bed: GranularBed, force: Any) -> Any:
-        def again(mbs: Any, t: float, *given: Any) -> list[float]:
+        def force_three_times(mbs: Any, t: float, *given: Any) -> list[float]:
             start = mbs.systemData.GetTime(exu.ConfigurationType.StartOfStep)
             for part in (0.5, 0.25) if t > start else ():
                 force(mbs, start + part * (t - start), *given)
             return list(force(mbs, t, *given))
 
-        return again
+        return force_three_times
 
     (table, bed), (table_again, bed_again) = solved_with(), solved_with(thrice)
     assert bed_again.load_calls > 2.5 * bed.load_calls
@@ -493,21 +493,23 @@ def test_no_cables_are_refused() -> None:
 
 @pytest.mark.parametrize("strips", [0, -1, 2.5, float("nan")])
 def test_strips_are_counted(strips: float) -> None:
-    one = script()
-    message = refused(GranularBed(one.mbs, SAND, 0.0), "add_rigid", one.first, [0, 0], [0.1, 0], 0.01, strips=strips)
+    system = script()
+    message = refused(
+        GranularBed(system.mbs, SAND, 0.0), "add_rigid", system.first, [0, 0], [0.1, 0], 0.01, strips=strips
+    )
     assert f"strips: got {strips}" in message
 
 
 def test_points_lie_in_the_plane() -> None:
-    one = script()
-    bed = GranularBed(one.mbs, SAND, 0.0)
-    assert "z = 0.2 m" in refused(bed, "add_rigid", one.first, [0, 0, 0.2], [0.1, 0, 0], 0.01)
-    assert "shape (1, 1)" in refused(bed, "add_ball", one.first, [0.0], 0.01)
-    bed.add_rigid(one.first, [0, 0, 0], [0.1, 0, 0], 0.01)
+    system = script()
+    bed = GranularBed(system.mbs, SAND, 0.0)
+    assert "z = 0.2 m" in refused(bed, "add_rigid", system.first, [0, 0, 0.2], [0.1, 0, 0], 0.01)
+    assert "shape (1, 1)" in refused(bed, "add_ball", system.first, [0.0], 0.01)
+    bed.add_rigid(system.first, [0, 0, 0], [0.1, 0, 0], 0.01)
 
 
 @pytest.mark.parametrize(
-    ("make", "what"),
+    ("make", "message"),
     [
         (lambda: replace(SAND, density=-2500.0), r"^LeeMarghitu.density: got -2500.0, allowed is a number above 0$"),
         (lambda: VerticalResistance(np.nan, 1.1), r"eta_v: got nan, allowed is a number of at least 0"),
@@ -518,21 +520,21 @@ def test_points_lie_in_the_plane() -> None:
         (lambda: Smooth(np.inf), r"reference_speed: got inf"),
     ],
 )
-def test_numbers_with_which_sand_would_drive_are_refused(make: Callable[[], Any], what: str) -> None:
-    with pytest.raises(ValueError, match=what):
+def test_numbers_with_which_sand_would_drive_are_refused(make: Callable[[], Any], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
         make()
 
 
 @pytest.mark.parametrize(
-    ("options", "what"),
+    ("options", "message"),
     [
         ({"form": "distributd"}, "distributd"),
         ({"surface": np.nan}, "surface"),
         ({"gravity": np.inf}, "gravity"),
     ],
 )
-def test_bad_numbers_and_words_are_refused(options: dict[str, Any], what: str) -> None:
-    with pytest.raises(ValueError, match=what):
+def test_bad_numbers_and_words_are_refused(options: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
         GranularBed(script().mbs, SAND, **({"surface": 0.0} | options))
 
 
@@ -643,14 +645,14 @@ def test_a_spatial_body_that_leaves_the_plane_ends_the_solve() -> None:
 
 
 def test_an_outline_whose_sides_cross_is_refused() -> None:
-    one = script()
+    system = script()
     corners = [[0, 0], [0.1, 0.1], [0.1, 0], [0, 0.2]]
-    bed = GranularBed(one.mbs, preset("rft_generic"), 0.0)
-    assert "cross" in refused(bed, "add_outline", one.first, corners, 0.01)
+    bed = GranularBed(system.mbs, preset("rft_generic"), 0.0)
+    assert "cross" in refused(bed, "add_outline", system.first, corners, 0.01)
 
 
 @pytest.mark.parametrize(
-    ("options", "what"),
+    ("options", "message"),
     [
         ({"medium": "play_sand"}, "preset"),
         ({"medium": None}, "preset"),
@@ -669,19 +671,19 @@ def test_an_outline_whose_sides_cross_is_refused() -> None:
         ({"floor": Floor(0.0), "up": (0, 0, 1)}, "floor: got a height of 0 m, with the surface at 0 m"),
     ],
 )
-def test_things_of_the_wrong_kind_are_told(options: dict[str, Any], what: str) -> None:
-    with pytest.raises(ValueError, match=what):
+def test_things_of_the_wrong_kind_are_told(options: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
         GranularBed(script().mbs, **({"medium": SAND, "surface": 0.0} | options))
 
 
 def test_a_floor_of_numbers_that_can_not_be_is_told() -> None:
     """Of damping below 0 it would give energy, of stiffness below 0 pull."""
-    for numbers, words in (
+    for numbers, message in (
         ((float("nan"),), "height of nan, allowed is a finite number"),
         ((-0.1, -1e6), "stiffness of -1000000.0, allowed is a number above 0, or None"),
         ((-0.1, 1e6, -0.5), "damping of -0.5, allowed is 0 or more"),
     ):
-        with pytest.raises(ValueError, match=words):
+        with pytest.raises(ValueError, match=message):
             Floor(*numbers)
     steep = GranularBed(script().mbs, SAND, 0.0, slope=0.1, floor=Floor(0.1, 1e6))  # below it from x = 1 m on
     assert steep.load.floor is not None
@@ -705,57 +707,57 @@ def test_a_beam_in_several_pieces_is_one_body() -> None:
 # ---- one solve after another ----
 
 
-def solved(one: Script, start: float, end: float, *, goes_on: bool = False) -> None:
+def solved(system: Script, start: float, end: float, *, goes_on: bool = False) -> None:
     settings = exu.SimulationSettings()
     settings.solution.file.write = False
     settings.timeIntegration.startTime, settings.timeIntegration.endTime = start, end
     settings.timeIntegration.numberOfSteps = round((end - start) / 2e-4)
-    one.mbs.SolveDynamic(settings, updateInitialValues=goes_on)
+    system.mbs.SolveDynamic(settings, updateInitialValues=goes_on)
 
 
 def in_sand() -> tuple[Script, GranularBed]:
-    one = script(1)
-    bed = GranularBed(one.mbs, SAND, 0.05)
-    bed.add_rigid(one.first, [-HALF, 0], [HALF, 0], DIAMETER)
+    system = script(1)
+    bed = GranularBed(system.mbs, SAND, 0.05)
+    bed.add_rigid(system.first, [-HALF, 0], [HALF, 0], DIAMETER)
     bed.attach()
-    one.mbs.Assemble()
-    return one, bed
+    system.mbs.Assemble()
+    return system, bed
 
 
 def test_a_solve_that_begins_anew_at_a_later_time_is_another_one() -> None:
-    one, bed = in_sand()
-    solved(one, 0.0, 0.1)
+    system, bed = in_sand()
+    solved(system, 0.0, 0.1)
     first = bed.history
-    solved(one, 1.0, 1.1)
-    again = bed.history
-    assert len(again.time) == len(first.time)
+    solved(system, 1.0, 1.1)
+    second = bed.history
+    assert len(second.time) == len(first.time)
     # Times differ by round-off of 1 + t, and what is integrated over them.
     assert bed.work == pytest.approx(first.work[-1], rel=1e-9)
-    assert again.time[0] == 1.0
+    assert second.time[0] == 1.0
 
 
 def test_a_solve_that_goes_on_keeps_what_was() -> None:
-    one, bed = in_sand()
-    solved(one, 0.0, 0.05, goes_on=True)
-    solved(one, 0.05, 0.1)
+    system, bed = in_sand()
+    solved(system, 0.0, 0.05, goes_on=True)
+    solved(system, 0.05, 0.1)
     in_two, work = len(bed.history.time), bed.work
-    one, bed = in_sand()
-    solved(one, 0.0, 0.1)
+    system, bed = in_sand()
+    solved(system, 0.0, 0.1)
     assert in_two == len(bed.history.time)
     # The engine's accelerations start from zero in the second solve: an error of its first step.
     assert work == pytest.approx(bed.work, rel=1e-3)
 
 
 def test_numbers_read_in_every_step_are_those_of_the_history() -> None:
-    one, bed = in_sand()
+    system, bed = in_sand()
     seen: list[tuple[float, float, float]] = []
 
     def after_step(*_: Any) -> bool:
         seen.append((bed.work, *bed.force))
         return True
 
-    one.mbs.SetPostStepUserFunction(after_step)
-    solved(one, 0.0, 0.1)
+    system.mbs.SetPostStepUserFunction(after_step)
+    solved(system, 0.0, 0.1)
     history = bed.history
     expected = np.column_stack([history.work, history.terms[:, :, :2].sum(axis=1)])[-len(seen) :]
     # Sums of the same numbers in another order.

@@ -62,11 +62,11 @@ def copies_of_controls(monkeypatch: PATCH) -> None:
     fields["it"] += "newtonJacobiCount", "rejectedModifiedNewtonSteps"
 
     for handle, names in fields.items():
-        own = getattr(exu.MainSolverImplicitSecondOrder, handle)
+        original = getattr(exu.MainSolverImplicitSecondOrder, handle)
 
-        def copy(solver: Any, own: Any = own, names: tuple[str, ...] = names) -> Any:
-            found = own.fget(solver)
-            return SimpleNamespace(**{name: getattr(found, name) for name in names})
+        def copy(solver: Any, original: Any = original, names: tuple[str, ...] = names) -> Any:
+            handed = original.fget(solver)
+            return SimpleNamespace(**{name: getattr(handed, name) for name in names})
 
         monkeypatch.setattr(exu.MainSolverImplicitSecondOrder, handle, property(copy))
 
@@ -74,25 +74,27 @@ def copies_of_controls(monkeypatch: PATCH) -> None:
 def copies_of_vectors(monkeypatch: PATCH) -> None:
     """Let the system hand out copies of its vectors, whatever it is asked for."""
     for getter in engine_checks.GETTERS:
-        own = getattr(exu.SystemData, getter)
+        original = getattr(exu.SystemData, getter)
 
-        def copy(data: Any, configuration: Any = exu.ConfigurationType.Current, *, own: Any = own, **_: bool) -> Any:
-            return own(data, configuration, copy=True)
+        def copy(
+            data: Any, configuration: Any = exu.ConfigurationType.Current, *, original: Any = original, **_: bool
+        ) -> Any:
+            return original(data, configuration, copy=True)
 
         monkeypatch.setattr(exu.SystemData, getter, copy)
 
 
 def other_order(_: PATCH) -> None:
     """Try an engine that asks for what was added last but one after what was added last."""
-    own, kept = exu.MainSystem.AddObject, []
+    original, kept = exu.MainSystem.AddObject, []
 
     def swapped(mbs: Any, item: Any) -> Any:
         if isinstance(item, items.ObjectGenericODE2) and not kept:
             return kept.append(item)
-        found = own(mbs, item)
+        added = original(mbs, item)
         if isinstance(item, items.ObjectGenericODE2):
-            own(mbs, kept.pop())
-        return found
+            original(mbs, kept.pop())
+        return added
 
     with pytest.MonkeyPatch.context() as during:
         during.setattr(exu.MainSystem, "AddObject", swapped)
@@ -119,9 +121,9 @@ def simulated(*changes: str) -> Trajectory:
     return solve(build(scene_of(CHAIN, *changes)))
 
 
-def ends(one: Trajectory, other: Trajectory) -> float:
+def ends(first: Trajectory, second: Trajectory) -> float:
     """Greatest difference (m, rad) of coordinates at the end."""
-    return float(np.abs(one.q[-1] - other.q[-1]).max())
+    return float(np.abs(first.q[-1] - second.q[-1]).max())
 
 
 def test_this_engine_does_it_all() -> None:
@@ -134,9 +136,9 @@ def test_what_does_not_work_is_found_and_told_once(case: str, monkeypatch: PATCH
     spoil(case, monkeypatch)
     missing = [name for name in ("controls", "views", "order") if not getattr(abilities(), name)]
     assert missing == [case]
-    told = [warning for warning in run(scene_of(CHAIN)).warnings if CASES[case][1] in warning]
-    assert len(told) == 1
-    assert "Exudyn 1." in told[0]
+    warnings = [warning for warning in run(scene_of(CHAIN)).warnings if CASES[case][1] in warning]
+    assert len(warnings) == 1
+    assert "Exudyn 1." in warnings[0]
 
 
 @each
@@ -155,11 +157,11 @@ def test_chosen_steps_keep_their_accuracy(case: str, monkeypatch: PATCH) -> None
     """Where none can be set, they are refused by the same estimate."""
     accuracy, true = 3e-3, simulated("solver.step_s=1e-5")
     spoil(case, monkeypatch)
-    found = simulated(f"solver.accuracy={accuracy}")
-    assert found.notices
+    trajectory = simulated(f"solver.accuracy={accuracy}")
+    assert trajectory.notices
     path = float(np.abs(np.diff(true.q, axis=0)).sum(axis=0).max())
-    assert ends(found, true) < accuracy * path
-    assert 1.0 < len(found.time) < 0.5 * len(simulated().time)
+    assert ends(trajectory, true) < accuracy * path
+    assert 1.0 < len(trajectory.time) < 0.5 * len(simulated().time)
 
 
 def test_a_bed_of_the_users_own_system_reads_the_present_state(monkeypatch: PATCH) -> None:
@@ -183,12 +185,12 @@ def test_a_bed_of_the_users_own_system_reads_the_present_state(monkeypatch: PATC
 
     usual = fall()
     spoil("views", monkeypatch)
-    with pytest.warns(UserWarning, match="copies of its vectors") as told:
-        found = fall()
-    assert len(told) == 1
-    assert told[0].filename == __file__
+    with pytest.warns(UserWarning, match="copies of its vectors") as caught:
+        depth = fall()
+    assert len(caught) == 1
+    assert caught[0].filename == __file__
     # The same steps and iterations from the same start: but for round-off, of 0.1 m, the same.
-    assert found == pytest.approx(usual, abs=1e-12)
+    assert depth == pytest.approx(usual, abs=1e-12)
 
 
 def test_a_run_that_can_not_be_stepped_is_refused(monkeypatch: PATCH) -> None:
@@ -205,21 +207,21 @@ def test_with_copies_of_vectors_it_is_stepped_and_goes_back(monkeypatch: PATCH) 
 def test_a_jacobian_that_is_not_computed_where_it_was_is_made_anew(monkeypatch: PATCH) -> None:
     """The engine ignores where it is led: told, and the same within what Newton's method leaves."""
     monkeypatch.setattr("granular_contact.engines.exudyn.tangent._starting_at", lambda _: lambda *_: None)
-    told: list[str] = []
-    changed = _after_a_detour(told)
-    assert any("did not go back to the Jacobian" in words for words in told)
+    warnings: list[str] = []
+    changed = _after_a_detour(warnings)
+    assert any("did not go back to the Jacobian" in warning for warning in warnings)
     # A residual of 1e-5 of the forces (solver.tolerance) each step, which sand takes out.
     assert 0.0 < changed < 1e-5 * 0.2
 
 
 def test_accelerations_that_are_not_those_of_the_state_are_told(monkeypatch: PATCH) -> None:
     monkeypatch.setattr(exu.MainSolverImplicitSecondOrder, "InitializeSolverInitialConditions", lambda *_: True)
-    told: list[str] = []
-    _after_a_detour(told)
-    assert any("accelerations of a saved state" in words for words in told)
+    warnings: list[str] = []
+    _after_a_detour(warnings)
+    assert any("accelerations of a saved state" in warning for warning in warnings)
 
 
-def _after_a_detour(told: list[str] | None = None) -> float:
+def _after_a_detour(warnings: list[str] | None = None) -> float:
     """Greatest difference in the table (m) of tips between a run, and the same gone on with from a restored state."""
     simulation = Simulation(scenario_of(CHAIN))
     simulation.step({}, 0.02)
@@ -229,8 +231,8 @@ def _after_a_detour(told: list[str] | None = None) -> float:
     simulation.restore(kept)
     simulation.step({}, 0.02)
     second = simulation.results()
-    if told is not None:
-        told += second.warnings
+    if warnings is not None:
+        warnings += second.warnings
     place = [column.name for column in first.columns].index("tip_x_m")
     return float(np.abs(first.table - second.table)[:, place : place + 2].max())
 
@@ -256,16 +258,16 @@ def test_the_order_is_looked_at_in_every_residual(asked: list[str], fine: bool) 
 
 def test_what_is_watched_is_what_a_jacobian_depends_on() -> None:
     """The usual way back: the engine computes the Jacobian where it did."""
-    found: list[bool] = []
-    again = Tangent.recompute
+    answers: list[bool] = []
+    recompute = Tangent.recompute
 
     def watched(tangent: Tangent, place: Any) -> bool:
-        found.append(again(tangent, place))
-        return found[-1]
+        answers.append(recompute(tangent, place))
+        return answers[-1]
 
     with pytest.MonkeyPatch.context() as during:
         during.setattr(Tangent, "recompute", watched)
-        told: list[str] = []
-        assert _after_a_detour(told) == 0.0
-    assert found == [True]
-    assert not any("did not go back" in words for words in told)
+        warnings: list[str] = []
+        assert _after_a_detour(warnings) == 0.0
+    assert answers == [True]
+    assert not any("did not go back" in warning for warning in warnings)

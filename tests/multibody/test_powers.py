@@ -83,8 +83,8 @@ def test_an_element_alone(case: tuple[str, ...]) -> None:
     joints, run = observed(text)
     forces, time, moved = joints["it"], run["time_s"], rate_of(kind, run)
     force, inertia = forces.force[name], INERTIA if kind == "hinge" else MASS
-    others = [one for key, one in forces.force.items() if key != name]
-    assert all(np.abs(one).max() == 0.0 for one in others) or name.endswith("_stop")
+    others = [other for key, other in forces.force.items() if key != name]
+    assert all(np.abs(other).max() == 0.0 for other in others) or name.endswith("_stop")
     total = force + np.sum(others, axis=0) if others else force
     # Newton's law with the engine's own motion: trapezoids against the integrator's rule, and jumps at a stop: a step
     # of the greatest force at each of its two ends.
@@ -200,11 +200,11 @@ def test_every_term_of_the_medium_alone() -> None:
         assert accumulate(run["time_s"], power)[-1] < -1e-3, term
         total = total + wrench
     # The same mean forces and mean rates of the same steps.
-    found = work(run["time_s"], total, twist)
-    np.testing.assert_allclose(run["granular_work_J"], found, atol=1e-6 * np.abs(found).max())
+    integral = work(run["time_s"], total, twist)
+    np.testing.assert_allclose(run["granular_work_J"], integral, atol=1e-6 * np.abs(integral).max())
     # And with the other sense of the moment the power would be another one.
     wrong = work(run["time_s"], total * [1.0, 1.0, -1.0], twist)
-    assert np.abs(wrong - found).max() > 1e-3
+    assert np.abs(wrong - integral).max() > 1e-3
 
 
 FLOOR = """
@@ -224,8 +224,8 @@ def test_the_floor_alone() -> None:
     run = simulate(FLOOR)
     term = next(name for name in run.terms if "floor" in name)
     done = run["floor_work_J"]
-    found = work(run["time_s"], wrench_of(run, term), twist_of(run, "plank"))
-    np.testing.assert_allclose(done, found, atol=1e-4 * np.abs(done).max())
+    integral = work(run["time_s"], wrench_of(run, term), twist_of(run, "plank"))
+    np.testing.assert_allclose(done, integral, atol=1e-4 * np.abs(done).max())
     assert done.max() <= 1e-9
     assert done.min() < -1e-2
     assert done[-1] < -1e-3
@@ -256,8 +256,8 @@ def test_rates_of_joints_on_what_turns_are_the_rates_of_their_coordinates() -> N
         (np.radians(run["pin_angle_deg"]), run["pin_rate_rad_s"]),
     ):
         # Differences over two steps: (6 rad/s x 1e-4 s)^2 of the rate, and the start of the integrator.
-        found = np.gradient(coordinate, run["time_s"])[2:-2]
-        np.testing.assert_allclose(rate[2:-2], found, atol=1e-4 * np.abs(found).max())
+        slope = np.gradient(coordinate, run["time_s"])[2:-2]
+        np.testing.assert_allclose(rate[2:-2], slope, atol=1e-4 * np.abs(slope).max())
 
 
 def test_work_put_in_counts_what_a_drive_gives_and_not_what_it_takes_back() -> None:
@@ -300,8 +300,8 @@ def test_tangent_of_what_acts_in_a_joint_is_the_derivative_of_its_force(element:
         return out[over]
 
     step, moved = 1e-6, 1e-6 * np.eye(size)[where]
-    by_q = np.column_stack([(force(q + one, v) - force(q - one, v)) / (2.0 * step) for one in moved])
-    by_v = np.column_stack([(force(q, v + one) - force(q, v - one)) / (2.0 * step) for one in moved])
+    by_q = np.column_stack([(force(q + offset, v) - force(q - offset, v)) / (2.0 * step) for offset in moved])
+    by_v = np.column_stack([(force(q, v + offset) - force(q, v - offset)) / (2.0 * step) for offset in moved])
     for place, speed, exact in ((1.0, 0.0, by_q), (0.0, 1.0, by_v)):
         rows, columns, values = acting.tangent(q, v, place, speed).T
         got = np.zeros((size, size))

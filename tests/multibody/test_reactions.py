@@ -102,11 +102,11 @@ def test_power_is_the_rate_of_the_energy_however_steps_are_chosen(in_space: bool
     run = run_of(case, in_space)
     power = sum(run[f"{joint}_power_W"] for joint in case["drives"])
     stored = run["kinetic_J"] + run["gravity_J"]
-    found = np.gradient(stored, run["time_s"], edge_order=2)
+    rate = np.gradient(stored, run["time_s"], edge_order=2)
     # Parabolas through three steps: (omega h)^2 / 6 = 4e-6 with the 25 rad/s of the motions, and some more in their
     # products. Velocities, and so energies, swing for some steps at the start.
     late = slice(len(power) // 10, -2)
-    assert np.abs(power - found)[late].max() < 1e-4 * np.abs(power).max()
+    assert np.abs(power - rate)[late].max() < 1e-4 * np.abs(power).max()
     work = run["drive_work_J"] - (stored - stored[0])
     assert np.abs(work).max() < 1e-4 * np.abs(power).max() * run["time_s"][-1]
     # And as many steps as the error asks for tell the same of it.
@@ -134,9 +134,9 @@ def test_the_greatest_force_on_either_side_of_a_jump_is_told(solver: dict[str, f
     slope = 0.15 / (0.06 / before + 0.09 / after)
     ends = {0.04: (0.0, slope, before), 0.01: (slope, 0.0, after), 0.05: (0.0, 0.0, -0.8)}
     sides = [
-        abs(one)
+        abs(force)
         for h, (a, b, mean) in ends.items()
-        for one in ((6 * mean - 4 * a - 2 * b) / h, (2 * a + 4 * b - 6 * mean) / h)
+        for force in ((6 * mean - 4 * a - 2 * b) / h, (2 * a + 4 * b - 6 * mean) / h)
     ]
     # The instants lie 1e-10 s off their jumps; the inertia is interpolated between two steps, here it is constant.
     assert run.summary["drives"]["rail"]["largest_force_N"] == pytest.approx(mass * max(sides), rel=1e-6)
@@ -155,7 +155,7 @@ def test_a_controller_does_not_answer_what_newtons_method_leaves() -> None:
 
 
 @pytest.mark.parametrize(
-    ("beside", "limit", "told"),
+    ("beside", "limit", "expected"),
     [
         ((0.97, 0.95), np.inf, ""),
         ((0.95, 0.92), np.inf, "3 N, is not resolved: one step before and one step after it the force is lower, by 13"),
@@ -164,18 +164,18 @@ def test_a_controller_does_not_answer_what_newtons_method_leaves() -> None:
     ],
 )
 def test_a_greatest_force_that_steps_do_not_resolve_is_told(
-    beside: tuple[float, float], limit: float, told: str
+    beside: tuple[float, float], limit: float, expected: str
 ) -> None:
     scene = build(load(tree_of(FLAT["slider on what turns"], False)))
     drive = replace(scene.drives[0], kind="control", limit=limit)
     force = -3.0 * np.array([0.1, 0.2, beside[0], 1.0, beside[1], 0.1])
-    said = list(drive_warnings(replace(scene, drives=(drive,)), {"rail": Driving(force, force, force)}))
-    assert len(said) == bool(told)
-    assert all(told in one.sentence for one in said)
+    warnings = list(drive_warnings(replace(scene, drives=(drive,)), {"rail": Driving(force, force, force)}))
+    assert len(warnings) == bool(expected)
+    assert all(expected in warning.sentence for warning in warnings)
 
 
 @pytest.mark.parametrize(
-    ("power", "accuracy", "told"),
+    ("power", "accuracy", "expected"),
     [
         ((0.2, 0.5, 0.97, 1.0), None, "1 W, is that at the end of the run, where it rises by 3"),
         ((0.2, 0.5, 0.97, 1.0), 1e-3, ""),  # chosen steps may be as long as it takes
@@ -186,14 +186,14 @@ def test_a_greatest_force_that_steps_do_not_resolve_is_told(
     ],
 )
 def test_a_greatest_power_that_still_rises_at_the_end_is_told(
-    power: tuple[float, ...], accuracy: float | None, told: str
+    power: tuple[float, ...], accuracy: float | None, expected: str
 ) -> None:
     scene = build(load(tree_of(FLAT["slider on what turns"], False)))
     scene = replace(scene, solver=scene.solver.model_copy(update={"accuracy": accuracy}), drives=scene.drives[:1])
     force = np.ones(len(power))  # N
-    said = list(drive_warnings(scene, {"rail": Driving(force, np.array(power), force)}))
-    assert len(said) == bool(told)
-    assert all(told in one.sentence for one in said)
+    warnings = list(drive_warnings(scene, {"rail": Driving(force, np.array(power), force)}))
+    assert len(warnings) == bool(expected)
+    assert all(expected in warning.sentence for warning in warnings)
 
 
 def test_forces_and_powers_that_are_little_beside_those_of_the_run_are_not_told() -> None:
@@ -202,11 +202,11 @@ def test_forces_and_powers_that_are_little_beside_those_of_the_run_are_not_told(
     scene = replace(scene, drives=(replace(scene.drives[0], kind="control"),))
     spike, rising = np.array([0.1, 0.1, 1.0, 0.1, 0.1]), np.array([0.1, 0.2, 0.3, 0.5, 1.0])
     for size in (1.0, 1e-6 * scene.force_scale):
-        told = list(drive_warnings(scene, {"rail": Driving(size * spike, 0.0 * spike, spike)}))
-        assert len(told) == (size == 1.0)
+        warnings = list(drive_warnings(scene, {"rail": Driving(size * spike, 0.0 * spike, spike)}))
+        assert len(warnings) == (size == 1.0)
     for energy in (0.0, 1e5):  # J, in a second
-        told = list(drive_warnings(scene, {"rail": Driving(np.ones(5), rising, rising)}, energy, 1.0))
-        assert len(told) == (energy == 0.0)
+        warnings = list(drive_warnings(scene, {"rail": Driving(np.ones(5), rising, rising)}, energy, 1.0))
+        assert len(warnings) == (energy == 0.0)
 
 
 @pytest.mark.parametrize("lasts", [9e-5, 2e-3])
@@ -218,5 +218,5 @@ def test_a_controller_faster_than_the_steps_is_told(lasts: float) -> None:
     control = {"type": "pd_slider", "position_m": lift, "gain_N_per_m": mass / lasts / 0.02}
     case = {"joints": joint, "drives": {"rail": control | {"speed_gain_N_s_per_m": mass / lasts}}, "start": {}}
     run = run_of(case, False)
-    said = [sentence for sentence in run.warnings if "rail, 1.43 N, is not resolved" in sentence]
-    assert len(said) == (lasts < 2e-4)
+    warnings = [sentence for sentence in run.warnings if "rail, 1.43 N, is not resolved" in sentence]
+    assert len(warnings) == (lasts < 2e-4)

@@ -88,16 +88,16 @@ def test_steps_of_joined_bodies_shrink_no_more_than_the_accuracy_asks() -> None:
     An error of second order: steps as the accuracy to the power 1/2, 3.2 for a factor of ten; jumps may ask for more.
     """
     to_200_ms = ("solver.end_time_s=0.2", "solver.rest_time_s=null")
-    found = {a: simulate("double_pendulum", *to_200_ms, f"solver.accuracy={a}") for a in (1e-3, 1e-4)}
-    steps = [one.summary["cost"]["steps"] for one in found.values()]
+    runs = {a: simulate("double_pendulum", *to_200_ms, f"solver.accuracy={a}") for a in (1e-3, 1e-4)}
+    steps = [motion.summary["cost"]["steps"] for motion in runs.values()]
     assert steps[0] < 250
     assert steps[1] < 4.5 * steps[0]
     reference = simulate("double_pendulum", *to_200_ms, "solver.step_s=2e-5", "solver.tolerance=1e-8")
     way = np.sum(np.hypot(np.diff(reference["tip_x_m"]), np.diff(reference["tip_y_m"])))
-    for accuracy, one in found.items():
-        assert tip_error(one, reference, one["time_s"]) < accuracy * way
+    for accuracy, motion in runs.items():
+        assert tip_error(motion, reference, motion["time_s"]) < accuracy * way
         # The balance is of second order in the steps, as the error is; at 1e-4 it was 2e-2 while steps went astray.
-        assert one.summary["energy"]["imbalance_relative"] < 3.0 * accuracy
+        assert motion.summary["energy"]["imbalance_relative"] < 3.0 * accuracy
 
 
 # A sledge of 460 g that slides on its belly on loose seeds, is rocked there by an arm, and nearly rests between.
@@ -192,8 +192,8 @@ def test_accuracy_bounds_the_error_of_a_slow_rest_of_the_motion() -> None:
     for accuracy in (8e-3, 2e-3):
         chosen = simulate(DISC, f"solver.accuracy={accuracy}")
         for column, lever in rim.items():
-            there = np.interp(chosen["time_s"], reference["time_s"], reference[column])
-            assert lever * np.abs(chosen[column] - there).max() < accuracy * way
+            expected = np.interp(chosen["time_s"], reference["time_s"], reference[column])
+            assert lever * np.abs(chosen[column] - expected).max() < accuracy * way
 
 
 def test_accuracy_bounds_what_a_jump_of_the_force_does() -> None:
@@ -258,8 +258,8 @@ def test_a_link_that_bends_too_little_to_show_is_rigid() -> None:
     # The bow of the paper's own link, 0.19 mm when it strikes, is what the estimate says to a factor of two.
     seen = simulate("pendulum", *TO_40_MS).summary["max_deflection_m"]
     (link,) = scene_of("pendulum").links
-    found = bow(scene_of("pendulum").force_scale, link.length, link.bending_stiffness, link.axial_stiffness)
-    assert 0.5 < seen / (link.length * found) < 2.0
+    deflection = bow(scene_of("pendulum").force_scale, link.length, link.bending_stiffness, link.axial_stiffness)
+    assert 0.5 < seen / (link.length * deflection) < 2.0
     # A heavy load on it, and it is a beam again; nor is one taken from a method that has none.
     assert scene_of("pendulum", *stiff(1e6, 4), "gravity_m_s2=1e4").links
     assert scene_of("pendulum", *stiff(1e6, 4), "method={reduced: {modes: 1}}").links
@@ -342,13 +342,13 @@ def test_a_run_that_its_bristles_fail_names_them(friction: str, key: str) -> Non
     scene = scene_of("free_link", f"load.friction.{friction}")
     recorder = Recorder(build(scene), None)
     recorder.rows, recorder.reason = 1, "crowd"
-    told = status(recorder, False, "", 1e-8).message
-    assert told.endswith(f"take {key} load.friction.{friction.replace('=', ' (now ').replace('1e-9', '1e-09')})")
+    message = status(recorder, False, "", 1e-8).message
+    assert message.endswith(f"take {key} load.friction.{friction.replace('=', ' (now ').replace('1e-9', '1e-09')})")
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("more", "words"),
+    ("more", "message"),
     [
         (("solver.step_s=2e-3",), "the steps are too long"),
         (("solver.step_s=5e-3",), "from the touch to the deepest point"),
@@ -357,8 +357,8 @@ def test_a_run_that_its_bristles_fail_names_them(friction: str, key: str) -> Non
         (("initial.impact_speed_rad_s=20", "solver.step_s=1e-3"), "vibrates faster than the steps can show"),
     ],
 )
-def test_doubtful_runs_say_so(more: tuple[str, ...], words: str) -> None:
-    assert any(words in warning for warning in simulate("pendulum", *TO_40_MS, *more).warnings)
+def test_doubtful_runs_say_so(more: tuple[str, ...], message: str) -> None:
+    assert any(message in warning for warning in simulate("pendulum", *TO_40_MS, *more).warnings)
 
 
 def test_the_default_run_is_in_no_doubt() -> None:
@@ -366,7 +366,7 @@ def test_the_default_run_is_in_no_doubt() -> None:
 
 
 @pytest.mark.parametrize(
-    ("config", "more", "there", "not_there"),
+    ("config", "more", "stated", "not_stated"),
     [
         ("pendulum", (), "load on link: 1 of its 4 elements", "beams:"),
         ("pendulum_rigid", ("medium.eta_d=0",), "terms of play_sand: eta_d = 0", "the bed:"),
@@ -374,11 +374,11 @@ def test_the_default_run_is_in_no_doubt() -> None:
         ("pendulum", ("surface_height_m=-1",), "the bed: no shape of any body reaches the surface", "load on link"),
     ],
 )
-def test_what_is_left_out_is_said(config: str, more: tuple[str, ...], there: str, not_there: str) -> None:
+def test_what_is_left_out_is_said(config: str, more: tuple[str, ...], stated: str, not_stated: str) -> None:
     system = build(scene_of(config, "solver.end_time_s=0.01", *more))
-    said = list(left_out(system, solve(system)))
-    assert any(line.startswith(there) for line in said), said
-    assert not any(line.startswith(not_there) for line in said), said
+    sentences = list(left_out(system, solve(system)))
+    assert any(line.startswith(stated) for line in sentences), sentences
+    assert not any(line.startswith(not_stated) for line in sentences), sentences
 
 
 def test_a_grain_far_from_the_frame_of_its_body_has_an_outside() -> None:

@@ -30,18 +30,18 @@ def cantilever(in_space: bool, section: str, **flexible: Any) -> Results:
 @pytest.mark.parametrize("in_space", [False, True])
 def test_strain_at_the_root_is_that_of_the_moment_there(in_space: bool, section: str) -> None:
     """M = q L^2 / 2 there, and M c / I its stress; both beams err by a share of (1 / 16)^2."""
-    found, sizes = cantilever(in_space, section), SECTIONS[section]
+    results, sizes = cantilever(in_space, section), SECTIONS[section]
     thick = sizes.get("diameter_m", sizes.get("thickness_m"))
     area = np.pi / 4.0 * thick**2 if section == "round" else sizes["width_m"] * thick
     inertia = area * thick**2 / (16.0 if section == "round" else 12.0)
     stress = 0.5 * DENSITY * area * LENGTH**2 * 0.5 * thick / inertia
-    assert found["link_root_strain"][0] == pytest.approx(stress / MODULUS, rel=0.01)
-    assert found["link_strain"][0] == pytest.approx(stress / MODULUS, rel=0.01)
-    most = found.summary["links"]["link"]
+    assert results["link_root_strain"][0] == pytest.approx(stress / MODULUS, rel=0.01)
+    assert results["link_strain"][0] == pytest.approx(stress / MODULUS, rel=0.01)
+    most = results.summary["links"]["link"]
     assert most["stress_Pa"] == pytest.approx(stress, rel=0.01)
     assert most["root_stress_Pa"] == pytest.approx(stress, rel=0.01)
     assert most["place_m"] < 0.01
-    assert most["strain"] == found["link_strain"].max() >= most["root_strain"]
+    assert most["strain"] == results["link_strain"].max() >= most["root_strain"]
 
 
 @pytest.mark.slow
@@ -49,11 +49,14 @@ def test_strain_at_the_root_is_that_of_the_moment_there(in_space: bool, section:
 def test_a_yield_stress_that_is_passed_is_told(in_space: bool) -> None:
     """From both sides: a little above the greatest stress, and a little below it."""
     most = cantilever(in_space, "round").summary["links"]["link"]["stress_Pa"]
-    for factor, told in ((1.02, False), (0.98, True)):
-        found = cantilever(in_space, "round", yield_stress_Pa=factor * most)
-        sentences = [one for one in found.warnings if "yield_stress_Pa" in one]
-        assert bool(sentences) is told
-        assert all(one.startswith("the stress of link comes to") and ", at its root at" in one for one in sentences)
+    for factor, warned in ((1.02, False), (0.98, True)):
+        results = cantilever(in_space, "round", yield_stress_Pa=factor * most)
+        sentences = [sentence for sentence in results.warnings if "yield_stress_Pa" in sentence]
+        assert bool(sentences) is warned
+        assert all(
+            sentence.startswith("the stress of link comes to") and ", at its root at" in sentence
+            for sentence in sentences
+        )
 
 
 def test_torsion_has_its_shear_in_the_stress() -> None:
@@ -78,9 +81,9 @@ def test_torsion_has_its_shear_in_the_stress() -> None:
         "gravity_m_s2": 0.0,
         "solver": {"end_time_s": 0.02, "accuracy": 1e-3, "rest_time_s": None},
     }
-    found = simulate(load(config))
-    k = int(np.argmax(np.abs(found["rod_twist_deg"])))
-    twist = np.radians(abs(found["rod_twist_deg"][k])) / LENGTH
+    results = simulate(load(config))
+    k = int(np.argmax(np.abs(results["rod_twist_deg"])))
+    twist = np.radians(abs(results["rod_twist_deg"][k])) / LENGTH
     assert twist > 0.1
     stress = np.sqrt(3.0) * MODULUS / 2.6 * 0.003 * twist
-    assert found.summary["links"]["rod"]["stress_Pa"] == pytest.approx(stress, rel=0.1)
+    assert results.summary["links"]["rod"]["stress_Pa"] == pytest.approx(stress, rel=0.1)

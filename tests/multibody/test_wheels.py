@@ -44,9 +44,9 @@ QUICK = ("load.strips_per_rigid_part=12", "solver={step_s: 4e-3, end_time_s: 1.2
 def test_a_smooth_wheel_is_a_disc() -> None:
     wheel = shapes.WheelShape(type="wheel", radius_m=0.05, width_m=0.04, center_m=(0.01, 0.0))
     disc = shapes.DiscShape(type="disc", diameter_m=0.1, thickness_m=0.04, center_m=(0.01, 0.0))
-    (one, mass), (other, of_disc) = build_shape("part", wheel, 16), build_shape("part", disc, 16)
-    np.testing.assert_allclose(one.points, other.points, atol=1e-15)
-    np.testing.assert_allclose(one.turns, other.turns)
+    (of_wheel, mass), (other, of_disc) = build_shape("part", wheel, 16), build_shape("part", disc, 16)
+    np.testing.assert_allclose(of_wheel.points, other.points, atol=1e-15)
+    np.testing.assert_allclose(of_wheel.turns, other.turns)
     assert (mass.mass, mass.inertia) == pytest.approx((of_disc.mass, of_disc.inertia))
 
 
@@ -89,12 +89,12 @@ def test_the_run_of_a_wheel_is_that_of_its_drives() -> None:
 def test_what_is_told_of_a_wheel() -> None:
     for slip in (-1.0, 0.2, 0.6):
         run = simulate("wheel", *QUICK, f"wheel.slip={slip}")
-        told = run.summary["wheel"]
-        assert told["slip"] == pytest.approx(slip, abs=1e-9)
+        summary = run.summary["wheel"]
+        assert summary["slip"] == pytest.approx(slip, abs=1e-9)
         np.testing.assert_allclose(run["wheel_slip"], slip, atol=1e-9)
         # The damper of the guide carries what it takes to sink.
         np.testing.assert_allclose(run["wheel_load_N"][50:], 24.0 + 130.0 * run["post_speed_m_s"][50:], atol=0.2)
-        assert told["sinkage_m"] == pytest.approx(run["depth_m"][150:].mean(), rel=5e-3)
+        assert summary["sinkage_m"] == pytest.approx(run["depth_m"][150:].mean(), rel=5e-3)
         # Nothing is accelerated but the hub, slowly: pull and torque are those of the drives.
         np.testing.assert_allclose(run["wheel_drawbar_pull_N"][50:], -run["rail_force_N"][50:], atol=0.02)
         np.testing.assert_allclose(run["wheel_torque_Nm"][50:], run["axle_torque_Nm"][50:], atol=2e-3)
@@ -129,8 +129,8 @@ solver: {end_time_s: 1.5, step_s: 5.0e-3}
 @pytest.mark.parametrize("medium", ["rft_generic", "poppy_seeds_close", "rft3d_sand"])
 def test_a_rolling_disc_is_as_round_as_one_of_256_strips(medium: str) -> None:
     """At 20 % slip push and pull all but cancel; the mean of the rest was 20 % off, and its ripple four times that."""
-    own, fine = (simulate(ROLLING, f"medium={medium}", *more) for more in ((), ("load.strips_per_rigid_part=256",)))
-    pull, fine_pull = own["disc_granular_x_N"][100:], fine["disc_granular_x_N"][100:]
+    default, fine = (simulate(ROLLING, f"medium={medium}", *more) for more in ((), ("load.strips_per_rigid_part=256",)))
+    pull, fine_pull = default["disc_granular_x_N"][100:], fine["disc_granular_x_N"][100:]
     load = float(fine["disc_granular_y_N"][100:].mean())
     assert pull.mean() == pytest.approx(fine_pull.mean(), rel=0.02)  # 1.3 % of a force that is a thousandth of the load
     assert abs(pull.mean() - fine_pull.mean()) < 1e-4 * load
@@ -142,10 +142,10 @@ def test_grousers_pull() -> None:
     grousers = "model.bodies.wheel.shapes.0.grousers={count: 12, height_m: 0.01, thickness_m: 0.003}"
     smooth = simulate("wheel", *QUICK).summary["wheel"]
     toothed = simulate("wheel", *QUICK, grousers)
-    found = toothed.summary["wheel"]
-    assert found["slip"] == pytest.approx(0.2, abs=1e-9)  # by the radius with a third of the grousers
-    assert found["drawbar_pull_N"] > smooth["drawbar_pull_N"] + 1.0
-    assert 0.0 < found["efficiency"] < 1.0
+    summary = toothed.summary["wheel"]
+    assert summary["slip"] == pytest.approx(0.2, abs=1e-9)  # by the radius with a third of the grousers
+    assert summary["drawbar_pull_N"] > smooth["drawbar_pull_N"] + 1.0
+    assert 0.0 < summary["efficiency"] < 1.0
     assert np.ptp(toothed["wheel_drawbar_pull_N"][150:]) > 0.2  # one after the other
 
 
@@ -163,7 +163,7 @@ def test_a_torque_drives_and_a_pull_holds_back() -> None:
 
 
 @pytest.mark.parametrize(
-    ("override", "words"),
+    ("override", "message"),
     [
         ("wheel.torque_Nm=1", "wheel: got both of slip and torque_Nm; exactly one is allowed"),
         ("wheel.slip=1", "wheel.slip: got the number 1; allowed is a finite number from -1 to below 1"),
@@ -178,10 +178,10 @@ def test_a_torque_drives_and_a_pull_holds_back() -> None:
         ("medium.scatter={relative: 0.6, length_m: 0.003}", "medium.scatter.relative: got the number 0.6"),
     ],
 )
-def test_faults_of_a_wheel(override: str, words: str) -> None:
+def test_faults_of_a_wheel(override: str, message: str) -> None:
     with pytest.raises(ConfigError) as caught:
         scenario_of("wheel", override)
-    assert any(words in str(fault) for fault in caught.value.faults), caught.value
+    assert any(message in str(fault) for fault in caught.value.faults), caught.value
 
 
 def test_behind_a_turning_wheel_the_surface_is_lowered() -> None:
@@ -261,9 +261,9 @@ def test_slip_pull_load_and_sinkage_are_along_and_across_a_slope(slope: float, s
     way = 0.6 * (1.0 - slip) if slip >= 0.0 else 0.6 / (1.0 + slip)  # in the time in which the rim goes 0.6 m
     sunk = 0.015
     run = simulate(UPHILL.format(c=c, s=s, minus_s=-s, slope=slope, way=way, height=(sunk - 0.06) / c))
-    told = run.summary["wheel"]
-    assert told["slip"] == pytest.approx(slip, abs=1e-6)  # the digits of its angle
-    assert told["sinkage_m"] == pytest.approx(sunk, abs=1e-9)
+    summary = run.summary["wheel"]
+    assert summary["slip"] == pytest.approx(slip, abs=1e-6)  # the digits of its angle
+    assert summary["sinkage_m"] == pytest.approx(sunk, abs=1e-9)
     # What holds it bears the rest of its weight: 2 kg along the slope, 1.5 kg across. Nothing is accelerated.
     weight = 9.81
     np.testing.assert_allclose(run["disc_drawbar_pull_N"][10:], -run["rail_force_N"][10:] + 2.0 * weight * s, atol=1e-3)
@@ -271,16 +271,16 @@ def test_slip_pull_load_and_sinkage_are_along_and_across_a_slope(slope: float, s
 
 
 def test_shear_that_is_there_at_once_is_told_of_a_driven_wheel() -> None:
-    def told(*overrides: str) -> bool:
+    def warned(*overrides: str) -> bool:
         return any("shear_deformation_modulus_m: is 0" in str(note) for note in scene_of(*overrides).notes)
 
-    assert told("wheel", "medium=cmu_dry_sand_plate")
-    assert told("wheel", "medium=cmu_dry_sand_plate", "wheel={torque_Nm: 0.2, load_N: 24}")
-    assert not told("wheel", "medium=cmu_dry_sand_plate", "wheel.slip=-0.2")
-    assert not told("wheel", "medium=cmu_dry_sand_bekker")
-    assert not told("wheel")
+    assert warned("wheel", "medium=cmu_dry_sand_plate")
+    assert warned("wheel", "medium=cmu_dry_sand_plate", "wheel={torque_Nm: 0.2, load_N: 24}")
+    assert not warned("wheel", "medium=cmu_dry_sand_plate", "wheel.slip=-0.2")
+    assert not warned("wheel", "medium=cmu_dry_sand_bekker")
+    assert not warned("wheel")
     uphill = UPHILL.format(c=1.0, s=0.0, minus_s=0.0, slope=0.0, way=0.1, height=0.0)
-    assert told(uphill, "medium=cmu_dry_sand_plate")
+    assert warned(uphill, "medium=cmu_dry_sand_plate")
 
 
 STEADY = ("load.strips_per_rigid_part=24", "solver={accuracy: 1.0e-2, end_time_s: 1.5}")
@@ -309,37 +309,37 @@ def test_a_wheel_begins_and_stays_steady(slip: float, more: tuple[str, ...], req
         pytest.skip("by the engine two of them are enough: how it begins is found before either method starts")
     given = (f"wheel.slip={slip}", *more)
     short, long = simulate("wheel", *STEADY, *given), sunk_from_the_surface(*given)
-    told, want = short.summary["wheel"], long.summary["wheel"]
-    assert told["sinkage_m"] == pytest.approx(want["sinkage_m"], rel=0.01)  # what is asked for
-    assert told["drawbar_pull_N"] == pytest.approx(want["drawbar_pull_N"], abs=0.01 * 24.0)
-    assert abs(told["sinkage_change"]) < 5e-3
-    assert abs(told["pull_change_over_load"]) < 5e-3
-    assert not [words for words in short.warnings if "steady" in words or "mechanism starts" in words]
+    summary, expected = short.summary["wheel"], long.summary["wheel"]
+    assert summary["sinkage_m"] == pytest.approx(expected["sinkage_m"], rel=0.01)  # what is asked for
+    assert summary["drawbar_pull_N"] == pytest.approx(expected["drawbar_pull_N"], abs=0.01 * 24.0)
+    assert abs(summary["sinkage_change"]) < 5e-3
+    assert abs(summary["pull_change_over_load"]) < 5e-3
+    assert not [warning for warning in short.warnings if "steady" in warning or "mechanism starts" in warning]
     # All is there from the start: bristles are stretched, the medium is sheared. Grousers come one after the other, and
     # where the lowest point rests strips do (15 degrees each).
     ripple = 0.1 if GROUSERS in more else 0.05 if slip == 0.0 else 0.015
     assert short["wheel_load_N"][0] == pytest.approx(24.0, rel=ripple)
-    assert short["wheel_drawbar_pull_N"][0] == pytest.approx(want["drawbar_pull_N"], abs=24.0 * ripple)
+    assert short["wheel_drawbar_pull_N"][0] == pytest.approx(expected["drawbar_pull_N"], abs=24.0 * ripple)
 
 
 def test_its_start_is_within_the_range_of_the_medium() -> None:
     """From the surface it dropped at 0.16 m/s, with which every run was warned of."""
-    assert not any("outside the range" in words for words in simulate("wheel", *STEADY).warnings)
-    assert any("outside the range" in words for words in simulate("wheel", *STEADY, SURFACE).warnings)
+    assert not any("outside the range" in warning for warning in simulate("wheel", *STEADY).warnings)
+    assert any("outside the range" in warning for warning in simulate("wheel", *STEADY, SURFACE).warnings)
 
 
 def test_a_wheel_that_still_sinks_is_told() -> None:
     run = simulate("wheel", *STEADY, "wheel.slip=0.75", SURFACE)
-    told = run.summary["wheel"]
-    (words,) = [words for words in run.warnings if "not steady" in words]
-    assert f"sinkage changed by {100 * told['sinkage_change']:.1f}%" in words
+    summary = run.summary["wheel"]
+    (warning,) = [warning for warning in run.warnings if "not steady" in warning]
+    assert f"sinkage changed by {100 * summary['sinkage_change']:.1f}%" in warning
     # By the columns themselves; the path is the time, as the axle goes at one speed.
     early, late = ((a < run["time_s"]) & (run["time_s"] < b) for a, b in ((0.75, 1.125), (1.125, 1.5)))
     time = run["time_s"]
     means = [np.trapezoid(run["wheel_sinkage_m"][k], time[k]) / np.ptp(time[k]) for k in (early, late)]
-    assert told["sinkage_change"] == pytest.approx((means[1] - means[0]) / np.mean(means), rel=0.05)
+    assert summary["sinkage_change"] == pytest.approx((means[1] - means[0]) / np.mean(means), rel=0.05)
     heavy = simulate("wheel", *STEADY, "wheel.load_N=1e5", "solver.end_time_s=0.01")
-    assert any("are borne at no depth" in words for words in heavy.warnings)
+    assert any("are borne at no depth" in warning for warning in heavy.warnings)
 
 
 def test_a_wheel_that_a_torque_drives_begins_in_static_balance() -> None:

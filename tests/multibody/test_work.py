@@ -102,18 +102,21 @@ def test_a_flexible_rod_on_a_slope_balances_or_says_so() -> None:
     ],
 )
 def test_no_softer_sentence_stands_beside_the_balance(off: float, heard: list[str]) -> None:
-    found = [
+    warnings = [
         AccuracyWarning("steps are too long: 2 %", 0.02),
         AccuracyWarning("beam: 1 %", 0.01),
         AccuracyWarning("bristles vibrate"),
     ]
     scene = scene_of("pendulum")
-    said = warning_sentences(off, found, scene)
-    assert [next(word for word in ("energy", "steps", "beam", "bristles") if word in one[:20]) for one in said] == heard
-    assert ("not usable" in said[0]) is (off > 0.05)
+    sentences = warning_sentences(off, warnings, scene)
+    assert [
+        next(word for word in ("energy", "steps", "beam", "bristles") if word in sentence[:20])
+        for sentence in sentences
+    ] == heard
+    assert ("not usable" in sentences[0]) is (off > 0.05)
     # What makes the result useless by itself drops the rest, too.
     fatal = AccuracyWarning("turns", np.inf)
-    assert warning_sentences(min(off, 0.03), [*found, fatal], scene) == ["turns"]
+    assert warning_sentences(min(off, 0.03), [*warnings, fatal], scene) == ["turns"]
 
 
 def test_every_solver_names_what_to_change() -> None:
@@ -123,9 +126,9 @@ def test_every_solver_names_what_to_change() -> None:
         ("pendulum", ("method={reduced: {modes: 1, rtol: 1e-3}}",), "method.reduced.rtol (now 0.001)"),
         ("double_pendulum", ("method=minimal", "solver.accuracy=1e-4"), "solver.accuracy (now 0.0001)"),
     ):
-        (said,) = warning_sentences(0.002, [], scene_of(config, *more))
-        assert "an error of 0.20%" in said
-        assert key in said
+        (sentence,) = warning_sentences(0.002, [], scene_of(config, *more))
+        assert "an error of 0.20%" in sentence
+        assert key in sentence
 
 
 SPINNING = """
@@ -152,15 +155,15 @@ def test_steps_that_miss_the_turn_of_a_body_are_not_softly_spoken_of() -> None:
     coarse, fine = (simulate(SPINNING, f"solver.step_s={h}") for h in (1e-3, 5e-5))
     wanted = np.interp(coarse["time_s"], fine["time_s"], fine["rod_orientation_deg"])
     assert np.abs(coarse["rod_orientation_deg"] - wanted).max() > 10.0
-    (said,) = (warning for warning in coarse.warnings if "outside" not in warning)
-    assert "not usable" in said
-    assert "solver.step_s (now 0.001)" in said
+    (sentence,) = (warning for warning in coarse.warnings if "outside" not in warning)
+    assert "not usable" in sentence
+    assert "solver.step_s (now 0.001)" in sentence
     assert not any("not usable" in warning for warning in fine.warnings)
 
 
 def test_what_jumps_by_little_is_told_in_metres() -> None:
     run = simulate(BOX)
-    (said,) = (warning for warning in run.warnings if "too long" in warning)
-    share, metres = (float(text) for text in re.findall(r"about ([\d.]+)% of its path, ([\d.e-]+) m", said)[0])
+    (sentence,) = (warning for warning in run.warnings if "too long" in warning)
+    share, metres = (float(text) for text in re.findall(r"about ([\d.]+)% of its path, ([\d.e-]+) m", sentence)[0])
     way = np.sum(np.diff(run["time_s"]) * np.abs(np.array([run["box_vx_m_s"], run["box_vy_m_s"]])).max(axis=0)[1:])
     assert metres == pytest.approx(0.01 * share * way, rel=0.1)  # two digits of both, and the touch to begin with

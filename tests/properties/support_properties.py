@@ -62,7 +62,7 @@ class State:
 
     def scale(self) -> float:
         """Greatest force at a station (N), here or a millimetre deeper: round-off of depths is seen next to it."""
-        return max(1e-12, *(float(np.abs(one.forces()[0]).max()) for one in (self, self.with_(P=self.P - DEEPER))))
+        return max(1e-12, *(float(np.abs(state.forces()[0]).max()) for state in (self, self.with_(P=self.P - DEEPER))))
 
     def accepted(self) -> State:
         """The state after its step was accepted: the anchors follow."""

@@ -152,7 +152,7 @@ def free_fall(force: float, tree: dict[str, Any], folder: Path) -> float:
 
 
 @pytest.mark.parametrize("tree", [falling_rod(3e8, TOLERANCE), falling_rod(2e11, TOLERANCE), driven_pendulum()])
-def test_what_moves_does_so_a_kilometre_away(tree: dict[str, Any], tmp_path: Path) -> None:
+def test_motion_is_the_same_after_translation_by_1_km(tree: dict[str, Any], tmp_path: Path) -> None:
     # Depths and stretches are of places in the world, known to the round-off of a kilometre, next to the yield
     # displacement of 10 um: static forces are off by as much of themselves, and no more than the scene's forces.
     off = float(np.spacing(np.hypot(*AWAY))) / 1e-5

@@ -27,7 +27,7 @@ def scenes(modes: int, static: str, count: int = 5) -> list[Scene]:
     """Of several blows, media, links and end times."""
     base = load("pendulum", method={"reduced": {"modes": modes, "static": static}}).scenario
     rng = np.random.default_rng(modes)
-    found = []
+    built = []
     for i in range(count):
         changes = {
             "medium.eta_d": float(rng.uniform(0, 9)),
@@ -37,11 +37,11 @@ def scenes(modes: int, static: str, count: int = 5) -> list[Scene]:
             "solver.end_time_s": (0.5, 0.03)[i % 2],
             "model.bodies.link.length_m": (0.24, 0.2)[i % 2],
         }
-        found.append(build(base.replace(changes)))
-    return found
+        built.append(build(base.replace(changes)))
+    return built
 
 
-def told(summary: dict[str, object] | Exception) -> dict[str, object]:
+def comparable(summary: dict[str, object] | Exception) -> dict[str, object]:
     """Flat, without the time that it took; a balance is a difference of nearly equal numbers."""
     assert isinstance(summary, dict), summary
     flat = dict(worker._flat(summary))
@@ -54,14 +54,14 @@ def told(summary: dict[str, object] | Exception) -> dict[str, object]:
 def test_together_is_as_alone(modes, static, monkeypatch):
     several = scenes(modes, static)
     monkeypatch.setattr(batch, "MOST_ROWS", 40)  # so that tables grow on the way
-    for one, scene in zip(summaries_of(several), several, strict=True):
-        assert dict(worker._flat(one)) | UNTOLD == told(summary_of(scene))
+    for summary, scene in zip(summaries_of(several), several, strict=True):
+        assert dict(worker._flat(summary)) | UNTOLD == comparable(summary_of(scene))
 
 
 def test_models_of_different_sizes_and_methods_go_together():
     several = [scenes(modes, "elastoplastic", 1)[0] for modes in (0, 2, 0)]
     several.insert(1, build(load("pendulum_rigid", solver={"end_time_s": 0.001}).scenario))
-    assert [one["cost"]["steps"] for one in summaries_of(several)] == [
+    assert [summary["cost"]["steps"] for summary in summaries_of(several)] == [
         summary_of(scene)["cost"]["steps"] for scene in several
     ]
 
@@ -78,10 +78,10 @@ def test_what_fails_fails_alone(monkeypatch):
 
     monkeypatch.setattr(batch, "known", breaks)
     monkeypatch.setattr(observe, "known", breaks)
-    found = summaries_of(several)
-    assert isinstance(found[1], ArithmeticError)
+    summaries = summaries_of(several)
+    assert isinstance(summaries[1], ArithmeticError)
     for i in (0, 2):
-        assert dict(worker._flat(found[i])) | UNTOLD == told(whole[i])
+        assert dict(worker._flat(summaries[i])) | UNTOLD == comparable(whole[i])
 
 
 # ---- scenes one after another ----
@@ -100,9 +100,9 @@ def test_a_scene_from_one_that_is_like_it_is_that_scene(modes):
         scenario = base.replace(changes)
         anew, made = build(scenario), builder(scenario)
         assert made.scenario is scenario
-        for one, other in zip((*made.bodies, *made.joints), (*anew.bodies, *anew.joints), strict=True):
-            for field, value in vars(other).items():
-                assert_alike(vars(one)[field], value)
+        for first, second in zip((*made.bodies, *made.joints), (*anew.bodies, *anew.joints), strict=True):
+            for field, value in vars(second).items():
+                assert_alike(vars(first)[field], value)
         assert_alike(made.surface, anew.surface)
         assert_alike(made.force_scale, anew.force_scale)
         assert made.media == anew.media
@@ -124,18 +124,18 @@ def test_what_a_scene_may_not_be_is_refused_from_one_that_is_like_it_too():
         assert faults[0] == faults[1]
 
 
-def assert_alike(one: object, other: object) -> None:
+def assert_alike(first: object, second: object) -> None:
     """The same up to round-off of metres, radians and their rates."""
-    if isinstance(other, float | np.ndarray):
-        np.testing.assert_allclose(one, other, rtol=1e-12, atol=1e-13)
-    elif isinstance(other, tuple):
-        for mine, theirs in zip(one, other, strict=True):
+    if isinstance(second, float | np.ndarray):
+        np.testing.assert_allclose(first, second, rtol=1e-12, atol=1e-13)
+    elif isinstance(second, tuple):
+        for mine, theirs in zip(first, second, strict=True):
             assert_alike(mine, theirs)
-    elif hasattr(other, "__dataclass_fields__"):
-        for key in other.__dataclass_fields__:
-            assert_alike(getattr(one, key), getattr(other, key))
+    elif hasattr(second, "__dataclass_fields__"):
+        for key in second.__dataclass_fields__:
+            assert_alike(getattr(first, key), getattr(second, key))
     else:
-        assert one == other
+        assert first == second
 
 
 # ---- in a sweep ----

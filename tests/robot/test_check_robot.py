@@ -19,16 +19,16 @@ CUBE = block((0.1, 0.1, 0.1))
 def test_check_prints_a_table_and_a_line_a_fault(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = robot_in(tmp_path)
     assert main(["check", str(path)]) == 0
-    said = capsys.readouterr()
-    row = next(line for line in said.out.splitlines() if line.startswith("foot"))
+    printed = capsys.readouterr()
+    row = next(line for line in printed.out.splitlines() if line.startswith("foot"))
     assert row.split() == ["foot", "foot.stl", "12", "60", "x", "40", "x", "20", "yes", "yes", "1", "0", "48"]
-    assert said.out.splitlines()[-1] == f"{path}: ok"
-    assert said.err == ""
+    assert printed.out.splitlines()[-1] == f"{path}: ok"
+    assert printed.err == ""
     stl(tmp_path / "meshes" / "foot.stl", 1000 * block((0.06, 0.04, 0.02))[2:])
     assert main(["check", str(path)]) == 2
-    said = capsys.readouterr()
-    assert said.err.startswith(f"{path}:6: link.foot.collision.geometry.mesh: foot.stl: it is open: 4 edges")
-    assert len(said.err.splitlines()) == 1
+    printed = capsys.readouterr()
+    assert printed.err.startswith(f"{path}:6: link.foot.collision.geometry.mesh: foot.stl: it is open: 4 edges")
+    assert len(printed.err.splitlines()) == 1
     assert main(["check", str(path), "--shapes", "visual"]) == 0
     assert "notes" in capsys.readouterr().out
 
@@ -72,12 +72,12 @@ def test_a_mended_copy_has_no_faults(tmp_path: Path, capsys: pytest.CaptureFixtu
     path = robot_in(tmp_path, (' scale="0.001 0.001 0.001"', ""))
     stl(tmp_path / "meshes" / "foot.stl", corners)
     main(["check", str(path), "--mend", str(tmp_path / "new" / "out")])
-    said = capsys.readouterr().out
-    assert "mended: foot.stl: " in said
-    assert done in said
+    printed = capsys.readouterr().out
+    assert "mended: foot.stl: " in printed
+    assert done in printed
     after = inspect(tmp_path / "new" / "out" / "arm.urdf")
     assert after.faults == ()
-    (foot,) = (one for one in after.shapes if one.path is not None)
+    (foot,) = (shape for shape in after.shapes if shape.path is not None)
     assert foot.path == tmp_path / "new" / "out" / "meshes" / "foot.stl"
     assert foot.quality is not None
     assert foot.quality.volume == pytest.approx(volume, rel=1e-5)
@@ -102,7 +102,7 @@ def test_an_inertia_too_large_for_the_shapes_becomes_theirs(tmp_path: Path, caps
 
 def test_mirrored_meshes_keep_their_outside(tmp_path: Path) -> None:
     path = robot_in(tmp_path, ("0.001 0.001 0.001", "0.001 -0.001 0.002"))
-    (foot,) = (one.quality for one in inspect(path).shapes if one.path is not None)
+    (foot,) = (shape.quality for shape in inspect(path).shapes if shape.path is not None)
     assert foot is not None
     assert foot.volume == pytest.approx(2 * 0.06 * 0.04 * 0.02)
 
@@ -121,10 +121,10 @@ def test_units_of_collada_files_count(tmp_path: Path) -> None:
 def test_an_impossible_inertia_without_a_shape_becomes_the_nearest(tmp_path: Path) -> None:
     """Of one whose two moments are nothing, as public files have them, a thin plate's."""
     for given, mended in (((0.0, 0.0, 3e-3), (1.5e-3, 1.5e-3, 3e-3)), ((1e-3, 2e-3, 9e-3), (3e-3, 6e-3, 9e-3))):
-        moments = " ".join(f'i{axis}{axis}="{one}"' for axis, one in zip("xyz", given, strict=True))
+        moments = " ".join(f'i{axis}{axis}="{moment}"' for axis, moment in zip("xyz", given, strict=True))
         inertial = f'<inertial><mass value="0.3"/><inertia {moments} ixy="0" ixz="0" iyz="0"/></inertial>'
         path = robot_in(tmp_path, ('<link name="sensor">', f'<link name="sensor">{inertial}'))
         assert main(["check", str(path), "--mend", str(tmp_path / f"out{given[0]}")]) == 2
-        found = inspect(tmp_path / f"out{given[0]}" / "arm.urdf").robot.links["sensor"].inertial
-        assert found is not None
-        np.testing.assert_allclose(np.linalg.eigvalsh(found.tensor), mended, rtol=1e-6)
+        nearest = inspect(tmp_path / f"out{given[0]}" / "arm.urdf").robot.links["sensor"].inertial
+        assert nearest is not None
+        np.testing.assert_allclose(np.linalg.eigvalsh(nearest.tensor), mended, rtol=1e-6)

@@ -45,8 +45,10 @@ def test_its_files_are_what_its_script_makes(tmp_path: Path, monkeypatch: pytest
         np.testing.assert_allclose(made, kept, atol=1e-7 * np.abs(kept).max())  # of single precision, 6e-8
     made, kept = (values(etree.parse(folder / "hexapod.urdf").getroot()) for folder in (tmp_path, FOLDER))
     assert [key for key, _ in made] == [key for key, _ in kept]
-    for (key, one), (_, other) in zip(made, kept, strict=True):
-        assert one == other or one == pytest.approx(other, rel=2e-6), key  # 6 digits are written, the last may differ
+    for (key, value_made), (_, value_kept) in zip(made, kept, strict=True):
+        assert value_made == value_kept or value_made == pytest.approx(value_kept, rel=2e-6), (
+            key
+        )  # 6 digits are written, the last may differ
 
 
 def values(root: etree._Element) -> list[tuple[str, str | list[float]]]:
@@ -61,7 +63,7 @@ def values(root: etree._Element) -> list[tuple[str, str | list[float]]]:
 
 def test_what_is_only_round_off_is_written_as_0() -> None:
     """A zero of exact geometry is a zero in the files, on every processor."""
-    numbers = [x for _, one in values(etree.parse(FOLDER / "hexapod.urdf").getroot()) for x in one if x != 0.0]
+    numbers = [x for _, parsed in values(etree.parse(FOLDER / "hexapod.urdf").getroot()) for x in parsed if x != 0.0]
     assert min(abs(x) for x in numbers if isinstance(x, float)) > 1e-9
     for mesh in (*(FOLDER / "meshes").glob("*.stl"), ROOT / "models" / "screw" / "blade.stl"):
         held = np.fromfile(mesh, np.dtype([("numbers", "<f4", 12), ("more", "<u2")]), offset=84)["numbers"]
@@ -120,7 +122,7 @@ def test_it_walks_ahead_on_three_legs() -> None:
 def test_its_mirror_image_walks_in_mirrored_steps() -> None:
     """Up to what steps and Newton's method leave, as legs stand in another order: far below the sway of the trunk."""
     fine = "solver.accuracy=1e-3"
-    one, other = walk(fine), walk(fine, mirrored=True)
+    original, mirrored_walk = walk(fine), walk(fine, mirrored=True)
     t = np.linspace(0.0, 0.25, 26)
     signs = {
         "trunk_x_m": 1,
@@ -131,9 +133,9 @@ def test_its_mirror_image_walks_in_mirrored_steps() -> None:
         "trunk_yaw_deg": -1,
     }
     for column, sign in signs.items():
-        found, wanted = (np.interp(t, each["time_s"], each[column]) for each in (one, other))
-        assert np.ptp(found) > (0.2 if column.endswith("deg") else 1e-3)
-        np.testing.assert_allclose(found, sign * wanted, atol=1e-3 if column.endswith("deg") else 2e-6)
+        walked, expected = (np.interp(t, each["time_s"], each[column]) for each in (original, mirrored_walk))
+        assert np.ptp(walked) > (0.2 if column.endswith("deg") else 1e-3)
+        np.testing.assert_allclose(walked, sign * expected, atol=1e-3 if column.endswith("deg") else 2e-6)
 
 
 @pytest.mark.slow
@@ -150,9 +152,9 @@ def test_a_looser_accuracy_takes_fewer_steps_and_keeps_its_promise() -> None:
     path = np.column_stack([fine[f"tip_{axis}_m"] for axis in "xyz"])
     way = np.linalg.norm(np.diff(path, axis=0), axis=1).sum()
     t = coarse["time_s"]
-    there = np.column_stack([np.interp(t, fine["time_s"], column) for column in path.T])
-    found = np.column_stack([coarse[f"tip_{axis}_m"] for axis in "xyz"])
-    assert np.linalg.norm(found - there, axis=1).max() < 0.1 * way
+    expected = np.column_stack([np.interp(t, fine["time_s"], column) for column in path.T])
+    coarse_path = np.column_stack([coarse[f"tip_{axis}_m"] for axis in "xyz"])
+    assert np.linalg.norm(coarse_path - expected, axis=1).max() < 0.1 * way
 
 
 def test_a_hip_counts_as_far_as_its_leg_reaches() -> None:

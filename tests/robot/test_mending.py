@@ -38,15 +38,15 @@ def arrays(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def with_slivers(corners: np.ndarray, count: int, seed: int) -> np.ndarray:
     """The same surface with triangles of no area between it and halves of its triangles, some side by side."""
-    draw, found = np.random.default_rng(seed), list(corners)
+    draw, triangles = np.random.default_rng(seed), list(corners)
     for _ in range(count):
-        i = int(draw.integers(len(found)))
-        a, b, c = np.roll(found[i], -int(draw.integers(3)), axis=0)
+        i = int(draw.integers(len(triangles)))
+        a, b, c = np.roll(triangles[i], -int(draw.integers(3)), axis=0)
         if np.linalg.norm(np.cross(b - a, c - a)) < 1e-9:
             continue
         middle = a + draw.uniform(0.2, 0.8) * (b - a)
-        found[i : i + 1] = [np.array([a, middle, c]), np.array([middle, b, c]), np.array([a, b, middle])]
-    return np.array(found)
+        triangles[i : i + 1] = [np.array([a, middle, c]), np.array([middle, b, c]), np.array([a, b, middle])]
+    return np.array(triangles)
 
 
 @pytest.mark.slow
@@ -54,22 +54,22 @@ def with_slivers(corners: np.ndarray, count: int, seed: int) -> np.ndarray:
 def test_a_mesh_without_its_empty_triangles_is_closed_and_of_the_same_volume(seed: int) -> None:
     whole = with_slivers(bracket(), 12, seed)
     assert len(whole) > 30
-    (vertices, faces), words = mended_mesh(*arrays(whole))
+    (vertices, faces), repairs = mended_mesh(*arrays(whole))
     after = quality(vertices, faces)
     assert after.faults == after.notes == ()
     # Corners between are exact to round-off, 1e-16 of 0.1 m: 1e-14 of the volume.
     assert after.volume == pytest.approx(1.44e-4, rel=1e-12)
     assert after.area == pytest.approx(quality(*arrays(bracket())).area, rel=1e-12)
-    assert words.endswith("without area (volume 144 to 144 cm3)")
+    assert repairs.endswith("without area (volume 144 to 144 cm3)")
 
 
 def test_corners_a_little_apart_are_welded() -> None:
     rough = CUBE + 2e-7 * np.random.default_rng(1).uniform(-1, 1, CUBE.shape)
     assert not quality(*arrays(rough)).closed
-    found, words = mended_mesh(*arrays(rough))
-    assert quality(*found).faults == ()
-    assert "mm apart welded (volume " in words
-    assert quality(*found).volume == pytest.approx(1e-3, rel=1e-4)
+    mended, repairs = mended_mesh(*arrays(rough))
+    assert quality(*mended).faults == ()
+    assert "mm apart welded (volume " in repairs
+    assert quality(*mended).volume == pytest.approx(1e-3, rel=1e-4)
 
 
 def test_a_hole_of_many_corners_is_filled() -> None:
@@ -77,10 +77,10 @@ def test_a_hole_of_many_corners_is_filled() -> None:
     tube = trimesh.creation.cylinder(radius=0.05, height=0.1, sections=24)
     side = tube.triangles[tube.triangles[:, :, 2].min(axis=1) < 0.0499]  # without the upper end
     assert quality(*arrays(side)).faults
-    found, words = mended_mesh(*arrays(side))
-    assert quality(*found).faults == ()
-    assert "holes filled by 22 triangles" in words
-    assert quality(*found).volume == pytest.approx(tube.volume, rel=1e-9)
+    mended, repairs = mended_mesh(*arrays(side))
+    assert quality(*mended).faults == ()
+    assert "holes filled by 22 triangles" in repairs
+    assert quality(*mended).volume == pytest.approx(tube.volume, rel=1e-9)
 
 
 # Half of a cube and an edge: no cure of ours closes it.
@@ -91,10 +91,10 @@ def test_a_hull_is_taken_only_if_asked_for(tmp_path: Path, capsys: pytest.Captur
     path = robot_in(tmp_path, (' scale="0.001 0.001 0.001"', ""))
     stl(tmp_path / "meshes" / "foot.stl", RAGGED)
     assert main(["check", str(path), "--mend", str(tmp_path / "out")]) == 2
-    said = capsys.readouterr()
-    assert "not mended: it is open" in said.out
-    assert "--hull takes its convex hull" in said.out
-    assert f"not mended: {tmp_path / 'out' / 'arm.urdf'}:" in said.err
+    printed = capsys.readouterr()
+    assert "not mended: it is open" in printed.out
+    assert "--hull takes its convex hull" in printed.out
+    assert f"not mended: {tmp_path / 'out' / 'arm.urdf'}:" in printed.err
     main(["check", str(path), "--mend", str(tmp_path / "hull"), "--hull"])
     assert "replaced by its convex hull (volume " in capsys.readouterr().out
     assert inspect(tmp_path / "hull" / "arm.urdf").faults == ()
@@ -108,9 +108,9 @@ def test_a_doubtful_mesh_is_never_replaced_by_its_hull() -> None:
     before = quality(*arrays(cross))
     assert before.faults == ()
     assert before.inner > 0.05
-    found, words = mended_mesh(*arrays(cross), hull=True)
-    assert "hull" not in words
-    assert quality(*found).volume == pytest.approx(1e-3 + 0.05**3, rel=1e-6)
+    mended, repairs = mended_mesh(*arrays(cross), hull=True)
+    assert "hull" not in repairs
+    assert quality(*mended).volume == pytest.approx(1e-3 + 0.05**3, rel=1e-6)
 
 
 @pytest.mark.slow
@@ -147,6 +147,6 @@ def test_any_tensor_with_a_largest_moment_can_be_raised(moments: tuple[float, fl
     turn = rotations.of_rpy(np.array([0.2, 0.5, -0.4]))
     tensor = turn @ np.diag(moments) @ turn.T
     assert impossibility(tensor) is not None
-    found = with_raised_moments(tensor)
-    assert impossibility(found) is None
-    assert np.linalg.eigvalsh(found)[2] == pytest.approx(3e-3, rel=1e-12)
+    raised = with_raised_moments(tensor)
+    assert impossibility(raised) is None
+    assert np.linalg.eigvalsh(raised)[2] == pytest.approx(3e-3, rel=1e-12)

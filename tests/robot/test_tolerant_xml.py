@@ -48,25 +48,27 @@ def written(folder: Path, start: str, before_end: str = "", encoding: str = "utf
     return path
 
 
-def same(one: Robot, other: Robot) -> None:
-    assert [*one.links] == [*other.links]
-    assert [*one.joints] == [*other.joints]
-    for name, joint in one.joints.items():
-        np.testing.assert_array_equal(joint.origin.xyz, other.joints[name].origin.xyz)
-    for name, link in one.links.items():
-        assert [shape.geometry for shape in link.collision] == [shape.geometry for shape in other.links[name].collision]
+def same(first: Robot, second: Robot) -> None:
+    assert [*first.links] == [*second.links]
+    assert [*first.joints] == [*second.joints]
+    for name, joint in first.joints.items():
+        np.testing.assert_array_equal(joint.origin.xyz, second.joints[name].origin.xyz)
+    for name, link in first.links.items():
+        assert [shape.geometry for shape in link.collision] == [
+            shape.geometry for shape in second.links[name].collision
+        ]
 
 
 @pytest.mark.parametrize("name", TOLERATED)
 def test_what_other_readers_take_is_read_with_a_notice(tmp_path: Path, name: str) -> None:
-    start, before_end, encoding, line, words = TOLERATED[name]
+    start, before_end, encoding, line, message = TOLERATED[name]
     plain, _ = read_all(robot_in(tmp_path / "plain"))
     path = written(tmp_path, start, before_end, encoding)
     robot, reader = read_all(path)
     assert reader.faults == []
     same(robot, plain)
     (notice,) = reader.notices
-    assert words in notice.message
+    assert message in notice.message
     assert (notice.file, notice.line) == (str(path), line)
     # The lines of what follows are those of the file.
     assert robot.links["base"].line == plain.links["base"].line + start.count("\n") - 1
@@ -91,19 +93,21 @@ def test_mujoco_takes_them_too(tmp_path: Path, name: str) -> None:
 
 def test_check_and_runs_tell_the_notice(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = written(tmp_path, '\n<?xml version="0.0" encoding="utf-16"?>\n', "<gazebo><plugin:x/></gazebo>")
-    told: list[Any] = []
+    notices: list[Any] = []
     assert main(["check", str(path)]) == 0
-    told.append(capsys.readouterr().err)
+    notices.append(capsys.readouterr().err)
     run = tmp_path / "run.yaml"
     run.write_text("model: {urdf: arm.urdf}\nmedium: rft3d_sand\nsolver: {end_time_s: 0.05}\n", encoding="utf-8")
     assert main(["check", str(run)]) == 0
-    told.append(capsys.readouterr().err)
-    told.append("\n".join(config.load(run, solver={"end_time_s": 0.1}).sources.notices))
-    for text in told:
-        for line, words in (
+    notices.append(capsys.readouterr().err)
+    notices.append("\n".join(config.load(run, solver={"end_time_s": 0.1}).sources.notices))
+    for text in notices:
+        for line, message in (
             (2, "has the version '0.0'"),
             (2, "says the encoding 'utf-16'"),
             (2, "does not stand at the start of the file"),
             (15, "prefix 'plugin' is not declared"),
         ):
-            assert sum(f"{path}:{line}: " in one and words in one for one in text.splitlines()) == 1, text
+            assert (
+                sum(f"{path}:{line}: " in text_line and message in text_line for text_line in text.splitlines()) == 1
+            ), text

@@ -60,15 +60,15 @@ FAULTS = [
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("old", "new", "line", "key", "words"), FAULTS)
-def test_each_fault_has_its_line_and_key(tmp_path: Path, old: str, new: str, line: int, key: str, words: str) -> None:
+@pytest.mark.parametrize(("old", "new", "line", "key", "message"), FAULTS)
+def test_each_fault_has_its_line_and_key(tmp_path: Path, old: str, new: str, line: int, key: str, message: str) -> None:
     path = robot_in(tmp_path, (old, new))
     try:
-        found = inspect(path).faults
+        reported = inspect(path).faults
     except ConfigError as error:
-        found = tuple(error.faults)
-    mine = [fault for fault in found if words in fault.message]
-    assert len(mine) == 1, [str(fault) for fault in found]
+        reported = tuple(error.faults)
+    mine = [fault for fault in reported if message in fault.message]
+    assert len(mine) == 1, [str(fault) for fault in reported]
     assert mine[0].file == str(path)
     assert mine[0].key == key
     assert mine[0].line == line or line is None
@@ -84,7 +84,7 @@ def test_all_faults_are_told_at_once_and_a_good_file_has_none(tmp_path: Path) ->
 
 
 @pytest.mark.parametrize(
-    ("raw", "words"),
+    ("raw", "message"),
     [
         (b"", "is empty"),
         (b"\x00\xff\x12 no robot", "is not valid XML"),
@@ -98,12 +98,12 @@ def test_all_faults_are_told_at_once_and_a_good_file_has_none(tmp_path: Path) ->
         (b"<robot" + b" " * 20_000_001 + b"/>", "is larger than 20 MB"),
     ],
 )  # fmt: skip
-def test_files_that_are_no_robot_end_in_one_line(tmp_path: Path, raw: bytes, words: str) -> None:
+def test_files_that_are_no_robot_end_in_one_line(tmp_path: Path, raw: bytes, message: str) -> None:
     path = tmp_path / "robot.urdf"
     path.write_bytes(raw)
     with pytest.raises(ConfigError) as caught:
         read(path)
-    assert words in str(caught.value)
+    assert message in str(caught.value)
     assert len(str(caught.value).splitlines()) == 1
 
 
@@ -135,11 +135,11 @@ NOTED = {
 
 @pytest.mark.parametrize("name", NOTED)
 def test_meshes_are_inspected(tmp_path: Path, name: str) -> None:
-    corners, words = NOTED[name]
+    corners, message = NOTED[name]
     path = robot_in(tmp_path, (' scale="0.001 0.001 0.001"', ""))
     stl(tmp_path / "meshes" / "foot.stl", corners)
-    found = inspect(path)
-    assert [fault.line for fault in (*found.faults, *found.notes) if words in fault.message] == [6]
+    inspection = inspect(path)
+    assert [fault.line for fault in (*inspection.faults, *inspection.notes) if message in fault.message] == [6]
 
 
 def test_doubtful_bodies_are_noted(tmp_path: Path) -> None:

@@ -61,9 +61,9 @@ def kirchhoff(weight: float, angle: float, stiffness: Array) -> Array:
     s = np.linspace(0.0, LENGTH, 40)
     guess = np.zeros((10, len(s)))
     guess[:4], guess[4], guess[8] = root[:, None], s, weight * (LENGTH - s)
-    found = solve_bvp(slope, ends, s, guess, tol=1e-8)
-    assert found.success
-    return np.asarray(rotations.of_quaternion(root).T @ found.y[4:7, -1] - [LENGTH, 0.0, 0.0])
+    solution = solve_bvp(slope, ends, s, guess, tol=1e-8)
+    assert solution.success
+    return np.asarray(rotations.of_quaternion(root).T @ solution.y[4:7, -1] - [LENGTH, 0.0, 0.0])
 
 
 def pendulum(bending: float, elements: int, slender: float = 1.0) -> dict[str, Any]:

@@ -71,8 +71,8 @@ class Motion:
     def state(self, t: float, around: Rotation | None = None) -> tuple[Array, Array]:
         """Coordinates and rates, of the whole scene turned if `around` is given; rates by differences."""
         d = 1e-5
-        (x, turn), (a, one), (b, two) = self.at(t), self.at(t - d), self.at(t + d)
-        velocity, spin = (b - a) / (2 * d), (two * one.inv()).as_rotvec() / (2 * d)
+        (x, turn), (x_before, turn_before), (x_after, turn_after) = self.at(t), self.at(t - d), self.at(t + d)
+        velocity, spin = (x_after - x_before) / (2 * d), (turn_after * turn_before.inv()).as_rotvec() / (2 * d)
         if around is not None:
             x, velocity, spin, turn = around.apply(x), around.apply(velocity), around.apply(spin), around * turn
         return state(x, turn, velocity, spin)

@@ -40,28 +40,28 @@ def test_a_ball_rests_on_a_floor_at_the_depth_of_its_springs(medium: Any) -> Non
     """pi R k delta^2 = m g; without friction it slides on, and the sand that hardly is there bears nothing."""
     stiffness, radius = 1e6, 0.03
     bed = {"depth_m": 0.02, "floor": {"stiffness_N_m3": stiffness, "damping_s_m": 10}}
-    found = simulate(load(run(bed, {**BALL, "facet_size_m": 0.004}, medium=medium)))
+    results = simulate(load(run(bed, {**BALL, "facet_size_m": 0.004}, medium=medium)))
     delta = np.sqrt(0.5 * 9.81 / (np.pi * radius * stiffness))
-    assert radius - found["b_z_m"][-1] - 0.02 == pytest.approx(delta, rel=5e-3)
-    assert found["floor_force_z_N"][-1] == pytest.approx(0.5 * 9.81, rel=5e-3)
-    assert not found["floor_force_x_N"].any()
-    assert found.summary["energy"]["imbalance_relative"] < 1e-3
-    assert found["floor_work_J"][-1] < -0.05
-    assert any("the floor was reached" in one and "its contact carried" in one for one in found.warnings)
+    assert radius - results["b_z_m"][-1] - 0.02 == pytest.approx(delta, rel=5e-3)
+    assert results["floor_force_z_N"][-1] == pytest.approx(0.5 * 9.81, rel=5e-3)
+    assert not results["floor_force_x_N"].any()
+    assert results.summary["energy"]["imbalance_relative"] < 1e-3
+    assert results["floor_work_J"][-1] < -0.05
+    assert any("the floor was reached" in warning and "its contact carried" in warning for warning in results.warnings)
 
 
 def test_walls_are_watched_and_a_floor_without_a_contact_is_told() -> None:
     """How far the immersed part of a ball reached follows from where its middle was."""
     bed = {"depth_m": 0.01, "container_x_m": [0.0, 0.12], "container_y_m": [-0.06, 0.2]}
-    found = simulate(load(run(bed, {**BALL, "facet_size_m": 0.004})))
-    deep = found["depth_m"] > 0.0
-    far = np.sqrt(0.03**2 - np.maximum(0.0, 0.03 - found["depth_m"][deep]) ** 2)
-    x, y = (found["b_x_m"][deep] + far).max(), (found["b_y_m"][deep] - far).min()
-    walls = [one for one in found.warnings if "wall of the container" in one]
-    for (name, beyond), told in zip((("front", x - 0.12), ("right", -0.06 - y)), walls, strict=True):
-        assert told.startswith(f"the {name} wall of the container was passed by ")
-        assert float(told.split(" by ")[1].split()[0]) == pytest.approx(beyond, abs=1e-3)  # of facets of 4 mm
-    assert any("the floor was reached" in one and "exerts no force" in one for one in found.warnings)
+    results = simulate(load(run(bed, {**BALL, "facet_size_m": 0.004})))
+    deep = results["depth_m"] > 0.0
+    far = np.sqrt(0.03**2 - np.maximum(0.0, 0.03 - results["depth_m"][deep]) ** 2)
+    x, y = (results["b_x_m"][deep] + far).max(), (results["b_y_m"][deep] - far).min()
+    walls = [warning for warning in results.warnings if "wall of the container" in warning]
+    for (name, beyond), wall in zip((("front", x - 0.12), ("right", -0.06 - y)), walls, strict=True):
+        assert wall.startswith(f"the {name} wall of the container was passed by ")
+        assert float(wall.split(" by ")[1].split()[0]) == pytest.approx(beyond, abs=1e-3)  # of facets of 4 mm
+    assert any("the floor was reached" in warning and "exerts no force" in warning for warning in results.warnings)
 
 
 def test_layers_floor_and_walls_are_drawn_and_saved() -> None:
@@ -97,8 +97,8 @@ def test_a_layer_follows_the_slope_and_the_height_map(tmp_path: Any) -> None:
     turned = {"initial": {"joints": {"flight": START | {"z_m": 0.05, "rpy_deg": [20, 35, 10]}}}}
     paths = []
     for bed in (slope | layers, {"height_map": grid} | layers, slope):
-        found = simulate(load(run(bed, shape, solver=solver, **turned)))
-        paths.append(np.column_stack([found[f"b_{axis}_m"] for axis in "xyz"]))
+        results = simulate(load(run(bed, shape, solver=solver, **turned)))
+        paths.append(np.column_stack([results[f"b_{axis}_m"] for axis in "xyz"]))
     np.testing.assert_allclose(paths[1], paths[0], atol=1e-9)
     assert paths[2][-1, 2] < paths[0][-1, 2] - 1e-3
 
@@ -124,10 +124,10 @@ FAULTS: dict[str, tuple[dict[str, Any], dict[str, Any], str]] = {
 
 @pytest.mark.parametrize("name", FAULTS)
 def test_faults_tell_their_key(name: str) -> None:
-    bed, given, told = FAULTS[name]
+    bed, given, message = FAULTS[name]
     with pytest.raises((ConfigError, SceneError)) as caught:
         build(load(run(bed, **given)))
-    assert told in str(caught.value)
+    assert message in str(caught.value)
 
 
 def test_a_map_below_the_floor_is_told(tmp_path: Any) -> None:

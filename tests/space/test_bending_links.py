@@ -53,8 +53,8 @@ def test_a_strip_bends_as_a_rod_of_kirchhoff_does(angle: float) -> None:
     exact = kirchhoff(8.896, angle, stiffness)[1:]
     counts, errors = [4, 8, 16], []
     for count in counts:
-        found = simulate(load(princeton(8.896, angle, count)))
-        bent = np.array([found[f"strip_deflection_{axis}_m"][0] for axis in "yz"])
+        results = simulate(load(princeton(8.896, angle, count)))
+        bent = np.array([results[f"strip_deflection_{axis}_m"][0] for axis in "yz"])
         errors.append(float(np.linalg.norm(bent - exact) / np.linalg.norm(exact)))
     # By the rule of midpoints l^2 / 4 L^2 of a small deflection, which large ones change little.
     assert errors[1] == pytest.approx(0.25 / 8**2, rel=0.15)
@@ -71,14 +71,14 @@ def test_frequencies_in_both_planes_and_in_torsion() -> None:
     about_y, about_z = (squares * np.sqrt(E * moment / line) for moment in section.second_moments)
     shear, polar = E / 2.6, STRIP["density_kg_m3"] * section.second_moments.sum()
     torsion = np.sqrt(shear * section.torsion_constant / polar) / (4.0 * length)
-    counts, found = [4, 8, 16], []
+    counts, closest = [4, 8, 16], []
     for count in counts:
         scene = build(load(clamped(strip, SOFT | {"elements": count}, gravity_m_s2=0.0)))
         values = assembled(scene).mbs.ComputeODE2Eigenvalues(convert2Frequencies=True, useAbsoluteValues=True)[0]
         frequencies = np.real(values)
         exact = np.array([*about_y, about_z[0], torsion])
-        found.append([np.abs(frequencies / one - 1.0).min() for one in exact])
-    for errors in np.transpose(found).tolist():
+        closest.append([np.abs(frequencies / frequency - 1.0).min() for frequency in exact])
+    for errors in np.transpose(closest).tolist():
         assert order(counts, errors) == pytest.approx(2.0, abs=0.2)
         assert errors[1] < 0.016  # 0.0016 to 0.013
 
@@ -102,21 +102,23 @@ def test_a_pendulum_in_space_moves_as_in_the_plane(bending: float, elements: int
     """
     flat, deep = pendulum(bending, elements, slender), into_space(pendulum(bending, elements, slender), 130.0)
     flat["model"]["bodies"]["link"]["flexible"]["axial_stiffness_N"] = 6e6
-    one, other = simulate(load(flat)), simulate(load(deep))
+    planar, spatial = simulate(load(flat)), simulate(load(deep))
     times = np.linspace(0.0, 0.025, 200)
-    x, y = (np.interp(times, one["time_s"], one[name]) for name in ("tip_x_m", "tip_y_m"))
+    x, y = (np.interp(times, planar["time_s"], planar[name]) for name in ("tip_x_m", "tip_y_m"))
     turned = np.array([np.cos(np.radians(130.0)), np.sin(np.radians(130.0)), 0.0])
-    along, up = (np.interp(times, other["time_s"], values) for values in (tip(other) @ turned, other["tip_z_m"]))
+    along, up = (np.interp(times, spatial["time_s"], values) for values in (tip(spatial) @ turned, spatial["tip_z_m"]))
     way = float(np.sum(np.hypot(np.diff(x), np.diff(y))))
     assert np.hypot(along - x, up - y).max() < 1e-4 * way
-    assert other.summary["max_deflection_m"] == pytest.approx(one.summary["max_deflection_m"], rel=0.02)
-    assert other.summary["max_depth_m"] == pytest.approx(one.summary["max_depth_m"], rel=2e-3)
-    assert not [one for one in other.warnings if "measured in" not in one]  # of the diameter
+    assert spatial.summary["max_deflection_m"] == pytest.approx(planar.summary["max_deflection_m"], rel=0.02)
+    assert spatial.summary["max_depth_m"] == pytest.approx(planar.summary["max_depth_m"], rel=2e-3)
+    assert not [planar for planar in spatial.warnings if "measured in" not in planar]  # of the diameter
     panels = [
-        panel.title for group in groups(other.names, other.terms, lambda name: other[name]) for panel in group.panels
+        panel.title
+        for group in groups(spatial.names, spatial.terms, lambda name: spatial[name])
+        for panel in group.panels
     ]
     assert {"deflection of link", "greatest strain of links"} <= set(panels)
-    figures = other.figures()
+    figures = spatial.figures()
     assert set(figures) >= {"deflection", "views", "energy"}
     shown = " ".join(axes.get_ylabel() for axes in figures["deflection"].axes).split()
     assert {"deflection", "strain"} <= set(shown)
@@ -146,15 +148,15 @@ def leg(medium: str, link: Config, azimuth: float) -> Config:
 
 @pytest.mark.parametrize(("medium", "link"), [("play_sand", ROD), ("rft3d_sand", STRIP)])
 def test_a_scene_turned_about_the_vertical_moves_alike(medium: str, link: Config) -> None:
-    one, other = (simulate(load(leg(medium, link, azimuth))) for azimuth in (0.0, 57.0))
+    original, turned = (simulate(load(leg(medium, link, azimuth))) for azimuth in (0.0, 57.0))
     way = 4.0 * 0.2 * 0.03  # m, of the tip
     for name in ("rod_deflection_y_m", "rod_deflection_z_m", "rod_twist_deg", "tip_z_m"):
         arm = np.radians(0.2) if name.endswith("_deg") else 1.0  # m per degree, at the length of the link
-        assert arm * np.abs(other[name] - one[name]).max() < 1e-8 * way, name
-    assert np.abs(one["rod_deflection_y_m"]).max() > 1e-4  # it does bend about both axes
-    assert np.abs(one["rod_deflection_z_m"]).max() > 1e-4
-    assert one.summary["energy"]["imbalance_relative"] < 1e-3
-    assert one["granular_work_J"][-1] < -1e-3
+        assert arm * np.abs(turned[name] - original[name]).max() < 1e-8 * way, name
+    assert np.abs(original["rod_deflection_y_m"]).max() > 1e-4  # it does bend about both axes
+    assert np.abs(original["rod_deflection_z_m"]).max() > 1e-4
+    assert original.summary["energy"]["imbalance_relative"] < 1e-3
+    assert original["granular_work_J"][-1] < -1e-3
 
 
 BEDS: dict[str, Config] = {
@@ -176,13 +178,13 @@ def test_a_very_stiff_link_is_rigid_on_every_bed(name: str, tmp_path: Any) -> No
         bed["height_map"]["file"] = str(tmp_path / "hills.csv")
     rigid = leg("play_sand", ROD, 0.0) | {"bed": bed, "initial": {"joints": {"swing": {"rate_rad_s": 12}}}}
     stiff, level = copy.deepcopy(rigid), copy.deepcopy(rigid) | {"bed": {"height_m": -0.095}}
-    for one in (rigid, level):
-        one["model"]["bodies"]["rod"].pop("flexible")
+    for scene in (rigid, level):
+        scene["model"]["bodies"]["rod"].pop("flexible")
     stiff["model"]["bodies"]["rod"]["flexible"] = {"youngs_modulus_Pa": 2e13, "elements": 6}
-    found = [tip(simulate(load(one))) for one in (rigid, stiff, level)]
-    way = np.abs(np.diff(found[0], axis=0)).sum()
-    assert np.abs(found[0][-1] - found[1][-1]).max() < 3e-4 * way
-    assert name == "level" or np.abs(found[0][-1] - found[2][-1]).max() > 3e-3 * way
+    tips = [tip(simulate(load(scene))) for scene in (rigid, stiff, level)]
+    way = np.abs(np.diff(tips[0], axis=0)).sum()
+    assert np.abs(tips[0][-1] - tips[1][-1]).max() < 3e-4 * way
+    assert name == "level" or np.abs(tips[0][-1] - tips[2][-1]).max() > 3e-3 * way
 
 
 def test_a_link_that_bends_rests_on_a_slope_by_its_bristles() -> None:
@@ -193,9 +195,9 @@ def test_a_link_that_bends_rests_on_a_slope_by_its_bristles() -> None:
         {"rod": ROD | {"flexible": SOFT}}, {"flight": flight}, medium="play_sand", initial={"joints": start},
         bed={"height_m": 0.0, "slope_deg": 15}, solver={"end_time_s": 0.4, "accuracy": 1e-3},
     )  # fmt: skip
-    found = simulate(load(scene))
-    assert found.status.code == "rest"
-    moved = [found[f"rod_{axis}_m"][-1] - found[f"rod_{axis}_m"][0] for axis in "xyz"]
+    results = simulate(load(scene))
+    assert results.status.code == "rest"
+    moved = [results[f"rod_{axis}_m"][-1] - results[f"rod_{axis}_m"][0] for axis in "xyz"]
     assert np.hypot(*moved[:2]) < 1e-3
     assert -5e-3 < moved[2] < -2e-3
 
@@ -209,25 +211,25 @@ def test_energy_is_kept_in_a_whirl_in_vacuum() -> None:
         initial={"joints": {"pin": {"spin_rad_s": [3, 6, 8]}}},
         solver={"end_time_s": 0.15, "accuracy": 1e-4},
     )
-    found = simulate(load(scene))
-    assert found.summary["max_deflection_m"] > 0.02
-    assert found["damping_work_J"][-1] < -1e-5
-    assert found.summary["energy"]["imbalance_relative"] < 1e-4
+    results = simulate(load(scene))
+    assert results.summary["max_deflection_m"] > 0.02
+    assert results["damping_work_J"][-1] < -1e-5
+    assert results.summary["energy"]["imbalance_relative"] < 1e-4
 
 
 def test_the_whip_trails_behind_its_arm() -> None:
     """The shipped config, dragged for half a second: the tip lags along the way, and bends little across it."""
-    found = simulate(
+    results = simulate(
         load(
             ROOT / "configs" / "whip.yaml",
             ["solver.end_time_s=0.5", "solver.accuracy=3e-3", "model.bodies.whip.flexible.elements=8"],
         )
     )
-    behind, across = found["whip_deflection_y_m"], found["whip_deflection_z_m"]
+    behind, across = results["whip_deflection_y_m"], results["whip_deflection_z_m"]
     assert behind[-1] < -0.025
     assert np.abs(across).max() < 0.5 * np.abs(behind).max()
-    assert found["drive_work_J"][-1] > 0.9 * -found["granular_work_J"][-1] > 0.05
-    places, forces = found.motion.forces["whip"]
+    assert results["drive_work_J"][-1] > 0.9 * -results["granular_work_J"][-1] > 0.05
+    places, forces = results.motion.forces["whip"]
     last = int(np.argmax(np.linalg.norm(forces, axis=1)))
     assert places[last, 2] < -0.25  # the force is drawn where the whip is immersed, below 0.26 m
 
@@ -256,10 +258,10 @@ def test_held_by_its_tip_it_is_the_same_link_the_other_way_round() -> None:
     by_root = config({"rod": ROD | {"flexible": SOFT}}, {"pin": end}, solver={"end_time_s": 0.05, "step_s": 5e-4})
     by_tip = copy.deepcopy(by_root)
     by_tip["model"]["joints"]["pin"] |= {"child_point_m": [0.2, 0, 0], "rpy_deg": [0, 0, 180]}
-    one, other = (simulate(load(scene)) for scene in (by_root, by_tip))
-    assert one["rod_z_m"][-1] == pytest.approx(other["rod_z_m"][-1], rel=1e-6)
-    assert one["elastic_J"].max() > 1e-9
-    assert one["elastic_J"].max() == pytest.approx(other["elastic_J"].max(), rel=1e-3)
+    held_by_root, held_by_tip = (simulate(load(scene)) for scene in (by_root, by_tip))
+    assert held_by_root["rod_z_m"][-1] == pytest.approx(held_by_tip["rod_z_m"][-1], rel=1e-6)
+    assert held_by_root["elastic_J"].max() > 1e-9
+    assert held_by_root["elastic_J"].max() == pytest.approx(held_by_tip["elastic_J"].max(), rel=1e-3)
 
 
 def test_a_link_held_at_both_ends_is_a_beam_on_two_supports() -> None:
@@ -274,10 +276,10 @@ def test_a_link_held_at_both_ends_is_a_beam_on_two_supports() -> None:
     scene = config(bodies, joints, initial={"settle": True}, solver={"end_time_s": 2e-4, "step_s": 1e-4})
     right = {"type": "hinge", "parent": "rod", "child": "carriage", "axis": [0, 1, 0], "parent_point_m": [0.2, 0, 0]}
     scene["model"]["closures"] = {"right": right}
-    found = simulate(load(scene))
+    results = simulate(load(scene))
     section = Section(0.006, 0.006, 0.006)
     sag = 5.0 / 384.0 * 1200 * 9.81 * section.area * 0.2**4 / (2e10 * section.second_moments[0])
-    assert found["half_z_m"][0] == pytest.approx(-sag, rel=0.01)
+    assert results["half_z_m"][0] == pytest.approx(-sag, rel=0.01)
 
 
 def test_a_chain_of_links_that_bend_has_the_mass_of_rigid_ones() -> None:
@@ -291,8 +293,8 @@ def test_a_chain_of_links_that_bend_has_the_mass_of_rigid_ones() -> None:
     assert bent.mass == pytest.approx(rigid.mass, rel=1e-12)
     assert len(bent.beams) == 3
     assert bent.reported == ("link_1", "link_2", "link_3")
-    found = [sum(body.mass * body.motion.position for body in scene.rigid) for scene in scenes]
-    assert np.allclose(*found, rtol=1e-12)
+    moments = [sum(body.mass * body.motion.position for body in scene.rigid) for scene in scenes]
+    assert np.allclose(*moments, rtol=1e-12)
 
 
 # ---- what is told ----
@@ -332,19 +334,19 @@ def test_too_few_elements_are_told_with_their_error() -> None:
     shear = MODULUS / (2.0 * (1.0 + POISSON))
     stiffness = np.array([shear * section.torsion_constant, *(MODULUS * section.second_moments)])
     exact = kirchhoff(8.896, 0.0, stiffness)[2]
-    for count, told in ((2, True), (8, False)):
+    for count, warned in ((2, True), (8, False)):
         scene = princeton(8.896, 0.0, count)
         scene["solver"]["end_time_s"] = 5e-4
-        found = simulate(load(scene))
-        sentences = [one for one in found.warnings if "too few elements" in one]
-        assert bool(sentences) is told
-        if told:
-            error = abs(found["strip_deflection_z_m"][0] - exact)
+        results = simulate(load(scene))
+        sentences = [warning for warning in results.warnings if "too few elements" in warning]
+        assert bool(sentences) is warned
+        if warned:
+            error = abs(results["strip_deflection_z_m"][0] - exact)
             assert 0.5 * error < float(sentences[0].split("be ")[1].split(" m")[0]) < 2.0 * error
 
 
 @pytest.mark.parametrize(
-    ("link", "flexible", "key", "words"),
+    ("link", "flexible", "key", "reason"),
     [
         (ROD, {"elements": 4}, "rod.flexible", "neither of bending_stiffness_N_m2 and youngs_modulus_Pa"),
         (ROD, SOFT | {"elements": 0}, "flexible.elements", "got the number 0"),
@@ -353,12 +355,12 @@ def test_too_few_elements_are_told_with_their_error() -> None:
         (STRIP, SOFT | {"axial_damping_N_s": 1.0}, "flexible.axial_damping_N_s", "keeps its length"),
     ],
 )
-def test_what_can_not_be_is_refused_with_its_key(link: Config, flexible: Config, key: str, words: str) -> None:
+def test_what_can_not_be_is_refused_with_its_key(link: Config, flexible: Config, key: str, reason: str) -> None:
     with pytest.raises(ConfigError) as refused:
         load(clamped(link, flexible))
-    told = str(refused.value)
-    assert key in told
-    assert words in told
+    message = str(refused.value)
+    assert key in message
+    assert reason in message
 
 
 def test_a_strip_in_a_medium_of_bars_is_refused_by_the_name_of_the_link() -> None:

@@ -30,7 +30,7 @@ SHAPES: dict[str, list[dict[str, Any]]] = {
 
 def thrown(shapes: list[dict[str, Any]], size: float | None = None, **solver: Any) -> dict[str, Any]:
     """A body that is thrown into sand, turning."""
-    parts = [one if size is None else one | {"facet_size_m": size} for one in copy.deepcopy(shapes)]
+    parts = [shape if size is None else shape | {"facet_size_m": size} for shape in copy.deepcopy(shapes)]
     bodies = {"b": {"type": "rigid", "density_kg_m3": 2000, "shapes": parts}}
     start = {"z_m": 0.05, "rpy_deg": [20, 35, 10], "vx_m_s": 0.5, "vz_m_s": -1, "spin_rad_s": [5, 0, 3]}
     return {
@@ -55,15 +55,15 @@ def motion_of(tree: dict[str, Any], share: float = 1.0) -> SpatialKinematics:
     return SpatialKinematics(begun.system, begun.solving.trajectory())  # type: ignore[arg-type]
 
 
-def apart(one: SpatialKinematics, other: SpatialKinematics) -> float:
+def apart(first: SpatialKinematics, second: SpatialKinematics) -> float:
     """Greatest distance of any point, as a part of the way of the fastest."""
-    at = np.linspace(0.0, one.engine.time[-1], 300)
+    at = np.linspace(0.0, first.engine.time[-1], 300)
     tracks = []
-    for motion in (one, other):
+    for motion in (first, second):
         radius = motion.scene.radius(motion.scene.bodies[0])
         columns = np.column_stack([motion.center("b")[0], radius * motion.rotation("b").reshape(-1, 9)])
         tracks.append(np.column_stack([np.interp(at, motion.engine.time, column) for column in columns.T]))
-    return float(np.abs(tracks[0] - tracks[1]).max()) / other.path_length
+    return float(np.abs(tracks[0] - tracks[1]).max()) / second.path_length
 
 
 @pytest.mark.slow
@@ -173,30 +173,34 @@ def test_a_long_body_above_the_sand_is_at_no_depth() -> None:
 def test_a_run_with_an_accuracy_is_repeated_until_its_facets_keep_it() -> None:
     """Facets of 10 mm on a ball of 40 mm, against those of 2 mm; the steps are off by as much as the accuracy, too."""
     results = simulate(thrown(SHAPES["ball"], 0.01, accuracy=ERROR))
-    assert not [one for one in results.warnings if "facets" in one]
+    assert not [warning for warning in results.warnings if "facets" in warning]
     fine = motion_of(thrown(SHAPES["ball"], 0.002, accuracy=1e-3))
-    found = np.column_stack([results[f"b_{k}_m"] for k in "xyz"])
+    path = np.column_stack([results[f"b_{k}_m"] for k in "xyz"])
     at = fine.engine.time
-    there = np.column_stack([np.interp(at, results["time_s"], column) for column in found.T])
-    assert np.abs(there - fine.center("b")[0]).max() < 3.0 * ERROR * fine.path_length
+    fine_path = np.column_stack([np.interp(at, results["time_s"], column) for column in path.T])
+    assert np.abs(fine_path - fine.center("b")[0]).max() < 3.0 * ERROR * fine.path_length
 
 
 def test_a_run_in_steps_tells_the_error_that_it_cannot_mend(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     """`simulate` repeats the run with facets of half the size at the least; `Simulation` warns, with what it says."""
     tree = thrown(SHAPES["ball"], 0.01, accuracy=ERROR)
-    told = Simulation(load(tree)).run()
-    facets = told.summary["facets"]
+    results = Simulation(load(tree)).run()
+    facets = results.summary["facets"]
     assert facets["error"] > ERROR
     assert 0.005 < facets["bodies"]["b"]["edge_m"] <= 0.01
-    assert [one for one in told.warnings if f"about {facets['error']:.1%} of its path; take facet_size_m" in one]
+    assert [
+        warning
+        for warning in results.warnings
+        if f"about {facets['error']:.1%} of its path; take facet_size_m" in warning
+    ]
     (tmp_path / "ball.yaml").write_text(yaml.safe_dump(tree), encoding="utf-8")
     folder = ["--out", str(tmp_path / "out"), "--no-plots"]
     assert main(["run", str(tmp_path / "ball.yaml"), "--quiet", "--explain", *folder]) == 0
-    said = capsys.readouterr().out
-    number = int(re.search(r"facets of b: (\d+), with edges of at most [1-4]\.?\d* mm, 0\.\d+ times their", said)[1])  # type: ignore[index]
+    printed = capsys.readouterr().out
+    number = int(re.search(r"facets of b: (\d+), with edges of at most [1-4]\.?\d* mm, 0\.\d+ times their", printed)[1])  # type: ignore[index]
     assert number > 2 * facets["bodies"]["b"]["number"]
     of_run = r"for an error of 0.5 % of the path; .* by them: 0\.\d+ %"
-    assert re.search(of_run, said)
+    assert re.search(of_run, printed)
 
 
 def test_facets_are_made_smaller_of_the_mechanism_that_needs_it_alone() -> None:
@@ -206,7 +210,7 @@ def test_facets_are_made_smaller_of_the_mechanism_that_needs_it_alone() -> None:
     tree["model"]["bodies"]["plate"] = {"type": "rigid", "density_kg_m3": 2000, "shapes": [plate]}
     tree["model"]["joints"]["g"] = {"type": "free", "parent": "ground", "child": "plate"}
     tree["initial"]["joints"]["g"] = {"x_m": 0.5, "z_m": 0.005}
-    first, chosen = (one.summary["facets"]["bodies"] for one in (Simulation(load(tree)).run(), simulate(load(tree))))
+    first, chosen = (run.summary["facets"]["bodies"] for run in (Simulation(load(tree)).run(), simulate(load(tree))))
     assert chosen["b"]["number"] > 1.5 * first["b"]["number"]
     assert chosen["plate"] == first["plate"]
 
@@ -223,7 +227,7 @@ def test_facets_of_many_bodies_in_a_mechanism_are_larger_than_of_one() -> None:
     bodies["above"] = {**bodies["b"], "shapes": [{**SHAPES["box"][0], "in_sand": False}]}  # has no facets
     joints["k"] = {"type": "hinge", "axis": [0, 1, 0], "parent": "b", "child": "above"}
     begun = begin(build(load(tree)))
-    counts = {one.body.name: len(one.rows) for one in begun.system.facets.lines}  # type: ignore[union-attr]
+    counts = {line.body.name: len(line.rows) for line in begun.system.facets.lines}  # type: ignore[union-attr]
     assert len(counts) == 17
     assert counts["alone"] == pytest.approx(4.0 * counts["b"], rel=0.15)  # of whole numbers of rows
 
@@ -234,9 +238,9 @@ def test_members_of_an_ensemble_have_the_facets_of_the_motion_without_scatter() 
     plain = simulate(load(tree)).summary
     scatter = {"relative": 0.2, "length_m": 0.003}
     for seed in (1, 2):
-        one = simulate(load(tree | {"medium": {"from": "rft3d_sand", "scatter": scatter | {"seed": seed}}})).summary
-        assert one["facets"] == plain["facets"]
-        assert one["max_depth_m"] != plain["max_depth_m"]
+        summary = simulate(load(tree | {"medium": {"from": "rft3d_sand", "scatter": scatter | {"seed": seed}}})).summary
+        assert summary["facets"] == plain["facets"]
+        assert summary["max_depth_m"] != plain["max_depth_m"]
 
 
 def test_a_foot_stands_as_deep_as_by_hand() -> None:

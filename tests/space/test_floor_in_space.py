@@ -25,8 +25,8 @@ def pressed(shape: Any, depth: float, speed: float = 0.0, medium: Any = NOTHING,
     load.start(q)
     load.accept(0.0, q, v)
     names = load.history.term_names
-    found: Array = load.history.terms[0, names.index("floor")]
-    return found
+    wrench: Array = load.history.terms[0, names.index("floor")]
+    return wrench
 
 
 def test_what_is_pressed_on_a_floor_is_borne_as_by_springs_side_by_side() -> None:
@@ -53,14 +53,14 @@ def test_a_floor_is_that_of_the_plane() -> None:
     width = 0.06
     flat = GranularLoad(SAND, 0.0, floor=Floor(-0.025, K * width, D))
     flat.add(polyline(FLAT, [[-0.05, 0.0], [0.05, 0.0]], width=width))
-    one, other = both(flat, load_on(SAND, Plate((0.1, width)), floor=Floor(-0.025, K, D)), spin=0.0)
-    np.testing.assert_allclose(other, one, rtol=1e-10, atol=1e-10)
+    planar, spatial = both(flat, load_on(SAND, Plate((0.1, width)), floor=Floor(-0.025, K, D)), spin=0.0)
+    np.testing.assert_allclose(spatial, planar, rtol=1e-10, atol=1e-10)
     floors = flat.history.terms[:, list(flat.history.term_names).index("floor")]
-    assert np.abs(floors).max() > 0.1 * np.abs(one).max()
+    assert np.abs(floors).max() > 0.1 * np.abs(planar).max()
     flat, bar = GranularLoad(PLAY, 0.0, floor=Floor(-0.025, K * 0.008, D)), Bar([[-0.08, 0, 0], [0.08, 0, 0]], 0.008)
     flat.add(polyline(FLAT, [[-0.08, 0.0], [0.08, 0.0]], diameter=0.008))
-    one, other = both(flat, load_on(PLAY, bar, floor=Floor(-0.025, K, D)), spin=4.0)
-    np.testing.assert_allclose(other, one, rtol=1e-9, atol=1e-9 * np.abs(one).max())
+    planar, spatial = both(flat, load_on(PLAY, bar, floor=Floor(-0.025, K, D)), spin=4.0)
+    np.testing.assert_allclose(spatial, planar, rtol=1e-9, atol=1e-9 * np.abs(planar).max())
 
 
 def test_up_is_any_direction_and_the_floor_is_level_there() -> None:
@@ -86,16 +86,16 @@ def test_the_tangent_has_the_floor_and_its_spring_keeps_its_energy(name: str) ->
     )
     load.start(q)
     load.accept(0.0, q, v)
-    found, expected, d, fq, fv = np.zeros((7, 7)), np.zeros((7, 7)), 1e-8, 0.7, 0.02
+    tangent, expected, d, fq, fv = np.zeros((7, 7)), np.zeros((7, 7)), 1e-8, 0.7, 0.02
     for row, column, value in load.tangent(q, v, fq, fv):
-        found[int(row), int(column)] += value
+        tangent[int(row), int(column)] += value
     for j in range(7):
         e = d * np.eye(7)[j]
         sides = [load.force(q + sign * fq * e, v + sign * fv * e, np.zeros(7)) for sign in (1.0, -1.0)]
         expected[:, j] = (sides[0] - sides[1]) / (2 * d)
-    for slopes in (found, expected):  # what Euler parameters change along themselves is no motion
+    for slopes in (tangent, expected):  # what Euler parameters change along themselves is no motion
         slopes -= np.outer(slopes[:, 3:] @ q[3:], np.append(np.zeros(3), q[3:]))
-    np.testing.assert_allclose(found, expected, atol=2e-3 * np.abs(expected).max())
+    np.testing.assert_allclose(tangent, expected, atol=2e-3 * np.abs(expected).max())
     # Undamped, on a closed way, the spring gives back all that it took; the trapezoidal rule errs by 1e-4 of it.
     load = load_on(medium, shape, 0.03, floor=Floor(-0.06, K))
     works = driven(load, Motion(1, depth=0.06, closed=True), 640).history.floor_work
@@ -105,9 +105,9 @@ def test_the_tangent_has_the_floor_and_its_spring_keeps_its_energy(name: str) ->
 
 def test_a_sphere_that_two_laws_meet_is_borne_once() -> None:
     shape = Sphere(0.08, 2.0)
-    one = pressed(shape, -0.038)
+    single = pressed(shape, -0.038)
     both = pressed(shape, -0.038, medium=(NOTHING, Poncelet(1e-12, 1e-12)))
-    np.testing.assert_array_equal(both, one)
+    np.testing.assert_array_equal(both, single)
 
 
 def test_the_history_keeps_the_floor_apart() -> None:

@@ -38,9 +38,9 @@ def test_a_dragged_plate_is_that_of_the_plane(law: str, static: Any) -> None:
     flat = GranularLoad(MEDIA[law], 0.0, static=static)
     flat.add(polyline(FLAT, [[-0.05, 0.0], [0.05, 0.0]], width=0.06))
     space = load_on(MEDIA[law], Plate((0.1, 0.06)), static=static)
-    one, other = both(flat, space, spin=0.0)
-    assert np.abs(one).max() > 0.5
-    np.testing.assert_allclose(other, one, rtol=1e-10, atol=1e-10)
+    planar, spatial = both(flat, space, spin=0.0)
+    assert np.abs(planar).max() > 0.5
+    np.testing.assert_allclose(spatial, planar, rtol=1e-10, atol=1e-10)
 
 
 @pytest.mark.slow
@@ -54,9 +54,9 @@ def test_a_disc_is_that_of_the_plane(law: str) -> None:
             load_on(MEDIA[law], prism(DISC, 0.06), size, static=static),
         )
         flat.add(outline(FLAT, DISC, 0.06, strips=strips))
-        one, other = both(flat, space, spin)
-        assert np.abs(one).max() > 1.0
-        np.testing.assert_allclose(other, one, rtol=0.0, atol=off * np.abs(one).max())
+        planar, spatial = both(flat, space, spin)
+        assert np.abs(planar).max() > 1.0
+        np.testing.assert_allclose(spatial, planar, rtol=0.0, atol=off * np.abs(planar).max())
 
 
 @pytest.mark.parametrize("static", [Elastoplastic(1e-3, 1e-3), Smooth(0.05)], ids=["bristles", "smooth"])
@@ -69,9 +69,9 @@ def test_a_bar_is_that_of_the_plane(law: str, static: Any) -> None:
     space = load_on(
         medium, Bar(np.column_stack([ends[:, 0], 0 * ends[:, 0], ends[:, 1]]), 0.008), static=static, end_cap=True
     )
-    one, other = both(flat, space, spin=4.0)
-    assert np.abs(one).max() > 0.05
-    np.testing.assert_allclose(other, one, rtol=1e-9, atol=1e-9 * np.abs(one).max())
+    planar, spatial = both(flat, space, spin=4.0)
+    assert np.abs(planar).max() > 0.05
+    np.testing.assert_allclose(spatial, planar, rtol=1e-9, atol=1e-9 * np.abs(planar).max())
 
 
 def published(beta: float, gamma: float, psi: float) -> Array:
@@ -79,8 +79,8 @@ def published(beta: float, gamma: float, psi: float) -> Array:
     x = np.array(
         [1.0, np.sin(gamma), np.cos(beta), np.cos(psi) * np.cos(gamma) * np.sin(beta) + np.sin(gamma) * np.cos(beta)]
     )
-    one, a, b, c = x
-    terms = [one, a, b, c, a * a, b * b, c * c, a * b, b * c, c * a, a**3, b**3, c**3]
+    constant, a, b, c = x
+    terms = [constant, a, b, c, a * a, b * b, c * c, a * b, b * c, c * a, a**3, b**3, c**3]
     terms += [a * b * b, b * a * a, b * c * c, c * b * b, c * a * a, a * c * c, a * b * c]
     f1, f2, f3 = np.array(terms) @ np.array(C)
     r = f1 * np.sin(beta) * np.cos(psi) + f2 * np.cos(gamma)
@@ -185,8 +185,8 @@ def test_a_slope_is_the_tilted_height_of_the_plane() -> None:
     flat = GranularLoad(SAND, 0.0, slope=rise)
     flat.add(outline(FLAT, DISC, 0.06, strips=48))
     space = load_on(SAND, prism(DISC, 0.06), 1.0, slope=(rise, 0.0, 0.0))
-    one, other = both(flat, space, 0.0)
-    np.testing.assert_allclose(other, one, rtol=0.0, atol=1e-10 * np.abs(one).max())
+    planar, spatial = both(flat, space, 0.0)
+    np.testing.assert_allclose(spatial, planar, rtol=0.0, atol=1e-10 * np.abs(planar).max())
 
 
 @pytest.mark.parametrize("name", ["rft3d", "rft", "lee_marghitu"])
@@ -202,15 +202,15 @@ def test_mirror_images(name: str) -> None:
     mirror, axial = np.array([1, -1, 1]), np.array([-1, 1, -1])
     place, turn = np.array([0.0, 0.01, -0.02]), np.array([0.3, -0.5, 0.8])
     v, w = np.array([0.1, -0.07, -0.05]), np.array([1.0, -2.0, 0.5])
-    found = []
+    histories = []
     for body, a, b in ((first, 1, 1), (other, mirror, axial)):
         load = load_on(medium, body)
         q, rates = state(place * a, Rotation.from_rotvec(turn * b), v * a, w * b)
         load.start(q)
         load.accept(0.0, q, rates)
-        found.append(load.history.bodies[0, 0] * np.concatenate([np.ones(3) * a, np.ones(3) * b]))
-    np.testing.assert_allclose(found[1], found[0], rtol=1e-9, atol=1e-10)
-    assert np.abs(found[0]).max() > 0.1
+        histories.append(load.history.bodies[0, 0] * np.concatenate([np.ones(3) * a, np.ones(3) * b]))
+    np.testing.assert_allclose(histories[1], histories[0], rtol=1e-9, atol=1e-10)
+    assert np.abs(histories[0]).max() > 0.1
 
 
 def test_a_box_of_twelve_triangles_is_cut_fine_enough() -> None:
@@ -245,7 +245,7 @@ def test_finer_facets_converge_with_their_square(shape: Any, coarse: float) -> N
             load.accept(0.0, q, v)
             found.append(load.history.bodies[0, 0, :3])
         forces.append(np.array(found))
-    errors = [float(np.linalg.norm(one - forces[-1])) for one in forces[:-1]]
+    errors = [float(np.linalg.norm(coarser - forces[-1])) for coarser in forces[:-1]]
     slope = np.polyfit(np.log(sizes), np.log(errors), 1)[0]
     assert 1.8 < slope < 2.4, (errors, slope)
 
@@ -266,18 +266,22 @@ def test_tangent_is_that_of_differences(name: str, size: int) -> None:
     before = load.force(q, v, np.zeros(size))
     fq, fv = 0.7, 0.02
     entries = load.tangent(q, v, fq, fv).copy()
-    found = np.zeros((size, size))
-    np.add.at(found, (entries[:, 0].astype(int), entries[:, 1].astype(int)), entries[:, 2])
+    differences = np.zeros((size, size))
+    np.add.at(differences, (entries[:, 0].astype(int), entries[:, 1].astype(int)), entries[:, 2])
     expected, d = np.zeros((size, size)), 1e-8
     for j in range(size):
         e = d * np.eye(size)[j]
         ahead = load.force(q + fq * e, v + fv * e, np.zeros(size))
         behind = load.force(q - fq * e, v - fv * e, np.zeros(size))
         expected[:, j] = (ahead - behind) / (2 * d)
-    for slopes in (found, expected) if size == 7 else ():  # what Euler parameters change along themselves is no motion
+    for slopes in (
+        (differences, expected) if size == 7 else ()
+    ):  # what Euler parameters change along themselves is no motion
         slopes -= np.outer(slopes[:, 3:] @ q[3:], np.append(np.zeros(3), q[3:])) / (q[3:] @ q[3:])
     # Where a layer ends the part of a facet within it changes, too.
-    np.testing.assert_allclose(found, expected, atol=(5e-3 if name == "layers" else 2e-3) * np.abs(expected).max())
+    np.testing.assert_allclose(
+        differences, expected, atol=(5e-3 if name == "layers" else 2e-3) * np.abs(expected).max()
+    )
     # Forces at other states have left nothing behind.
     np.testing.assert_array_equal(load.force(q, v, np.zeros(size)), before)
 
@@ -290,12 +294,12 @@ def test_of_translations_the_tangent_knows_how_the_depth_changes(slope: tuple[fl
     start, v = state(np.array([0.0, 0.0, -0.03]), turn, velocity, np.zeros(3))
     load.start(start)
     q = start + 0.05 * v  # to a fourth of the yield displacement
-    entries, found, d = load.tangent(q, v, 1.0, 0.0).copy(), np.zeros((7, 7)), 1e-8
-    np.add.at(found, (entries[:, 0].astype(int), entries[:, 1].astype(int)), entries[:, 2])
+    entries, differences, d = load.tangent(q, v, 1.0, 0.0).copy(), np.zeros((7, 7)), 1e-8
+    np.add.at(differences, (entries[:, 0].astype(int), entries[:, 1].astype(int)), entries[:, 2])
     ahead, behind = (np.array([load.force(q + s * e, v, np.zeros(7)) for e in np.eye(7)[:3]]).T for s in (d, -d))
     expected = (ahead - behind) / (2.0 * d)
     # Differences of forces over 2e-8 m of depths of 3 cm: 1e-5 of them.
-    np.testing.assert_allclose(found[:, :3], expected, atol=1e-4 * np.abs(expected).max())
+    np.testing.assert_allclose(differences[:, :3], expected, atol=1e-4 * np.abs(expected).max())
 
 
 def test_a_state_with_gaps_in_its_array_compiles_nothing() -> None:
@@ -323,8 +327,8 @@ def test_forces_that_come_with_a_tangent_are_those_of_their_state(name: str) -> 
         load.accept(0.0, q, rates)
         assert np.linalg.norm(force[:3]) > 1e-3  # N
         found.append((force, load.table.row.copy(), np.concatenate([batch.anchors for batch in load.batches])))
-    for one, two in zip(*found, strict=True):
-        np.testing.assert_array_equal(one, two)
+    for alone, with_tangent in zip(*found, strict=True):
+        np.testing.assert_array_equal(alone, with_tangent)
 
 
 @pytest.mark.slow
@@ -390,8 +394,8 @@ def test_an_accepted_step_is_the_same_whatever_forces_were_asked_for_before_it(n
 
         def end(step: float, at: float, *asks: float) -> None:
             """A step to the place in the motion `at`, with forces asked for at others."""
-            for one in asks if asked else ():
-                load.force(*motion.state(one), np.zeros(7))
+            for evaluation in asks if asked else ():
+                load.force(*motion.state(evaluation), np.zeros(7))
             load.update_active(step)
             load.accept(load.time + 1e-3, *motion.state(at))
             rows.extend([load.table.row.copy(), load.batches[0].anchors.copy()])

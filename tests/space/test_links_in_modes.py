@@ -53,13 +53,14 @@ def swung() -> Config:
     return {"model": model, "initial": {"joints": {"swing": {"rate_rad_s": 3}}}, "solver": solver}
 
 
-def apart(one: Results, full: Results, link: str) -> float:
+def apart(reduced: Results, full: Results, link: str) -> float:
     """How far both deflections are apart at most, of the greatest one."""
-    times = np.linspace(0.0, min(one["time_s"][-1], full["time_s"][-1]), 300)
-    found, whole = (
-        np.array([np.interp(times, of["time_s"], of[f"{link}_deflection_{x}_m"]) for x in "yz"]) for of in (one, full)
+    times = np.linspace(0.0, min(reduced["time_s"][-1], full["time_s"][-1]), 300)
+    tip, whole = (
+        np.array([np.interp(times, of["time_s"], of[f"{link}_deflection_{x}_m"]) for x in "yz"])
+        for of in (reduced, full)
     )
-    return float(np.linalg.norm(found - whole, axis=0).max() / np.linalg.norm(whole, axis=0).max())
+    return float(np.linalg.norm(tip - whole, axis=0).max() / np.linalg.norm(whole, axis=0).max())
 
 
 # ---- theory ----
@@ -78,23 +79,23 @@ def test_modes_are_those_of_a_cantilever_with_order_two() -> None:
         K = np.array([joint.elastic.stiffness for joint in joints if joint.elastic is not None])
         omega = np.sqrt(np.einsum("kai,ka->i", S**2, K))
         errors.append(np.abs(omega / [torsion, 3.0 * torsion, *about_y, *about_z] - 1.0))
-    for one in np.transpose(errors).tolist():
-        assert order(counts, one) == pytest.approx(2.0, abs=0.2)
+    for of_mode in np.transpose(errors).tolist():
+        assert order(counts, of_mode) == pytest.approx(2.0, abs=0.2)
     assert np.max(errors[-1]) < 5e-3
 
 
 def test_one_mode_falls_twice_as_far_as_it_hangs_in_half_a_period() -> None:
     """Let go where it is straight, W = a (1 - cos w t) phi(L), a = g int phi / w^2 int phi^2: 0.12668 q L^4 / EI."""
     gravity = 0.981  # so that it is a linear beam: its slope is 0.02
-    found = simulate(load(cantilever(16, 1, 0.15, gravity)))
+    results = simulate(load(cantilever(16, 1, 0.15, gravity)))
     root, shape = ROOTS[0], 0.7340955  # sigma of phi, for which int phi = 2 sigma L / root, phi(L)^2 = 4 int phi^2 / L
     omega = root**2 / LENGTH**2 * np.sqrt(E * Section(None, WIDTH, THICKNESS).second_moments[0] / LINE)
     hangs = 4.0 * shape / root * gravity / omega**2
-    fallen = -found["strip_deflection_z_m"]
+    fallen = -results["strip_deflection_z_m"]
     assert np.pi / omega < 0.12  # s, half of a period
     assert fallen.max() == pytest.approx(2.0 * hangs, rel=5e-3)  # by l^2 0.2 %
-    assert found["time_s"][int(fallen.argmax())] == pytest.approx(np.pi / omega, rel=0.02)
-    assert found.summary["energy"]["imbalance_relative"] < 1e-3
+    assert results["time_s"][int(fallen.argmax())] == pytest.approx(np.pi / omega, rel=0.02)
+    assert results.summary["energy"]["imbalance_relative"] < 1e-3
 
 
 # ---- against all elements ----
@@ -105,10 +106,10 @@ def test_a_few_modes_bend_and_twist_as_all_elements_do() -> None:
     assert np.abs(full["strip_twist_deg"]).max() > 0.5
     errors = {}
     for modes in (1, 2, 6):
-        found = simulate(load(swung() | {"method": reduced(modes)}))
-        errors[modes] = apart(found, full, "strip")
-        assert not found.warnings
-        assert found.summary["energy"]["imbalance_relative"] < 1e-3
+        results = simulate(load(swung() | {"method": reduced(modes)}))
+        errors[modes] = apart(results, full, "strip")
+        assert not results.warnings
+        assert results.summary["energy"]["imbalance_relative"] < 1e-3
     assert errors[2] < 0.3 * errors[1] < 0.012
     assert errors[6] < 1e-5  # all that there are
 
@@ -120,13 +121,16 @@ def test_in_sand_two_modes_hold_a_strike_that_one_misses_and_that_is_told() -> N
     scene["solver"]["accuracy"] = 1e-3
     full = simulate(load(scene))
     for modes, least, most in ((1, 0.2, 0.5), (2, 0.02, 0.06), (8, 0.0, 1e-4)):
-        found = simulate(load(scene | {"method": reduced(modes)}))
-        error, told = apart(found, full, "link"), [one for one in found.warnings if "too few modes" in one]
+        results = simulate(load(scene | {"method": reduced(modes)}))
+        error, warnings = (
+            apart(results, full, "link"),
+            [warning for warning in results.warnings if "too few modes" in warning],
+        )
         assert least <= error < most
-        assert bool(told) is (modes < 3)
-        if told:
-            said = float(told[0].split("be ")[1].split(" m")[0]) / full.summary["max_deflection_m"]
-            assert 0.4 * error < said < 1.7 * error
+        assert bool(warnings) is (modes < 3)
+        if warnings:
+            estimate = float(warnings[0].split("be ")[1].split(" m")[0]) / full.summary["max_deflection_m"]
+            assert 0.4 * error < estimate < 1.7 * error
 
 
 def test_none_is_rigid_and_prescribed_motions_stay() -> None:
@@ -139,17 +143,17 @@ def test_none_is_rigid_and_prescribed_motions_stay() -> None:
     for axis in "xyz":
         assert runs[0][f"tip_{axis}_m"][-1] == pytest.approx(rigid[f"tip_{axis}_m"][-1], abs=1e-5)
     assert np.abs(runs[1]["whip_deflection_y_m"]).max() > 1e-3
-    for one in runs:
-        assert one["mast_angle_deg"][-1] == pytest.approx(rigid["mast_angle_deg"][-1], abs=1e-9)
-        assert one["drive_work_J"][-1] > 0.0
+    for run in runs:
+        assert run["mast_angle_deg"][-1] == pytest.approx(rigid["mast_angle_deg"][-1], abs=1e-9)
+        assert run["drive_work_J"][-1] > 0.0
 
 
 def test_held_by_its_tip_it_has_the_same_modes() -> None:
     by_root, by_tip = cantilever(6, 2, 0.02), cantilever(6, 2, 0.02)
     by_tip["model"]["joints"]["wall"] |= {"child_point_m": [LENGTH, 0, 0], "rpy_deg": [0, 0, 180]}
-    one, other = (simulate(load(scene)) for scene in (by_root, by_tip))
-    assert one["strip_z_m"][-1] < -1e-4
-    assert other["strip_z_m"][-1] == pytest.approx(one["strip_z_m"][-1], rel=1e-6)
+    held_by_root, held_by_tip = (simulate(load(scene)) for scene in (by_root, by_tip))
+    assert held_by_root["strip_z_m"][-1] < -1e-4
+    assert held_by_tip["strip_z_m"][-1] == pytest.approx(held_by_root["strip_z_m"][-1], rel=1e-6)
 
 
 # ---- what is refused, and what is kept ----
@@ -180,7 +184,7 @@ def rigid() -> Config:
 
 
 @pytest.mark.parametrize(
-    ("scene", "method", "words"),
+    ("scene", "method", "message"),
     [
         (carrying(), reduced(1), "method: strip carries weight, which moves against it"),
         (between(), reduced(1), "method: strip is held between its ends"),
@@ -192,10 +196,10 @@ def rigid() -> Config:
         (swung() | {"initial": {"settle": True}}, reduced(1), "method: initial.settle is true"),
     ],
 )
-def test_what_can_not_be_in_modes_is_refused_with_its_key(scene: Config, method: Config, words: str) -> None:
+def test_what_can_not_be_in_modes_is_refused_with_its_key(scene: Config, method: Config, message: str) -> None:
     with pytest.raises((ConfigError, SceneError)) as refused:
         build(load(copy.deepcopy(scene) | {"method": method}))
-    assert words in str(refused.value)
+    assert message in str(refused.value)
 
 
 def test_the_choice_survives_a_file_and_the_command_keeps_the_accuracy(tmp_path: Any) -> None:

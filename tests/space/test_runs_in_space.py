@@ -111,10 +111,10 @@ def test_what_is_extruded_moves_as_in_the_plane(name: str, width: float | None) 
         )
     )
     at = np.linspace(0.0, 0.12, 60)
-    one, other = columns(flat, "b_x_m", "b_y_m", at=at), columns(deep, "b_x_m", "b_z_m", at=at)
-    way = np.linalg.norm(np.diff(one, axis=0), axis=1).sum()
+    planar, spatial = columns(flat, "b_x_m", "b_y_m", at=at), columns(deep, "b_x_m", "b_z_m", at=at)
+    way = np.linalg.norm(np.diff(planar, axis=0), axis=1).sum()
     # Facets of 3 mm in place of strips, 96 chords of a circle, steps at an accuracy of 1e-3 each.
-    assert np.linalg.norm(one - other, axis=1).max() < 1e-3 * way
+    assert np.linalg.norm(planar - spatial, axis=1).max() < 1e-3 * way
     assert np.abs(columns(flat, "b_orientation_deg", at=at) - columns(deep, "b_pitch_deg", at=at)).max() < 0.1
     assert np.abs(deep["b_y_m"]).max() < 1e-4 * way  # the facets of both sides are not quite alike
     assert deep["depth_m"].max() > 0.005
@@ -139,14 +139,17 @@ def test_the_runner_extruded_runs_as_in_the_plane() -> None:
             joint["axis"] = [0, 1, 0]
             joint["parent_point_m"].insert(1, 0)
     run["solver"] = {"end_time_s": 0.25, "accuracy": 3e-3}
-    one = simulate(load(run | {"model": flat}))
+    planar = simulate(load(run | {"model": flat}))
     start = {"joints": {"trunk": {"x_m": 0, "z_m": 0.045}}}
-    other = simulate(load(run | {"model": deep, "initial": start}))
+    spatial = simulate(load(run | {"model": deep, "initial": start}))
     at = np.linspace(0.0, 0.25, 100)
-    path, there = columns(one, "trunk_x_m", "trunk_y_m", at=at), columns(other, "trunk_x_m", "trunk_z_m", at=at)
+    path, path_in_space = (
+        columns(planar, "trunk_x_m", "trunk_y_m", at=at),
+        columns(spatial, "trunk_x_m", "trunk_z_m", at=at),
+    )
     way = np.linalg.norm(np.diff(path, axis=0), axis=1).sum()
-    assert np.linalg.norm(path - there, axis=1).max() < 1e-3 * way
-    assert np.abs(other["trunk_y_m"]).max() < 1e-5 * way
+    assert np.linalg.norm(path - path_in_space, axis=1).max() < 1e-3 * way
+    assert np.abs(spatial["trunk_y_m"]).max() < 1e-5 * way
     assert path[-1, 0] > 0.02
 
 
@@ -187,13 +190,13 @@ def tumbling(turn: np.ndarray, *, mirrored: bool = False) -> Results:
 def test_turning_and_mirroring_the_scene_turns_and_mirrors_the_result() -> None:
     turn = rotations.of_rpy([0.0, 0.0, 1.234])
     seen, turned, mirrored = tumbling(np.eye(3)), tumbling(turn), tumbling(np.eye(3), mirrored=True)
-    where, there, image = (
-        columns(one, "l_x_m", "l_y_m", "l_z_m", at=seen["time_s"]) for one in (seen, turned, mirrored)
+    where, path_turned, image = (
+        columns(results, "l_x_m", "l_y_m", "l_z_m", at=seen["time_s"]) for results in (seen, turned, mirrored)
     )
     way = np.linalg.norm(np.diff(where, axis=0), axis=1).sum()
     # What Newton's method leaves of a step is another one in other axes: 1e-11 of the way by the tolerance above, 1e-7
     # by the usual one.
-    assert np.abs(where @ turn.T - there).max() < 1e-10 * way
+    assert np.abs(where @ turn.T - path_turned).max() < 1e-10 * way
     assert np.abs(seen["h_angle_deg"] - turned["h_angle_deg"]).max() < 1e-7
     # The mirror image of a face is not cut into the mirror images of its facets.
     assert np.abs(where * [1, -1, 1] - image).max() < 2e-3 * way
@@ -290,16 +293,16 @@ def test_joints_act_as_in_the_plane() -> None:
     flat["joints"]["knee"]["parent_point_m"] = [0.1, 0]  # type: ignore[index]
     common = {"drives": DRIVES, "initial": {"joints": {"knee": {"rate_rad_s": 6}}}}
     solver = {"end_time_s": 0.4, "accuracy": 1e-3}
-    one, other = (simulate(load({"model": model, **common, "solver": solver})) for model in (flat, in_space(ARM)))
+    planar, spatial = (simulate(load({"model": model, **common, "solver": solver})) for model in (flat, in_space(ARM)))
     at = np.linspace(0.0, 0.4, 80)
     for name in ("hip_angle_deg", "knee_angle_deg", "hip_torque_Nm", "rail_force_N", "spring_J", "friction_work_J"):
-        values = columns(one, name, at=at)
+        values = columns(planar, name, at=at)
         # The reaction of a prescribed motion jumps where friction turns and stops are met, at other steps.
         close = (0.05 if name == "rail_force_N" else 0.01) * np.ptp(values)
-        np.testing.assert_allclose(columns(other, name, at=at), values, atol=close, err_msg=name)
-    assert np.ptp(one["knee_angle_deg"]) > 20.0
-    assert other.summary["energy"]["imbalance_relative"] < 1e-3
-    assert np.abs(other["upper_y_m"]).max() < 1e-9
+        np.testing.assert_allclose(columns(spatial, name, at=at), values, atol=close, err_msg=name)
+    assert np.ptp(planar["knee_angle_deg"]) > 20.0
+    assert spatial.summary["energy"]["imbalance_relative"] < 1e-3
+    assert np.abs(spatial["upper_y_m"]).max() < 1e-9
 
 
 def test_a_loop_and_a_ball_joint_keep_their_energy() -> None:
@@ -349,16 +352,16 @@ BALL = {"type": "ball", **STIFF, "stops": END}
 def test_a_ball_joint_has_a_spring_a_damper_and_an_end_of_its_range() -> None:
     """About one axis it is a hinge with stops at both sides; about all of them its energy is accounted for."""
     hinge = {"type": "hinge", "axis": [0, 1, 0], **STIFF, "stops": END | {"lower_deg": -15}}
-    one = simulate(load(jointed(hinge, {"rate_rad_s": 30}, [0, 0, 0], [0, 90, 0])))
+    hinged = simulate(load(jointed(hinge, {"rate_rad_s": 30}, [0, 0, 0], [0, 90, 0])))
     other = simulate(load(jointed(BALL, {"spin_rad_s": [0, 30, 0]}, [0, 0, 0], [0, 90, 0])))
     at = np.linspace(0.0, 0.4, 60)
     for name in ("hip_angle_deg", "spring_J", "joint_damping_work_J"):
-        values = columns(one, name, at=at)
+        values = columns(hinged, name, at=at)
         np.testing.assert_allclose(columns(other, name, at=at), values, atol=0.01 * np.ptp(values), err_msg=name)
     np.testing.assert_allclose(
-        columns(other, "knee_angle_deg", at=at), np.abs(columns(one, "knee_angle_deg", at=at)), atol=0.3
+        columns(other, "knee_angle_deg", at=at), np.abs(columns(hinged, "knee_angle_deg", at=at)), atol=0.3
     )
-    assert np.abs(one["knee_angle_deg"]).max() > 16.0
+    assert np.abs(hinged["knee_angle_deg"]).max() > 16.0
     spun = simulate(load(jointed(BALL, {"spin_rad_s": [30, 15, 20]}, [10, 40, -70], [0, 0, 90])))
     assert spun.summary["energy"]["imbalance_relative"] < 1e-3
     assert spun["knee_angle_deg"].max() > 16.0
@@ -388,10 +391,10 @@ def test_forces_in_a_ball_joint_are_those_of_its_potential_and_its_damper() -> N
             ]
             v, f = np.concatenate([np.zeros(3), rates[0], np.zeros(3), rates[1]]), np.zeros(14)
             joint_loads.force(s.record, np.zeros(1, joint_loads.STATE), places, q, v, f)
-            moved = [q + 1e-6 * one for one in np.eye(14)], [q - 1e-6 * one for one in np.eye(14)]
+            moved = [q + 1e-6 * unit for unit in np.eye(14)], [q - 1e-6 * unit for unit in np.eye(14)]
             slope = np.array([energy(a) - energy(b) for a, b in zip(*moved, strict=True)]) / 2e-6
-            for one, at in zip(e, (slice(3, 7), slice(10, 14)), strict=True):
-                slope[at] -= one @ slope[at] * one  # along it a quaternion is no rotation
+            for unit, at in zip(e, (slice(3, 7), slice(10, 14)), strict=True):
+                slope[at] -= unit @ slope[at] * unit  # along it a quaternion is no rotation
             w = spins[1] - spins[0]
             assert (f + slope) @ v == pytest.approx(-damping * w @ w, abs=1e-6)
             if damping == 0.0:
@@ -436,8 +439,8 @@ def test_forces_between_elements_are_those_of_their_energy_and_their_damping() -
         (q, theta, s), after, before = at(0.0), at(1e-6), at(-1e-6)
         v, rate, speed = ((a - b) / 2e-6 for a, b in zip(after, before, strict=True))
         for kind, axial in (("elastic", 0.0), ("stretching", (k * s + d * speed) * speed)):
-            f, one = np.zeros(14), SpatialCoordinate(replace(joint, kind=kind), [0.0] * 14)
-            joint_loads.force(one.record, np.zeros(1, joint_loads.STATE), places, q, v, f)
+            f, element = np.zeros(14), SpatialCoordinate(replace(joint, kind=kind), [0.0] * 14)
+            joint_loads.force(element.record, np.zeros(1, joint_loads.STATE), places, q, v, f)
             assert f @ v == pytest.approx(-(K * theta + D * rate) @ rate - axial, rel=1e-6)
         turn, w = P @ theta, parent.T @ (spins[1] - spins[0])
         moment = np.array(called(space_ball_joints.elastic)(tuple(turn), tuple(w), node))
@@ -488,6 +491,6 @@ def test_penetration_ends_where_the_lower_end_stops_falling() -> None:
     run = {"model": model, "medium": "rft3d_sand", "surface_height_m": 0, "initial": start}
     results = simulate(load(run | {"solver": {"end_time_s": 0.02, "step_s": 1e-4}}))
     lowest = results["time_s"][np.flatnonzero(np.diff(results["tip_z_m"]) >= 0.0)[0]]
-    told = results.summary["touch_time_s"] + results.summary["penetration_time_s"]
-    assert told == pytest.approx(lowest, abs=2e-4)
+    end_time = results.summary["touch_time_s"] + results.summary["penetration_time_s"]
+    assert end_time == pytest.approx(lowest, abs=2e-4)
     assert 0.005 < results.summary["penetration_time_s"] < 0.01

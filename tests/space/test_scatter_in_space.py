@@ -37,8 +37,8 @@ def pushed(seed: int, facet: float = 0.01, steps: int = 30) -> Array:
         load.accept(1e-2 * i, *at)
     history = load.history
     assert (history.power <= 0.0).all()
-    found: Array = history.terms
-    return found
+    terms: Array = history.terms
+    return terms
 
 
 def pressed_in_space(medium: Law, size: float) -> float:
@@ -68,14 +68,14 @@ def test_a_plate_scatters_as_its_cubes_do() -> None:
 
 
 def test_it_changes_with_the_way_and_only_what_is_static() -> None:
-    plain, one, again, other = (pushed(seed) for seed in (0, 5, 5, 6))
-    np.testing.assert_array_equal(one, again)
-    np.testing.assert_array_equal(one[:, 1], plain[:, 1])
+    plain, scattered, repeated, other = (pushed(seed) for seed in (0, 5, 5, 6))
+    np.testing.assert_array_equal(scattered, repeated)
+    np.testing.assert_array_equal(scattered[:, 1], plain[:, 1])
     assert np.abs(plain[:, 1]).max() > 0.0
-    ratio = one[:, 0, 2] / plain[:, 0, 2]
+    ratio = scattered[:, 0, 2] / plain[:, 0, 2]
     assert np.ptp(ratio) > 0.02  # over three grains of way
     assert np.abs(np.diff(ratio)).max() < 0.5 * np.ptp(ratio)  # in steps of a tenth of a grain
-    assert np.abs(other - one).max() > 0.01 * np.abs(plain).max()
+    assert np.abs(other - scattered).max() > 0.01 * np.abs(plain).max()
 
 
 def test_facets_have_the_values_of_their_cubes_whatever_was_asked_before() -> None:
@@ -84,8 +84,8 @@ def test_facets_have_the_values_of_their_cubes_whatever_was_asked_before() -> No
     plain, kept = (load_on(medium, Plate((SIZE, SIZE)), 0.008) for medium in (SAND, scattering))
     down = np.array([0.0, 0.0, -0.1])
     begin, *others = (state(down * s, Rotation.identity(), down, 0.0 * down) for s in (0.1, 0.38, 0.13, 0.27, 0.13))
-    for one in (plain, kept):
-        one.start(begin[0])
+    for field in (plain, kept):
+        field.start(begin[0])
     E, body = kept.batches[0].elements, kept.batches[0].clusters["body"][0]
     cubes = np.floor(E[:, :3] / GRAIN).astype(int) @ [73856093, 19349663, 83492791] + body * 49979687
     s = np.where(E[:, 7] <= GRAIN**2, SHARE, SHARE * GRAIN / np.sqrt(E[:, 7]))
@@ -95,7 +95,7 @@ def test_facets_have_the_values_of_their_cubes_whatever_was_asked_before() -> No
         q = (path - i) ** 2 * (3.0 - 2.0 * (path - i))
         ends = np.array([[called(value)(7, i + k, int(cube)) for k in (0, 1)] for cube in cubes])
         factors = 1.0 + s * (ends @ [1.0 - q, q]) / np.hypot(1.0 - q, q)
-        force, without = (one.force(*at, np.zeros(7))[2] for one in (kept, plain))
+        force, without = (field.force(*at, np.zeros(7))[2] for field in (kept, plain))
         assert force == pytest.approx(without * np.average(factors, weights=E[:, 7]), rel=1e-12)
         assert abs(force / without - 1.0) > 1e-3
 
@@ -122,13 +122,13 @@ def test_one_seed_converges_with_the_step_by_order_two() -> None:
 def test_none_at_all_is_none_bit_by_bit() -> None:
     nothing = PLAIN.model_copy(update={"scatter": Scatter(0.0, GRAIN, 3)})
     at = state(np.array([0.0, 0.0, -0.01]), Rotation.identity(), np.array([0.0, 0.0, -0.1]), np.zeros(3))
-    found = []
+    histories = []
     for medium in (PLAIN, nothing):
         load = load_on(medium, Plate((SIZE, SIZE)))
         load.start(at[0])
         load.accept(0.0, *at)
-        found.append(load.history.terms)
-    np.testing.assert_array_equal(*found)
+        histories.append(load.history.terms)
+    np.testing.assert_array_equal(*histories)
 
 
 def test_laws_of_bars_and_balls_are_refused_in_a_line() -> None:
@@ -144,17 +144,17 @@ def test_laws_of_bars_and_balls_are_refused_in_a_line() -> None:
 def test_what_was_measured_of_a_plate_comes_back(in_space: bool) -> None:
     """Force over its mean on a level plate of 53 mm with the preset's own number, which is of the force."""
     medium, at, size = preset("cmu_dry_sand"), [], 0.0532
-    (asked,) = (one.force for one in medium.measured_scatter if one.name == "pressed_plate")
+    (asked,) = (sand.force for sand in medium.measured_scatter if sand.name == "pressed_plate")
     for seed in range(1, 61):
-        one = medium.model_copy(update={"scatter": Scatter(measured="pressed_plate", seed=seed)})
-        at.append(pressed_in_space(one, size) if in_space else pressed_in_plane(one, size))
+        sand = medium.model_copy(update={"scatter": Scatter(measured="pressed_plate", seed=seed)})
+        at.append(pressed_in_space(sand, size) if in_space else pressed_in_plane(sand, size))
     # Of 60 draws a deviation is known to 9 %.
     assert np.std(at) / np.mean(at) == pytest.approx(asked, rel=0.35)
 
 
 def test_a_name_that_was_not_measured_is_refused_in_a_line() -> None:
-    for sand, words in (("cmu_dry_sand", "allowed is pressed_plate"), ("play_sand", "no scatter was measured")):
-        with pytest.raises(ConfigError, match=rf"medium.scatter.measured: got spade, {words}"):
+    for sand, message in (("cmu_dry_sand", "allowed is pressed_plate"), ("play_sand", "no scatter was measured")):
+        with pytest.raises(ConfigError, match=rf"medium.scatter.measured: got spade, {message}"):
             load("pendulum", medium={"from": sand, "scatter": {"measured": "spade"}})
     with pytest.raises(ConfigError, match=r"medium.scatter.relative: stands beside `measured`"):
         load("pendulum", medium={"from": "cmu_dry_sand", "scatter": {"measured": "turning_wheel", "relative": 0.1}})

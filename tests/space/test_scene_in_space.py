@@ -109,10 +109,10 @@ FAULTS = {
 
 @pytest.mark.parametrize("name", FAULTS)
 def test_faults_tell_their_key(name: str) -> None:
-    run, told = FAULTS[name]
+    run, message = FAULTS[name]
     with pytest.raises((ConfigError, SceneError)) as caught:
         scene_of(run)
-    assert told in str(caught.value)
+    assert message in str(caught.value)
 
 
 MESHED = """model:
@@ -142,14 +142,14 @@ def test_a_mesh_in_pieces_is_told_where_it_stands(tmp_path: Path, capsys: pytest
         (tmp_path / "rock.obj").write_text(f"{points}\n{lines}\n")
         (tmp_path / "run.yaml").write_text(MESHED)
         _, scene = read(str(tmp_path / "run.yaml"))
-        told = capsys.readouterr().err.splitlines()
-        assert (len(told), len(scene.notes)) == ((0, 0) if name == "one" else (2, 2))
+        printed = capsys.readouterr().err.splitlines()
+        assert (len(printed), len(scene.notes)) == ((0, 0) if name == "one" else (2, 2))
     assert all(
-        f"run.yaml:{MESHED.splitlines().index('          file: rock.obj') + 1}: model.bodies.rock" in t for t in told
+        f"run.yaml:{MESHED.splitlines().index('          file: rock.obj') + 1}: model.bodies.rock" in t for t in printed
     )
-    assert "of its area lies inside it" in told[0]
-    assert 15 < int(told[0].split("about ")[1].split(" %")[0]) < 40  # 25 % of it, by 64 points
-    assert "2 loose parts" in told[1]
+    assert "of its area lies inside it" in printed[0]
+    assert 15 < int(printed[0].split("about ")[1].split(" %")[0]) < 40  # 25 % of it, by 64 points
+    assert "2 loose parts" in printed[1]
 
 
 SHAPES = [
@@ -164,11 +164,11 @@ SHAPES = [
 
 @pytest.mark.parametrize("spec", SHAPES, ids=lambda spec: spec.type)
 def test_mass_properties_are_those_of_the_surface(spec: Any) -> None:
-    shape, own = build_shape(spec)
+    shape, mass_properties = build_shape(spec)
     seen = of_surface(shape.corners(0.01))  # round ones are many-sided, with as much area in every section
-    np.testing.assert_allclose(own.mass, seen.mass, rtol=5e-4)
-    np.testing.assert_allclose(own.center, seen.center, atol=1e-9)
-    np.testing.assert_allclose(own.inertia, seen.inertia, atol=1e-3 * own.inertia.max())
+    np.testing.assert_allclose(mass_properties.mass, seen.mass, rtol=5e-4)
+    np.testing.assert_allclose(mass_properties.center, seen.center, atol=1e-9)
+    np.testing.assert_allclose(mass_properties.inertia, seen.inertia, atol=1e-3 * mass_properties.inertia.max())
 
 
 def test_rotations_turn_back() -> None:
@@ -198,11 +198,11 @@ def test_welded_bodies_are_one_whatever_frames_they_are_written_in() -> None:
         "child_point_m": [0.01, 0.02, 0.03],
         "rpy_deg": [0, 0, -90],
     }
-    one, two = scene_of(RUN).rigid[0], scene_of(run).rigid[0]
-    assert two.name == "box+other"
-    np.testing.assert_allclose(two.mass, one.mass)
-    np.testing.assert_allclose(two.inertia, one.inertia, atol=1e-12)
-    np.testing.assert_allclose(two.motion.position, one.motion.position, atol=1e-12)
+    body, welded = scene_of(RUN).rigid[0], scene_of(run).rigid[0]
+    assert welded.name == "box+other"
+    np.testing.assert_allclose(welded.mass, body.mass)
+    np.testing.assert_allclose(welded.inertia, body.inertia, atol=1e-12)
+    np.testing.assert_allclose(welded.motion.position, body.motion.position, atol=1e-12)
 
 
 def four_bar(*homes: float) -> dict[str, Any]:
@@ -243,8 +243,8 @@ def test_a_loop_in_space_is_closed_from_rough_homes_with_the_least_change() -> N
     scene = scene_of(four_bar(80, -85, -85))
     shear = sum((10.0, 5.0, -5.0)) / 3.0  # the mean of what each of the three asks for
     expected = [90.0 - shear, shear - 90.0, -90.0 - shear]
-    found = {note.key.split(".")[2]: note.home for note in scene.notes if isinstance(note, HomeNote)}
-    np.testing.assert_allclose([found[name] for name in ("one", "two", "three")], expected, atol=1e-4)
+    homes = {note.key.split(".")[2]: note.home for note in scene.notes if isinstance(note, HomeNote)}
+    np.testing.assert_allclose([homes[name] for name in ("one", "two", "three")], expected, atol=1e-4)
     a, _, c = scene.rigid
     np.testing.assert_allclose(a.motion.rate, c.motion.rate, atol=1e-9)
 

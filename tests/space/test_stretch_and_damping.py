@@ -47,12 +47,12 @@ def hanging(flexible: Config, *, by_tip: bool = False, **more: Any) -> Config:
 @pytest.mark.parametrize("by_tip", [False, True])
 def test_a_rod_that_hangs_is_as_long_as_hooke_says(by_tip: bool) -> None:
     """(M + m / 2) g L / E A, whose integral over the rod the rule of midpoints has without error; strain at its top."""
-    found = simulate(load(hanging(RUBBER, by_tip=by_tip, initial=STILL, solver=SHORT)))
-    own = DENSITY * AREA * LENGTH
-    stretch = (MASS + 0.5 * own) * 9.81 * LENGTH / (YOUNG * AREA)
-    assert found["rod_stretch_m"][0] == pytest.approx(stretch, rel=1e-6)
-    top = (MASS + own) * 9.81 / (YOUNG * AREA)
-    strain, numbers = found["rod_strain"], found.summary["links"]["rod"]
+    results = simulate(load(hanging(RUBBER, by_tip=by_tip, initial=STILL, solver=SHORT)))
+    mass = DENSITY * AREA * LENGTH
+    stretch = (MASS + 0.5 * mass) * 9.81 * LENGTH / (YOUNG * AREA)
+    assert results["rod_stretch_m"][0] == pytest.approx(stretch, rel=1e-6)
+    top = (MASS + mass) * 9.81 / (YOUNG * AREA)
+    strain, numbers = results["rod_strain"], results.summary["links"]["rod"]
     assert strain[0] == pytest.approx(top, rel=1e-6)
     assert numbers["stress_Pa"] == pytest.approx(YOUNG * strain.max(), rel=1e-9)
 
@@ -74,17 +74,17 @@ def test_a_weight_bounces_alike_by_both_engines() -> None:
     """Let go at the length it was made with, with a damper: the same stretch, and all energy accounted for."""
     solver = {"end_time_s": 0.1, "step_s": 1e-3, "spectral_radius": 0.9, "tolerance": 1e-9}
     given = hanging(RUBBER | {"axial_damping_N_s": 0.05}, solver=solver)
-    one, other = (simulate(load(given | {"method": method})) for method in ("minimal", "engine"))
-    most = float(one["rod_stretch_m"].max())
+    tree, engine = (simulate(load(given | {"method": method})) for method in ("minimal", "engine"))
+    most = float(tree["rod_stretch_m"].max())
     assert most > 1.8 * MASS * 9.81 * LENGTH / (YOUNG * AREA)  # nearly twice that at rest
-    assert np.abs(one["rod_stretch_m"] - other["rod_stretch_m"]).max() < 1e-6 * most
-    assert one["damping_work_J"][-1] < -1e-5
-    assert one.summary["energy"]["imbalance_relative"] < 1e-3
+    assert np.abs(tree["rod_stretch_m"] - engine["rod_stretch_m"]).max() < 1e-6 * most
+    assert tree["damping_work_J"][-1] < -1e-5
+    assert tree.summary["energy"]["imbalance_relative"] < 1e-3
 
 
 def test_a_rubber_pendulum_swings_as_in_the_plane() -> None:
     """Let go from the horizontal, it is 4 % longer below: cables of cubic elements, and rigid ones that slide."""
-    found = []
+    runs = []
     for space in (True, False):
         axis, z = ({"axis": [0, 1, 0]}, [0.0]) if space else ({"home_deg": 0}, [])
         inertia: Any = dict.fromkeys(("xx", "yy", "zz"), 1e-5) if space else 1e-5
@@ -94,11 +94,11 @@ def test_a_rubber_pendulum_swings_as_in_the_plane() -> None:
         bodies = {"rod": link(RUBBER | {"elements": 16}), "weight": weight}
         model = {"in_space": space, "name": "swings", "bodies": bodies, "joints": {"pin": pin, "end": end}}
         given = {"model": model, "solver": {"end_time_s": 0.2, "accuracy": 1e-3}}
-        found.append(simulate(load(given)))
+        runs.append(simulate(load(given)))
     times, up = np.linspace(0.0, 0.2, 200), ("tip_z_m", "tip_y_m")
-    one, other = (np.interp(times, r["time_s"], r[name]) for r, name in zip(found, up, strict=True))
-    assert found[0]["rod_stretch_m"].max() > 0.04 * LENGTH
-    assert np.abs(one - other).max() < 5e-3 * np.abs(np.diff(other)).sum()
+    planar, spatial = (np.interp(times, r["time_s"], r[name]) for r, name in zip(runs, up, strict=True))
+    assert runs[0]["rod_stretch_m"].max() > 0.04 * LENGTH
+    assert np.abs(planar - spatial).max() < 5e-3 * np.abs(np.diff(spatial)).sum()
 
 
 def test_what_is_held_at_both_ends_stretches_or_is_refused() -> None:
@@ -117,12 +117,12 @@ def test_what_is_held_at_both_ends_stretches_or_is_refused() -> None:
     right = pin | {"child": "other", "parent_point_m": [2 * LENGTH, 0, 0], "child_point_m": [LENGTH, 0, 0]}
     bodies = {"rod": half, "weight": weight, "other": half}
     model = {"in_space": True, "name": "string", "bodies": bodies, "joints": joints, "closures": {"right": right}}
-    found = simulate(load({"model": model, "initial": STILL, "solver": SHORT}))
+    results = simulate(load({"model": model, "initial": STILL, "solver": SHORT}))
     load_on_it = (MASS + DENSITY * AREA * LENGTH) * 9.81
     angles, level = np.linspace(0.0, 1.0, 100001), LENGTH / 8.0  # half an element beside the weight
     pull = 2.0 * YOUNG * AREA * ((LENGTH - level) / np.cos(angles) - LENGTH + level) / LENGTH * np.sin(angles)
     sag = (LENGTH - level) * np.tan(angles[int(np.searchsorted(pull, load_on_it))])
-    assert found["weight_z_m"][0] == pytest.approx(-sag, rel=0.02)  # of a string, E I is 1e-3 of P L^2
+    assert results["weight_z_m"][0] == pytest.approx(-sag, rel=0.02)  # of a string, E I is 1e-3 of P L^2
     del half["flexible"]["axial_stiffness_N"]
     with pytest.raises(SceneError, match=r"model\.closures\.right: right holds a straight link by both of its ends"):
         build(load({"model": model}))
@@ -165,8 +165,8 @@ def test_internal_damping_is_that_of_kelvin_and_voigt(way: str) -> None:
         # took 7 % off the decrement.
         "solver": {"end_time_s": 2.4 * period, "step_s": period / 200.0},
     }
-    found = simulate(load(given))[column]
-    late = np.abs(found[len(found) // 3 :])
+    deflection = simulate(load(given))[column]
+    late = np.abs(deflection[len(deflection) // 3 :])
     peaks = late[1:-1][(late[1:-1] > late[:-2]) & (late[1:-1] >= late[2:])]
     assert len(peaks) >= 3
     # Half a period lies between peaks; of a discrete rod w is at most 1 % off.
@@ -180,15 +180,15 @@ def test_links_that_are_welded_end_to_end_are_one_link() -> None:
     half = link(RUBBER | {"elements": 2})
     swing = {"type": "hinge", "parent": "ground", "axis": [0, 1, 0]}
     next_one = {"type": "weld", "parent": "a", "child": "b", "parent_point_m": [LENGTH, 0, 0]}
-    found = []
+    tips = []
     for bodies, joints in (
         ({"a": whole}, {"swing": swing | {"child": "a"}}),
         ({"a": half, "b": half}, {"swing": swing | {"child": "a"}, "next": next_one}),
     ):
         model = {"in_space": True, "name": "chain", "bodies": bodies, "joints": joints}
         solver = {"end_time_s": 0.1, "step_s": 1e-3, "tolerance": 1e-10}
-        found.append(simulate(load({"model": model, "solver": solver})))
-    one, other = found
-    assert one["elastic_J"].max() > 5e-5
-    assert other["elastic_J"] == pytest.approx(one["elastic_J"], abs=1e-8 * one["elastic_J"].max())
-    assert other["tip_z_m"] == pytest.approx(one["tip_z_m"], abs=1e-8 * LENGTH)
+        tips.append(simulate(load({"model": model, "solver": solver})))
+    single, welded = tips
+    assert single["elastic_J"].max() > 5e-5
+    assert welded["elastic_J"] == pytest.approx(single["elastic_J"], abs=1e-8 * single["elastic_J"].max())
+    assert welded["tip_z_m"] == pytest.approx(single["tip_z_m"], abs=1e-8 * LENGTH)

@@ -67,17 +67,17 @@ def test_what_meets_a_map_of_a_slope_meets_the_slope(name: str) -> None:
     x, y = np.meshgrid(-0.3 + 0.05 * np.arange(13), -0.3 + 0.05 * np.arange(13))
     heights = Heights(RISE[0] * x + RISE[1] * y, (-0.3, -0.3), 0.05)
     q, v = np.array([0.01, -0.02, -0.005, 1.0, 0.0, 0.0, 0.0]), np.array([0.3, 0.1, -0.5, 0.0, 0.4, -0.2, 0.3])
-    found = []
+    wrenches = []
     for ground in ({"heights": heights}, {"slope": [*RISE, 0.0]}):
         load = load_on(*PAIRS[name], **ground)
         load.start(q)
         load.accept(0.0, q, v)
         load.accept(1e-3, q + 1e-3 * v, v)
-        found.append([load.force(q + 2e-3 * v, v, np.zeros(7)), load.tangent(q + 2e-3 * v, v, 1.0, 1.0).copy()])
-        found[-1] += [load.history.depth, load.history.work]
-    assert np.abs(found[1][0]).max() > 0.1
-    for one, other in zip(*found, strict=True):
-        np.testing.assert_allclose(one, other, rtol=1e-6, atol=1e-6 * np.abs(other).max())
+        wrenches.append([load.force(q + 2e-3 * v, v, np.zeros(7)), load.tangent(q + 2e-3 * v, v, 1.0, 1.0).copy()])
+        wrenches[-1] += [load.history.depth, load.history.work]
+    assert np.abs(wrenches[1][0]).max() > 0.1
+    for first, second in zip(*wrenches, strict=True):
+        np.testing.assert_allclose(first, second, rtol=1e-6, atol=1e-6 * np.abs(second).max())
 
 
 def test_kernels_and_scene_have_one_surface_whose_rise_is_its_derivative() -> None:
@@ -93,16 +93,18 @@ def test_kernels_and_scene_have_one_surface_whose_rise_is_its_derivative() -> No
         return plane[0] + plane[1] * x + plane[2] * y, plane
 
     for i in range(40):
-        here, plane = height(x[i], y[i])
-        assert here == pytest.approx(level[i], abs=1e-12)
-        there = [height(x[i] + dx, y[i] + dy)[0] for dx, dy in ((1e-6, 0.0), (-1e-6, 0.0), (0.0, 1e-6), (0.0, -1e-6))]
-        assert plane[1] == pytest.approx((there[0] - there[1]) / 2e-6, abs=1e-5)
-        assert plane[2] == pytest.approx((there[2] - there[3]) / 2e-6, abs=1e-5)
+        height_here, plane = height(x[i], y[i])
+        assert height_here == pytest.approx(level[i], abs=1e-12)
+        heights_beside = [
+            height(x[i] + dx, y[i] + dy)[0] for dx, dy in ((1e-6, 0.0), (-1e-6, 0.0), (0.0, 1e-6), (0.0, -1e-6))
+        ]
+        assert plane[1] == pytest.approx((heights_beside[0] - heights_beside[1]) / 2e-6, abs=1e-5)
+        assert plane[2] == pytest.approx((heights_beside[2] - heights_beside[3]) / 2e-6, abs=1e-5)
         assert np.hypot(plane[1] - 0.2, plane[2] + 0.1) <= heights.steepest
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "message"),
     [
         ("0,0,0\n0,,0\n0,0,0\n", "ground.csv:2: 1 of 3 columns hold no number, the first is 2"),
         ("0,0,0\n0,nan,0\n", "a map of heights has no holes"),
@@ -112,13 +114,13 @@ def test_kernels_and_scene_have_one_surface_whose_rise_is_its_derivative() -> No
         (None, "can't be read: FileNotFoundError"),
     ],
 )
-def test_faults_of_a_map_tell_file_and_line(tmp_path: Path, text: str | None, told: str) -> None:
+def test_faults_of_a_map_tell_file_and_line(tmp_path: Path, text: str | None, message: str) -> None:
     if text is not None:
         (tmp_path / "ground.csv").write_text(text)
     scenario = load(run({"height_map": {"file": str(tmp_path / "ground.csv"), "cell_m": 0.1}}))
     with pytest.raises(SceneError, match=r"bed\.height_map\.file") as caught:
         build(scenario)
-    assert told in str(caught.value)
+    assert message in str(caught.value)
 
 
 def test_a_map_between_spaces_is_one_between_commas(tmp_path: Path) -> None:
@@ -181,8 +183,8 @@ def test_a_picture_is_a_map_of_its_grey_levels(tmp_path: Path) -> None:
     keys = {"cell_m": 0.1, "scale": 1e-7}
     table = written(tmp_path, levels, **keys)
     picture = {"height_m": 0.0, "height_map": {"file": str(tmp_path / "ground.png"), **keys}}
-    one, other = (build(load(run(bed))).bed.heights for bed in (picture, table))  # type: ignore[union-attr]
-    np.testing.assert_array_equal(one.values, other.values)
+    of_picture, of_table = (build(load(run(bed))).bed.heights for bed in (picture, table))  # type: ignore[union-attr]
+    np.testing.assert_array_equal(of_picture.values, of_table.values)
     Image.fromarray(np.zeros((4, 4, 3), np.uint8)).save(tmp_path / "ground.png")
     with pytest.raises(SceneError, match="the picture is of the kind RGB; allowed is one of grey levels alone"):
         build(load(run(picture)))
@@ -214,5 +216,9 @@ def test_forces_on_a_map_converge_with_the_square_of_facets() -> None:
 
 def test_facets_on_a_map_are_taken_together() -> None:
     """As on a plane in blocks: one at a time they took up to four times as long."""
-    one, other = mapped(), mapped(slope=[0.0, 0.0, 0.0])
-    assert len(one.batches[0].clusters) == len(other.batches[0].clusters) < len(one.batches[0].elements) / 32
+    map_load, sloped_load = mapped(), mapped(slope=[0.0, 0.0, 0.0])
+    assert (
+        len(map_load.batches[0].clusters)
+        == len(sloped_load.batches[0].clusters)
+        < len(map_load.batches[0].elements) / 32
+    )

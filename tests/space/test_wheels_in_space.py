@@ -85,19 +85,19 @@ def test_a_steered_wheel_has_its_slip_along_its_heading_and_a_side_force_against
     assert slip == pytest.approx(1.0 - SPEED * math.cos(math.radians(STEER)) / (RATE * RADIUS), abs=OF_A_STEP)
     assert angle == pytest.approx(-STEER, abs=1e-9)  # it heads to the left, and drifts to its right
     assert side > 0.0
-    told = run.summary["wheel"]
-    assert told["slip"] == pytest.approx(slip, abs=OF_A_STEP)
-    assert {"side_force_N", "slip_angle_deg", "sinkage_m", "drawbar_pull_N"} <= told.keys()
-    (said,) = (one for one in run.warnings if "slip angle" in one)
-    assert f"wheel has a slip angle of {STEER:.0f} degrees" in said
+    numbers = run.summary["wheel"]
+    assert numbers["slip"] == pytest.approx(slip, abs=OF_A_STEP)
+    assert {"side_force_N", "slip_angle_deg", "sinkage_m", "drawbar_pull_N"} <= numbers.keys()
+    (sentence,) = (warning for warning in run.warnings if "slip angle" in warning)
+    assert f"wheel has a slip angle of {STEER:.0f} degrees" in sentence
 
 
 def test_wheels_that_differ_much_from_measured_ones_are_told() -> None:
     numbers = {"slip": 0.2, "slip_angle_deg": 4.0}
-    one = {"wheel": numbers, "wheel_left": numbers | {"slip": -1.0}, "facets": {}}
-    (said,) = uncompared(one)
-    assert said.startswith("outside the range")
-    assert "wheel_left has a slip of -1.00" in said
+    summary = {"wheel": numbers, "wheel_left": numbers | {"slip": -1.0}, "facets": {}}
+    (sentence,) = uncompared(summary)
+    assert sentence.startswith("outside the range")
+    assert "wheel_left has a slip of -1.00" in sentence
 
 
 def test_a_smooth_wheel_is_a_cylinder_and_grousers_add_what_they_weigh() -> None:

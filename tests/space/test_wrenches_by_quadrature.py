@@ -74,10 +74,10 @@ def sphere(d: float) -> Surface:
 
 def cylinder(d: float, length: float) -> Surface:
     along, across = ((2.0 * np.arange(N) + 1.0) / N - 1.0) * 0.5 * length, (np.arange(N) + 0.5) / N * 0.5 * d
-    one, none = np.ones(N), np.zeros(N)
-    parts = [revolved(0.5 * d * one, along, one, none, np.full(N, length / N))]
+    ones, zeros = np.ones(N), np.zeros(N)
+    parts = [revolved(0.5 * d * ones, along, ones, zeros, np.full(N, length / N))]
     parts += [
-        revolved(across, side * 0.5 * length * one, none, side * one, np.full(N, 0.5 * d / N)) for side in (1, -1)
+        revolved(across, side * 0.5 * length * ones, zeros, side * ones, np.full(N, 0.5 * d / N)) for side in (1, -1)
     ]
     return tuple(np.concatenate(part) for part in zip(*parts, strict=True))  # type: ignore[return-value]
 
@@ -156,10 +156,10 @@ def ours(shape: Any, medium: Any, place: Array, turn: Array, speed: Array, spin:
     e = rotations.quaternion_of(turn)
     q, v = np.concatenate([place, e]), np.concatenate([speed, rotations.quaternion_rates(e, spin)])
     load.start(q)
-    found = load.force(q, v, np.zeros(7))
+    generalised = load.force(q, v, np.zeros(7))
     # Moments along the axes of the world: its power is that of the rates of the parameters.
-    moment = [found[3:] @ rotations.quaternion_rates(e, one) for one in np.eye(3)]
-    return np.concatenate([found[:3], moment])
+    moment = [generalised[3:] @ rotations.quaternion_rates(e, axis) for axis in np.eye(3)]
+    return np.concatenate([generalised[:3], moment])
 
 
 SHAPES: dict[str, tuple[Any, Surface, float]] = {
@@ -182,10 +182,10 @@ def test_a_wrench_is_that_of_the_paper(law: str, name: str, state: str) -> None:
     """Within 1e-3 of it; the moment over the size of the body. No flat face grazes: those fade in over 1.1 degrees."""
     shape, surface, size = SHAPES[name]
     medium, stress = LAWS[law]
-    place, rpy, speed, spin = (np.array(one) for one in STATES[state])
+    place, rpy, speed, spin = (np.array(computed) for computed in STATES[state])
     turn = rotations.of_rpy(np.radians(rpy))
-    one = ours(shape, medium, place, turn, speed, spin)
-    there = wrench(surface, stress, place, turn, speed, spin)
-    one[3:], there[3:] = one[3:] / size, there[3:] / size
-    assert np.linalg.norm(there[:3]) > 0.1
-    assert np.linalg.norm(one - there) < 1e-3 * np.linalg.norm(there), (one, there)
+    computed = ours(shape, medium, place, turn, speed, spin)
+    expected = wrench(surface, stress, place, turn, speed, spin)
+    computed[3:], expected[3:] = computed[3:] / size, expected[3:] / size
+    assert np.linalg.norm(expected[:3]) > 0.1
+    assert np.linalg.norm(computed - expected) < 1e-3 * np.linalg.norm(expected), (computed, expected)

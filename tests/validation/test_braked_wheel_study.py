@@ -23,8 +23,8 @@ def test_the_level_surface_is_the_package_s_wheel_and_that_of_the_first_trial() 
     # 360 points of the rim against 96 strips: both miss the edge of the contact by a share of 1e-4 or less.
     assert braked_wheel.against_package(braked_wheel.BOUND) < 2e-3
     for place, force, sinkage in ((0, -18.5, 33.5), (2, -15.8, 27.1), (4, -3.4, 17.3)):
-        found = solve(LEVEL, cmu.rolling()[place], BOUND)
-        assert found == (pytest.approx(1e-3 * sinkage, rel=0.01), pytest.approx(force, abs=0.15))
+        solution = solve(LEVEL, cmu.rolling()[place], BOUND)
+        assert solution == (pytest.approx(1e-3 * sinkage, rel=0.01), pytest.approx(force, abs=0.15))
     rut = solve(CANDIDATES["A1 rut to the wheel's bottom"], cmu.rolling()[0], BOUND)
     assert rut == (pytest.approx(0.0607, rel=0.01), pytest.approx(-27.0, abs=0.15))
 
@@ -34,21 +34,21 @@ def test_the_level_surface_is_the_package_s_wheel_and_that_of_the_first_trial() 
 def test_candidates_are_the_level_surface_at_no_strength_and_differ_at_full(name: str) -> None:
     effects = CANDIDATES[name]
     for place in (0, 2, 8):
-        one = cmu.rolling()[place]
-        level = np.array(solve(LEVEL, one, BOUND))
-        assert solve(replace(effects, strength=0.0), one, BOUND) == pytest.approx(level, rel=1e-6)
+        trial = cmu.rolling()[place]
+        level = np.array(solve(LEVEL, trial, BOUND))
+        assert solve(replace(effects, strength=0.0), trial, BOUND) == pytest.approx(level, rel=1e-6)
     locked = cmu.rolling()[0]
     assert np.abs(np.array(solve(effects, locked, BOUND)) / np.array(solve(LEVEL, locked, BOUND)) - 1).max() > 0.01
 
 
 def test_the_sinkage_bears_the_load() -> None:
     for effects in CANDIDATES.values():
-        one = cmu.rolling()[1]
-        sinkage, force = solve(effects, one, BOUND)
-        x, z = Model(effects, rim(*BOUND, one.rim / one.forward), one.slip).force(sinkage)
+        trial = cmu.rolling()[1]
+        sinkage, force = solve(effects, trial, BOUND)
+        x, z = Model(effects, rim(*BOUND, trial.rim / trial.forward), trial.slip).force(sinkage)
         if effects.slip_sinkage:  # its pressure is scaled to the load at a given sinkage
-            x, z = x * one.load / z, one.load
-        assert (x, z) == (pytest.approx(force), pytest.approx(one.load, rel=1e-4))
+            x, z = x * trial.load / z, trial.load
+        assert (x, z) == (pytest.approx(force), pytest.approx(trial.load, rel=1e-4))
 
 
 def test_a_wedge_is_passive_earth_pressure_and_its_area_that_before_the_rim() -> None:
@@ -60,22 +60,22 @@ def test_a_wedge_is_passive_earth_pressure_and_its_area_that_before_the_rim() ->
     plane = passive(1.0, 0.03, "plane")
     assert plane == pytest.approx(0.5 * SAND.weight * coulomb * 0.03**2, rel=2e-3)
     # The balance of forces on the plane wedge, W sin(beta + phi) = P cos(beta + 2 phi): its plane, so m of Godwin's.
-    found = minimize_scalar(
+    optimum = minimize_scalar(
         lambda beta: np.sin(beta + phi) / np.cos(beta + 2 * phi) / np.tan(beta), bounds=(0.1, 0.5), method="bounded"
     )
-    m = 1.0 / np.tan(found.x)
+    m = 1.0 / np.tan(optimum.x)
     for kind in ("crescents", "godwin"):
         wide = passive(100.0, 0.03, kind) / 100.0
         assert wide == pytest.approx(plane, rel=2e-3)
         assert passive(0.05, 0.03, kind) / 0.05 > 1.5 * wide
     # The grid is 0.5 degrees apart, so m is off by at most half of it times m'(beta) = 1 / sin^2(beta).
     share = passive(0.05, 0.03, "godwin") / 0.05 / plane
-    off = 0.6 * np.radians(0.25) / np.sin(found.x) ** 2 * 2 / 3 + 2e-3 * share
+    off = 0.6 * np.radians(0.25) / np.sin(optimum.x) ** 2 * 2 / 3 + 2e-3 * share
     assert share == pytest.approx(1 + 0.6 * (m - (m - 1) / 3), abs=off)
-    one = rim(*BOUND, 0.0)
-    x = np.linspace(0.0, one.front(0.03), 20001)
-    under = np.trapezoid(one.radius - np.sqrt(one.radius**2 - x**2), x)
-    assert Model(LEVEL, one, -1.0).area(0.03, float(x[-1])) == pytest.approx(under, rel=1e-4)
+    wheel_rim = rim(*BOUND, 0.0)
+    x = np.linspace(0.0, wheel_rim.front(0.03), 20001)
+    under = np.trapezoid(wheel_rim.radius - np.sqrt(wheel_rim.radius**2 - x**2), x)
+    assert Model(LEVEL, wheel_rim, -1.0).area(0.03, float(x[-1])) == pytest.approx(under, rel=1e-4)
 
 
 def test_what_is_pressed_straight_down() -> None:
@@ -98,8 +98,8 @@ def test_what_is_pressed_straight_down() -> None:
     rows = cmu.table("plates_large_box")
     rows = rows[rows["diameter_mm"] == 60]
     for name in ("E1 growth with depth", "E2 growth with depth and size"):
-        found = [1e-3 * pressed.plate(CANDIDATES[name], 0.06, 1e-3 * z) for z in rows["depth_mm"]]
-        assert np.mean(np.log(found / rows["pressure_kPa"])) == pytest.approx(0.0, abs=1e-9)
+        forces = [1e-3 * pressed.plate(CANDIDATES[name], 0.06, 1e-3 * z) for z in rows["depth_mm"]]
+        assert np.mean(np.log(forces / rows["pressure_kPa"])) == pytest.approx(0.0, abs=1e-9)
     assert braked_wheel.pressed_claim(pressed.compared()[1]).held
 
 

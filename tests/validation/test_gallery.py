@@ -33,15 +33,15 @@ def test_a_config_gives_the_number_shown(name: str) -> None:
     assert entry.results.status.code in ("rest", "end_time")
     # Ours: a tenth of what a run warns of. The works are trapezoidal sums over the accepted steps.
     assert entry.results.summary["energy"]["imbalance_relative"] <= 1e-3
-    words, value, unit = split(SHOWN[name])
-    now_words, now, now_unit = split(entry.number)
-    assert (words, unit) == (now_words, now_unit), ADVICE
-    assert now == pytest.approx(value, rel=allowed), ADVICE
+    label, value, unit = split(SHOWN[name])
+    now_words, computed, now_unit = split(entry.number)
+    assert (label, unit) == (now_words, now_unit), ADVICE
+    assert computed == pytest.approx(value, rel=allowed), ADVICE
 
 
 def split(number: str) -> tuple[str, float, str]:
-    words, value, unit = number.rsplit(" ", 2)
-    return words, float(value), unit
+    label, value, unit = number.rsplit(" ", 2)
+    return label, float(value), unit
 
 
 @pytest.mark.slow
@@ -67,9 +67,9 @@ def test_the_page_shows_what_there_is_and_no_more() -> None:
     assert {name for _, name in pictures} == {
         path.relative_to(gallery.HERE.parent).as_posix() for path in gallery.FIGURES.glob("gallery_*.png")
     }
-    for words, name in pictures:
+    for caption, name in pictures:
         path = gallery.HERE.parent / name
-        assert words.endswith(".")
+        assert caption.endswith(".")
         assert path.stat().st_size < 75_000  # those of space have shades
         with Image.open(path) as image:
             assert image.width >= gallery.WIDTH
@@ -79,8 +79,8 @@ def test_the_picture_drawn_now_is_of_the_size_shown(tmp_path: Path, monkeypatch:
     monkeypatch.setattr(gallery, "FIGURES", tmp_path)
     entry = gallery.entry("pendulum", gallery.FRAMES)
     path = gallery.draw(entry)
-    with Image.open(path) as now, Image.open(gallery.HERE / "figures" / path.name) as shown:
-        assert now.size == shown.size
+    with Image.open(path) as drawn, Image.open(gallery.HERE / "figures" / path.name) as shown:
+        assert drawn.size == shown.size
 
 
 def test_the_comment_of_a_config_is_cut_at_its_first_sentence(tmp_path: Path) -> None:

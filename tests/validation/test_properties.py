@@ -36,30 +36,30 @@ def test_a_seed_is_a_scene(tmp_path: Path, drawn) -> None:
 
 @pytest.mark.slow
 def test_the_draws_are_of_every_kind(drawn) -> None:
-    kinds, solvers = Counter(one.kind for one in drawn), Counter(one.solver for one in drawn)
+    kinds, solvers = Counter(scene.kind for scene in drawn), Counter(scene.solver for scene in drawn)
     assert len(kinds) >= len(KINDS) - 2  # 60 draws of 15 kinds, the rarest one in 17
     steps = {f"{steps} steps, {by}" for steps in ("fixed", "chosen") for by in ("engine", "minimal")}
     assert set(solvers) == {*steps, "reduced"}
-    text = str([one.tree for one in drawn])
+    text = str([scene.tree for scene in drawn])
     for word in ("slope_deg", "profile_m", "layers", "'floor'", "depth_m", "'csv'", "'motion'", "'pd'"):
         assert word in text
-    joints = {joint["type"] for one in drawn for joint in one.tree["model"]["joints"].values()}
+    joints = {joint["type"] for scene in drawn for joint in scene.tree["model"]["joints"].values()}
     assert joints == {"hinge", "slider", "weld", "free"}
 
 
 @pytest.mark.slow
 def test_images_are_scenes_and_the_mirror_image_of_a_mirror_image_is_the_scene(drawn, tmp_path: Path) -> None:
     made: Counter[str] = Counter()
-    for one in drawn[:30]:
+    for scene in drawn[:30]:
         for name, image in study.WORLDS["plane"].images.items():
             try:
-                tree = image(one.tree)
+                tree = image(scene.tree)
             except images.NoImage:
                 continue
             build(load_scenario(write(tree, tmp_path)))
             made[name] += 1
             if image is images.mirrored:
-                assert _close(image(tree)["model"], one.tree["model"])
+                assert _close(image(tree)["model"], scene.tree["model"])
     assert min(made[name] for name in study.WORLDS["plane"].images) >= 8
 
 
@@ -73,20 +73,20 @@ def test_every_signal_has_a_mirror_image(kind: str, tmp_path: Path) -> None:
     tree["output"], tree["bed"] = {"bodies": "all"}, {"height_m": -0.04}
     gains = {"gain_Nm_per_rad": 1.0, "rate_gain_Nm_s_per_rad": 0.02}
     tree["drives"] = {"pivot": {"type": "pd", "angle_deg": signal(Random(1), tree, 30.0, 20.0, kind)} | gains}
-    own = track(solve(tree, tmp_path), tree, 1e-4)
+    original = track(solve(tree, tmp_path), tree, 1e-4)
     other = track(solve(images.mirrored(tree), tmp_path), tree, 1e-4)
-    assert np.abs(own.place[:, 2]).max() > 1e-5
+    assert np.abs(original.place[:, 2]).max() > 1e-5
     # Round-off, which grows where a body turns round: 9e-8 seen.
-    assert apart(own, other, mirror=True) < 1e-6
+    assert apart(original, other, mirror=True) < 1e-6
 
 
-def _close(one, other) -> bool:
+def _close(first, second) -> bool:
     """Trees with the same numbers but for round-off; what mirroring adds is a zero."""
-    if isinstance(one, dict):
-        return all(_close(value, other.get(key, 0.0)) for key, value in one.items())
-    if isinstance(one, list):
-        return len(one) == len(other) and all(map(_close, one, other))
-    return one == other or (isinstance(one, float) and abs(one - other) < 1e-8)
+    if isinstance(first, dict):
+        return all(_close(value, second.get(key, 0.0)) for key, value in first.items())
+    if isinstance(first, list):
+        return len(first) == len(second) and all(map(_close, first, second))
+    return first == second or (isinstance(first, float) and abs(first - second) < 1e-8)
 
 
 def test_distance_of_tracks_is_over_the_way_and_between_rows() -> None:
@@ -123,7 +123,7 @@ def test_what_is_wrong_without_a_word_is_counted() -> None:
     assert lost(images={"mirror image": 2e-3}) == {"mirror image"}
     assert lost(images={"mirror image": 2e-3}, accuracy=1e-2) == set()
     assert lost(images={"mirror image": 2e-3}, steps=3e-3) == set()
-    assert lost(images={"moved by a kilometre": np.inf}) == {"moved by a kilometre"}
+    assert lost(images={"translated by 1 km": np.inf}) == {"translated by 1 km"}
     assert lost(numbers=(0.1, "touch_time_s")) == {
         "summaries with fixed and chosen steps differ by at most 2 % or four times the accuracy"
     }
@@ -135,23 +135,23 @@ def test_what_is_wrong_without_a_word_is_counted() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", CHEAP)
 def test_beginnings_of_scenes_keep_the_properties(seed: int) -> None:
-    found = study.look(seed, quick=True)
-    assert found.end in study.GOOD
-    assert np.isfinite(found.steps)
-    broken = {name for name, bad in study.violations([found]).items() if bad}
+    outcome = study.look(seed, quick=True)
+    assert outcome.end in study.GOOD
+    assert np.isfinite(outcome.steps)
+    broken = {name for name, bad in study.violations([outcome]).items() if bad}
     assert broken <= {
         "no error of strips and elements above 1 % is without a warning",
         "summaries with fixed and chosen steps differ by at most 2 % or four times the accuracy",
     }
-    assert found.seed == seed
+    assert outcome.seed == seed
 
 
 @pytest.mark.slow
-def test_a_foot_that_grazes_the_surface_does_so_a_kilometre_away(tmp_path: Path) -> None:
+def test_a_foot_that_grazes_the_surface_moves_alike_after_translation_by_1_km(tmp_path: Path) -> None:
     """There a step that Newton's method failed in led to 7678 short ones, and 0.6 % of the way."""
     scene = draw(451, tmp_path).tree
     runs = [(tree, solve(tree, tmp_path)) for tree in (scene, images.shifted(scene))]
-    own, other = (track(results, tree, 1e-3) for tree, results in runs)
-    assert apart(own, other) < study.ALIKE
+    original, translated = (track(results, tree, 1e-3) for tree, results in runs)
+    assert apart(original, translated) < study.ALIKE
     for _, results in runs:
         assert results.summary["cost"]["shortened_steps"] < 50

@@ -26,12 +26,12 @@ def drawn(tmp_path_factory: pytest.TempPathFactory):
 
 @pytest.mark.slow
 def test_the_draws_are_of_every_kind(drawn) -> None:
-    text = str([one.tree for one in drawn])
+    text = str([scene.tree for scene in drawn])
     for word in (*SOLIDS, "mesh", "bar", "slope_deg", "height_map", "layers", "'floor'", "'motion'", "'pd'"):
         assert word in text, word
-    joints = {joint["type"] for one in drawn for joint in one.tree["model"]["joints"].values()}
+    joints = {joint["type"] for scene in drawn for joint in scene.tree["model"]["joints"].values()}
     assert joints >= {"hinge", "ball", "slider", "free"}
-    assert {one.solver for one in drawn} == {
+    assert {scene.solver for scene in drawn} == {
         f"{s} steps, {by}" for s in ("fixed", "chosen") for by in ("engine", "minimal")
     }
 
@@ -39,30 +39,30 @@ def test_the_draws_are_of_every_kind(drawn) -> None:
 @pytest.mark.slow
 def test_images_are_scenes_and_twice_a_mirror_image_is_the_scene(drawn, tmp_path: Path) -> None:
     made = dict.fromkeys(SPACE.images, 0)
-    for one in drawn[:12]:
+    for scene in drawn[:12]:
         for name, image in SPACE.images.items():
             try:
-                tree = image(one.tree)
+                tree = image(scene.tree)
             except images.NoImage:
                 continue
             build(load_scenario(write(tree, tmp_path)))
             made[name] += 1
     assert min(made.values()) >= 4
-    for one in drawn:
-        twice = images_in_space.mirrored(images_in_space.mirrored(one.tree))
-        assert _close(twice, one.tree)
+    for scene in drawn:
+        twice = images_in_space.mirrored(images_in_space.mirrored(scene.tree))
+        assert _close(twice, scene.tree)
 
 
-def _close(one, other) -> bool:
+def _close(first, second) -> bool:
     """Trees with the same numbers but for round-off."""
-    if isinstance(one, dict):
-        return one.keys() == other.keys() and all(_close(one[key], other[key]) for key in one)
-    if isinstance(one, list):
-        return len(one) == len(other) and all(map(_close, one, other))
-    return one == other or (isinstance(one, float) and abs(one - other) < 1e-9)
+    if isinstance(first, dict):
+        return first.keys() == second.keys() and all(_close(first[key], second[key]) for key in first)
+    if isinstance(first, list):
+        return len(first) == len(second) and all(map(_close, first, second))
+    return first == second or (isinstance(first, float) and abs(first - second) < 1e-9)
 
 
-def test_a_kilometre_away_the_engine_takes_no_shorter_steps(tmp_path: Path) -> None:
+def test_the_engine_takes_no_shorter_steps_after_translation_by_1_km(tmp_path: Path) -> None:
     """Of an arc and a box that are thrown; its iteration found no end in the round-off of the sand's forces."""
     tree = images_in_space.shifted(draw(4, tmp_path).tree)
     tree["solver"] |= {"end_time_s": 0.05, "max_wall_s": 20.0}
@@ -81,7 +81,7 @@ def test_an_image_that_does_not_end_breaks_its_property(tmp_path: Path, monkeypa
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [1])
 def test_beginnings_of_scenes_keep_the_properties(seed: int) -> None:
-    found = study.look(seed, quick=True, world="space")
-    assert found.end in study.GOOD
-    assert np.isfinite(found.steps)
-    assert not {name for name, bad in study.violations([found]).items() if bad}
+    outcome = study.look(seed, quick=True, world="space")
+    assert outcome.end in study.GOOD
+    assert np.isfinite(outcome.steps)
+    assert not {name for name, bad in study.violations([outcome]).items() if bad}

@@ -30,8 +30,8 @@ def both(page: str, made: Made = MADE) -> tuple[dict[str, str], str, dict[str, d
 
 
 def test_every_script_that_makes_claims_is_in_the_list() -> None:
-    own = {"study", "record", "run_all"}  # what all studies share
-    scripts = [path for path in HERE.glob("*.py") if path.stem not in own]
+    shared = {"study", "record", "run_all"}  # what all studies share
+    scripts = [path for path in HERE.glob("*.py") if path.stem not in shared]
     making = {path.stem for path in scripts if "Claim(" in path.read_text(encoding="utf-8")}
     assert len(making) > 20
     assert making <= {entry.name for entry in run_all.STUDIES if entry.forms is None}
@@ -40,10 +40,10 @@ def test_every_script_that_makes_claims_is_in_the_list() -> None:
 @pytest.mark.parametrize("entry", run_all.STUDIES, ids=NAMES)
 def test_what_the_list_says_of_a_study_is_so(entry: run_all.Entry) -> None:
     source = (HERE / f"{entry.name}.py").read_text(encoding="utf-8")
-    functions = {one.name for one in ast.parse(source).body if isinstance(one, ast.FunctionDef)}
+    functions = {item.name for item in ast.parse(source).body if isinstance(item, ast.FunctionDef)}
     assert ("study" in functions) == (entry.forms is None)
     for arguments in (entry.forms or {}).values():
-        assert all(f'"{one}"' in source for one in arguments if one.startswith("--"))
+        assert all(f'"{item}"' in source for item in arguments if item.startswith("--"))
     if entry.forms is not None and '"--quick"' in source:
         assert entry.has("quick")
 
@@ -67,7 +67,7 @@ def test_the_pages_and_the_index_say_what_the_record_says() -> None:
 
 
 @pytest.mark.parametrize(
-    ("before", "after", "noticed"),
+    ("before", "after", "detected"),
     [
         ("- held: a: b: 1.50 mm", "- held: a: b: 1.5 mm", False),
         ("- held: a: b: 1.50 mm", "- held: a: b: 1.51 mm", True),
@@ -78,14 +78,14 @@ def test_the_pages_and_the_index_say_what_the_record_says() -> None:
         ("12 s; 2 cores", "13 s; 2 cores", True),
     ],
 )
-def test_a_page_that_says_otherwise_is_noticed_by_value(before: str, after: str, noticed: bool) -> None:
+def test_a_page_with_other_values_than_the_record_is_detected(before: str, after: str, detected: bool) -> None:
     page = record.on_page(SMALL, MADE, "| a |\n| --- |\n| 3 |")
     assert before in page
-    assert bool(record.differences(*both(page.replace(before, after)))) == noticed
+    assert bool(record.differences(*both(page.replace(before, after)))) == detected
 
 
 @pytest.mark.parametrize(
-    ("before", "after", "noticed"),
+    ("before", "after", "detected"),
     [
         ("(1 of 2 claims): The third.", "(1.0 of 2 claims): The third.", False),
         ("(1 of 2 claims): The third.", "(0 of 2 claims): The third.", True),
@@ -93,10 +93,10 @@ def test_a_page_that_says_otherwise_is_noticed_by_value(before: str, after: str,
         ("| Why so? | So. | 1 of 2 |", "| Why so? | So. | 2 of 2 |", True),
     ],
 )
-def test_an_index_that_says_otherwise_is_noticed(before: str, after: str, noticed: bool) -> None:
+def test_an_index_with_other_values_than_the_record_is_detected(before: str, after: str, detected: bool) -> None:
     pages, index, kept = both(record.on_page(SMALL, MADE, "| a |"))
     assert before in index
-    assert bool(record.differences(pages, index.replace(before, after), kept)) == noticed
+    assert bool(record.differences(pages, index.replace(before, after), kept)) == detected
 
 
 def test_a_study_writes_between_the_marks_of_its_page_and_nothing_else() -> None:
@@ -168,5 +168,5 @@ def test_a_script_that_prints_tables_is_judged_by_its_exit_code(
 
 def test_every_figure_is_on_a_page() -> None:
     pages = [HERE.parent / "README.md", *(HERE.parent / "docs").rglob("*.md"), *HERE.parent.glob("*/README.md")]
-    said = "".join(path.read_text(encoding="utf-8") for path in pages)
-    assert [path.name for path in sorted((HERE / "figures").iterdir()) if path.name not in said] == []
+    text = "".join(path.read_text(encoding="utf-8") for path in pages)
+    assert [path.name for path in sorted((HERE / "figures").iterdir()) if path.name not in text] == []

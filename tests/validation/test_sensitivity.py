@@ -16,19 +16,19 @@ SIX, ONE_IMPACT = (design.name for design in study.DESIGNS)
 
 
 @pytest.fixture(scope="module")
-def found() -> dict[str, list[study.Indices]]:
+def indices() -> dict[str, list[study.Indices]]:
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(study, "WorkerPool", lambda: WorkerPool(1, ThreadPoolExecutor))
         return {design.name: study.indices(design, study.QUICK_COUNT) for design in study.DESIGNS}
 
 
-def held(found: dict[str, list[study.Indices]]) -> dict[str, bool]:
-    return {claim.name.removeprefix("sensitivity."): claim.held for claim in study.claims(found)}
+def held(indices: dict[str, list[study.Indices]]) -> dict[str, bool]:
+    return {claim.name.removeprefix("sensitivity."): claim.held for claim in study.claims(indices)}
 
 
-def test_claims_hold(found):
-    assert len(held(found)) == 4
-    assert all(held(found).values())
+def test_claims_hold(indices):
+    assert len(held(indices)) == 4
+    assert all(held(indices).values())
 
 
 @pytest.mark.parametrize(
@@ -42,12 +42,12 @@ def test_claims_hold(found):
         (ONE_IMPACT, 1, "first", 0.4, "eta_d decides where one impact stops"),
     ],
 )
-def test_claims_fall_with_other_indices(found, design, output, array, value, statement):
-    other = copy.deepcopy(found)
+def test_claims_fall_with_other_indices(indices, design, output, array, value, statement):
+    other = copy.deepcopy(indices)
     getattr(other[design][output], array)[...] = value
     assert not held(other)[statement]
 
 
-def test_table_has_a_line_for_each_input(found):
-    lines = study.table(found[SIX]).splitlines()
+def test_table_has_a_line_for_each_input(indices):
+    lines = study.table(indices[SIX]).splitlines()
     assert [line.split("|")[1].strip() for line in lines[2:]] == [*study.SYMBOLS.values(), "sum"]

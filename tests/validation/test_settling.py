@@ -13,14 +13,14 @@ CASES = [name for name in settling.CASES if name not in ("walker_in_space", "sna
 @pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
 def test_sinkage_is_that_of_the_static_balance(name: str) -> None:
-    found = settling.settled(settling.tree_of(name))
+    result = settling.settled(settling.tree_of(name))
     # In space a thousandth of the weight was put on besides: the depth goes at least as fast as its square root.
-    assert abs(found.too_deep) < 2e-3 * found.depth
-    assert abs(found.lacking) < 1e-6
+    assert abs(result.too_deep) < 2e-3 * result.depth
+    assert abs(result.lacking) < 1e-6
 
 
-def test_what_was_pressed_in_deeper_would_be_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_too_deep_a_sinkage_is_detected(monkeypatch: pytest.MonkeyPatch) -> None:
     """Resistance of facets grows as the depth: 3 % of the weight too much are 3 % of the sinkage."""
     monkeypatch.setattr(settle, "OVERLOAD", 0.03)
-    found = settling.settled(settling.tree_of("steered_wheel"))
-    assert 0.01 < found.too_deep / found.depth < 0.03
+    result = settling.settled(settling.tree_of("steered_wheel"))
+    assert 0.01 < result.too_deep / result.depth < 0.03

@@ -27,7 +27,7 @@ def test_there_are_enough_cases() -> None:
 
 
 @pytest.fixture(scope="module")
-def found() -> list[study.Found]:
+def outcomes() -> list[study.Found]:
     chosen = [case for case in cases() if (case.factor, case.value) in CELLS]
     assert len(chosen) == len(CELLS)
     # The limits of time of the full form: a busy machine must not end a run that says itself why it fails.
@@ -35,12 +35,12 @@ def found() -> list[study.Found]:
 
 
 @pytest.mark.slow
-def test_cells_keep_the_claims(found: list[study.Found]) -> None:
+def test_cells_keep_the_claims(outcomes: list[study.Found]) -> None:
     names = ("no result is NaN", "no run hangs or fails without an explanation", "energy balance", "difference")
-    held = {claim.name: claim.held for claim in study.claims(found, 0.0, True)}
+    held = {claim.name: claim.held for claim in study.claims(outcomes, 0.0, True)}
     for name in names:
         assert all(value for key, value in held.items() if key.startswith(f"stability.{name}"))
-    assert {one.case.value for one in found if one.warnings} >= {"1e-6", "0.01 s", "100 rad/s"}
+    assert {one.case.value for one in outcomes if one.warnings} >= {"1e-6", "0.01 s", "100 rad/s"}
 
 
 def test_a_wrong_answer_without_a_word_is_seen() -> None:
@@ -54,10 +54,10 @@ def test_a_wrong_answer_without_a_word_is_seen() -> None:
 
 @pytest.mark.slow
 def test_ten_times_the_step_is_told() -> None:
-    found = [study.ten_times(study.CONFIGS / f"{name}.yaml") for name in ("pendulum", "impact_61deg", "runner")]
-    assert study.coarse_claim(found).held
-    assert [bool(one.warnings) for one in found] == [True, True, False]
-    assert study.coarse_table(found).count("\n") == 4
+    outcomes = [study.ten_times(study.CONFIGS / f"{name}.yaml") for name in ("pendulum", "impact_61deg", "runner")]
+    assert study.coarse_claim(outcomes).held
+    assert [bool(one.warnings) for one in outcomes] == [True, True, False]
+    assert study.coarse_table(outcomes).count("\n") == 4
     for difference, warnings, held in ((0.03, ("w",), True), (0.03, (), False), (0.06, ("w",), False)):
         one = study.Coarse("a", 1e-3, "rest", warnings, 0.0, difference)
-        assert study.coarse_claim([*found, one]).held is held
+        assert study.coarse_claim([*outcomes, one]).held is held

@@ -40,14 +40,14 @@ ROD = {
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", SEEDS, ids=SEEDS.get)
 def test_an_estimate_is_within_a_factor_of_ten_of_the_error(seed: int, tmp_path: Path) -> None:
-    found = study.judge(SEEDS[seed], draw(seed, tmp_path).tree, tmp_path)
-    assert found is not None
-    assert 1.0 / study.WITHIN < found.ratio < study.WITHIN
+    judged = study.judge(SEEDS[seed], draw(seed, tmp_path).tree, tmp_path)
+    assert judged is not None
+    assert 1.0 / study.WITHIN < judged.ratio < study.WITHIN
     # By the study 0.5 to 0.8 of what is asked for, where 16 strips are not enough.
-    assert found.chosen is None or found.chosen[0] < 2.0 * study.ACCURACY
+    assert judged.chosen is None or judged.chosen[0] < 2.0 * study.ACCURACY
 
 
-def test_an_estimate_that_shows_nothing_would_be_noticed() -> None:
+def test_claims_fail_where_the_estimate_differs_from_the_error() -> None:
     """The scenes of the test above are off by ten times the least that counts."""
     outcome = study.told([study.Found("rod", 11.0 * study.FLOOR, 0.0, None)])
     assert not outcome.claims[0].held
@@ -58,10 +58,10 @@ def test_an_estimate_that_shows_nothing_would_be_noticed() -> None:
 @pytest.mark.slow
 def test_wheels_that_turn_are_not_told_to_be_wrong(tmp_path: Path) -> None:
     """A cart whose strips are right within 0.1 %: no run was as good as told, and 128 strips were taken for nothing."""
-    found = study.judge("cart", study.cart(0), tmp_path)
-    assert found is not None
-    assert found.error < study.ACCURACY
-    assert found.ratio < study.WITHIN
+    judged = study.judge("cart", study.cart(0), tmp_path)
+    assert judged is not None
+    assert judged.error < study.ACCURACY
+    assert judged.ratio < study.WITHIN
     results = solved(study.settings(study.cart(0), 16, accuracy=1e-2), tmp_path)
     assert results.summary["strips"]["per_rigid_part"] == 16
     assert not any("strips" in sentence for sentence in results.warnings)
