@@ -228,18 +228,18 @@ def test_a_robot_stands_on_a_slope() -> None:
         "bed": {"slope_deg": 10, "slope_direction_deg": 30},
         "initial": {"settle": True},
         "drives": dict.fromkeys(hips, hold),
-        "solver": {"end_time_s": 1, "accuracy": 1e-3},
+        "solver": {"end_time_s": 1, "accuracy": 1e-2},
     }
     results = simulate(load(run))
     path = np.column_stack([results[f"seat_{axis}_m"] for axis in "xyz"])
-    assert np.linalg.norm(path[-1] - path[0]) < 1e-8  # 1 um/s is allowed
+    assert np.linalg.norm(path[-1] - path[0]) < 1e-10  # 1 um/s is allowed
     # With bristles exactly at their yield it were 750 iterations and 280 Jacobians in this second, and ever more later.
     cost = results.summary["cost"]
-    assert cost["newton_iterations"] <= 3 * cost["steps"]
+    assert cost["newton_iterations"] <= 4 * cost["steps"]
     assert cost["jacobians"] < 60
     weight = build(load(run)).mass * 9.81
     force = [results[f"static_force_{axis}_N"][-1] for axis in "xyz"]
-    np.testing.assert_allclose(force, [0.0, 0.0, weight], atol=1e-4 * weight)  # some times the tolerance, 2e-5
+    np.testing.assert_allclose(force, [0.0, 0.0, weight], atol=1e-5 * weight)
     assert results["depth_m"][-1] > 1e-3
 
 

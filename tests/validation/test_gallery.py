@@ -80,7 +80,7 @@ def test_the_picture_drawn_now_is_of_the_size_shown(tmp_path: Path, monkeypatch:
     entry = gallery.entry("pendulum", gallery.FRAMES)
     path = gallery.draw(entry)
     with Image.open(path) as drawn, Image.open(gallery.HERE / "figures" / path.name) as shown:
-        assert drawn.size == shown.size
+        assert drawn.size == pytest.approx(shown.size, rel=0.01)  # versions of Matplotlib measure texts differently
 
 
 def test_the_comment_of_a_config_is_cut_at_its_first_sentence(tmp_path: Path) -> None:

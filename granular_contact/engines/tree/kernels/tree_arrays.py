@@ -125,9 +125,12 @@ CONTROL = record_dtype(
     [*fields("f8", "end", "rest_speed", "rest_time", "tolerance", "share", "slow", "away"), ("most", "i8")]
 )
 # now: time reached (s); step, tried: lengths (s) of the step to come and of the last one tried; resting_since: time (s)
-# since which everything rests, infinite where something moves; speed, fastest: greatest speed (m/s) at the start of the
-# step, and of the run so far; origin, whole: time (s) from which fixed steps are counted, and how many there were.
-CLOCK = record_dtype(fields("f8", "now", "step", "resting_since", "tried", "speed", "fastest", "origin", "whole"))
+# since which everything rests, infinite where something moves; speed, greatest: greatest speed (m/s) at the start of the
+# step, and of the run so far; fastest: the last one, but not below the least value that step-size control takes;
+# origin, whole: time (s) from which fixed steps are counted, and how many there were.
+CLOCK = record_dtype(
+    fields("f8", "now", "step", "resting_since", "tried", "speed", "greatest", "fastest", "origin", "whole")
+)
 # Numbers of steps that were accepted, refused for their error, and of fixed steps that had to be shortened.
 COUNTS = record_dtype(fields("i8", "steps", "refused", "shortened"))
 # matrix_of_v: the of_v (s, see `tree_newton`) that the matrix in use was made with, 0 where a new one is needed;

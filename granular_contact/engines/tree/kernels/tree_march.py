@@ -31,6 +31,7 @@ def start(begins, addresses):
     initial_accelerations(w)
     write_row(0.0, w)
     clock.speed = step_error.begin(w.changes, clock.step)
+    clock.greatest = clock.speed
 
 
 @part
@@ -74,12 +75,12 @@ def keep_start(w):
 def newton_tolerance(h, w):
     """Tolerance (m/s) of the iterations of a step h (s), on changes of speeds.
 
-    It is a share of the change of speed that the forces of the scene cause in the step, or of the fastest speed so far,
-    whichever is smaller. The first bound alone would leave errors as large as the elastic forces where these are small
-    beside the weight of the bodies that they move.
+    It is a share of the change of speed that the forces of the scene cause in the step, or of the greatest speed so
+    far, whichever is smaller. The first bound alone would leave errors as large as the elastic forces where these are
+    small beside the weight of the bodies that they move, and a robot that stands would creep.
     """
-    control, fastest = w.control[0], w.clock[0].fastest
-    return min(control.tolerance * h, control.share * max(fastest, control.slow))
+    control, greatest = w.control[0], w.clock[0].greatest
+    return min(control.tolerance * h, control.share * max(greatest, control.slow))
 
 
 @part
@@ -179,6 +180,7 @@ def march(share, addresses):
         counts.steps += 1
         write_row(clock.now, w)
         clock.speed = step_error.begin(w.changes, h)
+        clock.greatest = max(clock.greatest, clock.speed)
         clock.fastest = max(clock.fastest, clock.speed)
         reason = reason_to_end(w)
         if reason != PAUSE:
