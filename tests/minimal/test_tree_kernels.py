@@ -135,11 +135,11 @@ def test_matrix_of_newton_is_the_slope_of_what_joints_lack() -> None:
 
 
 def test_what_creeps_is_solved_as_closely_as_what_is_fast() -> None:
-    """A share of the fastest speed so far, down to a thousandth of the 1 mm/s of rest, where steps are long."""
+    """A share of the greatest speed so far, down to a thousandth of the 1 mm/s of rest, where steps are long."""
     march = March(make_tree(scene_of(CHAIN_IN_SAND)))
     clock, share = march.arrays["clock"], march.arrays["control"]["share"][0]
     for speed, least in ((3.0, 0.0), (1e-5, 0.0), (1e-8, 1e-6)):
-        clock["fastest"] = speed
+        clock["greatest"] = speed
         assert of_tree(tree_march.newton_tolerance)(1e6, march._addresses) == pytest.approx(
             share * max(speed, least), rel=1e-12
         )

@@ -125,9 +125,9 @@ CONTROL = record_dtype(
     [*fields("f8", "end", "rest_speed", "rest_time", "tolerance", "share", "slow", "away"), ("most", "i8")]
 )
 # now: time reached (s); step, tried: lengths (s) of the step to come and of the last one tried; resting_since: time (s)
-# since which everything rests, infinite where something moves; speed, greatest: greatest speed (m/s) at the start of the
-# step, and of the run so far; fastest: the last one, but not below the least value that step-size control takes;
-# origin, whole: time (s) from which fixed steps are counted, and how many there were.
+# since which everything rests, infinite where something moves; speed, greatest: greatest speed (m/s) at the start of
+# the step, and of the run so far; fastest: the latter, but at least the value that step-size control takes; origin,
+# whole: time (s) from which fixed steps are counted, and how many there were.
 CLOCK = record_dtype(
     fields("f8", "now", "step", "resting_since", "tried", "speed", "greatest", "fastest", "origin", "whole")
 )
