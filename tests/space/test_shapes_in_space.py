@@ -204,7 +204,7 @@ def test_what_can_not_be_is_told() -> None:
     assert "points: got an array of shape (2, 2), allowed are (k, 3)" in message(Bar, [[0, 0], [1, 1]], 0.01)
     assert "the same point twice" in message(Bar, [[0, 0, 0], [0, 0, 0]], 0.01)
     assert "up: got [0, 0, 0], allowed is a direction" in message(SpatialLoad, SAND, 0.0, up=[0, 0, 0])
-    assert "surface: got [0. 1.], allowed in space is a finite number" in message(SpatialLoad, SAND, [0.0, 1.0])
+    assert "surface: got [0.0, 1.0], allowed in space is a finite number" in message(SpatialLoad, SAND, [0.0, 1.0])
     assert "slope: got 0.3, allowed in space are three" in message(SpatialLoad, SAND, 0.0, slope=0.3)
     load = SpatialLoad(SAND, 0.0)
     assert "shape: got 'box', allowed is a shape, such as Box(" in message(load.add_shape, BODY, "box")
