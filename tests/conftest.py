@@ -1,4 +1,4 @@
-"""What every test needs before any kernel is imported: the checkout itself, and fresh compiled kernels."""
+"""Settings that must precede the import of any kernel: path of the checkout, cache of compiled kernels, test order."""
 
 from __future__ import annotations
 
@@ -17,24 +17,24 @@ from hypothesis import settings
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT))
 
-# Bytecode is kept, whatever the environment says (containers often forbid it): else each of the workers and of the
-# processes that tests start would compile every module of every library anew, which takes seconds each.
+# Bytecode is written even if the environment forbids it, as containers often do. Otherwise each worker, and each
+# process that a test starts, would compile every module of every library again, which takes seconds.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 sys.dont_write_bytecode = False
 
-# numba looks only at the file of the function that it loads from its cache, not at the files of those which were
-# inlined into it: after a change in plates.py it would still run the old one out of lines.py. So the cache is named
-# after the contents of all kernels and laws, and numba's version; subprocesses inherit it.
-from granular_contact.jit import compiled_sources  # noqa: E402  # loads no numba, which reads the name as it begins
+# numba invalidates a cached function only when the function's own file changes, not when the file of an inlined
+# function changes: after a change in plates.py it would still run the old code inlined into lines.py. So the name of
+# the cache folder holds a hash of all kernels, all laws and numba's version; subprocesses inherit the folder.
+from granular_contact.jit import compiled_sources  # noqa: E402  # does not import numba, which reads NUMBA_CACHE_DIR at import
 
 _kernels = b"".join(path.read_bytes() for path in compiled_sources())
 _digest = hashlib.sha256(_kernels + version("numba").encode()).hexdigest()[:16]
 _folder = Path(tempfile.gettempdir()) / f"granular-contact-{getpass.getuser()}-{_digest}"
 os.environ.setdefault("NUMBA_CACHE_DIR", str(_folder))
 
-# Files that begin, each the next that a worker without work takes: the first compiles the kernels that most files need,
-# while the next ones need few, or others (both workers would compile the same at the same time). Then the longest, so
-# that none of them is left over for one worker at the end.
+# Test files that run first; an idle worker takes the next one. The first file compiles the kernels that most files
+# need. The next files need few kernels, or other ones, so that two workers do not compile the same kernels at the same
+# time. The longest files follow, so that none of them is left for a single worker at the end.
 FIRST = (
     "test_run.py",
     "test_static.py",
@@ -55,7 +55,7 @@ FIRST = (
     "test_wheels.py",
     "test_sweep_resume.py",
     "test_imports.py",
-    # Of those that are slow throughout:
+    # Files of which every test is slow:
     "test_mujoco_motion.py",
     "test_plots.py",
     "test_site.py",
@@ -72,18 +72,19 @@ FIRST = (
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Put the files of `FIRST` before the others; tests of a file stay together and in order."""
+    """Run the files of `FIRST` before the others; tests of a file stay together and in order."""
     places = {name: i for i, name in enumerate(FIRST)}
     items.sort(key=lambda item: places.get(item.path.name, len(FIRST)))
 
 
-# The same draws on every machine, so that a change alone turns a test red. New draws: --hypothesis-profile=seek.
+# Hypothesis draws the same examples on every machine, so that only a change of the code makes a test fail. For new
+# examples: --hypothesis-profile=seek.
 settings.register_profile("fixed", derandomize=True)
 settings.register_profile("seek", print_blob=True)
 settings.load_profile("fixed")
-# Hypothesis also draws what stands as a number in any source loaded so far, which takes seconds to read: a change of an
-# unrelated file, or of the order of tests, would change the draws.
-with suppress(ImportError):  # (older ones draw no such numbers)
+# Hypothesis also draws numbers that it finds in the source of every loaded module. Reading them takes seconds, and a
+# change of an unrelated file, or of the order of tests, would change the examples.
+with suppress(ImportError):  # older versions draw no such numbers
     from hypothesis.internal.conjecture import providers
 
     if hasattr(providers, "_get_local_constants"):

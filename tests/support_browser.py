@@ -13,12 +13,12 @@ from types import TracebackType
 from typing import Any
 
 DRIVER = shutil.which("chromedriver")
-# A container has neither a sandbox to offer nor much shared memory.
+# Containers offer no sandbox and little shared memory.
 ARGUMENTS = ["--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage"]
 
 
 class Browser:
-    """A session; to be used in a `with` block."""
+    """Session of a browser, used in a `with` block."""
 
     def __init__(self) -> None:
         assert DRIVER is not None
@@ -42,34 +42,34 @@ class Browser:
             self._driver.wait()
 
     def open(self, page: Path, width: int, height: int = 900) -> None:
-        """Show a file in a window of so many px."""
+        """Show a file in a window of this size (px)."""
         self.resize(width, height)
         self._post(f"/session/{self._session}/url", {"url": page.resolve().as_uri()})
 
     def resize(self, width: int, height: int = 900) -> None:
-        """Give the window another size in px."""
+        """Change the size of the window (px)."""
         self.tell("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=False)
 
     def media(self, medium: str = "", **features: str) -> None:
-        """Show the page as on paper (`print`), or to a system with features such as prefers_color_scheme."""
+        """Emulate a medium such as `print`, and media features such as prefers_color_scheme."""
         wanted = [{"name": name.replace("_", "-"), "value": value} for name, value in features.items()]
         self.tell("Emulation.setEmulatedMedia", media=medium, features=wanted)
 
     def run(self, script: str) -> Any:
-        """What the body of a JavaScript function returns in the page."""
+        """Run the body of a JavaScript function in the page; return its value."""
         return self._post(f"/session/{self._session}/execute/sync", {"script": script, "args": []})
 
     def faults(self) -> list[str]:
-        """What scripts and the browser complained of since this was asked last."""
+        """Error messages of scripts and of the browser since the last call."""
         entries = self._post(f"/session/{self._session}/se/log", {"type": "browser"})
         return [str(entry["message"]) for entry in entries]
 
     def pdf(self) -> bytes:
-        """The page as printed."""
+        """Return the printed page as PDF."""
         return base64.b64decode(self.tell("Page.printToPDF", printBackground=True)["data"])
 
     def tell(self, command: str, **parameters: Any) -> Any:
-        """A command of the browser's own protocol."""
+        """Send a command of the Chrome DevTools protocol; return its result."""
         return self._post(f"/session/{self._session}/goog/cdp/execute", {"cmd": command, "params": parameters})
 
     def _post(self, path: str, content: dict[str, Any]) -> Any:

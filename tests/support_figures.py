@@ -1,4 +1,4 @@
-"""Figures that are drawn sooner, where nobody looks at what is on them."""
+"""Fast drawing of figures, for tests that do not look at their content."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from matplotlib.figure import Figure
 
 
 def _unlaid(figure: Figure) -> Figure:
-    """The figure without a layout, which takes as long as drawing it."""
+    """Remove the layout engine, which takes as long as drawing the figure."""
     figure.set_layout_engine("none")
     return figure
 
 
 @contextmanager
 def sketched(dpi: int = 30) -> Iterator[None]:
-    """Figures of runs and of studies have few pixels and no layout meanwhile."""
+    """Draw figures of runs and studies with few pixels and without layout inside the `with` block."""
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr("granular_contact.report.figures.DPI", dpi)
         patched.setattr("granular_contact.report.figures._laid_out", _unlaid)

@@ -1,4 +1,4 @@
-"""Sweeps for the tests: words of the command, tables without times, what cases go through in place of the engine."""
+"""Sweeps for the tests: the command line, tables without times, and functions that replace the engine."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from granular_contact.results import Results
 ROOT = Path(__file__).parents[1]
 CONFIGS = ROOT / "configs"
 SPEED, ANGLE = "initial.impact_speed_rad_s", "initial.impact_angle_deg"
-TIME = "cost.solve_s"  # the only number that is not the same each time
+TIME = "cost.solve_s"  # the only number that differs between equal runs
 ENVIRONMENT = {**os.environ, "PYTHONPATH": f"{ROOT}{os.pathsep}{ROOT / 'tests'}"}
 
 
@@ -33,7 +33,7 @@ def read(folder: Path) -> list[dict[str, str]]:
 
 
 def timeless_bytes(folder: Path) -> bytes:
-    """The table to the byte, but for the cells of the time."""
+    """Bytes of the table without the column of times."""
 
     def written(rows: list[list[str]]) -> bytes:
         csv.writer(text := io.StringIO(), lineterminator="\n").writerows(rows)
@@ -47,7 +47,7 @@ def timeless_bytes(folder: Path) -> bytes:
 
 
 def write(folder: Path, cases: str, name: str = "many.yaml") -> Path:
-    """A sweep on the rigid pendulum, which is quick."""
+    """Write a sweep of the rigid pendulum, which runs fast."""
     path = folder / name
     path.write_text(f"config: {CONFIGS / 'pendulum_rigid.yaml'}\n{cases}")
     return path
@@ -60,7 +60,7 @@ def until(condition: Callable[[], bool], seconds: float) -> None:
         time.sleep(0.02)
 
 
-# What cases go through in the workers: the speed says what happens.
+# Functions that workers call instead of the engine; the impact speed of a case decides what happens.
 
 
 def of_speed(scenario: Scenario) -> Results:

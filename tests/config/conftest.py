@@ -1,4 +1,4 @@
-"""What the tests of the first stage share."""
+"""Fixtures of the tests that read configs."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""What these tests simulate runs by the engine, and again by the method that suits it.
+"""Run each test that simulates twice: with `method: engine` and with `method: auto`.
 
-Those of `BY_ONE` in a module run by the latter alone: what they test is the same code for both.
+Tests that a module lists in `BY_ONE` run with `auto` only, because they test code that both methods share.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import support_runs
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
-    """Both methods for tests of files that simulate."""
+    """Parametrize the tests of files that import `support_runs.simulate` by the method."""
     if getattr(metafunc.module, "simulate", None) is support_runs.simulate:
         alone = metafunc.function.__name__ in getattr(metafunc.module, "BY_ONE", ())
         metafunc.parametrize("method_under_test", ["auto"] if alone else ["engine", "auto"], indirect=True)
@@ -20,6 +20,6 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
 
 @pytest.fixture(autouse=True)
 def method_under_test(request: pytest.FixtureRequest) -> Iterator[None]:
-    """Let configs that name no method be computed by this one."""
+    """Compute configs that name no method by the method of this test."""
     with support_runs.by(getattr(request, "param", "auto")):
         yield

@@ -1,4 +1,4 @@
-"""An Exudyn that hands out copies, or asks objects in another order: noticed, told, and the same motion."""
+"""Checks of an Exudyn that returns copies or evaluates objects in another order: it is detected and warned of once."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ PATCH = pytest.MonkeyPatch
 
 @pytest.fixture(autouse=True)
 def _tried_anew(monkeypatch: PATCH) -> Iterator[None]:
-    """Each test tries the engine for itself, and leaves nothing of that behind."""
+    """Clear the cached result of the trial of the engine before and after each test."""
     trial_abilities.cache_clear()
     yield
     monkeypatch.undo()
@@ -53,7 +53,7 @@ def _tried_anew(monkeypatch: PATCH) -> Iterator[None]:
 
 
 def copies_of_controls(monkeypatch: PATCH) -> None:
-    """Let the solver hand out copies of what it reads while it runs."""
+    """Make the solver return copies of the settings that it reads while it runs."""
     fields = {
         "it": ("currentStepSize", "maxStepSize", "minStepSize", "endTime", "currentTime", *("newtonStepsCount",)),
         "conv": ("jacobianUpdateRequested", "residual"),
@@ -72,7 +72,7 @@ def copies_of_controls(monkeypatch: PATCH) -> None:
 
 
 def copies_of_vectors(monkeypatch: PATCH) -> None:
-    """Let the system hand out copies of its vectors, whatever it is asked for."""
+    """Make the system return copies of its vectors, whatever the arguments."""
     for getter in engine_checks.GETTERS:
         original = getattr(exu.SystemData, getter)
 
@@ -85,7 +85,7 @@ def copies_of_vectors(monkeypatch: PATCH) -> None:
 
 
 def other_order(_: PATCH) -> None:
-    """Try an engine that asks for what was added last but one after what was added last."""
+    """Try an engine that evaluates objects in another order than that in which they were added."""
     original, kept = exu.MainSystem.AddObject, []
 
     def swapped(mbs: Any, item: Any) -> Any:
@@ -109,7 +109,7 @@ CASES = {
 
 
 def spoil(case: str, monkeypatch: PATCH) -> None:
-    """From now on the engine is one that does not do this."""
+    """Make the engine lack the ability of this case."""
     trial_abilities.cache_clear()
     CASES[case][0](monkeypatch)
 
