@@ -94,7 +94,7 @@ def test_a_hard_layer_below_a_soft_one_stops_in_between() -> None:
     both = simulate(
         "pendulum_rigid", "medium=poppy_seeds_loose", "bed.layers=[{top_m: 0.02, medium: poppy_seeds_close}]"
     )
-    depths = [one.summary["max_depth_m"] for one in (hard, both, soft)]
+    depths = [run.summary["max_depth_m"] for run in (hard, both, soft)]
     assert depths[0] + 1e-3 < depths[1] < depths[2] - 1e-3
     assert both["poppy_seeds_close_static_force_y_N"].max() > 0.1
     assert both.summary["energy"]["imbalance_relative"] < 1e-3
@@ -329,7 +329,7 @@ def test_a_slope_that_ran_into_its_floor_is_told() -> None:
 
 
 @pytest.mark.parametrize(
-    ("override", "key", "words"),
+    ("override", "key", "message"),
     [
         (
             "bed={depth_m: 0.01, layers: [{top_m: 0.02, medium: play_sand}]}",
@@ -355,12 +355,12 @@ def test_a_slope_that_ran_into_its_floor_is_told() -> None:
         ("medium=[]", "medium", "a list of one item or more"),
     ],
 )
-def test_faults_of_beds_and_media_stand_at_their_keys(override: str, key: str, words: str) -> None:
+def test_faults_of_beds_and_media_stand_at_their_keys(override: str, key: str, message: str) -> None:
     with pytest.raises(ConfigError) as caught:
         scenario_of("pendulum", override)
     (fault,) = caught.value.faults
     assert fault.key == key
-    assert words in fault.message
+    assert message in fault.message
 
 
 def test_two_heights_of_one_surface_are_refused() -> None:

@@ -26,7 +26,7 @@ FILES = tracked() or [
 
 
 def cited(text: str) -> set[str]:
-    return {found for found in PATH.findall(text) if not MADE.match(found)}
+    return {path for path in PATH.findall(text) if not MADE.match(path)}
 
 
 def test_it_would_be_noticed() -> None:
@@ -38,12 +38,12 @@ def lost(name: str) -> list[str]:
     """What a file names that is not there."""
     path = ROOT / name
     return [
-        one
-        for one in cited(path.read_text(encoding="utf-8"))
+        cited_path
+        for cited_path in cited(path.read_text(encoding="utf-8"))
         # (Pages of the site are links among themselves, and tests/docs/test_site.py builds them strictly.)
-        if not (name.startswith("docs/") and name != "docs/architecture.md" and one.endswith(".md"))
+        if not (name.startswith("docs/") and name != "docs/architecture.md" and cited_path.endswith(".md"))
         if not any(
-            (base / one).exists()
+            (base / cited_path).exists()
             for base in (ROOT, path.parent, *(ROOT / room for room in ("granular_contact", "tests", "docs")))
         )
     ]

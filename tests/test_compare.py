@@ -75,18 +75,18 @@ def test_figures_are_those_of_a_run_with_a_curve_for_each_model(
     def noted(figure: Figure, file: Path) -> None:
         panels = {axes.get_ylabel().replace("\n", " "): axes.get_lines() for axes in figure.axes}
         drawn[file.stem.lstrip(".")] = {
-            words: sum(len(line.get_ydata()) > 2 for line in lines) for words, lines in panels.items()
+            title: sum(len(line.get_ydata()) > 2 for line in lines) for title, lines in panels.items()
         }
         file.touch()
 
     monkeypatch.setattr("granular_contact.report.figures.over_time.save", noted)
     runs = [(row.name, row.results) for row in comparison.rows]
     draw_runs(runs, tmp_path, comparison.rows[-1].name)
-    bending = len([one for _, one in runs if "deflection_m" in one.names])
+    bending = len([results for _, results in runs if "deflection_m" in results.names])
     angles, deflections = drawn["joints"], drawn["deflection"]
     assert next(iter(angles.values())) == len(runs)
     assert next(iter(deflections.values())) == bending
-    away = [count for words, count in (angles | deflections).items() if "less" in words]
+    away = [count for title, count in (angles | deflections).items() if "less" in title]
     assert away[0] == len(runs) - 1
     assert away[-1] == bending - 1
 
@@ -128,7 +128,7 @@ def test_a_chain_has_no_modal_reduction(tmp_path: Path, capsys) -> None:
     with pytest.raises(SceneError):
         compare(tmp_path / "chain.yaml")
     assert main(["compare", str(tmp_path / "chain.yaml"), "--out", str(tmp_path / "out")]) == 2
-    said = capsys.readouterr().err.splitlines()
-    assert len(said) == 1
-    assert "method" in said[0]
+    errors = capsys.readouterr().err.splitlines()
+    assert len(errors) == 1
+    assert "method" in errors[0]
     assert not (tmp_path / "out").exists()

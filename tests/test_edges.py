@@ -76,14 +76,14 @@ def moved(name: str, x: float, y: float) -> tuple[str, ...]:
 )
 @pytest.mark.parametrize(("x", "y"), [(1.0, 0.0), (-0.3, 2.0), (100.0, -50.0)])
 def test_a_mechanism_elsewhere_moves_alike(name: str, method: str, x: float, y: float) -> None:
-    here, there = simulate(name, method), simulate(name, method, *moved(name, x, y))
+    at_origin, translated = simulate(name, method), simulate(name, method, *moved(name, x, y))
     scenes = scene_of(name), scene_of(name, *moved(name, x, y))
-    for one in ("length", "speed", "force_scale"):
+    for scale in ("length", "speed", "force_scale"):
         # Round-off of positions up to 110 m in lengths of 0.26 m.
-        assert getattr(scenes[1], one) == pytest.approx(getattr(scenes[0], one), rel=1e-12)
+        assert getattr(scenes[1], scale) == pytest.approx(getattr(scenes[0], scale), rel=1e-12)
     assert scenes[0].tip[0] == scenes[1].tip[0]
     # That round-off, 1e-14 m, in bristles of 1e-5 m, and tolerances of Newton's method that follow it.
-    assert there.summary["stopping_time_s"] == pytest.approx(here.summary["stopping_time_s"], rel=1e-6)
+    assert translated.summary["stopping_time_s"] == pytest.approx(at_origin.summary["stopping_time_s"], rel=1e-6)
 
 
 def test_a_settled_link_shows_the_angle_it_settled_at() -> None:
@@ -227,9 +227,9 @@ def test_a_speed_is_that_of_one_coordinate() -> None:
 def test_a_run_tells_on_its_way_how_far_it_is(method: str) -> None:
     """5000 steps; each method tells every thousand or more often."""
     more = "initial.impact_speed_rad_s=1", "solver.step_s=2e-5", f"method={method}"
-    scenario, told = scenario_of(BALL_ON_HINGE, *more), list[tuple[float, float]]()
-    solve(build(scenario), scenario, progress=lambda t, end: told.append((t, end)))
-    times = [t for t, _ in told]
-    assert {end for _, end in told} == {0.1}
+    scenario, progress = scenario_of(BALL_ON_HINGE, *more), list[tuple[float, float]]()
+    solve(build(scenario), scenario, progress=lambda t, end: progress.append((t, end)))
+    times = [t for t, _ in progress]
+    assert {end for _, end in progress} == {0.1}
     assert times == sorted(times)
     assert np.diff(times, prepend=0.0, append=0.1).max() < 0.03

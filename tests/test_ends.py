@@ -114,8 +114,8 @@ def test_wall_time_adds_up_over_the_steps_of_a_simulation(monkeypatch: pytest.Mo
 
 
 def test_a_run_at_its_end_was_not_cut_however_long_its_last_step_took() -> None:
-    one = ("method=engine", *SWINGS, "solver={end_time_s: 1e-3, step_s: 1e-3, max_wall_s: 1e-9}")
-    results = simulate(scenario_of("pendulum_rigid", *one))
+    one_step = ("method=engine", *SWINGS, "solver={end_time_s: 1e-3, step_s: 1e-3, max_wall_s: 1e-9}")
+    results = simulate(scenario_of("pendulum_rigid", *one_step))
     assert (results.status.code, results.status.message) == ("end_time", "end time 0.001 s reached")
 
 
@@ -125,8 +125,8 @@ def test_a_run_cut_where_the_sign_is_too_steep_says_what_to_take(method: str) ->
     more = (f"method={method}", "solver.max_wall_s=1e-9", "solver.end_time_s=1", steep)
     results = simulate(scenario_of("pendulum_rigid", *more))
     assert results.status.code == "time_limit"
-    told = "take a larger load.friction.reference_speed_m_s (now 1e-06), or type: elastoplastic"
-    assert results.status.message.endswith(told)
+    message = "take a larger load.friction.reference_speed_m_s (now 1e-06), or type: elastoplastic"
+    assert results.status.message.endswith(message)
 
 
 def test_a_result_that_is_not_usable_has_an_exit_code_of_its_own(

@@ -33,7 +33,7 @@ def _schemas_once() -> Iterator[None]:
 
 
 @pytest.fixture(scope="module")
-def told(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
+def copied(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
     """A folder with the examples, and what was said."""
     folder, out = tmp_path_factory.mktemp("examples") / "my sand", io.StringIO()
     with contextlib.redirect_stdout(out):
@@ -42,8 +42,8 @@ def told(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str]:
 
 
 @pytest.mark.slow
-def test_all_models_and_configs_are_written_and_say_what_next(told: tuple[Path, str]) -> None:
-    folder, out = told
+def test_all_models_and_configs_are_written_and_say_what_next(copied: tuple[Path, str]) -> None:
+    folder, out = copied
     written = {p.relative_to(folder).as_posix(): p for p in folder.rglob("*.*")}
     assert set(SOURCES) <= set(written)
     for name in SOURCES:
@@ -55,9 +55,9 @@ def test_all_models_and_configs_are_written_and_say_what_next(told: tuple[Path, 
 
 
 def test_a_changed_file_is_never_overwritten_and_an_equal_one_is_fine(
-    told: tuple[Path, str], capsys: pytest.CaptureFixture[str]
+    copied: tuple[Path, str], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    folder, _ = told
+    folder, _ = copied
     assert cli.main(["examples", str(folder)]) == 0
     mine = folder / "configs" / "pendulum.yaml"
     mine.write_text("mine")

@@ -68,14 +68,14 @@ def test_media_lists_all_presets(capsys: pytest.CaptureFixture[str]) -> None:
 def test_media_shows_one_with_its_figure(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["media", "rft3d_sand", "--out", str(tmp_path / "shown")]) == 0
     shown = capsys.readouterr().out
-    for words in (
+    for phrase in (
         "xi_n [alpha_n + min(mu_surf |alpha_n| / |alpha_t|, 1) alpha_t] z",
         "1617",
         "one source",
         "not stated",
         "surfaces (links, and all shapes but bar)",
     ):
-        assert words in shown
+        assert phrase in shown
     assert (tmp_path / "shown" / "law.png").stat().st_size > 20_000
     assert main(["media", "hill_cylinders", "--out", str(tmp_path / "none")]) == 0
     assert "not stated by the source" in capsys.readouterr().out

@@ -30,7 +30,7 @@ def simulate(name: str, *sets: str) -> Results:
 
 
 def test_every_model_has_a_config_and_a_comment() -> None:
-    used = [yaml.safe_load(one.read_text(encoding="utf-8")).get("model") for one in CONFIGS.glob("*.yaml")]
+    used = [yaml.safe_load(config.read_text(encoding="utf-8")).get("model") for config in CONFIGS.glob("*.yaml")]
     for path in (ROOT / "models").glob("*.yaml"):
         text = path.read_text(encoding="utf-8")
         assert yaml.safe_load(text)["name"] == path.stem
@@ -126,10 +126,10 @@ def test_a_tail_turns_its_body_the_farther_the_stiffer_it_is() -> None:
     """Nothing turns before the tail beats; it beats to the left, so the body turns to the right."""
     yaws = []
     for modulus in (2e8, 2e9):
-        found = simulate("tail", f"model.bodies.tail.flexible.youngs_modulus_Pa={modulus}")
-        before = found["time_s"] < 0.3
-        assert np.abs(found["body_yaw_deg"][before]).max() < 1e-6
-        yaws.append(found["body_yaw_deg"][-1])
+        results = simulate("tail", f"model.bodies.tail.flexible.youngs_modulus_Pa={modulus}")
+        before = results["time_s"] < 0.3
+        assert np.abs(results["body_yaw_deg"][before]).max() < 1e-6
+        yaws.append(results["body_yaw_deg"][-1])
     soft, stiff = yaws
     assert -35.0 < stiff < 1.15 * soft < -10.0  # -28.7 and -24.0
 

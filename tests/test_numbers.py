@@ -135,10 +135,10 @@ def run_and_motion(scenario: Scenario) -> tuple[Results, Kinematics]:
 
 def numbers(summary: dict[str, Any]) -> dict[str, float]:
     """All numbers of a summary that tell of the motion, those in mappings by dotted names; contacts as sums."""
-    found = {key: value for key, value in summary.items() if key not in _OF_THE_STEPS}
-    found |= {f"energy.{key}": value for key, value in summary["energy"].items() if key != "imbalance_relative"}
-    found |= {f"{key} in contact, s": sum(b - a for a, b in v) for key, v in summary.get("contacts", {}).items()}
-    return {key: value for key, value in found.items() if isinstance(value, int | float)}
+    selected = {key: value for key, value in summary.items() if key not in _OF_THE_STEPS}
+    selected |= {f"energy.{key}": value for key, value in summary["energy"].items() if key != "imbalance_relative"}
+    selected |= {f"{key} in contact, s": sum(b - a for a, b in v) for key, v in summary.get("contacts", {}).items()}
+    return {key: value for key, value in selected.items() if isinstance(value, int | float)}
 
 
 def size_of(key: str, way: float, speed: float, energy: float, lasted: float) -> float:

@@ -15,8 +15,8 @@ ALLOWED = {
 
 def private(path):  # type: ignore[no-untyped-def]
     """What a module imports of others that begins with a name from above."""
-    found = {name for name in imports(path) if name.startswith(PRIVATE) and not name.startswith("__future__")}
-    return found - ALLOWED.get(ids(path), set())
+    modules = {name for name in imports(path) if name.startswith(PRIVATE) and not name.startswith("__future__")}
+    return modules - ALLOWED.get(ids(path), set())
 
 
 def test_no_private_part_of_numba_or_python_is_imported() -> None:

@@ -29,9 +29,9 @@ def test_the_yaml_is_that_of_the_first_run() -> None:
 
 def test_the_first_run_leaves_what_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     line, _ = blocks("sh")
-    words = shlex.split(line.rpartition("granular-contact ")[2])
+    arguments = shlex.split(line.rpartition("granular-contact ")[2])
     monkeypatch.chdir(ROOT)
-    assert main([*words, "--out", str(tmp_path / "out")]) == 0
+    assert main([*arguments, "--out", str(tmp_path / "out")]) == 0
     made = {path.name for path in (tmp_path / "out").iterdir()}
     assert made == {"summary.json", "timeseries.csv", "scenario.yaml", "motion.json", "figures"}
     summary = json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))
@@ -42,9 +42,9 @@ def test_the_first_run_leaves_what_is_said(tmp_path: Path, monkeypatch: pytest.M
 
 def test_the_test_line_is_the_one_that_ci_takes() -> None:
     taken = re.findall(r"^\s*line=\$\((grep .*)\)$", (ROOT / ".ci" / "run").read_text(encoding="utf-8"), flags=re.M)
-    found = subprocess.run(["bash", "-c", *taken], cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    printed = subprocess.run(["bash", "-c", *taken], cwd=ROOT, capture_output=True, text=True, check=True).stdout
     _, shown = blocks("sh")
-    assert found == shown
+    assert printed == shown
     assert shown.startswith("python3 -m venv .venv && .venv/bin/pip install -q -e '.[test]'")
 
 

@@ -111,8 +111,8 @@ def test_resultant_form_on_a_flexible_link() -> None:
     )
     rigid = simulate("pendulum_rigid", "load.form=resultant").summary
     # The bend matters by 1e-3 (above), the immersed part between two nodes a little less: it is a chord.
-    for one in (few, many):
-        assert one["stopping_time_s"] == pytest.approx(rigid["stopping_time_s"], rel=2e-3)
+    for case in (few, many):
+        assert case["stopping_time_s"] == pytest.approx(rigid["stopping_time_s"], rel=2e-3)
     assert few["stopping_time_s"] == pytest.approx(many["stopping_time_s"], rel=2e-4)
 
 
@@ -282,11 +282,11 @@ def test_step_converges_for_the_flexible_pendulum() -> None:
 def test_saved_scenario_gives_identical_numbers(config: str) -> None:
     first = simulate(config, "output.interval_s=1e-3")
     text = yaml.safe_dump(first.scenario, sort_keys=False)
-    again = scenario_of(text)
-    assert isinstance(again, Scenario)
-    second = run(build(again), again)
+    reloaded = scenario_of(text)
+    assert isinstance(reloaded, Scenario)
+    second = run(build(reloaded), reloaded)
     np.testing.assert_array_equal(second.table, first.table)
-    assert scenario_to_dict(again) == first.scenario == second.scenario
+    assert scenario_to_dict(reloaded) == first.scenario == second.scenario
     for summary in (first.summary, second.summary):
         summary["cost"]["solve_s"] = None
     assert first.summary == second.summary
@@ -388,11 +388,11 @@ def test_depth_in_vacuum_is_that_of_all_that_sand_might_meet(method: str) -> Non
     model = "{{name: p, bodies: {{arm: {{type: rigid, density_kg_m3: 7700, shapes: {}}}}}, joints: {{pivot: {}}}}}"
     hinge = "{type: hinge, parent: ground, child: arm}"
     sets = ("medium=null", "surface_height_m=-0.3", "solver.end_time_s=0.02", "solver.rest_time_s=null")
-    found = [
+    depths = [
         simulate("pendulum", f"model={model.format(shapes, hinge)}", *sets, f"method={method}")
         for shapes in (plate, hub)
     ]
-    angle, depth = np.radians(found[0]["pivot_angle_deg"]), found[0]["depth_m"]
+    angle, depth = np.radians(depths[0]["pivot_angle_deg"]), depths[0]["depth_m"]
     # The plate's edge, and what of its thickness hangs below it at most.
     assert (np.abs(depth + 0.3 - 0.2 * np.sin(angle)) < 0.0021).all()
-    assert "depth_m" not in {column.name for column in found[1].columns}
+    assert "depth_m" not in {column.name for column in depths[1].columns}

@@ -130,8 +130,8 @@ def test_a_surface_that_goes_with_a_body_put_somewhere_is_told(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     """Whoever puts a body at a height expects the surface at 0, or says where it is."""
-    for more, said in ((), True), (("bed.height_m=0",), False):
-        words = ["initial.joints.fall.y_m=-0.05", "solver.end_time_s=0.001", *more]
-        sets = [word for one in words for word in ("--set", one)]
+    for more, warned in ((), True), (("bed.height_m=0",), False):
+        overrides = ["initial.joints.fall.y_m=-0.05", "solver.end_time_s=0.001", *more]
+        sets = [word for override in overrides for word in ("--set", override)]
         assert main(["run", str(CONFIGS / "free_link.yaml"), "--no-plots", "--out", str(tmp_path / "out"), *sets]) == 0
-        assert ("surface         where it touches" in capsys.readouterr().out) == said
+        assert ("surface         where it touches" in capsys.readouterr().out) == warned

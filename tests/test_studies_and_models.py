@@ -48,16 +48,16 @@ def test_it_works_or_is_refused_in_a_sentence(
     try:
         with sketched():
             STUDIES[study](case)
-        said = None
+        sentence = None
     except (Refused, GranularContactError) as refused:
-        said = str(refused)
+        sentence = str(refused)
     if wanted is None:
-        assert said is None
+        assert sentence is None
     else:
-        assert said is not None
-        assert wanted in said
-        assert len(said.splitlines()) == 1
-        assert len(said) < MOST
+        assert sentence is not None
+        assert wanted in sentence
+        assert len(sentence.splitlines()) == 1
+        assert len(sentence) < MOST
 
 
 def test_the_page_shows_this_table() -> None:

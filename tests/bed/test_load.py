@@ -152,10 +152,10 @@ def test_the_tangent_of_lines_of_unlike_length_is_the_derivative_of_their_forces
         slopes[:, j] = (ahead - behind) / 2e-7
     for factors, want in zip(np.eye(2), np.split(slopes, 2, axis=1), strict=True):
         rows, columns, values = load.tangent(*np.split(state_, 2), *factors).T
-        found = np.zeros((6, 6))
-        np.add.at(found, (rows.astype(int), columns.astype(int)), values)
+        differences = np.zeros((6, 6))
+        np.add.at(differences, (rows.astype(int), columns.astype(int)), values)
         # Central differences of 1e-7 m of forces that bend over some mm, and their round-off.
-        np.testing.assert_allclose(found, want, atol=1e-5 * np.abs(want).max())
+        np.testing.assert_allclose(differences, want, atol=1e-5 * np.abs(want).max())
         assert (np.abs(want[:3, :3]).max() > 1.0, np.abs(want[3:, 3:]).max() > 1.0) == (True, True)
         assert not want[:3, 3:].any()
 
@@ -184,14 +184,16 @@ def test_tangent_is_the_derivative_of_the_force() -> None:
     load = plate_load()
     pose, velocity = pushed(load, 1000, 0.3, 0.02)
     pose += [1e-6, 6e-6, 1e-5]  # unloaded by more than half of what yields: at the half the law has a kink
-    found = np.zeros((3, 3))
+    differences = np.zeros((3, 3))
     for i, j, value in load.tangent(pose, velocity, 1.0, 0.0):
-        found[int(i), int(j)] += value
+        differences[int(i), int(j)] += value
     for j in range(3):
         step = 1e-7 * np.eye(3)[j]
         ends = [load.force(pose + s * step, velocity, np.zeros(3)) for s in (-1, 1)]
         # Over 0.1 um the depth of the edge in the sand changes by 1e-5 of itself; the kernel's own steps are of 10 nm.
-        np.testing.assert_allclose(found[:, j], (ends[1] - ends[0]) / 2e-7, rtol=2e-3, atol=1e-3 * np.abs(found).max())
+        np.testing.assert_allclose(
+            differences[:, j], (ends[1] - ends[0]) / 2e-7, rtol=2e-3, atol=1e-3 * np.abs(differences).max()
+        )
 
 
 def test_what_cannot_be_is_refused() -> None:

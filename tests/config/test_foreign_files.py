@@ -33,11 +33,11 @@ def test_a_file_that_is_no_config_is_not_quoted(
     (tmp_path / "data.csv").write_text("time_s,tip_x_m\n" + "".join(f"{i},0\n" for i in range(9)))
     more = [str(tmp_path / "data.csv"), "--parameters", "medium.eta_d"] if command == "fit" else []
     assert cli.main([command, str(path), *more]) == 2
-    told = capsys.readouterr().err
-    assert "secret.yaml" in told
-    assert "hunter2" not in told
-    assert "123456789" not in told
-    assert told.count("\n") == 1
+    errors = capsys.readouterr().err
+    assert "secret.yaml" in errors
+    assert "hunter2" not in errors
+    assert "123456789" not in errors
+    assert errors.count("\n") == 1
 
 
 def faults(path: Path, text: str) -> list[str]:
@@ -85,9 +85,9 @@ def test_the_window_and_the_sign_of_the_clock_are_said(capsys: pytest.CaptureFix
 
     with pytest.raises(SystemExit):
         cli.main(["fit", "--help"])
-    words = " ".join(capsys.readouterr().out.split())
-    assert "at which the runs start, by the clock of the data" in words
-    assert f"from {OFFSET_RANGE[0]:g} to {OFFSET_RANGE[1]:g} s" in words
+    printed = " ".join(capsys.readouterr().out.split())
+    assert "at which the runs start, by the clock of the data" in printed
+    assert f"from {OFFSET_RANGE[0]:g} to {OFFSET_RANGE[1]:g} s" in printed
 
 
 FREE = """
@@ -110,5 +110,5 @@ def test_no_model_needs_a_start() -> None:
 
 def test_a_start_that_is_too_fast_is_refused_with_what_is_allowed(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["run", str(CONFIGS / "pendulum_rigid.yaml"), "--set", "initial.impact_speed_rad_s=1e9"]) == 2
-    told = capsys.readouterr().err
-    assert "initial: RB1+RB2+link starts with 1e+09 rad/s: allowed is less than 1e+08" in told
+    errors = capsys.readouterr().err
+    assert "initial: RB1+RB2+link starts with 1e+09 rad/s: allowed is less than 1e+08" in errors

@@ -32,12 +32,12 @@ def foot(tmp_path: Path) -> Path:
 
 
 def test_a_model_that_says_it_is_in_the_plane_is(foot: Path) -> None:
-    said, silent = load(foot).scenario, load(yaml.safe_load(FOOT.replace("  in_space: false\n", ""))).scenario
-    assert type(said) is Scenario
-    assert said.model == silent.model
-    again = load(scenario_to_dict(said)).scenario
-    assert again.model == said.model
-    ends = [Simulation(one).step(None, 0.05)["foot_y_m"] for one in (said, silent)]
+    explicit, implicit = load(foot).scenario, load(yaml.safe_load(FOOT.replace("  in_space: false\n", ""))).scenario
+    assert type(explicit) is Scenario
+    assert explicit.model == implicit.model
+    reloaded = load(scenario_to_dict(explicit)).scenario
+    assert reloaded.model == explicit.model
+    ends = [Simulation(scenario).step(None, 0.05)["foot_y_m"] for scenario in (explicit, implicit)]
     assert ends[0] == ends[1]
 
 

@@ -61,24 +61,24 @@ UNREADABLE = {
 
 @pytest.mark.parametrize("case", UNREADABLE)
 def test_unreadable(faults, case):
-    text, line, key, words = UNREADABLE[case]
-    found = faults(text)
-    assert len(found) == 1
-    assert (found[0].file, found[0].line, found[0].key) == ("run.yaml", line, key)
-    assert words in found[0].message
+    text, line, key, message = UNREADABLE[case]
+    reported = faults(text)
+    assert len(reported) == 1
+    assert (reported[0].file, reported[0].line, reported[0].key) == ("run.yaml", line, key)
+    assert message in reported[0].message
 
 
 @pytest.mark.parametrize(
-    ("place", "words"),
+    ("place", "message"),
     [("no.yaml", "no such file"), (".", "is a folder"), ("run.yaml/x", "can't be read"), ("a\0b", "can't be read")],
 )
-def test_no_file(tmp_path: Path, place, words):
+def test_no_file(tmp_path: Path, place, message):
     (tmp_path / "run.yaml").write_text(GOOD)
     with pytest.raises(ConfigError) as caught:
         load(f"{tmp_path}/{place}")
     [fault] = caught.value.faults
     assert fault.line is None
-    assert words in fault.message
+    assert message in fault.message
 
 
 def test_text_that_is_fine(tmp_path: Path):

@@ -58,10 +58,10 @@ def test_what_a_page_shows_happens(name: str, tmp_path: Path, monkeypatch: pytes
 def test_the_fit_finds_the_sand_that_made_the_data(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     at("tutorials/fit.md", tmp_path, monkeypatch)
     results = tmp_path / "results"
-    found = json.loads((results / "fit" / "fit.json").read_text(encoding="utf-8"))
-    assert found["status"] == "fits"
+    saved = json.loads((results / "fit" / "fit.json").read_text(encoding="utf-8"))
+    assert saved["status"] == "fits"
     for key, true in (("medium.eta_d", 5.0), ("medium.plunging.eta_v", 30.0)):
-        parameter = found["parameters"][key]
+        parameter = saved["parameters"][key]
         # Four standard errors: once in 16 000 draws of the noise, and the draw is fixed.
         assert abs(parameter["value"] - true) < 4 * parameter["standard_error"] < 0.05 * true
     assert json.loads((results / "in_fitted_sand" / "summary.json").read_text(encoding="utf-8"))["status"] == "rest"

@@ -23,9 +23,9 @@ LAWS = {"law_of_balls": "example_power", "law_of_bars": "example_viscous", "law_
 
 def shown(name: str) -> str:
     """What the page says that a script prints."""
-    found = re.search(rf"```sh\npython examples/{name}\.py\n```\n\n```text\n(.*?)```", PAGE, re.S)
-    assert found is not None, name
-    return found[1]
+    block = re.search(rf"```sh\npython examples/{name}\.py\n```\n\n```text\n(.*?)```", PAGE, re.S)
+    assert block is not None, name
+    return block[1]
 
 
 @pytest.mark.parametrize("name", SCRIPTS)
@@ -43,11 +43,11 @@ def test_a_script_prints_and_draws_what_its_page_shows(
         sys.modules.pop("common", None)
         if name in LAWS:
             forget(LAWS[name])
-    told = capsys.readouterr().out
+    printed = capsys.readouterr().out
     if name in CHOOSES:
         number = r"\d+(\.\d+)?"
-        assert re.sub(number, "#", told).strip() == re.sub(number, "#", shown(name)).strip()
+        assert re.sub(number, "#", printed).strip() == re.sub(number, "#", shown(name)).strip()
     else:
-        assert_told(shown(name), told)
+        assert_told(shown(name), printed)
     assert (tmp_path / f"{name}.png").stat().st_size > 5000
     assert (EXAMPLES / "pictures" / f"{name}.png").exists()

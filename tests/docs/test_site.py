@@ -49,7 +49,7 @@ def ids(html: str) -> set[str]:
 @pytest.mark.slow
 def test_every_public_name_is_in_the_reference(site: dict[str, str]) -> None:
     page = site["reference/python.html"]
-    shown = {one.rpartition(".")[2] for one in ids(page)} | set(re.findall(r"<code>(\w+)</code>", page))
+    shown = {identifier.rpartition(".")[2] for identifier in ids(page)} | set(re.findall(r"<code>(\w+)</code>", page))
     assert set(granular_contact.__all__) - shown == set()
 
 
@@ -101,10 +101,12 @@ def test_pages_opened_from_the_disk_are_searched(built: Path, page: str) -> None
     links = "return [...document.querySelectorAll('.md-search-result__link')].map(one => one.href)"
     with Browser() as browser:
         browser.open(built / page, 1200)
-        for words in ("grouser", "grousers") * 20:  # what is typed before the index is there is not looked for again
-            browser.run(typed % words)
+        for query in ("grouser", "grousers") * 20:  # what is typed before the index is there is not looked for again
+            browser.run(typed % query)
             time.sleep(0.4)
-            if found := browser.run(links):
+            if addresses := browser.run(links):
                 break
-        assert (built / "reference/shapes.html").as_uri() in {one.partition("?")[0].partition("#")[0] for one in found}
+        assert (built / "reference/shapes.html").as_uri() in {
+            address.partition("?")[0].partition("#")[0] for address in addresses
+        }
         assert browser.faults() == []

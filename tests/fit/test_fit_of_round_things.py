@@ -44,10 +44,10 @@ def test_the_medium_of_a_round_thing(tmp_path: Path, text: str, key: str, true: 
     (tmp_path / "round.csv").write_text("\n".join(lines), encoding="utf-8")
     bounds = f"{{from: {0.5 * true}, to: {2.0 * true}, start: {1.2 * true}}}"
     runs = "set: {method: engine}\nruns: [{config: round.yaml, data: round.csv}]"
-    found = fitted(tmp_path, f"parameters: {{medium.{key}: {bounds}}}\n{runs}")
+    result = fitted(tmp_path, f"parameters: {{medium.{key}: {bounds}}}\n{runs}")
     # 1e-5 m of some 1e-2 m, of 21 rows: a few in a thousand.
-    assert found.values[0] == pytest.approx(true, rel=0.02)
-    (medium,) = media(found).values()
-    assert medium[key] == found.values[0]
+    assert result.values[0] == pytest.approx(true, rel=0.02)
+    (medium,) = media(result).values()
+    assert medium[key] == result.values[0]
     assert medium["range"]["size_m"] == [size, size]
     assert medium["range"]["depth_m"][1] == pytest.approx(float(results["depth_m"].max()), rel=0.02)

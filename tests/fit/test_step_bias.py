@@ -37,21 +37,21 @@ def found_with(folder: Path, step: float, noise: float):
     return fitted(folder, f"parameters: {{medium.zeta: {bounds}}}\n{runs}")
 
 
-def told(found) -> list[str]:
+def bias_warnings(result) -> list[str]:
     """Warnings about finer steps."""
-    return [warning for warning in found.warnings if "with finer steps" in warning]
+    return [warning for warning in result.warnings if "with finer steps" in warning]
 
 
 def test_the_bias_of_long_steps_is_told_and_true(tmp_path: Path) -> None:
-    found = found_with(tmp_path, 2e-3, 1e-6)
-    missing = TRUE - found.values[0]
-    assert abs(missing) > 2.0 * found.uncertainty.estimates[0].error  # or nothing were to be told
+    result = found_with(tmp_path, 2e-3, 1e-6)
+    missing = TRUE - result.values[0]
+    assert abs(missing) > 2.0 * result.uncertainty.estimates[0].error  # or nothing were to be told
     # A tenth of the step leaves a tenth of an error of first order; the data have some of 1e-6 m in 1e-2 m.
-    assert found.bias[0] == pytest.approx(missing, rel=0.2)
-    assert len(told(found)) == 1
+    assert result.bias[0] == pytest.approx(missing, rel=0.2)
+    assert len(bias_warnings(result)) == 1
 
 
 def test_nothing_is_told_where_noise_hides_the_bias(tmp_path: Path) -> None:
-    found = found_with(tmp_path, 2e-4, 1e-4)
-    assert abs(found.bias[0]) < found.uncertainty.estimates[0].error
-    assert not told(found)
+    result = found_with(tmp_path, 2e-4, 1e-4)
+    assert abs(result.bias[0]) < result.uncertainty.estimates[0].error
+    assert not bias_warnings(result)

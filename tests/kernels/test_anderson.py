@@ -24,9 +24,9 @@ class Iterations:
 
     def __post_init__(self) -> None:
         self.q, self.v = np.zeros(UNKNOWNS), np.zeros(UNKNOWNS)
-        now = {"q": self.q, "v": self.v, "a": self.a, "multipliers": self.multipliers}
+        iterate = {"q": self.q, "v": self.v, "a": self.a, "multipliers": self.multipliers}
         before = {"a_before": self.a.copy(), "multipliers_before": np.zeros(1)}
-        self.arrays = now | before | {"lever": np.ones(UNKNOWNS)} | room(UNKNOWNS, 1)
+        self.arrays = iterate | before | {"lever": np.ones(UNKNOWNS)} | room(UNKNOWNS, 1)
         self.addresses = ITERATIONS.addresses(self.arrays)
         self.begin()
 

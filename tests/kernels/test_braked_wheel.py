@@ -40,7 +40,7 @@ def by_hand(slip: float) -> np.ndarray:
     def stresses(theta: float) -> tuple[float, float]:
         z, along = RADIUS * (math.cos(theta) - math.cos(ENTRY)), SPEED * math.cos(theta) - rim
         speed = math.hypot(along, SPEED * math.sin(theta))
-        start = min(one for one in starts if one >= theta)
+        start = min(angle for angle in starts if angle >= theta)
         j = RADIUS / rim * abs(SPEED * (math.sin(start) - math.sin(theta)) - rim * (start - theta))
         p = SAND.k_phi * z**SAND.exponent
         c = SAND.cohesion * min(1.0, z / (SHALLOW * WIDTH))
@@ -49,7 +49,7 @@ def by_hand(slip: float) -> np.ndarray:
         return faded * p, -faded * tau * max(-1.0, min(1.0, along / speed / FADE))
 
     def integral(of: object, lever: float = 1.0) -> float:
-        points = [one for one in (0.01, turns) if 0.0 < one < ENTRY]
+        points = [angle for angle in (0.01, turns) if 0.0 < angle < ENTRY]
         value: float = quad(lambda a: of(*stresses(a), a), 0.0, ENTRY, points=points, limit=500)[0]  # type: ignore[operator]
         return value * RADIUS * WIDTH * lever
 

@@ -140,8 +140,8 @@ def test_smooth_creeps_under_a_constant_load() -> None:
 @pytest.mark.parametrize("amplitude", [1.5, 3.0, 20.0])
 def test_cycles_dissipate_the_area_of_the_loop(amplitude: float) -> None:
     a = amplitude * U_Y
-    one, two = (zigzag(a, n, 2000) for n in (1, 2))
-    more = work(two, cycle(two, PLASTIC)[0]) - work(one, cycle(one, PLASTIC)[0])
+    one_cycle, two_cycles = (zigzag(a, n, 2000) for n in (1, 2))
+    more = work(two_cycles, cycle(two_cycles, PLASTIC)[0]) - work(one_cycle, cycle(one_cycle, PLASTIC)[0])
     # A perfect elastoplastic loop between -a and a has the area 4 (a - u_y) of the unit bound. Its corners fall between
     # points: at each of two a triangle of up to half a step (2a / 2000) times the change of sigma over it, 2a / 2000
     # u_y.

@@ -74,12 +74,12 @@ def test_layers_of_a_turning_plate_are_the_whole_bed_as_strips_are_refined(mediu
     errors = []
     for n in sizes:
         xi = np.linspace(0.0, 1.0, n + 1)[:, None]
-        found = []
+        differences = []
         for state in states:
             P, V, stretch = ((1 - xi) * ends[0] + xi * ends[1] for ends in state)
             want, got = whole_and_layers(medium, P, V, P - stretch)
-            found.append([np.abs((got - want).sum(axis=0)).max(), np.abs(want).sum()])
-        apart, whole = np.sqrt(np.mean(np.square(found), axis=0))
+            differences.append([np.abs((got - want).sum(axis=0)).max(), np.abs(want).sum()])
+        apart, whole = np.sqrt(np.mean(np.square(differences), axis=0))
         errors.append(apart / whole)
     # The stress has kinks along the strip, where a bristle yields (and in rft3d where its surface begins to slide): of
     # second order.

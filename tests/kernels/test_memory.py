@@ -70,7 +70,7 @@ def test_references_to_arrays_are_not_counted() -> None:
         njit(**options(allocates))(lambda a: memory.rows(a, 1, 2)[0, 0, 0]) for allocates in (True, False)
     )
     assert counted(A) == uncounted(A) == A[1, 0, 0]
-    texts = ["\n".join(one.inspect_llvm().values()) for one in (counted, uncounted)]
+    texts = ["\n".join(function.inspect_llvm().values()) for function in (counted, uncounted)]
     assert ["NRT_decref" in text for text in texts] == [True, False]
 
 
@@ -97,11 +97,11 @@ def test_rooms_of_records_are_apart_and_live_as_long_as_the_call() -> None:
 
     @njit(**options())
     def total(n):  # type: ignore[no-untyped-def]
-        found = 0.0
+        result = 0.0
         for i in range(n):  # one room for all turns, or the stack would grow with n
             a, b = room(), room()
             a.k, b.k, a.x[0], b.x[0] = 1.0, 2.0, i, -i
-            found += a.k + b.k + a.x[0] + b.x[0]
-        return found
+            result += a.k + b.k + a.x[0] + b.x[0]
+        return result
 
     assert total(3_000_000) == 9e6

@@ -16,11 +16,11 @@ from granular_contact.sand.load import GranularLoad
 
 @njit
 def table(seed, ways, places):
-    found = np.empty((len(ways), len(places)))
+    factors = np.empty((len(ways), len(places)))
     for i in range(len(ways)):
         for j in range(len(places)):
-            found[i, j] = scatter.xi(seed, ways[i], places[j])
-    return found
+            factors[i, j] = scatter.xi(seed, ways[i], places[j])
+    return factors
 
 
 def test_it_has_mean_0_variance_1_and_bounds() -> None:
@@ -37,12 +37,12 @@ def test_it_has_mean_0_variance_1_and_bounds() -> None:
 
 def test_it_is_smooth_and_shared_by_neighbours() -> None:
     ways = np.linspace(0.0, 5.0, 5001)
-    one = table(3, ways, np.array([2.2, 2.3, 40.2]))
+    factors = table(3, ways, np.array([2.2, 2.3, 40.2]))
     # Weights turn by q' / (q^2 + (1 - q)^2) <= 3 a grain, around 2 at most: a slope of 6; and no kink between cells.
-    assert np.abs(np.diff(one, axis=0)).max() < 6e-3
-    assert np.abs(np.diff(one, 2, axis=0)).max() < 5e-5
-    assert np.corrcoef(one[:, 0], one[:, 1])[0, 1] > 0.9
-    assert np.abs(one[:, 0] - one[:, 2]).max() > 1.0
+    assert np.abs(np.diff(factors, axis=0)).max() < 6e-3
+    assert np.abs(np.diff(factors, 2, axis=0)).max() < 5e-5
+    assert np.corrcoef(factors[:, 0], factors[:, 1])[0, 1] > 0.9
+    assert np.abs(factors[:, 0] - factors[:, 2]).max() > 1.0
 
 
 def pushed(medium: Law, seed: int, strips: int = 16, steps: int = 120) -> np.ndarray:
@@ -64,18 +64,18 @@ def pushed(medium: Law, seed: int, strips: int = 16, steps: int = 120) -> np.nda
 
 def test_static_terms_scatter_and_those_of_the_speed_do_not() -> None:
     for medium in (Drft(LOOSE, 1500.0, 1.1), LEE_MARGHITU):
-        plain, one, same, other = (pushed(medium, seed) for seed in (0, 5, 5, 6))
+        plain, seeded, same, other = (pushed(medium, seed) for seed in (0, 5, 5, 6))
         moving = [i for i, term in enumerate(medium.terms) if term in medium.dynamic]
         static = [i for i, term in enumerate(medium.terms) if term not in medium.dynamic]
         assert len(moving) == 1
-        np.testing.assert_array_equal(one, same)
-        np.testing.assert_array_equal(one[:, moving], plain[:, moving])
-        up, scattered = plain[:, static, 1].sum(axis=1), one[:, static, 1].sum(axis=1)
+        np.testing.assert_array_equal(seeded, same)
+        np.testing.assert_array_equal(seeded[:, moving], plain[:, moving])
+        up, scattered = plain[:, static, 1].sum(axis=1), seeded[:, static, 1].sum(axis=1)
         deep = np.abs(up) > 0.1 * np.abs(up).max()
         ratio = scattered[deep] / up[deep]
         # 16 strips of a length that counts as its square root: 0.5 / sqrt(16) for the whole, give or take.
         assert 0.02 < np.std(ratio) < 0.3
-        assert np.abs(one - other).max() > 0.02 * np.abs(plain).max()
+        assert np.abs(seeded - other).max() > 0.02 * np.abs(plain).max()
 
 
 def test_finer_strips_scatter_as_much_as_a_whole() -> None:

@@ -24,7 +24,7 @@ def test_profile_is_level_beyond_its_corners_and_straight_between() -> None:
 def test_slope_goes_on_without_end() -> None:
     plane = surface(np.array([[0.0, -0.2]]), 0.3)
     for x in (-1e5, -1.0, 0.0, 2e3, 1e5):
-        found, slope = called(height)(plane, x)
-        np.testing.assert_allclose((found, slope), (-0.2 + 0.3 * x, 0.3), rtol=1e-14)
-        assert called(depth)(plane, x, 1.0) == found - 1.0
+        level, slope = called(height)(plane, x)
+        np.testing.assert_allclose((level, slope), (-0.2 + 0.3 * x, 0.3), rtol=1e-14)
+        assert called(depth)(plane, x, 1.0) == level - 1.0
     assert called(height)(surface(np.array([[0.0, -0.2]])), 7.0) == (-0.2, 0.0)

@@ -50,9 +50,9 @@ solver: {end_time_s: 0.02, step_s: 2.0e-4}
 
 
 def test_python_needs_the_class_alone() -> None:
-    own, same = Power(400.0, 1.6), TsimringVolfson(0.0, 400.0, 1.6)
+    users, same = Power(400.0, 1.6), TsimringVolfson(0.0, 400.0, 1.6)
     for v in np.array([[0.2, -0.3], [0.0, 0.4]]):
-        np.testing.assert_allclose(force(own, ball(0.01, 0.02), v), force(same, ball(0.01, 0.02), v)[:1], rtol=1e-12)
+        np.testing.assert_allclose(force(users, ball(0.01, 0.02), v), force(same, ball(0.01, 0.02), v)[:1], rtol=1e-12)
     with pytest.raises(ValueError, match=r"Power.exponent: got 0, allowed is a number above 0"):
         Power(1.0, 0)
 
@@ -65,9 +65,9 @@ def test_it_runs_from_yaml(tmp_path: Path) -> None:
         config.write_text(BALL.replace("MEDIUM", f"{{law: {law}, exponent: 1.6}}"), encoding="utf-8")
         results = simulate(build(load(config).scenario))
         tables.append(np.column_stack([results[name] for name in ("time_s", "depth_m")]))
-    own, same = tables
-    assert len(own) > 50
-    np.testing.assert_allclose(own, same, rtol=1e-9, atol=1e-12)
+    users, same = tables
+    assert len(users) > 50
+    np.testing.assert_allclose(users, same, rtol=1e-9, atol=1e-12)
 
 
 @pytest.mark.usefixtures("removed")

@@ -78,8 +78,8 @@ def by_engine(case: str, step: float = 1e-4) -> Results:
 
 def minimal(case: str, accuracy: float = 1e-4) -> Results:
     text, more = CASES[case]
-    own = f"solver.accuracy={accuracy}", "solver.step_s=null", "solver.rest_time_s=null", "method=minimal"
-    return simulate(text, *more, *own)
+    overrides = f"solver.accuracy={accuracy}", "solver.step_s=null", "solver.rest_time_s=null", "method=minimal"
+    return simulate(text, *more, *overrides)
 
 
 @pytest.mark.slow
@@ -120,8 +120,14 @@ def test_error_of_what_is_driven_follows_the_accuracy() -> None:
 def test_fixed_steps_are_the_engine_s() -> None:
     """The same scheme in other coordinates, over the same steps: what is apart is of its order, with a small factor."""
     text, more = CASES["free base"]
-    own = *more, "solver.accuracy=null", "solver.step_s=2e-4", "solver.spectral_radius=0.9", "solver.tolerance=1e-7"
-    ours, theirs = (simulate(text, *own, f"method={method}") for method in ("minimal", "engine"))
+    overrides = (
+        *more,
+        "solver.accuracy=null",
+        "solver.step_s=2e-4",
+        "solver.spectral_radius=0.9",
+        "solver.tolerance=1e-7",
+    )
+    ours, theirs = (simulate(text, *overrides, f"method={method}") for method in ("minimal", "engine"))
     assert np.allclose(ours["time_s"], theirs["time_s"], rtol=0.0, atol=1e-12)
     travelled = np.abs(np.diff(np.column_stack([theirs["tip_x_m"], theirs["tip_y_m"]]), axis=0)).sum()
     assert tip_error(ours, theirs, theirs["time_s"]) < 1e-4 * travelled
@@ -140,15 +146,15 @@ SIGNALS["smoothed"] = Smoothed(_bent, jumps(_bent), 0.04)
 
 @pytest.mark.parametrize("name", SIGNALS)
 def test_tables_of_signals_are_the_signals(name: str) -> None:
-    signal, found = SIGNALS[name], np.zeros(1, SIGNAL)
+    signal, record = SIGNALS[name], np.zeros(1, SIGNAL)
     knots, pieces = tabulate([signal], 1.0)
     times = np.random.default_rng(1).uniform(0.0, 1.0, 500)
     breaks = np.array([*jerks(signal), np.inf])
     for t in times.tolist():
-        called(look_up)(t, knots, pieces, found)
+        called(look_up)(t, knots, pieces, record)
         # Accelerations jump at the knots of tables, which are knots of ours; elsewhere a piece is off by 1e-6 of them.
         assert np.abs(breaks - t).min() > 1e-9
         scale = np.abs(pieces[0, :, 1]).max(), 2.0 * np.abs(pieces[0, :, 2]).max() + 1e-9
-        assert found["value"][0] == pytest.approx(signal.value(t), abs=1e-8)
-        assert found["rate"][0] == pytest.approx(signal.rate(t), abs=1e-6 * scale[0] + 1e-9)
-        assert found["acceleration"][0] == pytest.approx(signal.acceleration(t), abs=1e-3 * scale[1])
+        assert record["value"][0] == pytest.approx(signal.value(t), abs=1e-8)
+        assert record["rate"][0] == pytest.approx(signal.rate(t), abs=1e-6 * scale[0] + 1e-9)
+        assert record["acceleration"][0] == pytest.approx(signal.acceleration(t), abs=1e-3 * scale[1])

@@ -99,8 +99,8 @@ def test_folded_matrix_is_the_dense_one(count: int) -> None:
         for step in (tree.eliminate, tree.solve):
             of_tree(step)(addresses(w))
         J, B, free = jacobian(nodes, s), np.zeros((3 * count, 3 * count)), w["prescribed"] == 0
-        for i, one in enumerate(body):
-            B[3 * i : 3 * i + 3, 3 * i : 3 * i + 3] = one
+        for i, block in enumerate(body):
+            B[3 * i : 3 * i + 3, 3 * i : 3 * i + 3] = block
         whole = (J.T @ B @ J + np.diag(w["stiffness"]))[np.ix_(free, free)]
         change = np.zeros(count)
         change[free] = np.linalg.solve(whole, -w["residual"][free])
@@ -121,8 +121,8 @@ def test_matrix_of_newton_is_the_slope_of_what_joints_lack() -> None:
     of_tree(tree_load.tangent)(fq, fv, march._addresses)
     c, J = w["stiffness"].copy(), jacobian(w["nodes"], w["s"])
     B = np.zeros((3 * n, 3 * n))
-    for i, one in enumerate(w["body"].reshape(-1, 3, 3)):
-        B[3 * i : 3 * i + 3, 3 * i : 3 * i + 3] = one
+    for i, block in enumerate(w["body"].reshape(-1, 3, 3)):
+        B[3 * i : 3 * i + 3, 3 * i : 3 * i + 3] = block
     by = 1e-3  # rad/s2: 5e-8 rad/s, so that points move by a tenth of what a bristle yields at, or less
     slopes = slopes_of_residuals(
         march, (tree_load.forces_on_nodes, tree.node_accelerations, tree.residuals), fq, fv, by
@@ -175,11 +175,11 @@ solver: {end_time_s: 0.1, accuracy: 1.0e-4, rest_time_s: null}
 @pytest.mark.parametrize("radius", [1.0, 0.9, 0.5, 0.0])
 def test_steps_are_of_order_two(radius: float) -> None:
     """A rigid pendulum in vacuum, to 0.1 s; whatever the spectral radius."""
-    own = "method=minimal", "medium=null", "solver.end_time_s=0.1", f"solver.spectral_radius={radius}"
+    overrides = "method=minimal", "medium=null", "solver.end_time_s=0.1", f"solver.spectral_radius={radius}"
 
     def end(step: float) -> float:
         more = f"solver.step_s={step}", "solver.accuracy=null", "solver.tolerance=1e-12"
-        return float(simulate("pendulum_rigid", *own, *more)["pivot_angle_deg"][-1])
+        return float(simulate("pendulum_rigid", *overrides, *more)["pivot_angle_deg"][-1])
 
     steps = [1e-2, 5e-3, 2.5e-3, 1.25e-3]
     exact = end(1e-5)

@@ -60,12 +60,12 @@ def test_shorter_steps_lead_to_the_motion_of_the_other_engine_with_order_one(nam
     box = FallingBox((0.1, 0.08, 0.06), 0.1, (0.5, 0.2, -1.0, 1.0, 2.0, 3.0), medium, floor)
     # On a floor, whose springs are stiff, longer steps are not yet those of order one.
     steps = np.array([4e-4, 2e-4, 1e-4]) / (1.0 if floor is None else 2.0)
-    there = box.by_exudyn(0.1, 400)
-    errors = [float(np.linalg.norm(box.by_mujoco(0.1, step) - there)) for step in steps.tolist()]
+    reference = box.by_exudyn(0.1, 400)
+    errors = [float(np.linalg.norm(box.by_mujoco(0.1, step) - reference)) for step in steps.tolist()]
     assert 0.8 < order(steps.tolist(), errors) < 1.3, errors
     assert errors[0] < 12.5 * steps[0] * 0.1  # of the way
     if name == "scattering":  # which matters more
-        assert np.linalg.norm(box.in_medium(SAND).by_mujoco(0.1, steps[0]) - there) > 10 * errors[-1]
+        assert np.linalg.norm(box.in_medium(SAND).by_mujoco(0.1, steps[0]) - reference) > 10 * errors[-1]
 
 
 @pytest.mark.parametrize("geom", ["box", "ball"])
@@ -104,9 +104,9 @@ def test_the_error_of_a_step_is_told_of_a_foot_that_is_let_go_at_the_surface(siz
         for _ in range(round(0.1 / step)):
             go(model, data, bed, step)
             lowest = min(lowest, data.qpos[2])
-        off, told = (0.02 - lowest) / depth - 1.0, bed.of(data).error
+        off, estimate = (0.02 - lowest) / depth - 1.0, bed.of(data).error
         assert off > 0.05
-        assert off - 0.03 < told < 1.5 * off + 0.03, (step, off, told)
+        assert off - 0.03 < estimate < 1.5 * off + 0.03, (step, off, estimate)
 
 
 def test_the_error_of_facets_is_told_of_a_ball_that_is_thrown() -> None:
@@ -122,12 +122,12 @@ def test_the_error_of_facets_is_told_of_a_ball_that_is_thrown() -> None:
             lowest = min(lowest, data.qpos[2])
         return 0.02 - lowest, bed.of(data)
 
-    (fine, kept), (coarse, told) = made(0.002), made(0.01)
+    (fine, kept), (coarse, estimate) = made(0.002), made(0.01)
     off = abs(coarse / fine - 1.0)
     assert off > 2e-3
-    assert off / 5.0 < told.facet_error < 10.0 * off
-    assert kept.facet_error < 0.2 * told.facet_error
-    assert told.error == told.facet_error + told.step_error
+    assert off / 5.0 < estimate.facet_error < 10.0 * off
+    assert kept.facet_error < 0.2 * estimate.facet_error
+    assert estimate.error == estimate.facet_error + estimate.step_error
 
 
 @pytest.fixture(scope="module")

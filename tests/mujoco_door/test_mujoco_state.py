@@ -58,13 +58,13 @@ def test_a_state_leads_to_the_same_end_again_in_any_data_and_after_a_reset() -> 
     mujoco.mj_getState(model, data, physics, whole)
     go(model, data, bed, 0.05)
     end, work, rows = data.qpos.copy(), bed.of(data).work, bed.of(data).history
-    for again in (data, mujoco.MjData(model)):
-        mujoco.mj_setState(model, again, physics, whole)
-        bed.of(again).restore(kept)
-        go(model, again, bed, 0.05)
-        np.testing.assert_array_equal(again.qpos, end)
-        assert bed.of(again).work == work
-        np.testing.assert_array_equal(bed.of(again).history.work, rows.work)
+    for restored in (data, mujoco.MjData(model)):
+        mujoco.mj_setState(model, restored, physics, whole)
+        bed.of(restored).restore(kept)
+        go(model, restored, bed, 0.05)
+        np.testing.assert_array_equal(restored.qpos, end)
+        assert bed.of(restored).work == work
+        np.testing.assert_array_equal(bed.of(restored).history.work, rows.work)
     # As rollouts have it: time goes back to that of the state.
     mujoco.mj_setState(model, data, physics, whole)
     go(model, data, bed, 0.05)
@@ -84,8 +84,8 @@ def test_a_copy_goes_on_as_its_original() -> None:
     go(model, data, bed, 0.1)
     other = copy.copy(data)
     bed.copy(data, other)
-    for one in (data, other):
-        go(model, one, bed, 0.05)
+    for simulated in (data, other):
+        go(model, simulated, bed, 0.05)
     np.testing.assert_array_equal(data.qpos, other.qpos)
     # Without the friction state it begins anew, yet the forces on the original are none of its own.
     third = copy.copy(data)

@@ -52,13 +52,13 @@ def test_one_bed_does_what_one_for_each_does() -> None:
     each, apart = solved(COUNT)
     # Sums in another order, and a Newton iteration that ends at 1e-8 of its first residual.
     np.testing.assert_allclose(together, apart, atol=1e-9)
-    for i, own in enumerate(each):
-        ours, theirs = bed.history.bodies[:, i], own.history.bodies[:, 0]
+    for i, separate in enumerate(each):
+        ours, theirs = bed.history.bodies[:, i], separate.history.bodies[:, 0]
         np.testing.assert_allclose(ours, theirs, atol=1e-5 * max(1.0, np.abs(theirs).max()))
     touched = [np.abs(bed.history.bodies[:, i]).max() > 0.0 for i in range(COUNT)]
     assert touched == [True] * sum(touched) + [False] * (COUNT - sum(touched))
     assert 1 <= sum(touched) < COUNT
-    assert bed.work == pytest.approx(sum(own.work for own in each), rel=1e-6)
+    assert bed.work == pytest.approx(sum(separate.work for separate in each), rel=1e-6)
 
 
 def test_one_call_serves_all_bodies() -> None:

@@ -30,7 +30,7 @@ model:
 
 
 def test_a_chain_of_one_link_is_a_pendulum() -> None:
-    one, pendulum = simulate(chain(1, 0.3), "medium=play_sand"), simulate(PENDULUM)
+    single_link, pendulum = simulate(chain(1, 0.3), "medium=play_sand"), simulate(PENDULUM)
     for mine, theirs in (
         ("hinge_1_angle_deg", "pivot_angle_deg"),
         ("hinge_1_rate_rad_s", "pivot_rate_rad_s"),
@@ -38,9 +38,9 @@ def test_a_chain_of_one_link_is_a_pendulum() -> None:
         ("depth_m", "depth_m"),
         ("granular_work_J", "granular_work_J"),
     ):
-        np.testing.assert_allclose(one[mine], pendulum[theirs], rtol=1e-8, atol=1e-12)
-    assert one.summary["stopping_time_s"] == pytest.approx(pendulum.summary["stopping_time_s"], rel=1e-8)
-    assert one.summary["stopping_time_s"] > 0.01
+        np.testing.assert_allclose(single_link[mine], pendulum[theirs], rtol=1e-8, atol=1e-12)
+    assert single_link.summary["stopping_time_s"] == pytest.approx(pendulum.summary["stopping_time_s"], rel=1e-8)
+    assert single_link.summary["stopping_time_s"] > 0.01
 
 
 def hanging(count: int, mode: int) -> str:

@@ -29,8 +29,8 @@ def test_exponential_decay_leaves_speed_times_time_constant(decay):
     speeds = REST_SPEED * np.exp(-(time - 1.0) / decay)[:, None] * [1.0, -2.0]
     # Of the closed form only round-off of the decay over the rest time is left.
     until_the_end = 1.0 - np.exp(-2.0 / decay)
-    found = displacement_left(time, speeds, REST_TIME, REST_SPEED, 3.0)
-    np.testing.assert_allclose(found, 2.0 * REST_SPEED * decay * until_the_end, rtol=1e-9)
+    remaining = displacement_left(time, speeds, REST_TIME, REST_SPEED, 3.0)
+    np.testing.assert_allclose(remaining, 2.0 * REST_SPEED * decay * until_the_end, rtol=1e-9)
 
 
 def test_vibration_and_a_run_at_its_end_leave_nothing():
@@ -47,11 +47,11 @@ def test_an_overdamped_link_that_still_sags_is_told_with_what_is_left(in_space):
     short, whole = simulate(strip), simulate(strip.replace({"solver.rest_time_s": None}))
     assert short.status.code == "rest"
     (warning,) = creeping(short)
-    told = float(warning.split("about ")[1].split(" m,")[0])
+    estimate = float(warning.split("about ")[1].split(" m,")[0])
     missing = abs(whole[tip][-1] - short[tip][-1])
     assert missing > 0.2 * abs(short[tip][-1] - short[tip][0])  # so it was worth a warning
     # Deflections of several modes: the slowest one alone is left, so that the decay is geometric to some per cent.
-    np.testing.assert_allclose(told, missing, rtol=0.1)
+    np.testing.assert_allclose(estimate, missing, rtol=0.1)
 
 
 def test_what_rests_in_sand_is_not_said_to_creep():

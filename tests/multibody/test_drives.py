@@ -110,9 +110,10 @@ def test_chosen_steps_leap_over_no_pulse_of_a_drive(accuracy: float) -> None:
 def test_fixed_steps_too_long_for_a_pulse_are_told() -> None:
     pulse = "{type: force, force_N: {type: table, time_s: [0.2, 0.201, 0.202], values: [0, 50, 0]}}"
     run = simulate(LIFT, f"drives={{rail: {pulse}}}", "solver.step_s=1e-3")
-    assert any("bends twice within 0.001 s, 1.0 steps" in one for one in run.warnings), run.warnings
+    assert any("bends twice within 0.001 s, 1.0 steps" in warning for warning in run.warnings), run.warnings
     assert not any(
-        "bends twice" in one for one in simulate(LIFT, f"drives={{rail: {pulse}}}", "solver.step_s=1e-4").warnings
+        "bends twice" in warning
+        for warning in simulate(LIFT, f"drives={{rail: {pulse}}}", "solver.step_s=1e-4").warnings
     )
 
 
@@ -291,7 +292,7 @@ def test_jumps_of_a_prescribed_acceleration_leave_no_oscillation() -> None:
     default, fine = simulate(TURNED), simulate(TURNED, "solver.step_s=1e-5")
     # Steps of 0.2 ms between knots of 16 ms and more: a step of the greatest power at the jump. With the multipliers of
     # the scheme the work was off by 1.7 % and the greatest torque by 16 %.
-    put_in = [one.summary["drive_work_put_in_J"] for one in (default, fine)]
+    put_in = [run.summary["drive_work_put_in_J"] for run in (default, fine)]
     assert put_in[0] == pytest.approx(put_in[1], rel=3e-3)
-    peaks = [np.abs(one["axle_torque_Nm"]).max() for one in (default, fine)]
+    peaks = [np.abs(run["axle_torque_Nm"]).max() for run in (default, fine)]
     assert peaks[0] == pytest.approx(peaks[1], rel=1e-3)

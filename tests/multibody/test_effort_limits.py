@@ -24,7 +24,7 @@ def lift(in_space: bool, limit: Any, drive: dict[str, Any], kind: str = "hinge")
     return {"model": model, "medium": None, "drives": {"lift": drive}, "solver": {"end_time_s": 0.02}}
 
 
-def told(run: dict[str, Any]) -> list[str]:
+def limit_warnings(run: dict[str, Any]) -> list[str]:
     return [sentence for sentence in simulate(run).warnings if "effort limit" in sentence]
 
 
@@ -32,20 +32,20 @@ def told(run: dict[str, Any]) -> list[str]:
 @pytest.mark.parametrize("method", ["auto", "engine"])
 def test_a_prescribed_motion_beyond_the_effort_limit_is_told(in_space: bool, method: str) -> None:
     hold = {"type": "motion", "angle_deg": 0}
-    (sentence,) = told(lift(in_space, 0.3, hold) | {"method": method})
+    (sentence,) = limit_warnings(lift(in_space, 0.3, hold) | {"method": method})
     assert f"the drive of lift needs a torque of up to {NEEDED:.4g} N m" in sentence
     assert "more than the effort limit of this joint, 0.3 N m" in sentence
-    assert not told(lift(in_space, 1.01 * NEEDED, hold) | {"method": method})
-    assert not told(lift(in_space, None, hold) | {"method": method})
+    assert not limit_warnings(lift(in_space, 1.01 * NEEDED, hold) | {"method": method})
+    assert not limit_warnings(lift(in_space, None, hold) | {"method": method})
 
 
 @pytest.mark.parametrize("in_space", [False, True])
 def test_forces_of_sliders_and_of_controllers_are_told_too(in_space: bool) -> None:
-    (sentence,) = told(lift(in_space, 2, {"type": "motion", "position_m": 0}, "slider"))
+    (sentence,) = limit_warnings(lift(in_space, 2, {"type": "motion", "position_m": 0}, "slider"))
     assert f"a force of up to {ARM * 9.81:.4g} N, more than the effort limit of this joint, 2 N" in sentence
     stiff = {"type": "pd", "angle_deg": 10, "gain_Nm_per_rad": 50}
-    assert told(lift(in_space, 0.3, stiff))
-    assert not told(lift(in_space, 0.3, stiff | {"limit_Nm": 0.3}))
+    assert limit_warnings(lift(in_space, 0.3, stiff))
+    assert not limit_warnings(lift(in_space, 0.3, stiff | {"limit_Nm": 0.3}))
 
 
 def test_the_effort_limit_of_a_robot_file_is_one(tmp_path: Path) -> None:
@@ -59,6 +59,6 @@ def test_the_effort_limit_of_a_robot_file_is_one(tmp_path: Path) -> None:
     model: dict[str, Any] = {"urdf": str(tmp_path / "lift.urdf")}
     run: dict[str, Any] = {"medium": None, "drives": {"lift": {"type": "motion", "angle_deg": 0}}}
     run |= {"model": model, "solver": {"end_time_s": 0.02}}
-    (sentence,) = told(run)
+    (sentence,) = limit_warnings(run)
     assert "up to 1.962 N m, more than the effort limit of this joint, 1.5 N m" in sentence
-    assert not told(run | {"model": model | {"joints": {"lift": {"effort_limit_Nm": 2}}}})
+    assert not limit_warnings(run | {"model": model | {"joints": {"lift": {"effort_limit_Nm": 2}}}})

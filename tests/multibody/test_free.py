@@ -129,13 +129,13 @@ def test_moments_do_not_know_how_far_from_the_origin_it_is():
     3 m lose a digit or two of places, and bristles that begin to hold carry it on: 1.0e-5 of the greatest was seen, ten
     times that is allowed. About the origin moments would be 30 times as large.
     """
-    here, there = simulate(ROD), simulate(ROD.replace("{angle_deg", "{x_m: 3, angle_deg"))
+    at_origin, translated = simulate(ROD), simulate(ROD.replace("{angle_deg", "{x_m: 3, angle_deg"))
     total = 0.0
-    for term in here.terms:
+    for term in at_origin.terms:
         name = f"{term}_moment_about_center_of_mass_Nm"
-        words = next(column.description for column in there.columns if column.name == name)
-        assert "about the centre of mass of the whole mechanism, clockwise" in words
-        np.testing.assert_allclose(there[name], here[name], atol=1e-4 * np.abs(here[name]).max())
-        total = total + there[name]
+        description = next(column.description for column in translated.columns if column.name == name)
+        assert "about the centre of mass of the whole mechanism, clockwise" in description
+        np.testing.assert_allclose(translated[name], at_origin[name], atol=1e-4 * np.abs(at_origin[name]).max())
+        total = total + translated[name]
     # Of a single body it is the body's own.
-    np.testing.assert_allclose(total, there["rod_granular_moment_Nm"], atol=1e-12)
+    np.testing.assert_allclose(total, translated["rod_granular_moment_Nm"], atol=1e-12)

@@ -28,7 +28,7 @@ solver: {end_time_s: 0.002}
 
 
 @pytest.mark.parametrize(
-    ("more", "said"),
+    ("more", "message"),
     [
         ((), "load on arm: 1 of its 3 shapes cannot reach the surface"),
         ((), "load on arm: 1 of its 3 shapes meet no medium (in_sand: false)"),
@@ -40,6 +40,6 @@ solver: {end_time_s: 0.002}
         (("medium=rft_generic", "load.end_cap=true"), "end caps: rft_generic have no force on end faces"),
     ],
 )
-def test_what_is_left_out_of_the_bed_is_said(more: tuple[str, ...], said: str) -> None:
+def test_what_is_left_out_of_the_bed_is_said(more: tuple[str, ...], message: str) -> None:
     system = build(scene_of(PAIR, *more))
-    assert said in list(left_out(system, solve(system)))
+    assert message in list(left_out(system, solve(system)))

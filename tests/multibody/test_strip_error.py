@@ -82,10 +82,10 @@ def test_errors_of_a_link_that_only_bends_are_told() -> None:
 def test_both_methods_find_the_same_error() -> None:
     """Of a rod with 8 strips that topples over."""
     sets = "load.strips_per_rigid_part=8", "solver.step_s=2e-4", "solver.accuracy=null", "medium=rft3d_sand"
-    found = [module.strip_error(motion("free_link", *sets, f"method={by}"), 1e-5) for by in ("minimal", "engine")]
+    errors = [module.strip_error(motion("free_link", *sets, f"method={by}"), 1e-5) for by in ("minimal", "engine")]
     # The two motions differ by what Newton's method leaves.
-    assert found[0] == pytest.approx(found[1], rel=0.2)
-    assert found[0] > 2e-4
+    assert errors[0] == pytest.approx(errors[1], rel=0.2)
+    assert errors[0] > 2e-4
 
 
 def test_a_link_that_bends_and_reaches_nothing_takes_no_part_in_the_estimate() -> None:

@@ -23,9 +23,11 @@ output: {bodies: all}
 @pytest.mark.parametrize("strips", [16, 32])
 def test_a_rod_that_turns_about_its_tip_needs_no_more_strips(strips: int) -> None:
     """The tip turns within the only strip or two that are immersed, for 0.1 s; about 13 mm deep, the tip goes 16 mm."""
-    own = simulate(ROD, f"load.strips_per_rigid_part={strips}")
+    default = simulate(ROD, f"load.strips_per_rigid_part={strips}")
     fine = simulate(ROD, "load.strips_per_rigid_part=128", "solver.step_s=5e-5")
-    off = max(np.abs(own[c] - np.interp(own["time_s"], fine["time_s"], fine[c])).max() for c in ("rod_x_m", "rod_y_m"))
+    off = max(
+        np.abs(default[c] - np.interp(default["time_s"], fine["time_s"], fine[c])).max() for c in ("rod_x_m", "rod_y_m")
+    )
     way = np.hypot(np.diff(fine["rod_x_m"]), np.diff(fine["rod_y_m"])).sum()
     # 0.25 and 0.1 % seen; 2.8 and 1.3 % where the bristles at the ends of a strip share its turning point out.
     assert off < 5e-3 * way
@@ -34,10 +36,10 @@ def test_a_rod_that_turns_about_its_tip_needs_no_more_strips(strips: int) -> Non
 def test_a_double_pendulum_needs_no_more_strips() -> None:
     """Recomputed with the true sign it was off by 1 % of the travel of its joints."""
     short = "solver.end_time_s=0.3", "solver.step_s=2e-4"
-    own = simulate("double_pendulum", *short)
+    default = simulate("double_pendulum", *short)
     fine = simulate("double_pendulum", *short, "load.strips_per_rigid_part=128")
-    hinges = [column.name for column in own.columns if column.name.endswith("_angle_deg")]
+    hinges = [column.name for column in default.columns if column.name.endswith("_angle_deg")]
     travel = max(np.ptp(fine[name]) for name in hinges)
     assert len(hinges) == 2
     assert travel > 30.0
-    assert max(np.abs(own[name] - fine[name]).max() for name in hinges) < 5e-4 * travel
+    assert max(np.abs(default[name] - fine[name]).max() for name in hinges) < 5e-4 * travel

@@ -41,9 +41,9 @@ def test_without_a_display_it_is_refused_before_the_run(
     if display is not None:
         monkeypatch.setenv("DISPLAY", display)
     assert cli.main(["run", CONFIG, "--exudyn-viewer", "--out", str(tmp_path / "r")]) == 2
-    told = capsys.readouterr().err
-    assert told.startswith("--exudyn-viewer: ")
-    assert told.count("\n") == 1
+    errors = capsys.readouterr().err
+    assert errors.startswith("--exudyn-viewer: ")
+    assert errors.count("\n") == 1
     assert not (tmp_path / "r").exists()
 
 

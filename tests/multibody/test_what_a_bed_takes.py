@@ -97,9 +97,9 @@ def test_a_bed_that_was_not_attached_has_nothing_to_tell() -> None:
     bed = GranularBed(mbs, preset("rft3d_sand"), 0.0, up=(0, 0, 1))
     bed.add_body(body, Box((0.1, 0.1, 0.1)))
     mbs.Assemble()
-    for told in (lambda: bed.force, lambda: bed.work, lambda: bed.bodies, lambda: bed.history):
+    for read in (lambda: bed.force, lambda: bed.work, lambda: bed.bodies, lambda: bed.history):
         with pytest.raises(SceneError, match=r"it does not act, .*: call attach\(\) before mbs.Assemble\(\)"):
-            told()
+            read()
 
 
 def test_the_page_says_so() -> None:

@@ -51,18 +51,18 @@ def test_tangents_are_the_derivatives_of_the_forces() -> None:
     def check(body: State) -> None:
         q, v, around = rigid(body)
         at = forces(q, v, around)
-        here, h = at(np.zeros(6)), 20.0 * D
+        force, h = at(np.zeros(6)), 20.0 * D
         for fq, fv in ((1.0, 0.0), (0.0, 1.0), (0.7, -1.3)):
             got, steps = np.zeros((3, 3)), np.vstack([fq * np.eye(3), fv * np.eye(3)])
-            called(lines.differences)(q, v, v, around, np.zeros((3, 3)), here, fq, fv, got)
+            called(lines.differences)(q, v, v, around, np.zeros((3, 3)), force, fq, fv, got)
             d = min(D / max(fq, 1e-300), 1e-6 / max(abs(fv), 1e-300))
             h = 20.0 * d
             for j in range(3):
                 f = {k: at(k * h * steps[:, j]) for k in (-2, -1, 1, 2)}
                 near, far = (f[1] - f[-1]) / (2 * h), (f[2] - f[-2]) / (4 * h)
-                bend = np.abs(f[1] - 2 * here + f[-1]).max() / h**2
+                bend = np.abs(f[1] - 2 * force + f[-1]).max() / h**2
                 # As in tests/kernels: half the step times the second derivative, and round-off over the step.
-                noise = (1e-13 * np.abs(here).max() + 1e-16 * np.abs(near).max()) / d + 1e-12
+                noise = (1e-13 * np.abs(force).max() + 1e-16 * np.abs(near).max()) / d + 1e-12
                 if np.abs(near - far).max() > 1e-5 * np.abs(near).max() + 10.0 * noise:
                     met["kink"] += 1  # in the stencil: another step sees another slope
                     continue

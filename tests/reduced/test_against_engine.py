@@ -20,7 +20,7 @@ BOW = "deflection_m"
 @cache
 def reduced(modes: int, static: str = "elastoplastic", *more: str) -> Results:
     name = "pendulum_rigid" if "rigid" in more else "pendulum"
-    settings = [one for one in more if one != "rigid"] or [*BEAM]
+    settings = [override for override in more if override != "rigid"] or [*BEAM]
     return simulate(name, *settings, f"method={{reduced: {{modes: {modes}, static: {static}, rtol: 1e-9}}}}")
 
 
@@ -63,13 +63,13 @@ def test_rigid_model_is_the_engines_rigid_pendulum():
 
 @pytest.mark.parametrize("static", ["elastoplastic", "true_sign"])
 def test_one_mode_stops_as_the_beam_does(static):
-    one = reduced(1, static)
+    one_mode = reduced(1, static)
     travel = beam().summary["angle_at_stop_deg"] - 31
-    assert one.summary["stopping_time_s"] == pytest.approx(beam().summary["stopping_time_s"], rel=5e-3)
-    assert one.summary["angle_at_stop_deg"] - 31 == pytest.approx(travel, rel=1e-2)
-    assert one.summary["angle_at_stop_deg"] == pytest.approx(beam().summary["angle_at_stop_deg"], abs=0.02)
+    assert one_mode.summary["stopping_time_s"] == pytest.approx(beam().summary["stopping_time_s"], rel=5e-3)
+    assert one_mode.summary["angle_at_stop_deg"] - 31 == pytest.approx(travel, rel=1e-2)
+    assert one_mode.summary["angle_at_stop_deg"] == pytest.approx(beam().summary["angle_at_stop_deg"], abs=0.02)
     # What the one clamped shape can't do: the root of the link carries hardly any moment. A third of the bow at most.
-    assert worst(one, BOW) < 0.33 * np.abs(beam()[BOW]).max()
+    assert worst(one_mode, BOW) < 0.33 * np.abs(beam()[BOW]).max()
 
 
 def test_modes_converge_to_the_beam():

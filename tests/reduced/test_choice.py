@@ -75,7 +75,7 @@ def test_the_fault_gets_its_line(tmp_path, capsys):
 
 
 @pytest.mark.parametrize(
-    ("setting", "words"),
+    ("setting", "message"),
     [
         ("method.reduced.modes=-1", "got the number -1; allowed is a whole number from 0 to 20"),
         ("method.reduced.modes=21", "from 0 to 20"),
@@ -87,10 +87,10 @@ def test_the_fault_gets_its_line(tmp_path, capsys):
         ("method.reduced.static=smooth", "load.friction has the type elastoplastic"),
     ],
 )
-def test_faults_of_the_choice(setting, words):
+def test_faults_of_the_choice(setting, message):
     with pytest.raises(ConfigError, match="method") as caught:
         scenario_of("pendulum", setting)
-    assert words in str(caught.value)
+    assert message in str(caught.value)
 
 
 @pytest.mark.parametrize(
@@ -98,8 +98,8 @@ def test_faults_of_the_choice(setting, words):
 )
 def test_choice_survives_a_file(written):
     scenario = scenario_of("pendulum", f"method={written}")
-    again = config.Scenario.model_validate(scenario_to_dict(scenario))
-    assert again == scenario
+    reloaded = config.Scenario.model_validate(scenario_to_dict(scenario))
+    assert reloaded == scenario
     assert (scenario_to_dict(scenario)["method"] == "engine") == (written == "engine")
 
 

@@ -30,12 +30,12 @@ def test_greatest_and_touch_are_those_of_the_cubics_of_all_ends(modes, static, l
         places = bar.places(bar.strips + 1)[:: 1 if bar.bends else bar.strips]
         at, speed = seen.positions(bar, places), seen.velocities(bar, places)
         tracks += [Track(height - at[:, i, 1], -speed[:, i, 1]) for i in range(len(places))]
-    found, wanted = seen.known(), extremes(run.time, tracks, seen.deflection())
-    assert found.greatest.depth == pytest.approx(wanted.depth, rel=1e-12)
-    assert found.touch == pytest.approx(find_touch(run.time, tracks).time, rel=1e-12, abs=1e-15)
-    assert (found.touch > 0.0) == (lower > 0.0)
+    known, expected = seen.known(), extremes(run.time, tracks, seen.deflection())
+    assert known.greatest.depth == pytest.approx(expected.depth, rel=1e-12)
+    assert known.touch == pytest.approx(find_touch(run.time, tracks).time, rel=1e-12, abs=1e-15)
+    assert (known.touch > 0.0) == (lower > 0.0)
     if modes:
-        assert found.greatest.deflection == pytest.approx(wanted.deflection, rel=1e-12)
+        assert known.greatest.deflection == pytest.approx(expected.deflection, rel=1e-12)
     deepest = np.max([track.values for track in tracks], axis=0)
-    np.testing.assert_allclose(found.depth, deepest, rtol=1e-12, atol=1e-15)
-    assert found.greatest.depth[0] > deepest.max() * (1.0 + 1e-6)
+    np.testing.assert_allclose(known.depth, deepest, rtol=1e-12, atol=1e-15)
+    assert known.greatest.depth[0] > deepest.max() * (1.0 + 1e-6)

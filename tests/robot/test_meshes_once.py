@@ -49,9 +49,9 @@ def test_a_mesh_is_looked_through_once(
     path = robot_of_many(tmp_path, scales)
     counts: Counter[str] = Counter()
     counted(monkeypatch, counts, inspection, "quality")
-    found = inspection.inspect(path)
-    assert len(found.shapes) == USES
-    assert all(one.quality is not None and one.quality.closed for one in found.shapes)
+    inspected = inspection.inspect(path)
+    assert len(inspected.shapes) == USES
+    assert all(shape.quality is not None and shape.quality.closed for shape in inspected.shapes)
     assert counts == {"quality": times}
     counts.clear()
     for module, name in ((shapes, "quality_notes"), (mesh, "faults")):

@@ -61,25 +61,25 @@ def run_of(path: Path, **model: Any) -> dict[str, Any]:
     return {"model": {"urdf": str(path), **model}, "medium": "rft3d_sand"}
 
 
-def told(loaded: config.Loaded, built: scene.Scene) -> list[str]:
+def notices(loaded: config.Loaded, built: scene.Scene) -> list[str]:
     return [*loaded.sources.notices, *map(str, loaded.sources.place(built.notes))]
 
 
 @pytest.mark.parametrize("name", FAULTY)
 def test_a_faulty_shape_out_of_the_sand_is_left_out(tmp_path: Path, name: str) -> None:
-    make, words = FAULTY[name]
+    make, message = FAULTY[name]
     path = make(tmp_path)
     loaded = config.load(run_of(path, in_sand=["leg"]))
     built = scene.build(loaded)
     assert built.body("foot").parts == ()
     assert built.body("foot").mass == 0.1
-    (line,) = told(loaded, built)
+    (line,) = notices(loaded, built)
     assert line.startswith(f"{path}:6: ")
-    assert words in line
+    assert message in line
     assert line.endswith("not in the sand, it is not drawn")
     with pytest.raises((ConfigError, SceneError)) as caught:
         scene.build(config.load(run_of(path, in_sand=["leg", "foot"])))
-    assert all(words in fault.message and "drawn" not in fault.message for fault in caught.value.faults)
+    assert all(message in fault.message and "drawn" not in fault.message for fault in caught.value.faults)
 
 
 def test_a_mesh_that_gives_mass_is_needed_out_of_the_sand_too(tmp_path: Path) -> None:
@@ -111,7 +111,7 @@ def test_triangles_without_area_carry_no_force_and_are_counted(tmp_path: Path, c
         loaded = config.load(run_of(with_foot(corners)(tmp_path), in_sand=[sand]))
         built = scene.build(loaded)
         assert len(built.body("foot").parts[0].triangles) == len(corners) - 1
-        (line,) = told(loaded, built)
+        (line,) = notices(loaded, built)
         assert f"1 of its {len(corners)} triangles have no area and are left out" in line
 
 

@@ -59,9 +59,9 @@ def test_keys_beside_the_file_put_it_right(tmp_path: Path, name: str) -> None:
     for kind in ("bodies", "joints"):
         assert [*getattr(model, kind)] == [*getattr(plain, kind)]
         changed = keys.get(kind, {})
-        for one in getattr(model, kind):
-            if one not in changed and not (name == "no inertial" and one == "foot"):
-                assert getattr(model, kind)[one].type == getattr(plain, kind)[one].type
+        for part in getattr(model, kind):
+            if part not in changed and not (name == "no inertial" and part == "foot"):
+                assert getattr(model, kind)[part].type == getattr(plain, kind)[part].type
     if name.endswith("mass"):
         assert built.body("leg").mass == pytest.approx(0.4)
         assert model.bodies["leg"].inertia_kg_m2 == plain.bodies["leg"].inertia_kg_m2

@@ -101,11 +101,11 @@ def numbers(value: Any, path: str = "") -> dict[str, Any]:
     return {path: value}
 
 
-def same(one: Any, other: Any) -> None:
+def same(first: Any, second: Any) -> None:
     """Both have the same leaves; zero turns may be left out."""
     found, wanted = (
         {path: held for path, held in numbers(each.model_dump()).items() if held not in (None, 0.0)}
-        for each in (one, other)
+        for each in (first, second)
     )
     assert found.keys() == wanted.keys()
     for path, held in found.items():
@@ -118,10 +118,10 @@ def test_a_urdf_is_the_same_mechanism_as_in_yaml(tmp_path: Path) -> None:
     model["bodies"]["foot"]["shapes"][0]["file"] = str(tmp_path / "meshes" / "foot.stl")
     from_file, by_hand = config.load(run_of(path)), config.load({**copy.deepcopy(RUN), "model": model})
     same(from_file.scenario.model, by_hand.scenario.model)
-    for one, other in zip(scene.build(from_file).rigid, scene.build(by_hand).rigid, strict=True):
-        assert one.name == other.name
-        np.testing.assert_allclose(one.inertia, other.inertia, rtol=1e-12, atol=1e-18)
-        np.testing.assert_allclose(one.parts[0].triangles, other.parts[0].triangles, rtol=0, atol=1e-15)
+    for first, second in zip(scene.build(from_file).rigid, scene.build(by_hand).rigid, strict=True):
+        assert first.name == second.name
+        np.testing.assert_allclose(first.inertia, second.inertia, rtol=1e-12, atol=1e-18)
+        np.testing.assert_allclose(first.parts[0].triangles, second.parts[0].triangles, rtol=0, atol=1e-15)
 
 
 @pytest.mark.parametrize("angles", [(0.0, 0.0, 0.0), (-0.7, 0.02, 1.3)])
@@ -194,10 +194,10 @@ ASKED = [
 ]
 
 
-@pytest.mark.parametrize(("model", "words"), ASKED)
-def test_what_a_model_asks_of_a_robot_is_checked(tmp_path: Path, model: dict[str, Any], words: str) -> None:
+@pytest.mark.parametrize(("model", "message"), ASKED)
+def test_what_a_model_asks_of_a_robot_is_checked(tmp_path: Path, model: dict[str, Any], message: str) -> None:
     (line,) = faults(run_of(robot_in(tmp_path), **model))
-    assert words in line
+    assert message in line
 
 
 def loaded(path: Path, **model: Any) -> Any:

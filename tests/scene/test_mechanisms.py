@@ -225,7 +225,7 @@ HOMES = [("a", -90.0), ("b", 90.0), ("d", -90.0)]
 def test_a_gaping_loop_is_closed_with_the_least_change_and_told() -> None:
     """Against the sum of squares over the one freedom of a four-bar, searched through by the angle of its crank."""
     scene = scene_of(FOUR_BAR, "model.joints.d.parent_point_m=[0.31, -0.2]")
-    found = {note.key.split(".")[2]: note.home for note in scene.notes if isinstance(note, HomeNote)}
+    homes = {note.key.split(".")[2]: note.home for note in scene.notes if isinstance(note, HomeNote)}
 
     def others(crank: float) -> tuple[float, float]:
         """Of coupler and rocker the angles of their joints (deg), from the triangle of the pins."""
@@ -237,11 +237,11 @@ def test_a_gaping_loop_is_closed_with_the_least_change_and_told() -> None:
         return math.degrees(math.remainder(coupler - math.radians(crank), 2 * math.pi)), math.degrees(rocker)
 
     def change(crank: float) -> float:
-        return sum((now - was) ** 2 for now, (_, was) in zip((crank, *others(crank)), HOMES, strict=True))
+        return sum((angle - was) ** 2 for angle, (_, was) in zip((crank, *others(crank)), HOMES, strict=True))
 
     least = minimize_scalar(change, bounds=(-100.0, -80.0), method="bounded", options={"xatol": 1e-8})
     # Homes are rounded to 1e-6 degrees; of a flat minimum the place is known to the root of round-off.
-    np.testing.assert_allclose([found[name] for name, _ in HOMES], [least.x, *others(least.x)], atol=1e-4)
+    np.testing.assert_allclose([homes[name] for name, _ in HOMES], [least.x, *others(least.x)], atol=1e-4)
 
 
 def test_a_loop_is_closed_from_angles_that_are_far_off() -> None:
@@ -303,8 +303,8 @@ def test_a_loop_welded_at_another_angle_is_turned_there() -> None:
 
 
 def test_redundant_closures_are_named() -> None:
-    again = "{type: hinge, parent: coupler, child: rocker, parent_point_m: [0.3, 0], child_point_m: [0.3, 0]}"
-    (fault,) = faults_of(FOUR_BAR, f"model.closures.again={again}")
+    second_closure = "{type: hinge, parent: coupler, child: rocker, parent_point_m: [0.3, 0], child_point_m: [0.3, 0]}"
+    (fault,) = faults_of(FOUR_BAR, f"model.closures.again={second_closure}")
     assert fault.key == "model.closures.again"
     assert fault.message.startswith("2 of the 2 constraints of again are redundant with the other joints")
 
@@ -396,14 +396,14 @@ def test_no_end_to_where_a_slider_or_a_free_body_can_get() -> None:
 
 
 def test_reduced_models_refuse_what_they_have_not() -> None:
-    for change, words in (
+    for change, message in (
         ("model.joints.pivot.damping_Nm_s_per_rad=0.1", "pivot has a spring, damper, stops or friction"),
         ("drives.pivot={type: torque, torque_Nm: 1}", "pivot is driven"),
         ("initial.settle=true", "initial.settle is true"),
     ):
         (fault,) = faults_of("pendulum", "method=reduced", "initial.impact_speed_rad_s=0", change)
         assert fault.key == "method"
-        assert words in fault.message
+        assert message in fault.message
 
 
 def test_a_slider_on_a_flexible_link_is_refused() -> None:

@@ -115,12 +115,12 @@ def test_a_stiffness_goes_with_gravity() -> None:
     assert moon.stiffness == pytest.approx(72.0 * MOON / EARTH, rel=1e-12)
     assert moon.drag_length_per_diameter == 3.4
     assert at_gravity(beads, EARTH) is beads
-    there = preset("glass_beads_katsuragi_durian", measured_gravity_m_s2=MOON)
-    assert at_gravity(there, MOON) is there
+    on_moon = preset("glass_beads_katsuragi_durian", measured_gravity_m_s2=MOON)
+    assert at_gravity(on_moon, MOON) is on_moon
 
 
 @pytest.mark.parametrize(
-    ("medium", "words"),
+    ("medium", "message"),
     [
         (Poncelet(2.0, 0.5), "not known, so that they are used as they are: constant_force_N"),
         (Poncelet(0.0, 0.5), None),  # what is 0 is so anywhere
@@ -135,10 +135,10 @@ def test_a_stiffness_goes_with_gravity() -> None:
     ],
     ids=lambda value: value.name if isinstance(value, Law) else "",
 )
-def test_what_is_assumed_is_told(medium: Law, words: str | None) -> None:
+def test_what_is_assumed_is_told(medium: Law, message: str | None) -> None:
     notes = list(gravity_notes(medium, MOON))
     assert not list(gravity_notes(medium, 9.80665))
-    assert [words is not None and words in note for note in notes] == ([] if words is None else [True])
+    assert [message is not None and message in note for note in notes] == ([] if message is None else [True])
     for note in notes:
         assert "1.62 m/s2" in note
         assert medium.name in note

@@ -91,9 +91,9 @@ def test_what_fixed_steps_cannot_see_is_refused(made: Any, case: str) -> None:
 
 
 def test_what_fixed_steps_see_badly_is_told_and_what_they_see_is_not() -> None:
-    told = "the drive of j goes to and fro within"
-    assert any(told in one for one in simulate(rod(sine(200), step_s=1e-3)).warnings)
-    assert not any(told in one for one in simulate(rod(sine(50), step_s=1e-3)).warnings)
+    message = "the drive of j goes to and fro within"
+    assert any(message in warning for warning in simulate(rod(sine(200), step_s=1e-3)).warnings)
+    assert not any(message in warning for warning in simulate(rod(sine(50), step_s=1e-3)).warnings)
 
 
 @pytest.mark.slow

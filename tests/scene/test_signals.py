@@ -93,10 +93,10 @@ def test_linear_table_is_straight_between_its_values() -> None:
 
 
 def test_rates_jump_at_the_corners_of_a_linear_table_and_nowhere_else() -> None:
-    found = jumps(LINEAR)
+    computed = jumps(LINEAR)
     rates = [0.0, 5.0, -5.0 / 3.0, 1.0, 3.5, 0.0]
-    assert [jump.time for jump in found] == TIMES.tolist()
-    np.testing.assert_allclose([(j.before, j.after) for j in found], list(pairwise(rates)), rtol=1e-12)
+    assert [jump.time for jump in computed] == TIMES.tolist()
+    np.testing.assert_allclose([(j.before, j.after) for j in computed], list(pairwise(rates)), rtol=1e-12)
     assert all(not jumps(signal) for name, signal in SIGNALS.items() if name != "linear")
     # Five digits of a straight line: its pieces differ by less than 1e-4.
     line = np.linspace(0.0, 1.0, 8)

@@ -42,6 +42,6 @@ def test_steps_follow_from_what_moves_where_the_config_names_none(
 def test_explain_tells_the_steps_and_why(tmp_path, capsys) -> None:  # type: ignore[no-untyped-def]
     run = ["run", str(CONFIGS / "dropped.yaml"), "--explain", "--no-plots", "--out", str(tmp_path)]
     assert main([*run, "--set", "solver={end_time_s: 0.001}"]) == 0
-    said = capsys.readouterr().out
-    assert "steps chosen by their error, with an accuracy of 0.001: several bodies move, or one that flies" in said
-    assert "settling: not asked for" in said
+    printed = capsys.readouterr().out
+    assert "steps chosen by their error, with an accuracy of 0.001: several bodies move, or one that flies" in printed
+    assert "settling: not asked for" in printed

@@ -87,10 +87,10 @@ def test_a_shift_changes_nothing_of_what_is_refused(
 
 
 def test_what_is_refused_at_home() -> None:
-    found = [shifted(text, overrides, (0.0, 0.0)) for text, overrides in SCENES]
+    shifted_scenes = [shifted(text, overrides, (0.0, 0.0)) for text, overrides in SCENES]
     free, refused, both = [[False], [True]], "model.bodies.hub", [[True], [True]]
     of_hubs = [free, refused, free, refused, refused, "bed.layers.0.medium", both]
-    assert found == [*of_hubs, [[False, True]], [[False, False]]]
+    assert shifted_scenes == [*of_hubs, [[False, True]], [[False, False]]]
 
 
 def test_a_hub_away_from_the_origin_is_none_of_the_sands() -> None:
@@ -152,10 +152,10 @@ def test_the_greatest_depth_within_a_circle(
     profile = surface(np.column_stack([np.cumsum(steps[:, 0]), steps[:, 1]]), slope)
     angle = np.linspace(-math.pi, 0.0, 3142)
     x, y = center[0] + radius * np.cos(angle), center[1] + radius * np.sin(angle)
-    found = greatest_depth(profile, np.array(center), radius)
+    deepest = greatest_depth(profile, np.array(center), radius)
     sampled = float(np.max(height_at(profile, x) - y))
     steepest = 1.0 + np.abs(np.diff(profile[:, 1]) / np.diff(profile[:, 0])).max(initial=0.0)
-    assert sampled - 1e-9 <= found <= sampled + 1e-3 * radius * steepest + 1e-9
+    assert sampled - 1e-9 <= deepest <= sampled + 1e-3 * radius * steepest + 1e-9
 
 
 FALLS = """
@@ -173,9 +173,9 @@ output: {figures: false}
 
 def test_a_slope_has_no_end() -> None:
     """5 km up the slope the same happens; it went on level from 1 km on. Round-off of the places there is 1e-12 m."""
-    here, there = (simulate(FALLS, f"model.joints.free.parent_point_m=[{x}, 0]") for x in (0, 5000))
-    assert there["depth_m"].max() > 0.01
-    np.testing.assert_allclose(there["depth_m"], here["depth_m"], rtol=0.0, atol=1e-8)
+    at_origin, far_away = (simulate(FALLS, f"model.joints.free.parent_point_m=[{x}, 0]") for x in (0, 5000))
+    assert far_away["depth_m"].max() > 0.01
+    np.testing.assert_allclose(far_away["depth_m"], at_origin["depth_m"], rtol=0.0, atol=1e-8)
     bed = scene_of(FALLS, "bed.height_m=1").bed
     assert isinstance(bed, Bed)
     x = np.array([-1e6, 0.0, 1e6])

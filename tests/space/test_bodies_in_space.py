@@ -63,8 +63,8 @@ class Thrown:
         self.mbs.SolveDynamic(settings, updateInitialValues=True)
         return self
 
-    def output(self, what: Any) -> Array:
-        return np.asarray(self.mbs.GetObjectOutputBody(self.body, what, [0.0, 0.0, 0.0]))
+    def output(self, variable: Any) -> Array:
+        return np.asarray(self.mbs.GetObjectOutputBody(self.body, variable, [0.0, 0.0, 0.0]))
 
     @property
     def place(self) -> Array:

@@ -74,10 +74,10 @@ def _way(rng: np.random.Generator, aside: float, fast: float) -> tuple[Array, Ca
     place, turn = np.array([0.0, 0.0, rng.uniform(-0.06, 0.03)]), Rotation.from_quat(rng.normal(size=4))
     begin, _ = state(place + rng.normal(size=3) * aside, turn, np.zeros(3), np.zeros(3))
     far = rng.integers(2) * rng.normal(size=6) * np.repeat([0.01, 0.1], 3)  # half of the ways are of motions alone
-    one, other = rng.normal(size=(2, 6)) * np.repeat([0.3, 3.0], 3) * fast
+    linear, quadratic = rng.normal(size=(2, 6)) * np.repeat([0.3, 3.0], 3) * fast
 
     def at(s: float) -> tuple[Array, Array]:
-        v = (1.0 - s) * one + s * other
+        v = (1.0 - s) * linear + s * quadratic
         return state(place + s * far[:3], Rotation.from_rotvec(s * far[3:]) * turn, v[:3], v[3:])
 
     return begin, at

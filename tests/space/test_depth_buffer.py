@@ -21,10 +21,10 @@ def square(z: tuple[float, float]) -> np.ndarray:
 
 def test_planes_that_cross_are_each_seen_where_they_are_in_front() -> None:
     """No order of drawing gives this."""
-    one, other = square((-1.0, 1.0)), square((1.0, -1.0))
-    both = np.concatenate([one, other])
+    first, second = square((-1.0, 1.0)), square((1.0, -1.0))
+    both = np.concatenate([first, second])
     picture = seen(both, np.array([0, 0, 1, 1]), BLUE, LOW, HIGH, PIXELS)
-    alone = [seen(each, np.zeros(2, int), BLUE, LOW, HIGH, PIXELS) for each in (other, one)]
+    alone = [seen(each, np.zeros(2, int), BLUE, LOW, HIGH, PIXELS) for each in (second, first)]
     left, right = np.s_[20:80, 10:40], np.s_[20:80, 60:90]
     for place, expected in ((left, alone[0]), (right, alone[1])):
         shades = picture[place][..., :3].mean(axis=(0, 1)), expected[place][..., :3].mean(axis=(0, 1))

@@ -35,15 +35,15 @@ def refused(shape: Any, size: float) -> str:
     return fault.message
 
 
-@pytest.mark.parametrize("shape", SHAPES, ids=lambda one: type(one).__name__.lower())
+@pytest.mark.parametrize("shape", SHAPES, ids=lambda solid: type(solid).__name__.lower())
 def test_any_shape_in_facets_too_small_is_refused_with_the_size_allowed(shape: Any, monkeypatch: Any) -> None:
     monkeypatch.setattr(triangles, "MOST_FACETS", 20_000)
     for size in (1e-300, 1e-9, 1e-5):
-        words = refused(shape, size)
-    found = re.search(r"got (\S+) m, of which \S+ m2 takes more than 20,000 facets, .*; (\S+) m will do", words)
-    assert found
-    assert float(found[1]) == 1e-5
-    assert 1_000 < len(shape.facets(float(found[2])).area) <= 20_000
+        message = refused(shape, size)
+    sizes = re.search(r"got (\S+) m, of which \S+ m2 takes more than 20,000 facets, .*; (\S+) m will do", message)
+    assert sizes
+    assert float(sizes[1]) == 1e-5
+    assert 1_000 < len(shape.facets(float(sizes[2])).area) <= 20_000
 
 
 def test_a_mesh_that_has_too_many_triangles_is_told_so(monkeypatch: Any) -> None:

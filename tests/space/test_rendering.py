@@ -43,14 +43,16 @@ def near(picture: NDArray[np.uint8], colour: str, within: int = 40) -> NDArray[n
     return np.abs(picture.astype(int) - np.round(255 * np.array(to_rgb(colour)))).max(axis=2) < within
 
 
-@pytest.mark.parametrize(("installed", "said"), [(False, "pip install 'granular-contact[render]'"), (True, "OpenGL")])
+@pytest.mark.parametrize(
+    ("installed", "message"), [(False, "pip install 'granular-contact[render]'"), (True, "OpenGL")]
+)
 def test_a_film_in_space_that_is_not_shaded_is_told(
-    installed: bool, said: str, monkeypatch: pytest.MonkeyPatch
+    installed: bool, message: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(film, "find_spec", lambda _: installed or None)
     monkeypatch.setattr(rendering, "works", lambda: False)
     in_space = dataclasses.replace(make(), motion=falling())
-    assert said in film.why_flat(in_space)
+    assert message in film.why_flat(in_space)
     assert film.why_flat(make()) == ""
     monkeypatch.setattr(rendering, "works", lambda: True)
     assert film.why_flat(in_space) == ""
@@ -73,15 +75,16 @@ def test_a_body_moves_with_its_shadow_under_it_and_an_arrow_where_it_is_pushed()
     high, _, low = (stage.picture(k) for k in range(3))
     stage.close()
     bodies = [
-        np.argwhere(near(one, rendering.FIRST, 30) & (np.ptp(one.astype(int), axis=2) < 12)) for one in (high, low)
+        np.argwhere(near(picture, rendering.FIRST, 30) & (np.ptp(picture.astype(int), axis=2) < 12))
+        for picture in (high, low)
     ]
     assert bodies[0][:, 0].mean() < bodies[1][:, 0].mean() - 20  # px from the top
-    shadows = [np.argwhere(near(one, rendering.SHADOW, 12)) for one in (high, low)]
+    shadows = [np.argwhere(near(picture, rendering.SHADOW, 12)) for picture in (high, low)]
     assert len(shadows[0]) > 100
     # The light comes from the left and the front, from above: the higher the body, the farther to the right.
     assert shadows[0][:, 1].mean() > shadows[1][:, 1].mean()
     # Arrows are the only things with so much more red than blue; how bright they are, the version of VTK decides.
-    arrows = [(one[..., 0].astype(int) - one[..., 2] > 80).sum() for one in (high, low)]
+    arrows = [(picture[..., 0].astype(int) - picture[..., 2] > 80).sum() for picture in (high, low)]
     assert arrows[0] == 0
     assert arrows[1] > 40
 

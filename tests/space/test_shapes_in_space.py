@@ -69,8 +69,8 @@ def test_a_larger_solid_is_cut_alike(name: str) -> None:
         key: tuple(16.0 * np.array(size)) if key == "size" else 16.0 * size for key, size in vars(shape).items() if size
     }
     larger = type(shape)(**sizes)
-    for made, there in ((shape.corners(), larger.corners()), (shape.drawn(), larger.drawn())):
-        np.testing.assert_allclose(there, 16.0 * made, rtol=1e-12, atol=1e-12)
+    for made, scaled in ((shape.corners(), larger.corners()), (shape.drawn(), larger.drawn())):
+        np.testing.assert_allclose(scaled, 16.0 * made, rtol=1e-12, atol=1e-12)
     np.testing.assert_allclose(larger.facets().place, 16.0 * shape.facets().place, rtol=1e-12, atol=1e-12)
 
 

@@ -29,7 +29,7 @@ def cart(axis: list[float], **output: Any) -> dict[str, Any]:
     }
 
 
-def told(run: dict[str, Any]) -> list[float]:
+def travels(run: dict[str, Any]) -> list[float]:
     summary = simulate(load(run)).summary
     return [summary[key] for key in KEYS]
 
@@ -40,11 +40,11 @@ def told(run: dict[str, Any]) -> list[float]:
 def test_an_even_acceleration_goes_half_its_rate_in_a_second(axis: list[float], travel: Any) -> None:
     """1 m along the rail, 3/4 of it in the second half; work 1 N times 1 m over a weight of 0.5 kg times 1 m."""
     # Trapezoids of a rate that is linear are exact; second-order steps of an even force too.
-    assert told(cart(axis, travel=travel)) == pytest.approx([1.0, 1.0, 1.5, 1.0 / (0.5 * 9.81)], rel=1e-9)
+    assert travels(cart(axis, travel=travel)) == pytest.approx([1.0, 1.0, 1.5, 1.0 / (0.5 * 9.81)], rel=1e-9)
 
 
 def test_what_moves_across_does_not_travel() -> None:
-    assert told(cart([3, 4, 0], travel="x"))[:2] == pytest.approx([0.6, 0.6], rel=1e-9)
+    assert travels(cart([3, 4, 0], travel="x"))[:2] == pytest.approx([0.6, 0.6], rel=1e-9)
     assert "distance_m" not in simulate(load(cart([0, 1, 0], travel="x"))).summary
 
 

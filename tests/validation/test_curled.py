@@ -16,20 +16,22 @@ def test_what_is_told_of_a_rope_that_curls_is_its_error(name: str) -> None:
     made = curled.CASES[name]
     fine = curled.found(made(64))
     for count in (8, 16, 32):
-        one = curled.found(made(count))
-        error = curled.error(one, fine)
-        assert 0.6 * error < one.estimate < 3.0 * error, count
-        assert one.told is (one.estimate > 0.01)
+        outcome = curled.found(made(count))
+        error = curled.error(outcome, fine)
+        assert 0.6 * error < outcome.estimate < 3.0 * error, count
+        assert outcome.told is (outcome.estimate > 0.01)
 
 
 def test_what_is_told_of_a_rod_that_vibrates_grows_with_its_phase() -> None:
     """From both sides: 4 elements are 2.9 % of the path off after two periods, which was silent; 8 are 0.7 % off."""
     made = curled.CASES["rod that vibrates twice"]
     fine = curled.found(made(16))
-    for count, told in ((4, True), (8, False)):
-        one = curled.found(made(count))
-        assert 0.5 < one.estimate / curled.error(one, fine) < 2.0  # 1.05 and 1.3, as the fine one has 0.2 % itself
-        assert one.told is told
+    for count, warned in ((4, True), (8, False)):
+        outcome = curled.found(made(count))
+        assert (
+            0.5 < outcome.estimate / curled.error(outcome, fine) < 2.0
+        )  # 1.05 and 1.3, as the fine one has 0.2 % itself
+        assert outcome.told is warned
 
 
 def test_a_wave_is_off_by_both_its_amplitudes_at_most() -> None:

@@ -12,12 +12,12 @@ SEEDS = {64: "thrown solid"}
 
 @pytest.mark.parametrize("seed", SEEDS, ids=SEEDS.get)
 def test_what_a_run_tells_is_within_a_factor_of_ten_of_its_error(seed: int) -> None:
-    found = study.judge(seed)
-    assert found is not None
-    assert found.kind == SEEDS[seed]
-    assert found.error > 0.5 * study.FLOOR
-    assert 1.0 / study.WITHIN < found.over < study.WITHIN
-    assert found.error < study.SILENT
+    judged = study.judge(seed)
+    assert judged is not None
+    assert judged.kind == SEEDS[seed]
+    assert judged.error > 0.5 * study.FLOOR
+    assert 1.0 / study.WITHIN < judged.over < study.WITHIN
+    assert judged.error < study.SILENT
 
 
 def test_silent_errors_and_false_alarms_are_counted() -> None:

@@ -46,7 +46,7 @@ def test_claims_fall_where_errors_are_wrong() -> None:
     large = held(study.recovery_claims(made_up(100, stated=1.6)))
     assert not large["stated errors agree with the scatter"]
     assert not held(study.recovery_claims(made_up(100, shift=0.6)))["estimates are unbiased"]
-    alarmed = [replace(one, misfit=i < 10) for i, one in enumerate(made_up(100))]
+    alarmed = [replace(trial, misfit=i < 10) for i, trial in enumerate(made_up(100))]
     assert not held(study.recovery_claims(alarmed))["the true model is not called a misfit"]
 
 

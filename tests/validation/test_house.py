@@ -42,11 +42,11 @@ def test_readers_are_those_that_import_a_module(tmp_path: Path, monkeypatch: pyt
     (package / "one.py").write_text("from sand.room import two\n", encoding="utf-8")
     monkeypatch.setattr(house, "ROOT", tmp_path)
     monkeypatch.setattr(house, "PACKAGE", package)
-    found = house.readers(house.files())
-    assert found[package / "room" / "two.py"] == {package / "one.py"}
-    assert found[package / "one.py"] == {package / "room" / "two.py"}
-    assert found[package / "room" / "__init__.py"] == {package / "one.py"}
-    assert not found[package / "__main__.py"]
+    readers = house.readers(house.files())
+    assert readers[package / "room" / "two.py"] == {package / "one.py"}
+    assert readers[package / "one.py"] == {package / "room" / "two.py"}
+    assert readers[package / "room" / "__init__.py"] == {package / "one.py"}
+    assert not readers[package / "__main__.py"]
     assert {file.room for file in house.files()} == {".", "room"}
 
 
@@ -58,7 +58,7 @@ def test_lines_entered_are_those_of_functions_that_were_called() -> None:
         with suppress(TypeError):  # it refuses its argument after it is entered
             build(None)  # type: ignore[arg-type]
 
-    found = house.entered(action)
-    assert "build" in {code.co_name for code in found}
-    assert all(Path(code.co_filename).is_relative_to(house.PACKAGE) for code in found)
-    assert 5 < house.lines_of(found, lines) < 200
+    entered_lines = house.entered(action)
+    assert "build" in {code.co_name for code in entered_lines}
+    assert all(Path(code.co_filename).is_relative_to(house.PACKAGE) for code in entered_lines)
+    assert 5 < house.lines_of(entered_lines, lines) < 200

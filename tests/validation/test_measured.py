@@ -16,8 +16,8 @@ def held(claims: list[Claim]) -> dict[str, bool]:
 
 @pytest.mark.slow
 def test_plates_and_the_wheel() -> None:
-    found = held([*measured.plates()[1], *measured.pressed()[1], *measured.wheel(True)[1]])
-    assert [name for name, kept in found.items() if kept] == [
+    claims = held([*measured.plates()[1], *measured.pressed()[1], *measured.wheel(True)[1]])
+    assert [name for name, kept in claims.items() if kept] == [
         "3D-RFT, nothing fitted: plate of 60 mm within a third",
         "RFT, zeta of the 60 mm plate: plate of 80 mm within a third",
         "k z^n of the 60 mm plate: force on the pressed wheel is between those of its two stated sizes, from 10 mm on",
@@ -25,12 +25,12 @@ def test_plates_and_the_wheel() -> None:
         "3D-RFT, nothing fitted: Fx rises with slip as measured",
         "RFT, zeta of the 60 mm plate: Fx rises with slip as measured",
     ]
-    assert sum("locked wheel" in name for name in found) == 2
+    assert sum("locked wheel" in name for name in claims) == 2
 
 
 def test_the_preset_is_what_the_shipped_fit_finds_on_one_plate() -> None:
-    found, kept = cmu.fitted(), cmu.models()["k z^n of the 60 mm plate"]
-    (k, k_error), (n, n_error) = (found[f"medium.{key}"] for key in ("k_phi_Pa", "exponent"))
+    fitted, kept = cmu.fitted(), cmu.models()["k z^n of the 60 mm plate"]
+    (k, k_error), (n, n_error) = (fitted[f"medium.{key}"] for key in ("k_phi_Pa", "exponent"))
     assert kept.k_phi == pytest.approx(k, abs=0.01 * k_error)
     assert kept.exponent == pytest.approx(n, abs=0.01 * n_error)
 
@@ -43,8 +43,10 @@ def test_a_wrong_density_would_be_seen(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.slow
 def test_the_ball_and_the_dragged_plate() -> None:
-    found = held([*measured.ball(True)[1], *measured.drag()[1]])
-    assert [name for name, kept in found.items() if not kept] == ["ball: stopping time is three times depth over speed"]
+    claims = held([*measured.ball(True)[1], *measured.drag()[1]])
+    assert [name for name, kept in claims.items() if not kept] == [
+        "ball: stopping time is three times depth over speed"
+    ]
     # A ball that is set down comes to rest after half a period, twice as deep as its weight would press it.
     time, depth = others.stop(1e-6, others.K_OVER_M, others.D1)
     assert time == pytest.approx(np.pi / np.sqrt(others.K_OVER_M), rel=0.02)

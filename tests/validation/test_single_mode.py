@@ -84,10 +84,10 @@ def made_up(stiffness: float, error: float | None, doubt: float = 0.0) -> Point:
 def test_fit_finds_the_power_and_counts_misjudged_cases() -> None:
     # N goes as EI^-1/2, so an error of EI^-1 is N^2, and is 1 % at EI ratio 1.
     points = [made_up(k, 0.01 / k) for k in (0.1, 0.3, 0.9, 1.1, 3.0, 10.0)]
-    found = fit(points, "1 / (w1 T)", "one", "travel")
-    assert found.p == pytest.approx(2.0, abs=1e-9)
-    assert found.r2 == pytest.approx(1.0, abs=1e-12)
-    assert found.threshold(0.01) == pytest.approx(NUMBERS["1 / (w1 T)"](made_up(1.0, 0.0)), rel=1e-9)
+    power_law = fit(points, "1 / (w1 T)", "one", "travel")
+    assert power_law.p == pytest.approx(2.0, abs=1e-9)
+    assert power_law.r2 == pytest.approx(1.0, abs=1e-12)
+    assert power_law.threshold(0.01) == pytest.approx(NUMBERS["1 / (w1 T)"](made_up(1.0, 0.0)), rel=1e-9)
     assert misjudged(points, "1 / (w1 T)", "one", "travel", 0.01) == (0, 0, 6)
     # A link that never stops is out of any limit, and takes no part in the fit.
     points.append(made_up(100.0, None))

@@ -46,6 +46,6 @@ def test_modes_are_told_apart() -> None:
     theta = np.sin(np.arange(20.0))[:, None, None] * np.stack([first, 0.5 * second], axis=1)
     energy, tip = oblique_modes.left(theta, 1)
     assert energy == pytest.approx(0.2, abs=1e-3)
-    lever = [abs((one * (1.0 - place)).sum()) for one in (first, 0.5 * second)]
+    lever = [abs((mode * (1.0 - place)).sum()) for mode in (first, 0.5 * second)]
     assert tip == pytest.approx(lever[1] / np.hypot(*lever), rel=1e-3)
     assert oblique_modes.left(theta, 2) == pytest.approx((0.0, 0.0), abs=1e-6)
