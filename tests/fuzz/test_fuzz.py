@@ -71,7 +71,7 @@ def test_a_hang_is_judged_late(monkeypatch: pytest.MonkeyPatch) -> None:
     assert judge(cases.ROOT / "configs" / "pendulum.yaml").kind == "late"
 
 
-def test_nan_would_be_seen(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_nan_in_results_is_judged_a_fault(monkeypatch: pytest.MonkeyPatch) -> None:
     honest = judgement.run
 
     def spoilt(*arguments: object) -> object:

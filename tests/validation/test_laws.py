@@ -22,7 +22,7 @@ def test_claims(outcome: Outcome) -> None:
     ]
 
 
-def test_a_false_value_would_be_seen(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_wrong_value_of_a_law_is_detected(monkeypatch: pytest.MonkeyPatch) -> None:
     honest = study.rft3d_law.alpha
     monkeypatch.setattr(study.rft3d_law, "alpha", lambda *state: [1.01 * part for part in honest(*state)])
     _, (claim,) = study.printed_values()

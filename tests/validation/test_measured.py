@@ -35,7 +35,7 @@ def test_the_preset_is_what_the_shipped_fit_finds_on_one_plate() -> None:
     assert kept.exponent == pytest.approx(n, abs=0.01 * n_error)
 
 
-def test_a_wrong_density_would_be_seen(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_wrong_density_fails_the_claims(monkeypatch: pytest.MonkeyPatch) -> None:
     light = {name: medium.model_copy(update={"density": 600.0}) for name, medium in cmu.models().items()}
     monkeypatch.setattr(cmu, "models", lambda: light)
     assert not held(measured.plates()[1])["3D-RFT, nothing fitted: plate of 60 mm within a third"]

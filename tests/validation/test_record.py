@@ -38,7 +38,7 @@ def test_every_script_that_makes_claims_is_in_the_list() -> None:
 
 
 @pytest.mark.parametrize("entry", run_all.STUDIES, ids=NAMES)
-def test_what_the_list_says_of_a_study_is_so(entry: run_all.Entry) -> None:
+def test_each_entry_of_the_list_agrees_with_its_script(entry: run_all.Entry) -> None:
     source = (HERE / f"{entry.name}.py").read_text(encoding="utf-8")
     functions = {item.name for item in ast.parse(source).body if isinstance(item, ast.FunctionDef)}
     assert ("study" in functions) == (entry.forms is None)
