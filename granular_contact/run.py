@@ -252,9 +252,9 @@ def _rest(scene: Scene) -> Equilibrium:
 
     begun = _by_engine(replace(scene, method=None), None, False)
     assert begun.system is not None
-    found = equilibrium(begun.system.kinematics(begun.solving.trajectory()))
+    rest = equilibrium(begun.system.kinematics(begun.solving.trajectory()))
     begun.solving.close()
-    return found
+    return rest
 
 
 def _by_modes(scene: Scene, progress: Progress | None) -> Begun:
