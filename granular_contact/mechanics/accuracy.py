@@ -86,8 +86,9 @@ def jump_error(time: Vector, v: Vector, mass: Any, fastest: Vector, loss: Vector
     momentum = (v @ mass)[2:]
     energy = np.sum(momentum * v[2:], axis=1)
     relative = np.divide(np.sum(momentum * jump, axis=1), energy, out=np.zeros_like(energy), where=energy > 0.0)
-    rate = np.sqrt(np.sum((mean @ mass) * mean, axis=1)[1:] / np.maximum(energy, 1e-300))
-    rate = np.maximum(rate, np.broadcast_to(loss, len(v))[2:] / np.maximum(energy, 1e-300))
+    positive = np.maximum(energy, 1e-300)
+    by_dampers = np.broadcast_to(loss, len(v))[2:] / positive
+    rate = np.maximum(np.sqrt(np.sum((mean @ mass) * mean, axis=1)[1:] / positive), by_dampers)
     kicks, decay = relative * fastest[2:], np.exp(-steps[1:, 0] * rate)
     return displacement(steps[1:, 0], kicks, decay) / math.sqrt(3.0)
 
@@ -105,12 +106,12 @@ def displacement(steps: Vector, kicks: Vector, decay: Vector) -> float:
 def _steps(motion: Kinematics) -> Iterator[AccuracyWarning]:
     """Yield a sentence if steps are too long for the motion, or the work of the medium is uncertain."""
     lever = motion.lever
-    time, v, fastest, loss = motion.trajectory.time, motion.trajectory.v, motion.speeds, _viscous_loss(motion)
+    time, v, fastest, first = motion.trajectory.time, motion.trajectory.v, motion.speeds, 0
     if motion.trajectory.load is not None:
         # From the first touch on, or a short impact would not show beside a long flight.
         immersed = motion.trajectory.load.depth > 0.0
         first = max(0, int(np.argmax(immersed)) - 1)
-        time, v, fastest, loss = time[first:], v[first:], fastest[first:], loss[first:]
+        time, v, fastest = time[first:], v[first:], fastest[first:]
     if len(time) < 4:
         return
     unknown = _work_uncertainty(motion)
@@ -121,6 +122,7 @@ def _steps(motion: Kinematics) -> Iterator[AccuracyWarning]:
     path = max(float(np.sum(np.diff(time) * fastest[1:])), motion.scene.least_path)
     error = step_error(time, (v * lever)[:, lever > 0.0]) / path
     if motion.scene.solver.accuracy is None:  # step-size control has limited every jump already
+        loss = _viscous_loss(motion)[first:]
         error = max(error + jump_error(time, v, motion.trajectory.mass, fastest, loss) / path, 0.5 * unknown)
     if error > STEP_ERROR:
         said = f"the steps are too long: the error of the motion is about {error:.1%} of its path, {error * path:.2g} m"

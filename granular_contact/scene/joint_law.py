@@ -72,12 +72,11 @@ def joint_law(joint: Any) -> JointLaw:
 
 def effort_limit(joint: Any) -> float:
     """Greatest torque (N m) or force (N) of the actuator of a joint of a config; infinite if it is not given."""
-    given = getattr(joint, "effort_limit_Nm", None) or getattr(joint, "effort_limit_N", None)
-    return math.inf if given is None else float(given)
+    return next(filter(None, _in_si(joint, "effort_limit_")), math.inf)
 
 
 def _in_si(section: Any, prefix: str | tuple[str, ...]) -> Iterator[float]:
-    """Values in SI units of the keys of a section that begin with a prefix; none without a section."""
+    """Values in SI units of the keys of a section that begin with a prefix, None as given; none without a section."""
     for key in () if section is None else type(section).model_fields:
         if key.startswith(prefix):
             yield math.radians(getattr(section, key)) if key.endswith("_deg") else getattr(section, key)

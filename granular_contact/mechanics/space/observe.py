@@ -67,8 +67,7 @@ def _left_map(motion: SpatialKinematics, forces: Mapping[str, Vector]) -> Iterat
             left[link_of(body)] = max(farthest, left.get(link_of(body), 0.0))
     if left:
         name = max(left, key=lambda body: left[body])
-        map_is = f"the map is from x = {low[0]:g} to {high[0]:g} m and from y = {low[1]:g} to {high[1]:g} m"
-        yield f"{name} left the map of heights by {left[name]:.3g} m; {map_is}, and the ground is level beyond it"
+        yield f"{name} left the map of heights by {left[name]:.3g} m; {heights.place}"
 
 
 def as_reported(forces: Mapping[str, Vector]) -> dict[str, Vector]:

@@ -142,5 +142,5 @@ class SpatialSensors(Sensors):
         bed: Any = self.system.scene.bed  # not None, as bodies are in the medium
         centers = q[self._at[:, :3]][self._of_points]
         x, y, z = (centers + np.einsum("nij,nj->ni", R[self._of_points], self._points)).T
-        beyond = reach(self._drops, self._as_balls, *bed.slope(x, y))
-        return np.maximum.reduceat(bed.height(x, y) - z + beyond, self._firsts)
+        height, *slopes = bed.tangent(x, y)
+        return np.maximum.reduceat(height - z + reach(self._drops, self._as_balls, *slopes), self._firsts)

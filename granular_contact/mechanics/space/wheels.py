@@ -14,10 +14,7 @@ import numpy as np
 from granular_contact.mechanics.mechanism import label
 from granular_contact.mechanics.space.kinematics import SpatialKinematics
 from granular_contact.mechanics.wheels import STANDS, sense
-from granular_contact.scene.space.bed import SpatialBed
 from granular_contact.scene.space.types import Vector
-
-BESIDE = 1e-3  # of the rim: step of the central differences for the slope of the surface
 
 
 def wheel_histories(motion: SpatialKinematics, forces: Mapping[str, Vector]) -> dict[str, dict[str, Vector]]:
@@ -31,7 +28,9 @@ def wheel_histories(motion: SpatialKinematics, forces: Mapping[str, Vector]) -> 
         if wheel is None or name not in forces or bed is None:
             continue
         (p, v), axis = motion.position(name, wheel.axle), motion.rotation(name) @ wheel.axis
-        normal = _normals(bed, p, BESIDE * wheel.rim)
+        height, along, across = bed.tangent(p[:, 0], p[:, 1])
+        normal = np.column_stack([-along, -across, np.ones_like(along)])
+        normal /= np.linalg.norm(normal, axis=1, keepdims=True)
         ahead = np.cross(axis, normal)
         level = np.linalg.norm(ahead, axis=1, keepdims=True)  # cosine of the camber
         ahead = np.divide(ahead, level, out=np.zeros_like(ahead), where=level > 0.0)
@@ -40,7 +39,7 @@ def wheel_histories(motion: SpatialKinematics, forces: Mapping[str, Vector]) -> 
         moment = forces[name][:, 3:] - np.cross(p, force)
         speed, rim = np.sum(v * ahead, axis=1), wheel.radius * spin
         slip, backward = sense(speed, rim)
-        above = (p[:, 2] - bed.height(p[:, 0], p[:, 1])) * normal[:, 2]
+        above = (p[:, 2] - height) * normal[:, 2]
         pull, aside = np.sum(force * ahead, axis=1), np.sum(v * left, axis=1)
         moves = np.hypot(speed, aside) > STANDS
         histories[label(name)] = {
@@ -55,12 +54,3 @@ def wheel_histories(motion: SpatialKinematics, forces: Mapping[str, Vector]) -> 
             "slip_angle_deg": np.where(moves, np.degrees(np.arctan2(aside, np.abs(speed))), 0.0),
         }
     return histories
-
-
-def _normals(bed: SpatialBed, places: Vector, step: float) -> Vector:
-    """Upward unit normals (n, 3) of the surface at places (n, 3) m, by central differences with a step (m)."""
-    x, y = places[:, 0], places[:, 1]
-    along = (bed.height(x + step, y) - bed.height(x - step, y)) / (2.0 * step)
-    across = (bed.height(x, y + step) - bed.height(x, y - step)) / (2.0 * step)
-    normal = np.column_stack([-along, -across, np.ones_like(x)])
-    return np.asarray(normal / np.linalg.norm(normal, axis=1, keepdims=True))

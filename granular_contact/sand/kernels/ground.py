@@ -9,6 +9,7 @@ continuous slope; beyond its edge it continues level. It is compiled only for a 
 
 from __future__ import annotations
 
+from granular_contact.geometry import catmull_rom
 from granular_contact.jit.compiled import part
 from granular_contact.sand.kernels import space_law as law
 
@@ -29,26 +30,7 @@ def surface_at(x, y, ground, medium, plane):
     return plane[HEIGHT] + plane[RISE_X] * x + plane[RISE_Y] * y
 
 
-@part(inline=True)
-def _weights(t):
-    """Weights of four neighbouring points at a share t of their middle interval."""
-    return (
-        0.5 * t * (-1.0 + t * (2.0 - t)),
-        1.0 + 0.5 * t * t * (3.0 * t - 5.0),
-        0.5 * t * (1.0 + t * (4.0 - 3.0 * t)),
-        0.5 * t * t * (t - 1.0),
-    )
-
-
-@part(inline=True)
-def _slopes(t):
-    """Derivatives of `_weights` by t."""
-    return (
-        0.5 * (-1.0 + t * (4.0 - 3.0 * t)),
-        0.5 * t * (9.0 * t - 10.0),
-        0.5 * (1.0 + t * (8.0 - 9.0 * t)),
-        0.5 * t * (3.0 * t - 2.0),
-    )
+_weights, _slopes = part(inline=True)(catmull_rom.weights), part(inline=True)(catmull_rom.slopes)
 
 
 @part

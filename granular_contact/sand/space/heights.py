@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from granular_contact.geometry.catmull_rom import slopes, weights
+
 Vector = NDArray[np.float64]
 
 
@@ -44,6 +46,12 @@ class Heights:
         return low, low + self.cell * (np.array(self.values.shape)[::-1] - 1.0)
 
     @property
+    def place(self) -> str:
+        """Where the map lies, in words."""
+        (a, b), (c, d) = self.extent
+        return f"the map is from x = {a:g} to {c:g} m and from y = {b:g} to {d:g} m, and the ground is level beyond it"
+
+    @property
     def steepest(self) -> float:
         """Upper bound of the rise per length: a spline is at most 1.5 times as steep as the steps between points."""
         step = max(float(np.abs(np.diff(self.values, axis=axis)).max()) for axis in (0, 1))
@@ -68,12 +76,7 @@ class Heights:
         array
             Heights (m).
         """
-        (i, u, _), (j, v, _) = self._intervals(x, y)
-        height = np.zeros(np.broadcast(u, v).shape)
-        for wy, row in zip(_spline_weights(v), self._around(j, 0), strict=True):
-            for wx, column in zip(_spline_weights(u), self._around(i, 1), strict=True):
-                height = height + wy * wx * self.values[row, column]
-        return height
+        return self.tangent(x, y)[0]
 
     def tangent(self, x: Vector, y: Vector) -> tuple[Vector, Vector, Vector]:
         """Height of the surface and its slopes.
@@ -91,11 +94,11 @@ class Heights:
         (i, u, in_x), (j, v, in_y) = self._intervals(x, y)
         height, along, across = np.zeros((3, *np.broadcast(u, v).shape))
         columns = list(self._around(i, 1))
-        for wy, dy, row in zip(_spline_weights(v), _spline_slopes(v), self._around(j, 0), strict=True):
+        for wy, dy, row in zip(weights(v), slopes(v), self._around(j, 0), strict=True):
             values = [self.values[row, column] for column in columns]
-            in_row = sum(w * value for w, value in zip(_spline_weights(u), values, strict=True))
+            in_row = sum(w * value for w, value in zip(weights(u), values, strict=True))
             height += wy * in_row
-            along += wy * sum(d * value for d, value in zip(_spline_slopes(u), values, strict=True))
+            along += wy * sum(d * value for d, value in zip(slopes(u), values, strict=True))
             across += dy * in_row
         return height, along * in_x / self.cell, across * in_y / self.cell
 
@@ -110,23 +113,3 @@ class Heights:
     def _around(self, interval: NDArray[np.int64], axis: int) -> Iterator[NDArray[np.int64]]:
         """Yield the indices of the four points around intervals along an axis of `values`."""
         yield from (np.clip(interval + k, 0, self.values.shape[axis] - 1) for k in range(-1, 3))
-
-
-def _spline_slopes(t: Vector) -> tuple[Vector, Vector, Vector, Vector]:
-    """Derivatives of `_spline_weights` by t."""
-    return (
-        0.5 * (-1.0 + t * (4.0 - 3.0 * t)),
-        0.5 * t * (9.0 * t - 10.0),
-        0.5 * (1.0 + t * (8.0 - 9.0 * t)),
-        0.5 * t * (3.0 * t - 2.0),
-    )
-
-
-def _spline_weights(t: Vector) -> tuple[Vector, Vector, Vector, Vector]:
-    """Weights of the four neighbouring points at a relative place t of the middle interval."""
-    return (
-        0.5 * t * (-1.0 + t * (2.0 - t)),
-        1.0 + 0.5 * t * t * (3.0 * t - 5.0),
-        0.5 * t * (1.0 + t * (4.0 - 3.0 * t)),
-        0.5 * t * t * (t - 1.0),
-    )

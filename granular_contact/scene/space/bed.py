@@ -199,4 +199,5 @@ def _floor_faults(
 def _clearance(bed: SpatialBed, body: SpatialRigidBody, part: Part) -> float:
     """Least height (m) of a part above the surface, negative if it is below."""
     x, y, z = body.motion.world(part.points).T
-    return float((z - part.reach(*bed.slope(x, y)) - bed.height(x, y)).min())
+    height, *slopes = bed.tangent(x, y)
+    return float((z - part.reach(*slopes) - height).min())

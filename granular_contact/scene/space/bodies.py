@@ -164,7 +164,7 @@ def joints_of(
             rate=rate,
             closes=name in model.closures,
             law=joint_law(joint) if elastic is None else IDLE,
-            effort_limit=effort_limit(joint),
+            effort_limit=effort_limit(joint) if elastic is None else math.inf,
             elastic=elastic,
         )
 

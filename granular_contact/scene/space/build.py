@@ -151,10 +151,10 @@ def _beside_map_notes(bed: SpatialBed | None, rigid: tuple[SpatialRigidBody, ...
             if part.in_sand and not ((xy >= low) & (xy <= high)).all():
                 beside.append(part.name)
     if beside:
-        (a, b), (c, d) = low, high
         names = ", ".join(list(dict.fromkeys(beside))[:MOST_NAMED])
-        words = f"the map is from x = {a:g} to {c:g} m and from y = {b:g} to {d:g} m, and the ground is level beyond it"
-        yield scene_fault("bed.height_map", f"{words}; beyond it at the start: {names}; corner_m moves the map")
+        yield scene_fault(
+            "bed.height_map", f"{bed.heights.place}; beyond it at the start: {names}; corner_m moves the map"
+        )
 
 
 def _bar_link_notes(scenario: schema.SpatialScenario) -> Iterator[Fault]:
