@@ -13,7 +13,7 @@ from granular_contact.config.schema.scenario import Scenario
 from granular_contact.config.tree import Broken, Items, Node, Path, Scalar, child, find, key_position, plain
 from granular_contact.config.tree import Mapping as MappingNode
 from granular_contact.errors import ConfigError, Fault, short
-from granular_contact.values.strict import FAULTS, did_you_mean
+from granular_contact.values.strict import FAULTS, MEANT, did_you_mean
 
 M = TypeVar("M", bound=BaseModel)
 
@@ -121,10 +121,11 @@ def _faults(error: Mapping[str, Any], tree: Node, model: type[BaseModel]) -> lis
         return [_at(tree, (*path, *below), message) for below, message in error["ctx"][FAULTS]]
     if error["type"] == "extra_forbidden":
         above, holder = allowed.walk(error["loc"][:-1], model)
-        places = allowed.other_places(str(path[-1]), above, holder, model)
-        message = f"stands in the wrong place; it belongs at {' or '.join(places)}" if places else ""
+        key, keys = str(path[-1]), allowed.keys(holder)
+        message = holder.get(MEANT, {}).get(key, "")
+        if not message and (places := allowed.other_places(key, above, holder, model)):
+            message = f"stands in the wrong place; it belongs at {' or '.join(places)}"
         if not message:
-            key, keys = str(path[-1]), allowed.keys(holder)
             content = _places_of_content(find(tree, path)[0], above, holder, model)
             message = f"unknown key; {did_you_mean(key, keys) or content or unknown(key, keys)}"
         return [_at_key(tree, path, message)]

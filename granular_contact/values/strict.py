@@ -16,7 +16,7 @@ from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 from granular_contact.values.scalars import resolve
 
 FAULTS = "faults"
-ALLOWED = "x-allowed"  # key of the JSON Schema
+ALLOWED, MEANT = "x-allowed", "x-meant"  # keys of the JSON Schema
 MOST_LISTED = 6
 _MOST_NAMES = 12
 _FORMS: dict[str, Any] = {"text": str, "number": int | float, "list": list | tuple, "mapping": Mapping}
@@ -74,6 +74,17 @@ def allow(words: str) -> Any:
         The text.
     """
     return Field(json_schema_extra={ALLOWED: words})
+
+
+def likely_mistakes(**sentences: str) -> ConfigDict:
+    """Configuration of a class that has sentences for keys that it does not have, but that users may expect.
+
+    Parameters
+    ----------
+    **sentences : str
+        By the unknown key: the message in place of one that lists similar keys.
+    """
+    return ConfigDict(json_schema_extra={MEANT: dict(sentences)})
 
 
 def listed(words: Sequence[str], between: str = ", ") -> str:

@@ -35,6 +35,15 @@ SCHEMA_FAULTS = [
     ("eta_h: 8", "eta_h: 8\n  step_s: 1", 27, "medium.step_s", ["wrong place", "belongs at solver.step_s"]),
     ("  impact_angle_deg: 31\n", "  medium: null\n", 30, "initial.medium", ["belongs at medium"]),
     ("diameter_m: 0.006\n", "diameter_m: 0.006\n      elements: 2\n", 15, "model.bodies.arm.elements", ["flexible"]),
+    # known elsewhere by another meaning: the height of a bed is not that of its floor
+    ("gravity_m_s2: 9.81", "bed: {floor: {height_m: -0.1, stiffness_N_m2: 1.0}}", 28, "bed.floor.height_m", ["depth"]),
+    (
+        "gravity_m_s2: 9.81",
+        "bed: {layers: [{top_m: 1, depth_m: 1, medium: {law: rft, zeta: 1}}]}",
+        28,
+        "bed.layers.0.depth_m",
+        ["top_m"],
+    ),
     # missing keys, at the mapping that lacks them
     ("      diameter_m: 0.006\n", "", 11, "model.bodies.arm.diameter_m", ["is missing", "above 0"]),
     (", thickness_m: 0.01", "", 9, "model.bodies.hub.shapes.0.thickness_m", ["is missing"]),

@@ -106,6 +106,11 @@ def test_a_layer_follows_the_slope_and_the_height_map(tmp_path: Any) -> None:
 HARD = {"top_m": 0.05, "medium": "rft3d_sand"}
 FAULTS: dict[str, tuple[dict[str, Any], dict[str, Any], str]] = {
     "per length": ({"depth_m": 1, "floor": {"stiffness_N_m2": 1e6}}, {}, "bed.floor.stiffness_N_m2: is per length"),
+    "height of a floor": (
+        {"floor": {"stiffness_N_m3": 1e6, "height_m": -0.1}},
+        {},
+        "bed.floor.height_m: a floor has a depth below the surface",
+    ),
     "profile": ({"profile_m": [[0, 0], [1, 0]]}, {}, "bed.profile_m: is for the plane; in space a surface is level"),
     "no depth": ({"floor": {"stiffness_N_m3": 1e6}}, {}, "bed.floor: a stiff floor needs depth_m"),
     "walls": ({"container_y_m": [1, -1]}, {}, "bed.container_y_m: got [1.0, -1.0]; the first must be less"),

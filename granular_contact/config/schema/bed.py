@@ -20,6 +20,7 @@ from granular_contact.values.strict import (
     Positive,
     Strict,
     Tagged,
+    likely_mistakes,
     refusal,
 )
 
@@ -27,6 +28,7 @@ Medium = Annotated[Law, Tagged("law", LAWS)]
 Media = Annotated[tuple[Medium, ...], OneOrMore()]
 
 
+DEPTH_OF_A_FLOOR = "a floor has a depth below the surface, and no height: depth_m, beside floor"
 STEEPEST = 60  # deg: depth is measured vertically; on steeper ground it differs much from the distance to the surface
 
 
@@ -57,6 +59,8 @@ class FloorContact(Strict):
     delta is the depth below the floor and v_y the vertical velocity. The floor never pulls, and has no friction.
     """
 
+    model_config = likely_mistakes(height_m=DEPTH_OF_A_FLOOR)
+
     stiffness_N_m2: Positive
     """Stiffness k per unit of length; for a ball per unit of its diameter."""
     damping_s_m: NotNegative = 0.0
@@ -65,6 +69,8 @@ class FloorContact(Strict):
 
 class BedLayer(Strict):
     """A layer: a medium from a depth down to the next layer, or without end."""
+
+    model_config = likely_mistakes(**dict.fromkeys(("depth_m", "height_m"), "a layer has the depth of its top, top_m"))
 
     top_m: Positive
     """Depth of the top of the layer below the free surface."""

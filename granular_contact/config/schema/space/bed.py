@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
-from granular_contact.config.schema.bed import STEEPEST, BedLayer, layer_faults
-from granular_contact.values.strict import Faults, Listed, NotNegative, Point, Positive, Strict, Text, refusal
+from granular_contact.config.schema.bed import DEPTH_OF_A_FLOOR, STEEPEST, BedLayer, layer_faults
+from granular_contact.values.strict import Faults, Listed, NotNegative, Point, Positive, Strict, Text, likely_mistakes
 
 
 class HeightMap(Strict):
@@ -26,17 +26,16 @@ class HeightMap(Strict):
     bits."""
 
 
-IN_THE_PLANE = {
-    ("profile_m",): "is for the plane; in space a surface is level, has slope_deg, or a height_map",
-    ("floor", "stiffness_N_m2"): "is per length, for the plane; in space it is stiffness_N_m3, per area",
-}
-
-
 class SpatialFloorContact(Strict):
     """Contact with the level floor: a spring and a damper per unit of area, force k delta (1 - d v_z).
 
     delta is the depth below the floor and v_z the vertical velocity. The floor never pulls, and has no friction.
     """
+
+    model_config = likely_mistakes(
+        stiffness_N_m2="is per length, for the plane; in space it is stiffness_N_m3, per area",
+        height_m=DEPTH_OF_A_FLOOR,
+    )
 
     stiffness_N_m3: Positive
     """Stiffness k per unit of area: of the surface of a body, of a bar over its diameter."""
@@ -49,6 +48,10 @@ class SpatialBed(Strict):
 
     The surface does not change during a run: no craters, no heaps.
     """
+
+    model_config = likely_mistakes(
+        profile_m="is for the plane; in space a surface is level, has slope_deg, or a height_map"
+    )
 
     height_m: float | None = None
     """Height above the origin of the world of the surface at x = y = 0, or of the zero of the height map. null: the
@@ -71,14 +74,6 @@ class SpatialBed(Strict):
     """Layers below the medium of the run, from the highest to the deepest. The medium of the run lies on top. Depths
     are measured from the surface above each point, so the layers follow a slope and a height map."""
 
-    @model_validator(mode="before")
-    @classmethod
-    def _is_in_space(cls, given: Any) -> Any:
-        """Refuse keys of a bed in the plane."""
-        if faults := [(path, message) for path, message in IN_THE_PLANE.items() if _has(given, path)]:
-            raise refusal(faults)
-        return given
-
     def _faults(self) -> Faults:
         if self.floor is not None and self.depth_m is None:
             yield ("floor",), "a stiff floor needs depth_m"
@@ -89,12 +84,3 @@ class SpatialBed(Strict):
         yield from layer_faults(self.layers, self.depth_m if level else None)
         if self.height_map is not None and self.slope_deg != 0.0:
             yield ("height_map",), "got a height map and slope_deg; one of the two is allowed"
-
-
-def _has(given: Any, path: tuple[str, ...]) -> bool:
-    """Whether there is a value other than null under nested keys."""
-    for key in path:
-        if not isinstance(given, dict) or given.get(key) is None:
-            return False
-        given = given[key]
-    return True
