@@ -90,6 +90,22 @@ def test_what_it_cannot_see_is_refused_by_its_kind(made: Callable[[Any], Any], k
     assert kind in fault.message or (kind, add) == ("RotVec", cables)  # there the body is none, too
 
 
+@pytest.mark.parametrize("add", [in_plane, cables, in_space])
+def test_a_number_of_no_object_is_refused(add: Any) -> None:
+    """Exudyn's own errors name its functions, and not what was given to the bed."""
+    mbs = exu.SystemContainer().AddSystem()
+    made = mbs.CreateRigidBody(inertia=RIGID, returnDict=True)
+    for number in (7, -1, None, "foot", made["nodeNumber"], made):
+        with pytest.raises(SceneError, match=r"^bed\.add_\w+: got .*, which is no object of the system; allowed is"):
+            add(mbs)(number)
+
+
+def test_an_element_is_no_list_of_elements() -> None:
+    mbs = exu.SystemContainer().AddSystem()
+    with pytest.raises(SceneError, match=r"^bed.add_cables: got \d; allowed is a list of elements"):
+        GranularBed(mbs, preset("play_sand"), 0.0).add_cables(beam(mbs), 0.01)
+
+
 def test_a_bed_that_was_not_attached_has_nothing_to_tell() -> None:
     """Its forces were zeros, which looks like a body above the sand."""
     mbs = exu.SystemContainer().AddSystem()

@@ -8,14 +8,14 @@ of the element itself.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from granular_contact.engines.exudyn.bodies import NODES_IN_SPACE, refused
+from granular_contact.engines.exudyn.bodies import NODES_IN_SPACE, named_object, refused
 from granular_contact.errors import scene_error
 from granular_contact.geometry import rotations
 from granular_contact.sand.contact_lines import Body, ContactLine, beam, polyline
@@ -56,8 +56,10 @@ def row(mbs: Any, elements: Sequence[Any], allowed: dict[str, int | None]) -> Ro
     """
     nodes: list[int] = []
     lengths, kinds = [], list(allowed)
+    if not isinstance(elements, Iterable):
+        raise scene_error("bed", f"got {elements!r}; allowed is a list of elements")
     for element in elements:
-        item = mbs.GetObject(element)
+        item = named_object(mbs, element)
         name = item["name"]
         if item["objectType"] not in kinds:
             raise refused(item, f"allowed is {' or '.join(kinds)}")

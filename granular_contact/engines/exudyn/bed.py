@@ -268,7 +268,7 @@ class GranularBed(Attached):
         """
         with self._adding("add_cables", in_space=self.in_space):
             size = {"diameter": diameter, "width": width, "section": section}
-            self.coupling.cables(list(elements), name, strips_per_element, free_end, in_space=self.in_space, **size)
+            self.coupling.cables(elements, name, strips_per_element, free_end, in_space=self.in_space, **size)
 
     def add_body(
         self,

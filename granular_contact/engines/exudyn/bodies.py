@@ -4,13 +4,29 @@ from __future__ import annotations
 
 from typing import Any
 
+import exudyn as exu
 import numpy as np
 
-from granular_contact.errors import SceneError, scene_error
+from granular_contact.errors import SceneError, scene_error, short
 from granular_contact.sand.kernels.spatial import SIZE
 
 NODES_IN_SPACE = {"RigidBodyEP": SIZE, "RigidBodyRxyz": 6}  # number of coordinates by the type of the node
 OUT_OF_PLANE = 1e-6  # sine of an angle, or m/s and 1/s: round-off that scripts leave
+
+
+def named_object(mbs: Any, number: Any) -> Any:
+    """Data of an object of the system, by the number that the system gave it.
+
+    Raises
+    ------
+    SceneError
+        There is no such object, or `number` is none that the system gave to an object.
+    """
+    try:
+        return mbs.GetObject(number)
+    except exu.ExudynError:
+        got = f"got {short(repr(number))} ({type(number).__name__}), which is no object of the system"
+        raise scene_error("bed", f"{got}; allowed is a number that CreateRigidBody or AddObject returned") from None
 
 
 def rigid_node(mbs: Any, body: Any) -> tuple[int, int]:
@@ -21,7 +37,7 @@ def rigid_node(mbs: Any, body: Any) -> tuple[int, int]:
     SceneError
         The body is of another kind, or a spatial one does not start in the plane.
     """
-    item = mbs.GetObject(body)
+    item = named_object(mbs, body)
     if item["objectType"] == "RigidBody2D":
         return int(item["nodeNumber"]), 3
     if item["objectType"] != "RigidBody":
@@ -41,7 +57,7 @@ def spatial_node(mbs: Any, body: Any) -> tuple[int, int]:
     SceneError
         The body is of another kind.
     """
-    item = mbs.GetObject(body)
+    item = named_object(mbs, body)
     if item["objectType"] != "RigidBody":
         raise refused(item, "allowed in space is RigidBody")
     kind = mbs.GetNode(item["nodeNumber"])["nodeType"]
