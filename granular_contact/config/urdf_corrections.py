@@ -27,6 +27,8 @@ _JOINT_PARTS = {
     "friction": ("dynamics.friction",),
     "effort_limit_Nm": ("limit.effort",),
     "effort_limit_N": ("limit.effort",),
+    "rate_limit_rad_s": ("limit.velocity",),
+    "speed_limit_m_s": ("limit.velocity",),
     "parent_point_m": ("origin.xyz",),
     "rpy_deg": ("origin.rpy",),
     "quaternion": ("origin.rpy",),

@@ -19,8 +19,13 @@ from granular_contact.results.summary import Driving, drive_numbers, stride_numb
 from granular_contact.scene.signal_tables import period
 from granular_contact.scene.types import Joint, Scene, Vector
 
-OVERLOAD = 1e-3  # relative excess over an effort limit that is not reported: torques are known no better
+OVERLOAD = 1e-3  # relative excess over a limit of an actuator that is not reported: torques are known no better
 LEAST_ALONG = 1e-9  # least component of a slider's axis along the direction of travel
+# What the limits of an actuator are about, by the kind of its joint: quantity, unit, and name of the limit.
+_LIMITED = {
+    "hinge": (("torque", "N m", "effort"), ("rate", "rad/s", "rate")),
+    "slider": (("force", "N", "effort"), ("speed", "m/s", "speed")),
+}
 Driven = dict[str, Driving]  # by joint
 
 
@@ -199,12 +204,16 @@ def largest_torque(scene: Scene, driven: Driven) -> dict[str, float]:
     return {"largest_drive_torque_Nm": max(torques)} if torques else {}
 
 
-def overloads(scene: Scene, driven: Driven) -> Iterator[str]:
-    """Yield a sentence for each drive that needs more than the effort limit of its joint, as a robot file gives it."""
+def overloads(motion: Kinematics, driven: Driven) -> Iterator[str]:
+    """Yield a sentence for each drive beyond the effort limit or the rate limit of its joint, as a robot file gives it.
+
+    A limit of the rate is that of a hinge, or the limit of the speed of a slider.
+    """
     for name, drive in driven.items():
-        joint = scene.joint(name)
-        if drive.largest > (1.0 + OVERLOAD) * joint.effort_limit:
-            what, unit = ("torque", "N m") if joint.kind == "hinge" else ("force", "N")
-            needed, limit = (f"{value:.4g} {unit}" for value in (drive.largest, joint.effort_limit))
-            said = f"the drive of {name} needs a {what} of up to {needed}, more than the effort limit of this joint"
-            yield f"{said}, {limit}: the actuator could not follow"
+        joint = motion.scene.joint(name)
+        rate = float(np.max(np.abs(motion.coordinate(joint)[1])))
+        pairs = (drive.largest, joint.effort_limit), (rate, joint.rate_limit)
+        for (what, unit, kind), (largest, limit) in zip(_LIMITED[joint.kind], pairs, strict=True):
+            if largest > (1.0 + OVERLOAD) * limit:
+                said = f"the drive of {name} needs a {what} of up to {largest:.4g} {unit}, more than the {kind} limit"
+                yield f"{said} of this joint, {limit:.4g} {unit}: the actuator could not follow"

@@ -134,7 +134,7 @@ def observed(
         "reach": _reach(motion),
         "more": key_numbers(motion, driven, by_body, depths) | stress_numbers(strains, time),
         "accuracy": accuracy(motion, driven),
-        "notices": (*trajectory.notices, *yielding(strains, time), *mechanism.overloads(scene, driven)),
+        "notices": (*trajectory.notices, *yielding(strains, time), *mechanism.overloads(motion, driven)),
     }
 
 

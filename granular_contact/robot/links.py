@@ -190,7 +190,7 @@ def _numbers(reader: Reader, joint: Element, kind: str, key: str) -> dict[str, A
     numbers: dict[str, Any] = {}
     if limit is not None:
         numbers |= {name: reader.number(limit, name, f"{key}.limit") for name in ("lower", "upper")}
-        numbers["effort"] = reader.number(limit, "effort", f"{key}.limit", 0.0)
+        numbers |= {name: reader.number(limit, name, f"{key}.limit", 0.0) for name in ("effort", "velocity")}
         if kind in _LIMITED:
             _check_range(reader, limit, numbers, f"{key}.limit")
             numbers |= {name: numbers[name] or 0.0 for name in ("lower", "upper")}

@@ -170,10 +170,11 @@ def _joint(joint: Joint, robot: Robot, bodies: Mapping[str, str], options: Mecha
     keys |= {"parent_point_m": AtLine(_three(origin.xyz), line), "rpy_deg": AtLine(_degrees(origin.rpy), line)}
     if keys["type"] in ("hinge", "slider"):
         keys["axis"] = AtLine(_three(joint.axis), joint.lines.get("axis", joint.line))
-        keys |= _resistance(joint, keys["type"] == "hinge")
-        if joint.effort:
-            limit = "effort_limit_Nm" if keys["type"] == "hinge" else "effort_limit_N"
-            keys[limit] = AtLine(joint.effort, joint.lines.get("limit", joint.line))
+        is_hinge = keys["type"] == "hinge"
+        keys |= _resistance(joint, is_hinge)
+        names = ("effort_limit_Nm", "rate_limit_rad_s") if is_hinge else ("effort_limit_N", "speed_limit_m_s")
+        limits = dict(zip(names, (joint.effort, joint.velocity), strict=True))
+        keys |= {key: AtLine(limit, joint.lines.get("limit", joint.line)) for key, limit in limits.items() if limit}
         if joint.kind != "continuous" and (stops := _stops(joint, robot, options)) is not None:
             keys["stops"] = AtLine(stops, joint.lines.get("limit", joint.line))
     return AtLine(keys, joint.line)

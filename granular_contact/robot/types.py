@@ -87,8 +87,8 @@ class Joint:
     """Joint between two links; origin: pose of the child's frame in the parent's frame at coordinate 0.
 
     kind: revolute, continuous, prismatic, fixed, floating or planar. axis: unit vector (3,) in the frame of the child.
-    lower, upper (rad or m), effort (N m or N), damping (SI units), friction (N m or N): None if the file does not give
-    them. mimic: the joint that this one follows. lines: of its elements, by tag.
+    lower, upper (rad or m), effort (N m or N), velocity (rad/s or m/s), damping (SI units), friction (N m or N): None
+    if the file does not give them. mimic: the joint that this one follows. lines: of its elements, by tag.
     """
 
     name: str
@@ -101,6 +101,7 @@ class Joint:
     lower: float | None = None
     upper: float | None = None
     effort: float | None = None
+    velocity: float | None = None
     damping: float | None = None
     friction: float | None = None
     mimic: str | None = None

@@ -1,4 +1,4 @@
-"""Law of a joint, a function of its coordinate: spring, damper, stops and dry friction; limit of its actuator."""
+"""Law of a joint, a function of its coordinate: spring, damper, stops and dry friction; limits of its actuator."""
 
 from __future__ import annotations
 
@@ -70,9 +70,10 @@ def joint_law(joint: Any) -> JointLaw:
     return JointLaw(**numbers, damping=next(_in_si(joint, "damping_"), 0.0))
 
 
-def effort_limit(joint: Any) -> float:
-    """Greatest torque (N m) or force (N) of the actuator of a joint of a config; infinite if it is not given."""
-    return next(filter(None, _in_si(joint, "effort_limit_")), math.inf)
+def actuator_limits(joint: Any) -> dict[str, float]:
+    """Fields `effort_limit` and `rate_limit` of a joint of a scene, from a joint of a config; infinite if not given."""
+    prefixes = (("effort_limit", ("effort_limit_",)), ("rate_limit", ("rate_limit_", "speed_limit_")))
+    return {field: next(filter(None, _in_si(joint, prefix)), math.inf) for field, prefix in prefixes}
 
 
 def _in_si(section: Any, prefix: str | tuple[str, ...]) -> Iterator[float]:

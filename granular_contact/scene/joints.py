@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Iterator, Mapping
 
 from granular_contact.config import schema
-from granular_contact.scene.joint_law import effort_limit, joint_law
+from granular_contact.scene.joint_law import actuator_limits, joint_law
 from granular_contact.scene.layout import STILL, JointState, Layout, Pose, direction, point
 from granular_contact.scene.parts import FlexibleLink, RigidBody, rotation
 from granular_contact.scene.types import Joint
@@ -51,7 +51,7 @@ def joints_of(
             rate=rate,
             closes=name in closures,
             law=joint_law(joint),
-            effort_limit=effort_limit(joint),
+            **actuator_limits(joint),
         )
 
 

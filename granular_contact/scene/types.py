@@ -50,7 +50,8 @@ class Joint:
 
     axis: of a slider, unit vector (2,) in the parent's frame. offset (rad): coordinate of a hinge minus the angle of
     the parent, plus the angle of the child. start, rate: coordinate of a hinge or slider (rad clockwise, or m) and its
-    rate at the start. closes: whether the joint closes a loop. effort_limit: of its actuator (N m or N).
+    rate at the start. closes: whether the joint closes a loop. effort_limit, rate_limit: of its actuator
+    (N m or N; rad/s or m/s).
     """
 
     name: str
@@ -66,6 +67,7 @@ class Joint:
     closes: bool = False
     law: JointLaw = IDLE
     effort_limit: float = math.inf
+    rate_limit: float = math.inf
 
     @property
     def has_coordinate(self) -> bool:

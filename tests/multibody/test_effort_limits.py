@@ -1,4 +1,4 @@
-"""Drives that need more than the effort limit of their joint: told with joint, torque and limit, in plane and space."""
+"""Drives beyond the effort limit or the rate limit of their joint: told with need and limit, in plane and space."""
 
 from __future__ import annotations
 
@@ -48,6 +48,22 @@ def test_forces_of_sliders_and_of_controllers_are_told_too(in_space: bool) -> No
     assert not limit_warnings(lift(in_space, 0.3, stiff | {"limit_Nm": 0.3}))
 
 
+@pytest.mark.parametrize("in_space", [False, True])
+@pytest.mark.parametrize("kind", ["hinge", "slider"])
+def test_a_drive_beyond_the_rate_limit_is_told(in_space: bool, kind: str) -> None:
+    """The greatest rate of a ramp, a polynomial of degree 5, is 15/8 of its mean: of 10 degrees or 0.1 m in 0.02 s."""
+    key, unit, rate = ("angle_deg", "rad/s", 16.36) if kind == "hinge" else ("position_m", "m/s", 9.375)
+    ramp = {"type": "ramp", "from": 0, "to": 10 if kind == "hinge" else 0.1, "duration_s": 0.02}
+    run = lift(in_space, None, {"type": "motion", key: ramp}, kind)
+    limit = "rate_limit_rad_s" if kind == "hinge" else "speed_limit_m_s"
+    joint = run["model"]["joints"]["lift"]
+    for share, said in ((0.9, True), (1.01, False)):
+        joint[limit] = share * rate
+        warnings = [sentence for sentence in simulate(run).warnings if "limit of this joint" in sentence]
+        assert len(warnings) == said
+        assert all(f"of up to {rate:.4g} {unit}, more than the" in sentence for sentence in warnings)
+
+
 def test_the_effort_limit_of_a_robot_file_is_one(tmp_path: Path) -> None:
     inertial = '<mass value="1"/><inertia ixx="1e-3" iyy="1e-3" izz="1e-3" ixy="0" ixz="0" iyz="0"/>'
     (tmp_path / "lift.urdf").write_text(
@@ -62,3 +78,6 @@ def test_the_effort_limit_of_a_robot_file_is_one(tmp_path: Path) -> None:
     (sentence,) = limit_warnings(run)
     assert "up to 1.962 N m, more than the effort limit of this joint, 1.5 N m" in sentence
     assert not limit_warnings(run | {"model": model | {"joints": {"lift": {"effort_limit_Nm": 2}}}})
+    turn = {"type": "motion", "angle_deg": {"type": "ramp", "from": 0, "to": 10, "duration_s": 0.02}}
+    fast = simulate(run | {"drives": {"lift": turn}}).warnings
+    assert any("a rate of up to 16.36 rad/s, more than the rate limit of this joint, 3 rad/s" in text for text in fast)

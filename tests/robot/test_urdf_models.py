@@ -61,12 +61,12 @@ ARM: dict[str, Any] = {
             "rpy_deg": [0.3 / DEGREE, -0.2 / DEGREE, 0.6 / DEGREE], "axis": [0, 1, 0],
             "damping_Nm_s_per_rad": 0.01, "friction": {"torque_Nm": 0.02},
             "stops": {"lower_deg": -1 / DEGREE, "upper_deg": 0.5 / DEGREE, "stiffness_Nm_per_rad": 2 / DEGREE},
-            "effort_limit_Nm": 2,
+            "effort_limit_Nm": 2, "rate_limit_rad_s": 5,
         },
         "slide": {
             "type": "slider", "parent": "leg", "child": "foot", "parent_point_m": [0, 0, -0.2], "axis": [0, 0, -1],
             "stops": {"lower_m": 0, "upper_m": 0.05, "stiffness_N_per_m": 2e4},
-            "effort_limit_N": 20,
+            "effort_limit_N": 20, "speed_limit_m_s": 1,
         },
         "axle": {
             "type": "hinge", "parent": "base", "child": "wheel", "axis": [1, 0, 0],

@@ -114,6 +114,9 @@ class HingeClosure(_Ends):
     effort_limit_Nm: Positive | None = None
     """Greatest torque of the actuator in either direction. A run in which the drive needs more has a warning; the
     torque is not limited (`limit_Nm` of a drive does that). null: not known."""
+    rate_limit_rad_s: Positive | None = None
+    """Greatest rate of the actuator in either direction. A run in which the joint turns faster while it is driven has a
+    warning; the rate is not limited. null: not known."""
 
 
 class Hinge(HingeClosure):
@@ -193,6 +196,9 @@ class SliderClosure(_Ends):
     effort_limit_N: Positive | None = None
     """Greatest force of the actuator in either direction. A run in which the drive needs more has a warning; the force
     is not limited (`limit_N` of a drive does that). null: not known."""
+    speed_limit_m_s: Positive | None = None
+    """Greatest speed of the actuator in either direction. A run in which the joint moves faster while it is driven has
+    a warning; the speed is not limited. null: not known."""
 
 
 class Slider(SliderClosure):

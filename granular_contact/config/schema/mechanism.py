@@ -150,6 +150,9 @@ class ChainHinge(Strict):
     effort_limit_Nm: Positive | None = None
     """Greatest torque of the actuator in either direction. A run in which the drive needs more has a warning; the
     torque is not limited (`limit_Nm` of a drive does that). null: not known."""
+    rate_limit_rad_s: Positive | None = None
+    """Greatest rate of the actuator in either direction. A run in which the joint turns faster while it is driven has a
+    warning; the rate is not limited. null: not known."""
 
 
 class Chain(Strict):

@@ -16,7 +16,7 @@ from granular_contact.config.schema.space.shapes import SpatialMesh
 from granular_contact.errors import Fault, SceneError, scene_fault
 from granular_contact.geometry import rotations
 from granular_contact.sand.space.triangles import FACET_SIZE
-from granular_contact.scene.joint_law import IDLE, effort_limit, joint_law
+from granular_contact.scene.joint_law import IDLE, actuator_limits, joint_law
 from granular_contact.scene.layout import GROUND
 from granular_contact.scene.space.layout import CONSTRAINED, STILL, JointState, Pose, axis_of, slides
 from granular_contact.scene.space.loops import joint_frame
@@ -164,8 +164,8 @@ def joints_of(
             rate=rate,
             closes=name in model.closures,
             law=joint_law(joint) if elastic is None else IDLE,
-            effort_limit=effort_limit(joint) if elastic is None else math.inf,
             elastic=elastic,
+            **({} if elastic is not None else actuator_limits(joint)),
         )
 
 

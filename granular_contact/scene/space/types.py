@@ -201,7 +201,7 @@ class SpatialJoint:
     and its rate at the start. closes: whether the joint closes a loop. law: of the coordinate; in a ball joint of the
     angle of the rotation from home (rad), with its damper on the whole relative angular velocity. elastic: law of a
     joint between two elements of a link that bends; a joint of the kind `stretching` also slides along x of its frame.
-    effort_limit: of its actuator (N m or N).
+    effort_limit, rate_limit: of its actuator (N m or N; rad/s or m/s).
     """
 
     name: str
@@ -218,6 +218,7 @@ class SpatialJoint:
     closes: bool = False
     law: JointLaw = field(default_factory=JointLaw)
     effort_limit: float = math.inf
+    rate_limit: float = math.inf
     elastic: Elastic | None = None
 
     @property
