@@ -336,12 +336,11 @@ STUDIES: Mapping[str, Callable[[Case], None]] = {
 }
 
 RIGID = "model.bodies: no link is flexible, so there is nothing to compare"
-DEEP = "model: the model is in space; compare is for a pendulum in the plane: sweep method.reduced.modes instead"
-IN_THREE = {"robot in space", "flexible in space", "URDF"}
+DEEP = "model: is in space, and compare is for a pendulum in the plane; here sweep method.reduced.modes"
 BENDS = {"flexible link", "free rod that bends"}
 # The refusals that are right, by the sentence without the place of its file.
 REFUSALS: dict[tuple[str, str], str] = {
-    **{("compare", model): DEEP if model in IN_THREE else RIGID for model in MODELS if model not in BENDS},
+    **{("compare", model): DEEP if model == "flexible in space" else RIGID for model in MODELS if model not in BENDS},
     ("compare", "free rod that bends"): (
         "method: the model has no rigid body, and it has no hinges, and a is a free joint between the ground and the "
         "root of the flexible rod: the reduced model is for one hinge on the ground, a rigid body on it (any welded "

@@ -12,7 +12,7 @@ Kind = Literal["round", "flat", "outline", "ball"]
 SHAPE_NAMES: dict[Kind, str] = {
     "round": "round bars (cylinder, arc or polyline with a diameter)",
     "flat": "plates (plate, arc or polyline with a width)",
-    "outline": "outlines (disc, foot, polygon)",
+    "outline": "outlines (disc, foot, polygon, wheel)",
     "ball": "spheres",
 }
 # Kinds of element in space, as `space_joining.kinds_of` returns them.

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from granular_contact import report
-from granular_contact.config import load, schema
+from granular_contact.config import load
 from granular_contact.errors import ConfigError, Fault
 from granular_contact.report.drawn import saved_before
 from granular_contact.report.overlay import write as write_overlay
@@ -101,17 +101,13 @@ def models(
     ]
     faults += [] if elements else [Fault("", None, "--elements", "got none; the reference needs at least one number")]
     scenario = load(path, overrides).scenario
-    flexible = [
-        name
-        for name, body in scenario.model.all_bodies.items()
-        if isinstance(body, schema.Link) and body.flexible is not None
-    ]
+    flexible = [name for name, body in scenario.model.all_bodies.items() if getattr(body, "flexible", None) is not None]
     links = [name for name in flexible if name in scenario.model.bodies]
-    if scenario.model.in_space:
-        message = "the model is in space; compare is for a pendulum in the plane: sweep method.reduced.modes instead"
-        faults.append(Fault(str(path), None, "model", message))
-    elif not flexible:
+    if not flexible:
         faults.append(Fault(str(path), None, "model.bodies", "no link is flexible, so there is nothing to compare"))
+    elif scenario.model.in_space:
+        message = "is in space, and compare is for a pendulum in the plane; here sweep method.reduced.modes"
+        faults.append(Fault(str(path), None, "model", message))
     if faults:
         raise ConfigError(faults)
     reduced = {

@@ -76,6 +76,7 @@ DATA = {
                      2, "pivot_angle_rad", "got 31, which is 1776 deg"),
     "unknown column": (lambda g: ["time_s,tip_q_m,tip_y_m", *g[1:]], 1, "tip_q_m", "did you mean tip_"),
     "unlike any": (lambda g: ["time_s,frame,tip_y_m", *g[1:]], 1, "frame", "allowed are pivot_angle_deg (rad), tip"),
+    "wheel by slip": (lambda g: ["slip,tip_x_m,tip_y_m", *g[1:]], 1, "slip", "each slip is a run with a table"),
     "no time": (lambda g: ["mean_rate_rad_s,tip_x_m,tip_y_m", *g[1:]], 1, "", "has no column of times"),
     "time alone": (lambda g: ["time_s,drag_force_x_N,kinetic_J", *g[1:]], 1, "", "no column to compare with the run"),
     "two of one": (lambda g: ["time_s,tip_x_m,tip_x_mm", *g[1:]], 1, "tip_x_m", "is measured by two columns"),

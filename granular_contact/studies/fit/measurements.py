@@ -197,6 +197,8 @@ def _named(table: Table, known: Sequence[str]) -> Chosen:
     hint = "(or choose columns, forces too: --columns time_s=NAME,..., columns: {time_s: NAME, ...} in a fit file)"
     if all(column != TIME for column, _ in chosen.values()):
         hint += "; a force test needs no times, but force_N, torque_Nm or pressure_Pa"
+        if any("slip" in name.casefold() for name in table.header):
+            hint += "; of a wheel, each slip is a run with a table of its own, over time"
     refuse(
         Fault(table.file, table.header_line, name, f"unknown column; {_nearest(name, (*known, TIME))} {hint}")
         for name in table.header
