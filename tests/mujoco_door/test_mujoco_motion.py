@@ -92,7 +92,7 @@ def test_the_error_of_a_step_is_told_of_a_foot_that_is_let_go_at_the_surface(siz
     """By energy it sinks by 2 m g / k, k of the stiffness times the area; what the bed tells follows from no such look.
 
     The bristles' first 10 um, of some 0.5 mm, are softer, so that shares of 0.03 are no error of the step. What is told
-    counts all work along the slope, of which up to a third is the true change of the force: it is at most 1.5 times.
+    counts all work along the slope, and some of it is the true change of the force: it is at most 3.2 times.
     """
     medium = preset("rft3d_sand")
     a, b, _ = (float(half) for half in size.split())
@@ -106,7 +106,8 @@ def test_the_error_of_a_step_is_told_of_a_foot_that_is_let_go_at_the_surface(siz
             lowest = min(lowest, data.qpos[2])
         off, estimate = (0.02 - lowest) / depth - 1.0, bed.of(data).error
         assert off > 0.05
-        assert off - 0.03 < estimate < 1.5 * off + 0.03, (step, off, estimate)
+        assert off - 0.03 < estimate < 3.2 * off + 0.03, (step, off, estimate)
+        assert off < 0.35  # a step that ends elsewhere than predicted is made again: 0.2 to 1.5 without that
 
 
 def test_the_error_of_facets_is_told_of_a_ball_that_is_thrown() -> None:
@@ -177,6 +178,21 @@ def test_what_was_dropped_on_round_legs_comes_to_rest(step: float) -> None:
     go(model, data, bed, 0.2)
     np.testing.assert_allclose(data.qpos, before, rtol=0, atol=1e-7)
     assert bed.of(data).force[2] == pytest.approx(9.81 * model.body_mass.sum(), rel=1e-6)
+
+
+@pytest.mark.parametrize("height", [0.0, 0.1])
+def test_a_flat_box_that_was_dropped_comes_to_rest(height: float) -> None:
+    """It rises a little before it rests. A step whose predicted end is above the sand must not be a fall of 10 um."""
+    model = model_of(
+        '<geom name="box" type="box" size="0.1 0.1 0.02" mass="1"/>', step=1e-3, place=f"0 0 {0.02 + height}"
+    )
+    bed, data = MujocoBed(model, preset("rft3d_sand")), mujoco.MjData(model)
+    bed.add_geoms("box")
+    go(model, data, bed, 0.8)
+    before = data.qpos.copy()
+    go(model, data, bed, 0.2)
+    np.testing.assert_allclose(data.qpos, before, rtol=0, atol=1e-7)
+    assert bed.of(data).force[2] == pytest.approx(GRAVITY, rel=1e-6)
 
 
 def test_a_box_on_a_slope_is_held() -> None:

@@ -64,8 +64,9 @@ class MujocoBed:
 
     Notes
     -----
-    Forces are implicit in the step (`kernels.added_mass`). Their error is of first order in the step, and steps of any
-    length let bodies stand still. Friction state, forces and work belong to one `MjData` each: `of(data)`.
+    Forces are implicit in the step (`kernels.added_mass`). Their error is of first order in the step. Bodies stand
+    still, except for light flat ones with steps above 1 ms. Friction state, forces and work belong to one `MjData`
+    each: `of(data)`.
     """
 
     def __init__(

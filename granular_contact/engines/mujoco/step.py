@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 Vector = NDArray[np.float64]
 SLOW = 0.05  # m/s: below it the last step hardly predicts the next one, see `held_bodies.predict`
 CLOSE, MOST = 1e-4, 12  # change of v_1 over h (m/s2, rad/s2) that ends the iteration; most corrections
-LOOKS, FAR = 8, 1.0  # most predictions of a step; deviation from a prediction over the yield displacement
+LOOKS, FAR = 8, 0.1  # most predictions of a step; deviation from a prediction over the yield displacement
 
 
 class Step:
