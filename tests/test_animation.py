@@ -74,7 +74,7 @@ def test_a_run_of_one_row_has_one_frame() -> None:
     assert pace([0.0]) == 1.0
 
 
-def test_resampling_is_exact_for_what_is_straight_and_holds_beyond_the_ends() -> None:
+def test_resampling_is_exact_for_straight_lines_and_constant_beyond_ends() -> None:
     time = np.array([0.0, 0.1, 0.4, 1.0])
     at = np.array([-1.0, 0.0, 0.05, 0.4, 0.9, 1.0, 2.0])
     resampled = resample(time, np.column_stack([2 * time, -time]), at)

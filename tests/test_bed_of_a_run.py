@@ -190,7 +190,7 @@ def test_validity_counts_both_ends_of_sizes() -> None:
     assert "1.50 times the greatest stated, 0.02 m" in large
 
 
-def test_a_run_that_never_came_up_to_the_range_is_told() -> None:
+def test_a_run_that_never_came_up_to_the_range_is_reported() -> None:
     slow = Validity(speed=(0.5, 1.0), depth=(0.02, 0.05))
     speed, depth = slow.departures(0.1, 0.005, ())
     assert speed == "speed 0.1 m/s is 0.4 m/s below the least stated, 0.5 m/s"
@@ -198,7 +198,7 @@ def test_a_run_that_never_came_up_to_the_range_is_told() -> None:
     assert list(slow.departures(0.5, 0.02, ())) == []
 
 
-def test_nothing_is_said_of_a_bed_that_was_not_left() -> None:
+def test_bodies_within_the_bed_give_no_warning() -> None:
     scene = scene_of("pendulum", "bed={depth_m: 0.05, container_x_m: [-1, 1]}")
     reach = Reach(1.0, 0.01, -0.15, (0.1,), (0.3,), (("round", 0.00635),))
     assert list(warnings(scene, reach, None, None)) == []
@@ -222,7 +222,7 @@ def test_a_ball_falls_as_the_closed_form_says() -> None:
     assert results.terms == ("static", "inertial")
 
 
-def test_what_a_bed_refuses() -> None:
+def test_faulty_beds_are_refused() -> None:
     ((key, message),) = faults_of("pendulum", "medium={law: bingham, yield_force_N: 1, viscosity_N_s_m: 1}")
     assert key == "model.bodies.RB2" or key.startswith("model.bodies")
     assert "lee_marghitu, albert, hill, rft, drft, rft3d" in message
@@ -318,7 +318,7 @@ def test_a_plate_meets_a_peak_between_its_corners() -> None:
     assert any("the mechanism starts 0.01 m below the surface" in warning for warning in laid.warnings)
 
 
-def test_a_slope_that_ran_into_its_floor_is_told() -> None:
+def test_a_slope_that_ran_into_its_floor_is_reported() -> None:
     scene = scene_of(PLATE, "bed={slope_deg: 10, height_m: 0, depth_m: 0.05}")
     # The slope comes to the floor at 0.05 m / tan 10 deg to the left.
     end = -0.05 / math.tan(math.radians(10))
@@ -368,7 +368,7 @@ def test_two_heights_of_one_surface_are_refused() -> None:
         scenario_of("pendulum", "surface_height_m=-0.2", "bed.height_m=-0.2")
 
 
-def test_what_a_settled_run_met_is_counted_from_its_start() -> None:
+def test_work_of_a_settled_run_starts_at_zero() -> None:
     floor = "bed={depth_m: 0.002, floor: {stiffness_N_m2: 1e5, damping_s_m: 5}}"
     settled = simulate(BALL, "initial={settle: true, joints: {flight: {y_m: 0.0}}}", floor, "solver.end_time_s=0.001")
     work = settled["floor_work_J"]

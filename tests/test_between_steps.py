@@ -31,7 +31,7 @@ def sampled(time: np.ndarray, tracks: list[Track]) -> tuple[np.ndarray, np.ndarr
 
 
 @pytest.mark.parametrize("seed", range(12))
-def test_what_is_found_between_the_steps_is_that_of_a_fine_sample(seed: int) -> None:
+def test_extremes_between_steps_agree_with_fine_sampling(seed: int) -> None:
     time, tracks = history(seed)
     fine, most = sampled(time, tracks)
     best, when = greatest(time, tracks)

@@ -29,7 +29,7 @@ def cited(text: str) -> set[str]:
     return {path for path in PATH.findall(text) if not MADE.match(path)}
 
 
-def test_it_would_be_noticed() -> None:
+def test_cited_paths_are_found_in_text() -> None:
     text = "see physics.md section 1, tests/fit/test_nothing.py and [those](validation/README.md#a); not results/a.md"
     assert cited(text) == {"physics.md", "tests/fit/test_nothing.py", "validation/README.md"}
 

@@ -66,7 +66,7 @@ def test_a_model_is_no_config_and_says_so(command):
         assert (done.returncode, done.stderr) == (2, message)
 
 
-def test_a_robot_file_and_a_file_without_its_ending_are_told_from_configs(command, tmp_path):
+def test_robot_files_are_distinguished_from_configs(command, tmp_path):
     done = command("run", "models/hexapod/hexapod.urdf")
     message = "is a robot file, and not the config of a run, which names it: `model: {urdf: FILE}`\n"
     assert (done.returncode, done.stderr) == (2, f"models/hexapod/hexapod.urdf: {message}")
@@ -169,7 +169,7 @@ def fake_run(monkeypatch, tmp_path):
 
 
 @pytest.mark.parametrize(("status", "code"), [("rest", 0), ("end_time", 0), ("failed", 3), ("interrupted", 130)])
-def test_run_tells_how_it_ended_and_saves(fake_run, capsys, status, code):
+def test_run_prints_its_end_and_saves(fake_run, capsys, status, code):
     fake_run(status)
     assert main(["run", CONFIG, "--no-plots"]) == code
     printed = capsys.readouterr().out.splitlines()

@@ -86,7 +86,7 @@ def test_compiling_is_no_wall_time() -> None:
         assert seconds < 60.0, solver
 
 
-def test_compiling_is_told_once_when_it_begins_and_not_when_it_is_done() -> None:
+def test_compiling_is_reported_once_when_it_begins() -> None:
     from numba import njit
 
     from granular_contact.jit import compiled  # noqa: F401  # listens
@@ -112,7 +112,7 @@ def test_compiling_is_told_once_when_it_begins_and_not_when_it_is_done() -> None
     assert sentences == []
 
 
-def test_nobody_collects_what_is_unused_while_something_is_compiled_and_as_before_after_it() -> None:
+def test_garbage_collection_pauses_during_compilation() -> None:
     from numba import njit
     from numba.core import event
     from numba.core.errors import TypingError
@@ -142,7 +142,7 @@ def test_nobody_collects_what_is_unused_while_something_is_compiled_and_as_befor
     assert not any(seen)
 
 
-def test_what_is_compiled_after_the_solve_is_told_and_is_no_wall_time(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_compiling_after_the_solve_is_reported_outside_wall_time(monkeypatch: pytest.MonkeyPatch) -> None:
     from numba import njit
 
     from granular_contact import run as runs

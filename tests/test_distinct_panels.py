@@ -52,7 +52,7 @@ def wheel(slip: float, speed: float = 0.02) -> dict[str, np.ndarray]:
     }
 
 
-def test_what_several_columns_tell_is_shown_once_and_sinkage_in_one_sense() -> None:
+def test_repeated_columns_are_drawn_once_and_sinkage_in_one_sense() -> None:
     runs = [History(name, wheel(slip)) for name, slip in (("a", 0.2), ("b", 0.5))]
     columns = table(runs)
     shown = {group.name: [panel.title for panel in group.panels] for group in panels(["a", "b"], columns)}
@@ -62,7 +62,7 @@ def test_what_several_columns_tell_is_shown_once_and_sinkage_in_one_sense() -> N
     assert set(shown) == {"wheel", "travel", "joints"}
 
 
-def test_a_run_keeps_what_stands_still_and_a_panel_with_anything_new() -> None:
+def test_constant_columns_of_a_run_are_kept_beside_new_ones() -> None:
     results = wheel(0.2)
     column = results.__getitem__
     every = groups(list(results), ["static"], column)
@@ -96,7 +96,7 @@ def sweep(folder: Path, slips: np.ndarray) -> Folder:
 
 
 @pytest.mark.slow
-def test_the_page_of_a_wheel_over_slip_draws_nothing_twice_and_nothing_constant(tmp_path: Path) -> None:
+def test_page_of_a_wheel_over_slip_omits_repeated_and_constant_curves(tmp_path: Path) -> None:
     folder = sweep(tmp_path, np.array([-0.5, 0.0, 0.5]))
     (tmp_path / "figures").mkdir()
     studies.draw_slip(

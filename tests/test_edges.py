@@ -114,7 +114,7 @@ def test_a_ball_that_spins_slowly_rests() -> None:
         assert results.summary["status"] == "rest"
 
 
-def test_what_turns_about_nothing_has_no_mean_rate_and_no_stop() -> None:
+def test_clamped_links_have_no_mean_rate_and_no_stopping_time() -> None:
     results = simulate(CANTILEVER)
     assert "mean_rate_rad_s" not in [column.name for column in results.columns]
     assert results.summary["stopping_time_measure"] is None
@@ -195,7 +195,7 @@ def test_a_comparison_with_what_did_not_end_has_no_verdict(tmp_path: Path, capsy
     assert "FE, 2 elements did not reach its end, so there is no reference" in capsys.readouterr().out
 
 
-def test_a_motion_that_runs_away_ends_there_and_is_told() -> None:
+def test_a_motion_that_runs_away_ends_there_and_is_reported() -> None:
     run = simulate(BALL_ON_HINGE, "drives.pivot={type: torque, torque_Nm: 1e10}", "solver.step_s=1e-3")
     assert run.status.code == "failed"
     assert run.status.message.startswith("the motion diverged at 0 s; take a smaller solver.step_s")
@@ -224,7 +224,7 @@ def test_a_speed_is_that_of_one_coordinate() -> None:
 
 
 @pytest.mark.parametrize("method", ["engine", "minimal"])
-def test_a_run_tells_on_its_way_how_far_it_is(method: str) -> None:
+def test_a_run_reports_its_progress(method: str) -> None:
     """5000 steps; each method tells every thousand or more often."""
     more = "initial.impact_speed_rad_s=1", "solver.step_s=2e-5", f"method={method}"
     scenario, progress = scenario_of(BALL_ON_HINGE, *more), list[tuple[float, float]]()

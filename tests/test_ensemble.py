@@ -92,7 +92,7 @@ def test_a_finished_ensemble_is_said_to_be_one(tmp_path: Path, capsys: pytest.Ca
     assert "holds all runs of this ensemble already; --restart" in capsys.readouterr().out
 
 
-def test_what_scatters_is_for_the_engine_and_for_distributed_loads() -> None:
+def test_scatter_is_refused_by_reduced_models_and_resultant_loads() -> None:
     from granular_contact.errors import SceneError
     from granular_contact.scene import build
 

@@ -26,7 +26,7 @@ def test_the_bare_command_lists_the_commands(capsys: pytest.CaptureFixture[str])
     assert all(f"\n    {name} " in printed for name in ("new", "run", "check", "schema", "warm"))
 
 
-def test_what_a_command_does_not_take_is_told_with_what_it_takes(capsys: pytest.CaptureFixture[str]) -> None:
+def test_unknown_options_are_refused_with_the_usage_of_the_command(capsys: pytest.CaptureFixture[str]) -> None:
     commands = (("schema model", "--of {run,model"), ("check a.yaml --strict", "--mend OUT"), ("--nope", "COMMAND"))
     for given, usage in commands:
         with pytest.raises(SystemExit):
@@ -46,7 +46,7 @@ NAMES = starter.names()  # which reads all configs
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
-def test_what_new_writes_is_a_run_of_the_shipped_model(
+def test_new_writes_a_config_of_the_shipped_model(
     name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """It stands alone, and does not overwrite; it is the shipped config with its model."""
@@ -77,7 +77,7 @@ def test_every_key_that_new_offers_can_be_used(tmp_path: Path) -> None:
     )
 
 
-def test_an_unknown_model_is_told_what_there_is(capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_unknown_model_is_refused_with_the_list_of_models(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["new", "runer"]) == 2
     assert "did you mean runner?" in capsys.readouterr().err
     assert main(["new"]) == 0
@@ -118,7 +118,7 @@ def test_the_schemas_that_lines_for_editors_name_are_written(tmp_path: Path, mon
             assert (path.parent / file.readline().strip().partition("$schema=")[2]).is_file(), path
 
 
-def test_paths_of_set_start_where_one_stands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_paths_of_set_start_at_the_working_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Those in a config start from its folder."""
     configs, working_folder = tmp_path / "configs", tmp_path / "here"
     for folder, density in ((configs, 1000), (working_folder, 2000)):
@@ -148,7 +148,7 @@ def test_kernels_are_compiled_ahead(capsys: pytest.CaptureFixture[str]) -> None:
 
 @pytest.mark.skipif(not hasattr(os, "openpty"), reason="no terminals of this kind here")
 @pytest.mark.parametrize("columns", [44, 130])
-def test_what_is_printed_fits_the_terminal(columns: int) -> None:
+def test_printed_lines_fit_the_terminal(columns: int) -> None:
     """On a real terminal: lines end between words, and a table that is too wide becomes a list."""
     code = """from granular_contact.cli.common import print_table, say
 say("  stopping time   25.46 ms, from touch to the first zero of the mean rate, about the pivot of the link")
@@ -181,7 +181,7 @@ if __name__ == "__main__":
 
 
 @pytest.mark.slow
-def test_settings_of_the_engine_in_the_users_home_print_nothing_of_ours(tmp_path: Path) -> None:
+def test_engine_settings_in_the_home_folder_print_nothing(tmp_path: Path) -> None:
     """Not in what a command prints, nor by workers; a program of the user's that imports the engine keeps them."""
     (tmp_path / ".exudyn").mkdir()
     stored = {"version": 1, "config": {"printDelayMilliSeconds": 0}}

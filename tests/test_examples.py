@@ -100,7 +100,7 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.slow
-def test_a_wheel_writes_them_and_its_own_checkout_is_not_needed(wheel: Path, tmp_path: Path) -> None:
+def test_an_installed_wheel_writes_all_files_without_a_checkout(wheel: Path, tmp_path: Path) -> None:
     """In a clean folder, with the unpacked wheel first on the path and no checkout in sight."""
     # One of each kind: whether all are right says test_cli_check.py. A fit would compile its law for this copy alone.
     # Without their own folder of models they find those of the package.

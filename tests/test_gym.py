@@ -200,7 +200,7 @@ def test_an_action_turns_the_leg_whose_angle_is_seen_at_its_place() -> None:
             assert int(np.argmax(np.abs(seen[rates]))) == k
 
 
-def test_what_can_not_be_set_is_told() -> None:
+def test_impossible_controls_are_reported() -> None:
     with pytest.raises(ControlError, match="without a range: hinge_torque_Nm"):
         GranularEnv(
             scenario_of(ARM, "drives.hinge={type: external, torque_Nm: 0}"), observation=NAMES, reward=lambda *_: 0.0

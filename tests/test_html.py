@@ -190,7 +190,7 @@ WORDS = {
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
-def test_pages_tell_what_they_are_for(kind: str, pages: dict[str, Path]) -> None:
+def test_pages_state_their_purpose(kind: str, pages: dict[str, Path]) -> None:
     text = "".join(Outline(pages[kind].read_text(encoding="utf-8")).text)
     for sentence in WORDS[kind]:
         assert sentence in text
@@ -307,7 +307,7 @@ def test_warnings_that_differ_in_numbers_are_one_kind(tmp_path: Path) -> None:
     assert shown[-1] == "... and 5 more kinds, in table.csv"
 
 
-def test_contacts_travel_and_work_of_a_mechanism_are_told(tmp_path: Path) -> None:
+def test_contacts_travel_and_work_of_a_mechanism_are_reported(tmp_path: Path) -> None:
     results = make()
     more = {
         "stopping_time_s": None,

@@ -104,7 +104,7 @@ def test_the_walker_goes_the_way_that_its_knees_say() -> None:
     assert simulate("walker", "solver.end_time_s=1", "signals.knee.phase_deg=90").summary["forward_speed_m_s"] < -0.05
 
 
-def test_the_stepping_leg_draws_its_carriage_along_within_the_torque_that_it_has() -> None:
+def test_stepping_leg_pulls_its_carriage_within_its_torque_limit() -> None:
     results = simulate("stepping_leg", "solver.end_time_s=1")
     assert results.summary["forward_speed_m_s"] > 0.1
     assert np.abs(results["knee_torque_Nm"]).max() <= 2.0

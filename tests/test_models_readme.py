@@ -30,7 +30,7 @@ def test_the_leg_is_let_down_drawn_up_and_stretched() -> None:
     assert run.summary["contacts"]["shank"]
 
 
-def test_the_loop_is_closed_and_the_homes_found_are_told(tmp_path) -> None:
+def test_the_loop_is_closed_and_the_homes_found_are_reported(tmp_path) -> None:
     _, bars, *_ = re.findall(r"```yaml\n(.*?)```", TEXT, flags=re.S)
     file = tmp_path / "bars.yaml"
     file.write_text(bars, encoding="utf-8")

@@ -80,7 +80,7 @@ def test_extremes_and_crossings_of_a_cubic_are_exact() -> None:
     assert at_times(time, values, slopes, np.array([-1.0, 3.0])) == pytest.approx([values[0], values[-1]])
 
 
-def test_what_comes_up_and_goes_between_two_steps_is_seen() -> None:
+def test_an_excursion_between_two_steps_is_detected() -> None:
     time, low = np.array([0.0, 1.0]), Track(np.array([-0.1, -0.1]), np.array([1.0, -1.0]))
     # x (1 - x) - 0.1: above zero between its roots; and two of them that overlap are one span.
     a, b = np.sort(np.roots([-1.0, 1.0, -0.1]))

@@ -119,14 +119,14 @@ def test_constraints_are_kept_though_better_lies_beyond(tmp_path, method):
     assert max(run.value for run in outcome.runs) > outcome.value
 
 
-def test_what_no_run_keeps_is_broken_least(tmp_path):
+def test_unsatisfiable_constraints_are_violated_least(tmp_path):
     outcome = outcome_of(study(tmp_path, f"{FILE}constraints: {{speed: {{at_most: 0.5}}}}\n"))
     assert not outcome.best.is_allowed
     assert outcome.best.row.summary["speed"] == pytest.approx(1, rel=0.02)  # the lowest of the range
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_failed_runs_count_as_worst_and_are_told(tmp_path, method):
+def test_failed_runs_count_as_worst_and_are_reported(tmp_path, method):
     outcome = outcome_of(study(tmp_path, f"{FILE}method: {method}\n"), function=breaking)
     assert outcome.value > 1 - 1e-2
     assert 20 <= outcome.numbers[ANGLE] <= 50
@@ -154,7 +154,7 @@ def test_one_number_of_a_parameter_goes_to_all_its_keys(tmp_path):
 # ---- killed and resumed ----
 
 
-def test_what_is_in_the_journal_is_not_run_again(tmp_path):
+def test_cases_in_the_journal_are_not_run_again(tmp_path):
     held, ran = study(tmp_path), []
     whole = outcome_of(held)
     writer = Journal(tmp_path).writer()
@@ -322,7 +322,7 @@ FAULTY = {
 
 
 @pytest.mark.parametrize("case", FAULTY)
-def test_faults_are_told_at_their_lines(tmp_path, case):
+def test_faults_are_reported_at_their_lines(tmp_path, case):
     change, line, message = FAULTY[case]
     with pytest.raises(ConfigError) as caught:
         study(tmp_path, FILE.replace(*change))
@@ -331,7 +331,7 @@ def test_faults_are_told_at_their_lines(tmp_path, case):
     assert message in caught.value.faults[0].message
 
 
-def test_faults_of_the_file_of_its_keys_and_of_the_ends_are_told_at_once(tmp_path):
+def test_faults_of_a_file_its_keys_and_its_ends_are_reported_together(tmp_path):
     parameters = f"parameters:\n  initial.impact_sped_rad_s: [9, 4]\n  {ANGLE}: [10, 800]\n  load.odd: [2, 2]\n"
     with pytest.raises(ConfigError) as caught:
         study(tmp_path, FILE.replace(PARAMETERS, parameters) + "method: cmaes\n")

@@ -32,7 +32,7 @@ def test_every_name_is_a_thing_to_call_whatever_was_loaded_before_it(step: int) 
     assert done.stderr == ""
 
 
-def test_another_name_is_refused() -> None:
+def test_unknown_attributes_of_the_package_are_refused() -> None:
     with pytest.raises(AttributeError, match="no attribute 'grains'"):
         granular_contact.grains  # noqa: B018
 
@@ -43,7 +43,7 @@ def test_a_run_without_files() -> None:
     assert results.status.code == "rest"
 
 
-def test_what_is_public_is_told_by_help() -> None:
+def test_help_lists_the_public_names() -> None:
     """The first page of `help(granular_contact)` names all of it; completion offers it and nothing else."""
     assert dir(granular_contact) == granular_contact.__all__
     mentioned = set(re.findall(r"\w+", granular_contact.__doc__ or ""))
@@ -60,7 +60,7 @@ def calls(name: str, thing: object) -> Iterator[tuple[str, FunctionType]]:
             yield f"{name}.{key}", function
 
 
-def test_what_users_call_says_what_it_takes_gives_and_raises() -> None:
+def test_public_functions_document_arguments_results_and_errors() -> None:
     """Docstrings have the sections of numpydoc, with the name of each argument in them; functions an example too."""
     from granular_contact.config.schema import Scenario
     from granular_contact.config.template import Loaded

@@ -199,7 +199,7 @@ def test_words_do_not_overlap_nor_leave_the_page(drawn: dict[str, Figure]) -> No
             assert not box.overlaps(box2), f"{name}: {label!r} lies over {other!r}"
 
 
-def test_the_overlap_test_can_fail() -> None:
+def test_overlapping_labels_are_detected() -> None:
     with figures.style():
         figure = over_time(make(), "joints")
         figure.axes[0].text(0, 47, "stray")
@@ -263,14 +263,14 @@ def legend_words(axes: Axes) -> list[str]:
     return [] if legend is None else [text.get_text() for text in legend.get_texts()]
 
 
-def test_of_many_hinges_the_first_and_the_last_are_named() -> None:
+def test_first_and_last_of_many_hinges_are_named() -> None:
     with figures.style():
         upper = over_time(chain(), "joints").axes[0]
     assert legend_words(upper) == ["pivot", "hinge_9"]
     assert len({line.get_color() for line in upper.lines}) >= 9
 
 
-def test_captions_tell_the_angle_of_the_pivot_wherever_its_column_is() -> None:
+def test_captions_state_the_pivot_angle_from_any_column() -> None:
     original = two_hinges()
     order = sorted(range(len(original.columns)), key=lambda i: "pivot" in original.columns[i].name)
     moved = dataclasses.replace(
@@ -381,7 +381,7 @@ def with_round_off(columns: tuple[str, ...], size: float) -> Results:
 
 
 @pytest.mark.parametrize("column", ["imbalance_J", "deflection_m"])
-def test_what_is_round_off_alone_is_not_drawn(column: str) -> None:
+def test_columns_of_round_off_are_not_drawn(column: str) -> None:
     with style():
         shown, true = (
             {axes.get_ylabel() for figure in figures.figures(results).values() for axes in figure.axes}

@@ -23,7 +23,7 @@ def test_no_private_part_of_numba_or_python_is_imported() -> None:
     assert wrong(private) == {}
 
 
-def test_what_is_used_of_them_is_listed() -> None:
+def test_private_parts_in_use_are_listed_in_the_docs() -> None:
     page = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
     table = page.split("## Parts of other libraries that are not public")[1].split("\n## ")[0]
     for module in ALLOWED:

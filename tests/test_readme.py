@@ -27,7 +27,7 @@ def test_the_yaml_is_that_of_the_first_run() -> None:
     assert yaml.safe_load(shown) == yaml.safe_load((ROOT / "configs" / "pendulum.yaml").read_text(encoding="utf-8"))
 
 
-def test_the_first_run_leaves_what_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_first_run_writes_the_files_listed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     line, _ = blocks("sh")
     arguments = shlex.split(line.rpartition("granular-contact ")[2])
     monkeypatch.chdir(ROOT)
@@ -62,5 +62,5 @@ def test_python_prints_what_it_says(
     assert len(results.plot("tip_x_m", "tip_y_m").axes) == 1
 
 
-def test_it_is_one_screen_and_a_half() -> None:
+def test_readme_stays_below_100_lines() -> None:
     assert len(README.splitlines()) < 100

@@ -27,7 +27,7 @@ def test_changelog_and_citation_are_of_this_version() -> None:
         assert str(citation["date-released"]) == first[2]
 
 
-def test_the_citation_has_what_its_format_needs_and_the_licence_of_the_project() -> None:
+def test_citation_has_its_required_keys_and_the_licence_of_the_project() -> None:
     citation = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
     assert citation["cff-version"] == "1.2.0"
     assert {"message", "title", "authors"} <= citation.keys()
@@ -36,14 +36,14 @@ def test_the_citation_has_what_its_format_needs_and_the_licence_of_the_project()
     assert f'license = "{citation["license"]}"' in (ROOT / "pyproject.toml").read_text(encoding="utf-8")
 
 
-def test_the_description_of_the_package_leads_nowhere_that_a_registry_does_not_have() -> None:
+def test_links_of_the_package_description_are_absolute() -> None:
     (name,) = re.findall(r'^readme = "(.+?)"', (ROOT / "pyproject.toml").read_text(encoding="utf-8"), re.M)
     links = re.findall(r"\]\((.*?)\)", (ROOT / name).read_text(encoding="utf-8"))
     assert links
     assert all(link.startswith("https://") for link in links)
 
 
-def test_what_comes_after_a_release_has_another_number() -> None:
+def test_version_differs_from_released_tags_after_a_release() -> None:
     command = ["git", "tag", "--no-contains", "HEAD"]
     tags = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     if tags.returncode:

@@ -148,7 +148,7 @@ class TestWholeOrNotAtAll:
 
     @pytest.mark.slow
     @pytest.mark.parametrize("error", [ValueError("no rows"), MemoryError()])
-    def test_a_failing_figure_is_told_and_costs_only_itself(
+    def test_a_failing_figure_is_reported_and_costs_only_itself(
         self, error: Exception, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     ) -> None:
         def fail(_: Results) -> None:
@@ -201,7 +201,7 @@ def test_a_linked_folder_stays_a_link(tmp_path: Path) -> None:
     assert names(tmp_path / "real") == NAMES[1:]
 
 
-def test_what_no_run_wrote_is_not_replaced(tmp_path: Path) -> None:
+def test_files_that_no_run_wrote_are_not_replaced(tmp_path: Path) -> None:
     report.write(make(), tmp_path / "run", figures=False)
     (tmp_path / "run" / "notes.txt").write_text("mine")
     with pytest.raises(FileExistsError, match=r"notes\.txt"):
@@ -257,7 +257,7 @@ def test_the_folder_of_a_run_at_work_is_left_alone(tmp_path: Path) -> None:
     assert [path.name for path in tmp_path.iterdir()] == ["run"]
 
 
-def test_a_process_that_is_killed_holds_nothing(tmp_path: Path) -> None:
+def test_a_killed_process_releases_its_lock(tmp_path: Path) -> None:
     """The smallest case: kill -9 while the folder is written, then another run of the same name."""
     code = f"""
 import os, signal

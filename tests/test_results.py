@@ -60,7 +60,7 @@ def test_the_motion_is_a_film_that_a_notebook_shows(tmp_path: Path) -> None:
         blind.animation(tmp_path / "none.gif")
 
 
-def test_what_was_saved_is_opened_again(tmp_path: Path) -> None:
+def test_saved_results_are_opened_again(tmp_path: Path) -> None:
     results = swung()
     reopened = Results.open(results.save(tmp_path / "run", figures=False))
     np.testing.assert_array_equal(reopened.table, results.table)
@@ -105,7 +105,7 @@ def damaged() -> dict[str, tuple[dict[str, bytes | None], str]]:
     }
 
 
-def test_damaged_folders_are_told_in_one_line(tmp_path: Path) -> None:
+def test_damaged_folders_are_reported_in_one_line(tmp_path: Path) -> None:
     for damage, (other, message) in damaged().items():
         with pytest.raises(ResultsError) as caught:
             Results.open(folder_of(tmp_path / damage, **other))
@@ -113,7 +113,7 @@ def test_damaged_folders_are_told_in_one_line(tmp_path: Path) -> None:
         assert "\n" not in str(caught.value)
 
 
-def test_what_is_no_run_is_told(tmp_path: Path) -> None:
+def test_folders_without_a_run_are_reported(tmp_path: Path) -> None:
     for place in (tmp_path, tmp_path / "nowhere"):
         with pytest.raises(ResultsError):
             Results.open(place)
@@ -244,7 +244,7 @@ def test_changes_as_texts_mappings_and_keywords_are_the_same() -> None:
     assert ways[2].sources.locate("model.bodies.trunk") == load("runner").sources.locate("model.bodies.trunk")
 
 
-def test_what_says_its_kind_replaces_another_kind() -> None:
+def test_an_override_with_a_type_replaces_another_type() -> None:
     changed = load("runner", drives={"hip_rear_a": {"type": "torque", "torque_Nm": 0.1}}, method="engine").scenario
     assert changed.drives["hip_rear_a"].type == "torque"
     assert changed.drives["hip_rear_b"].type == "motion"
@@ -258,7 +258,7 @@ def test_what_says_its_kind_replaces_another_kind() -> None:
         ("drives.hip.type=motion", {"drives": {"hip": {"type": "motion"}}}),
     ],
 )
-def test_faults_are_told_as_on_the_command_line(text: str, changes: dict[str, object]) -> None:
+def test_faults_are_reported_as_on_the_command_line(text: str, changes: dict[str, object]) -> None:
     messages = []
     for call in (lambda: load("runner", [text]), lambda: load("runner", **changes)):
         with pytest.raises(ConfigError) as caught:
@@ -267,7 +267,7 @@ def test_faults_are_told_as_on_the_command_line(text: str, changes: dict[str, ob
     assert messages[0] == messages[1] != []
 
 
-def test_what_is_nowhere_is_told() -> None:
+def test_missing_files_are_reported_with_similar_names() -> None:
     with pytest.raises(ConfigError, match=r"^runer: no such file, .*; did you mean runner\?$"):
         load("runer")
     with pytest.raises(ConfigError, match=r"^folder/runner.yaml: no such file$"):

@@ -175,7 +175,7 @@ def test_medium_only_takes_energy(config: str) -> None:
     assert work[-1] < -1e-2
 
 
-def test_strips_are_told_where_they_are_chosen_with_the_steps() -> None:
+def test_strips_are_reported_where_they_are_chosen_with_the_steps() -> None:
     chosen = simulate("pendulum_rigid", "solver.accuracy=1e-2").summary["strips"]
     assert sorted(chosen) == ["per_element", "per_rigid_part"]
     assert min(chosen.values()) > 0
@@ -381,7 +381,7 @@ def test_an_interval_far_below_the_step_keeps_every_row() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("method", ["engine", "{reduced: {modes: 0}}"])
-def test_depth_in_vacuum_is_that_of_all_that_sand_might_meet(method: str) -> None:
+def test_depth_in_vacuum_counts_all_shapes_meant_for_sand(method: str) -> None:
     """A plate, which the reduced models know in vacuum only; and nothing, where no shape is meant for sand."""
     plate = "[{type: plate, start_m: [0, 0], end_m: [0.2, 0], width_m: 0.02, thickness_m: 0.004}]"
     hub = "[{type: disc, diameter_m: 0.02, thickness_m: 0.02, in_sand: false}]"

@@ -129,7 +129,7 @@ def test_a_changed_medium_is_not_what_was_published() -> None:
     assert build(layered).scenario.bed.layers[0].medium.provenance == "own"
 
 
-def test_what_was_said_of_a_medium_is_left_alone() -> None:
+def test_a_stated_provenance_of_a_medium_is_kept() -> None:
     changes = {"medium.eta_d": 5, "medium.provenance": "fitted", "medium.standing": "our own tests"}
     medium = build(pendulum().replace(changes)).scenario.medium
     assert (medium.provenance, medium.standing) == ("fitted", "our own tests")
@@ -149,13 +149,15 @@ def test_what_was_said_of_a_medium_is_left_alone() -> None:
         ({"windy": 3}, "windy", "unknown key"),
     ],
 )
-def test_what_model_copy_let_pass_is_refused_when_built(update: dict[str, object], key: str, message: str) -> None:
+def test_updates_unchecked_by_model_copy_are_refused_when_built(
+    update: dict[str, object], key: str, message: str
+) -> None:
     with pytest.raises(ConfigError) as caught:
         build(pendulum().model_copy(update=update))
     assert (caught.value.faults[0].key, message in caught.value.faults[0].message) == (key, True)
 
 
-def test_what_no_config_may_say_deep_down_is_refused_when_built() -> None:
+def test_nested_values_that_the_schema_forbids_are_refused_when_built() -> None:
     scenario = pendulum()
     wrong = scenario.model_copy(update={"medium": scenario.medium.model_copy(update={"eta_d": -5.0})})
     with pytest.raises(ConfigError, match=r"medium\.eta_d: got the number -5\.0; allowed is a finite number"):
@@ -182,7 +184,7 @@ def test_a_scenario_that_was_not_run_is_refused() -> None:
     assert "gravity_m_s2" in line
 
 
-def test_a_scene_that_was_changed_is_no_scenarios() -> None:
+def test_a_changed_scene_has_no_scenario() -> None:
     scene = replace(scene_of("pendulum", *SHORT), gravity=1.0)
     assert scene.scenario is None
     for more in ((), (pendulum(*SHORT),)):
@@ -198,7 +200,7 @@ def test_a_copy_with_changed_numbers_is_run_as_such() -> None:
     assert (medium["eta_d"], medium["provenance"]) == (5.0, "own")
 
 
-def test_a_link_too_stiff_to_bend_keeps_the_scenario_that_was_asked_for() -> None:
+def test_a_link_too_stiff_to_bend_keeps_the_given_scenario() -> None:
     scenario = pendulum("model.bodies.link.flexible.bending_stiffness_N_m2=1e12", "medium=null")
     scene = build(scenario)
     assert (scene.stiff, scene.scenario) == (("link",), scenario)

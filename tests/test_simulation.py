@@ -168,7 +168,7 @@ def test_a_state_in_mid_stride_has_the_same_future_bit_by_bit(name: str) -> None
     np.testing.assert_array_equal(go_on(simulation, PAUSES), before + future)
 
 
-def test_bristles_floor_and_friction_are_in_the_test_above() -> None:
+def test_leg_scene_uses_bristles_floor_and_friction() -> None:
     simulation = of("leg")
     seen = go_on(simulation, PAUSES)
     results = simulation.results()
@@ -232,7 +232,7 @@ def test_links_that_bend_keep_their_turns() -> None:
 # ---- controls ----
 
 
-def test_what_is_set_acts_as_a_drive_does() -> None:
+def test_controls_act_as_drives_do() -> None:
     drives = "drives={hip: {type: pd, angle_deg: 50, gain_Nm_per_rad: 3, rate_gain_Nm_s_per_rad: 0.03, limit_Nm: 1}, "
     drives += "knee: {type: torque, torque_Nm: 0.2}}"
     driven = Simulation(scenario_of(LEG, drives, "solver.end_time_s=0.1"))
@@ -246,7 +246,7 @@ def test_what_is_set_acts_as_a_drive_does() -> None:
     assert np.abs(b["knee_torque_Nm"] - 0.2).max() == 0.0
 
 
-def test_what_is_beyond_a_range_is_set_to_its_end_and_told() -> None:
+def test_controls_beyond_their_range_are_limited_with_a_warning() -> None:
     simulation = of("leg")
     assert not any("beyond" in warning for warning in simulation.results().warnings)
     simulation.step({"knee_torque_Nm": 0.5, "hip_angle_rad": np.radians(120.0)}, 0.01)  # the ends themselves
@@ -296,7 +296,7 @@ BAD: tuple[tuple[Any, Any, str], ...] = (
 
 
 @pytest.mark.parametrize(("controls", "dt", "message"), BAD)
-def test_bad_controls_are_told_and_change_nothing(controls: Any, dt: float, message: str) -> None:
+def test_bad_controls_are_reported_and_change_nothing(controls: Any, dt: float, message: str) -> None:
     simulation = of("leg")
     simulation.step({"knee_torque_Nm": 0.1}, 0.01)
     kept = simulation.state()
@@ -340,7 +340,7 @@ CONTROLLERS: dict[str, tuple[Callable[..., Any], str]] = {
 
 
 @pytest.mark.parametrize("case", CONTROLLERS)
-def test_what_was_reached_is_kept_where_a_controller_fails(case: str) -> None:
+def test_results_before_a_controller_failure_are_kept(case: str) -> None:
     last, message = CONTROLLERS[case]
     controls = {"knee_torque_Nm": 0.1}
     with pytest.raises(ControllerError) as caught:
@@ -374,7 +374,7 @@ def test_a_simulation_raises_it_too_and_keeps_what_was_reached() -> None:
     assert simulation.run(lambda *_: {}, 100).status.code != "failed"
 
 
-def test_its_exception_goes_to_another_process_with_the_results() -> None:
+def test_controller_error_is_pickled_with_its_results() -> None:
     with pytest.raises(ControllerError) as caught:
         simulate(scenario_of(LEG), control=raising)
     unpickled = pickle.loads(pickle.dumps(caught.value))
@@ -382,7 +382,7 @@ def test_its_exception_goes_to_another_process_with_the_results() -> None:
     np.testing.assert_array_equal(unpickled.results.table, caught.value.results.table)
 
 
-def test_of_many_names_the_nearest_is_told() -> None:
+def test_the_nearest_of_many_names_is_suggested() -> None:
     names = [f"leg_{i}_torque_Nm" for i in range(200)]
     assert unknown_name("control", "leg_17_torqe_Nm", names).startswith(
         "no control 'leg_17_torqe_Nm'; did you mean leg_17"
@@ -428,7 +428,7 @@ def test_seeds_reproduce() -> None:
     assert simulation.scenario == scenario_of("pendulum", *SHORT)
 
 
-def test_what_was_closed_begins_anew() -> None:
+def test_a_closed_simulation_needs_a_reset() -> None:
     simulation = of("flexible")
     seen = simulation.step(None, 0.01)
     simulation.close()
@@ -439,7 +439,7 @@ def test_what_was_closed_begins_anew() -> None:
     assert dict(simulation.step(None, 0.01)) == dict(seen)
 
 
-def test_a_change_that_is_refused_leaves_the_run_as_it_was() -> None:
+def test_a_refused_change_leaves_the_run_unchanged() -> None:
     simulation = of("leg")
     simulation.step(None, 0.01)
     with pytest.raises(ConfigError, match=r"medium.eta_d: got the number -1"):

@@ -31,7 +31,7 @@ def test_a_run_taken_up_in_the_sand_ends_as_the_whole_one() -> None:
     assert part.summary["stopping_time_s"] == pytest.approx(left, abs=1e-8)
 
 
-def test_what_touches_at_the_start_meets_the_sand_from_there_on() -> None:
+def test_body_touching_at_the_start_feels_the_sand_at_once() -> None:
     """The force on an end face jumps at the touch; round-off decided whether it acts at the start, 2.6e-4 of the way"""
     bed = build(scenario_of("free_link")).bed
     assert bed is not None
@@ -76,7 +76,7 @@ def test_a_dragged_plate_meets_the_published_stress() -> None:
     assert results["rail_force_N"][middle] == pytest.approx(force, rel=1e-6)
 
 
-def test_what_touches_or_settles_is_not_told_so() -> None:
+def test_touching_or_settled_starts_have_no_warning_of_a_start_in_sand() -> None:
     settled = simulate("pendulum_rigid", "initial={impact_angle_deg: 31, settle: true}", "solver.end_time_s=0.01")
     for results in (simulate("pendulum"), settled):
         assert not any(LAID in warning for warning in results.warnings)
@@ -100,7 +100,7 @@ BALL = "{type: sphere, diameter_m: 0.0254}"
 
 
 @pytest.mark.parametrize("case", [PENDULUM, (ONE_BODY.format(2700, SHEET, "poppy_seeds_loose"),)])
-def test_what_rests_from_the_start_is_in_no_doubt_and_never_stops(case: tuple[str, ...]) -> None:
+def test_bodies_at_rest_from_the_start_have_no_warning_or_stopping_time(case: tuple[str, ...]) -> None:
     """Ways and energies of some nanometres and nanojoules were off by 100 %."""
     results = simulate(*case)
     assert (results.warnings, results.summary["stopping_time_s"]) == ((), None)
@@ -126,7 +126,7 @@ def test_settling_that_fails_says_why(capsys: pytest.CaptureFixture[str], tmp_pa
     assert "smooth friction creeps under any load: take load.friction: {type: elastoplastic}" in capsys.readouterr().err
 
 
-def test_a_surface_that_goes_with_a_body_put_somewhere_is_told(
+def test_command_says_when_the_surface_follows_the_touching_body(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     """Whoever puts a body at a height expects the surface at 0, or says where it is."""

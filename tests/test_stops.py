@@ -33,14 +33,14 @@ def test_a_rate_that_is_a_parabola_stops_where_that_is_zero(first: float, slope:
     assert find_stop(TIME[:2], rate[:2], acceleration[:2], angle[:2], rate[:2]) is None  # not yet
 
 
-def test_what_turns_in_the_first_step_has_slowed_evenly_in_it() -> None:
+def test_stop_within_the_first_step_assumes_even_deceleration() -> None:
     rate, slope = 2.0 - 3.0 * (early := np.array([0.0, 1.0])), np.full(2, -3.0)
     stop = find_stop(early, rate, slope, 0.0 * early, rate)
     assert stop is not None
     assert stop.time == pytest.approx(2.0 / 3.0, rel=1e-12)
 
 
-def test_what_slows_evenly_turns_at_its_time() -> None:
+def test_turn_under_even_deceleration_is_exact() -> None:
     speed = -1.0 + 1.25 * TIME
     assert find_turn(TIME, speed, 0.0 * TIME, speed) == pytest.approx(0.8, rel=1e-12)
     assert find_turn(TIME[:6], speed[:6], 0.0 * TIME[:6], speed[:6]) is None

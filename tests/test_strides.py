@@ -41,7 +41,7 @@ def test_strides_that_just_fit_are_counted() -> None:
         assert numbers["distance_m"] == pytest.approx({"mean": 0.5, "standard_deviation": 0.0})
 
 
-def test_what_goes_nowhere_or_weighs_nothing_has_no_cost_of_transport() -> None:
+def test_cost_of_transport_needs_travel_and_weight() -> None:
     time = np.linspace(0.0, 2.0, 81)
     for place, weight, has in ((time, 5.0, True), (0.0 * time, 5.0, False), (time, 0.0, False)):
         numbers = stride_numbers(time, place, [np.ones_like(time)], [], weight, 0.5)
@@ -77,7 +77,7 @@ def test_the_mean_square_of_few_steps_is_that_of_many() -> None:
     assert squared(time, swing) == pytest.approx(0.5 * time[-1], rel=5e-3)
 
 
-def test_a_change_within_a_short_step_does_not_swing_over_the_long_one_beside_it() -> None:
+def test_mean_square_does_not_overshoot_beside_a_short_step() -> None:
     time, values = np.array([0.0, 1.0, 1.001, 2.0, 3.0]), np.array([0.0, 0.0, 1.0, 1.0, 1.0])
     assert squared(time, values) == pytest.approx(2.0, rel=1e-3)
 

@@ -34,7 +34,7 @@ def folders(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
 
 @pytest.mark.parametrize("model", MODELS)
 @pytest.mark.parametrize("study", STUDIES)
-def test_it_works_or_is_refused_in_a_sentence(
+def test_every_study_of_every_model_works_or_is_refused_clearly(
     study: str,
     model: str,
     folders: Callable[[str], Path],

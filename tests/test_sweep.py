@@ -54,7 +54,7 @@ print(len(list(sweep(rigid, {"initial.impact_speed_rad_s": [3.0, 4.0]}, workers=
 """
 
 
-def test_a_script_that_does_not_ask_whether_it_is_the_main_program_is_told_so(tmp_path):
+def test_a_sweep_script_without_a_main_guard_gets_a_clear_error(tmp_path):
     (tmp_path / "script.py").write_text(PLAIN)
     line = [sys.executable, str(tmp_path / "script.py")]
     done = subprocess.run(line, env=ENVIRONMENT, capture_output=True, text=True, check=False)
@@ -123,7 +123,7 @@ def test_the_saved_sweep_gives_the_same_table(paper, tmp_path, capsys):
     assert (tmp_path / "again" / "sweep.yaml").read_text() == (paper[1] / "sweep.yaml").read_text()
 
 
-def test_what_is_set_holds_for_all_cases(tmp_path):
+def test_settings_hold_for_all_cases(tmp_path):
     text = (CONFIGS / "paper_cases.yaml").read_text()
     text = text.replace("config: ", f"set: {{model.bodies.link.flexible.elements: 16}}\nconfig: {CONFIGS}/")
     (tmp_path / "twelve.yaml").write_text(text)
@@ -233,7 +233,7 @@ def test_a_case_that_fails_costs_its_own_row_only(numbered, plain, function, los
     assert (cells[SPEED], cells["status"], cells["speed"]) == ("3", "error", "")
 
 
-def test_a_case_that_was_only_near_a_crash_is_run_again(numbered, plain, tmp_path):
+def test_cases_interrupted_by_a_crash_are_run_again(numbered, plain, tmp_path):
     """A worker killed from outside takes no result with it."""
     function = functools.partial(dying_once, tmp_path / "marker")
     assert rows_of(numbered, function) == plain
@@ -241,7 +241,7 @@ def test_a_case_that_was_only_near_a_crash_is_run_again(numbered, plain, tmp_pat
 
 
 @pytest.mark.usefixtures("cases_in_this_process")
-def test_real_failures_are_rows_and_told(tmp_path, capsys, monkeypatch):
+def test_real_failures_become_rows_and_are_reported(tmp_path, capsys, monkeypatch):
     path = tmp_path / "many.yaml"
     path.write_text(
         f"config: {CONFIGS / 'pendulum.yaml'}\ncases:\n  good: {{}}\n"
@@ -260,7 +260,7 @@ def test_real_failures_are_rows_and_told(tmp_path, capsys, monkeypatch):
 
 
 @pytest.mark.usefixtures("cases_in_this_process")
-def test_what_cases_warn_of_is_told_and_a_useless_one_has_an_exit_code(tmp_path, capsys):
+def test_warnings_of_cases_are_listed_and_useless_cases_set_the_exit_code(tmp_path, capsys):
     fixed = "set: {output.figures: false, solver.end_time_s: 0.06, solver.rest_time_s: null}\n"
     path = write(tmp_path, f"{fixed}vary: {{solver.step_s: [1.0e-2, 2.0e-4, 1.2e-2]}}\n")
     for once_more in (False, True):
@@ -521,7 +521,7 @@ def test_progress_is_a_bar_on_a_terminal_and_lines_in_a_log(monkeypatch, stream,
 
 
 @pytest.mark.usefixtures("cases_in_this_process")
-def test_what_varies_and_the_speed_are_shown(tmp_path, capsys):
+def test_sweep_table_shows_varied_keys_and_speed(tmp_path, capsys):
     text = "set: {method: {reduced: {modes: 0}}, output.figures: false}\nvary:\n  medium.eta_d: [4, 5.123456789]\n"
     path = write(tmp_path, f"{text}  initial.impact_speed_rad_s: [2, 3]\n")
     assert ended("sweep", path, "--out", tmp_path / "out") == 0

@@ -89,7 +89,7 @@ def numbered(tmp_path) -> sweep.WorkerPool:
     return load_sweep(write(tmp_path, f"vary:\n  {SPEED}: {{from: 0, to: 19, count: 20}}\n"))
 
 
-def test_a_scheduler_without_workers_is_told(scheduler, tmp_path, capsys):
+def test_a_scheduler_without_workers_is_reported(scheduler, tmp_path, capsys):
     path = write(tmp_path, QUICK)
     assert main(["sweep", str(path), "--out", str(tmp_path / "out"), "--scheduler", scheduler[0]]) == 2
     message = f"--scheduler {scheduler[0]}: it has no workers; start some with dask worker {scheduler[0]}\n"
@@ -183,7 +183,7 @@ def test_workers_that_are_not_like_this_process_are_refused(workers, monkeypatch
     assert "\n" not in str(caught.value)
 
 
-def test_a_folder_that_workers_do_not_see_is_told(workers, tmp_path):
+def test_a_folder_that_workers_do_not_see_is_reported(workers, tmp_path):
     with pytest.raises(sweep.WorkerPoolError, match=r"does not see .*nowhere"):
         cluster_pool(workers, tmp_path / "nowhere")
 
@@ -219,7 +219,7 @@ def test_a_scheduler_that_does_not_answer_is_named(listening, tmp_path, monkeypa
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_a_result_that_is_lost_with_its_worker_is_a_lost_task():
+def test_results_lost_with_a_worker_count_as_lost_tasks():
     """Its task had ended; distributed's own executor would leave whoever waits for it waiting."""
     from distributed import KilledWorker
 
@@ -251,7 +251,7 @@ def test_the_answer_is_awaited_for_less_than_ten_seconds():
     assert cluster.ANSWER_SECONDS < 9.0
 
 
-def test_an_address_that_is_none(tmp_path, capsys):
+def test_a_malformed_scheduler_address_is_refused(tmp_path, capsys):
     path = write(tmp_path, QUICK)
     assert main(["sweep", str(path), "--out", str(tmp_path / "out"), "--scheduler", "nonsense"]) == 2
     assert "--scheduler nonsense: missing port number" in capsys.readouterr().err

@@ -255,7 +255,7 @@ def test_other_versions_and_options_do_not_go_on(tmp_path, capsys, monkeypatch):
     assert main(["sweep", str(path), "--out", out, "--quiet"]) == 0
 
 
-def test_something_else_called_part_is_left_alone(tmp_path, capsys):
+def test_a_foreign_part_folder_is_left_alone(tmp_path, capsys):
     path = small(tmp_path)
     (tmp_path / "out.part").mkdir()
     (tmp_path / "out.part" / "thesis.tex").touch()
@@ -310,7 +310,7 @@ def test_results_of_a_case_that_can_not_be_saved_end_the_sweep(tmp_path):
         list(sweep.run(cases, pool, cases_folder=tmp_path / "file", function=of_speed))
 
 
-def test_rows_that_are_there_are_not_run(tmp_path):
+def test_finished_rows_of_a_sweep_are_not_run(tmp_path):
     cases = load_sweep(write(tmp_path, f"vary:\n  {SPEED}: {{from: 0, to: 19, count: 20}}\n"))
     with sweep.WorkerPool(2, local) as pool:
         rows = list(sweep.run(cases, pool, done={0, 3, 19}, function=of_speed))

@@ -56,7 +56,7 @@ def test_a_linear_function(tmp_path):
 
 
 @pytest.mark.slow
-def test_too_few_points_are_told(tmp_path):
+def test_too_few_points_are_reported(tmp_path):
     slopes = np.array([1.0, 2.0, 4.0])
     for count, warned in ((2, True), (256, False)):
         sweep = design(tmp_path, count, (1.0, 2.0))
@@ -75,7 +75,7 @@ def test_too_few_points_are_told(tmp_path):
     [(0.3, 0.4, 0.2, ""), (-0.02, 0.01, 0.2, ""), (0.3, 0.4, 0.6, "wide"), (0.3, 0.4, math.nan, "wide"),
      (-0.15, 0.4, 0.2, "outside"), (0.3, 1.2, 0.2, "outside"), (0.55, 0.4, 0.2, "above the total")],
 )  # fmt: skip
-def test_what_makes_indices_doubtful(first, total, width, why):
+def test_imprecise_indices_are_reported_with_the_reason(first, total, width, why):
     ends = np.array([[0.0], [width]])
     indices = sensitivity.Indices(OUTPUT, KEYS[:1], np.array([first]), np.array([total]), ends, ends)
     imprecision = sensitivity.imprecision(indices, 0)
@@ -174,7 +174,7 @@ def cases_in_this_process(monkeypatch):
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("cases_in_this_process")
-def test_as_users_run_it(tmp_path, capsys):
+def test_sweep_command_prints_indices_and_their_doubts(tmp_path, capsys):
     """A rigid link has no deflection, which refuses the indices of that; faster impacts stop sooner, whatever eta_d."""
     path = write(tmp_path, RUN)
     assert main(["sweep", str(path), "--out", str(tmp_path / "out")]) == 0

@@ -59,7 +59,7 @@ def test_force_on_a_pushed_plate_is_that_of_the_law(angle: float) -> None:
     np.testing.assert_allclose(load.history.bodies[-1, 0, :2], wrench[:2], rtol=1e-12)
 
 
-def test_an_accepted_step_is_the_same_whatever_forces_were_asked_for_before_it() -> None:
+def test_accepted_step_is_independent_of_earlier_force_evaluations() -> None:
     """Forces found at the end of a step are taken for it, but not those of another state, anchor or coefficient."""
 
     def accepted(asked: bool) -> list[np.ndarray]:
@@ -96,7 +96,7 @@ def test_an_accepted_step_is_the_same_whatever_forces_were_asked_for_before_it()
         np.testing.assert_array_equal(ours, theirs)
 
 
-def test_what_may_not_touch_the_surface_in_a_step_is_not_asked_for() -> None:
+def test_lines_out_of_reach_within_a_step_are_inactive() -> None:
     """In 10 ms at four times 0.1 m/s, and as much as it may become faster meanwhile: from 9 mm above it on."""
     for height, may in ((0.02, False), (0.0052, True)):
         load = plate_load()
@@ -106,7 +106,7 @@ def test_what_may_not_touch_the_surface_in_a_step_is_not_asked_for() -> None:
         assert bool(load.update_active(0.01)) == may
 
 
-def test_work_of_a_level_plate_is_that_of_a_force_that_grows_with_the_depth() -> None:
+def test_work_on_a_level_plate_is_half_of_final_force_times_depth() -> None:
     load = plate_load()
     pose, velocity = pushed(load, 2000)
     depth, force = -pose[1], load.force(pose, velocity, np.zeros(3))[1]
@@ -139,7 +139,7 @@ def test_wrenches_go_to_the_coordinates_that_a_body_has() -> None:
     np.testing.assert_allclose(load.force(system, rates, np.zeros(6)).reshape(2, 3), wrenches, atol=1e-9)
 
 
-def test_the_tangent_of_lines_of_unlike_length_is_the_derivative_of_their_forces() -> None:
+def test_tangent_of_lines_of_unequal_length_is_the_derivative_of_forces() -> None:
     """In the sand on bristles that are stretched by a fifth of their yield, where forces are smooth."""
     load = GranularLoad(SAND, 0.0, static=Elastoplastic(1e-2, 1e-3))
     load.add(polyline(Body("right", [3, 4, 5]), PLATE, width=SIZE, strips=3))
@@ -160,7 +160,7 @@ def test_the_tangent_of_lines_of_unlike_length_is_the_derivative_of_their_forces
         assert not want[:3, 3:].any()
 
 
-def test_there_is_room_for_what_is_kept_of_each_line() -> None:
+def test_work_arrays_hold_every_line() -> None:
     """Compiled code looks at no bounds: what lay beyond would be other memory."""
     ends, anchors = np.array([[0, 0], [4, 3], [9, 9]]), np.zeros((9, 2))  # lines of 3 and 6 coordinates
     stations, body = batches.work(ends, anchors)
@@ -196,7 +196,7 @@ def test_tangent_is_the_derivative_of_the_force() -> None:
         )
 
 
-def test_what_cannot_be_is_refused() -> None:
+def test_unusable_bodies_are_refused() -> None:
     load = plate_load()
     with pytest.raises(SceneError, match="nothing acts on spheres"):
         load.add(ball(Body("ball", [0, 1, 2]), [0.0, 0.0], 0.01, 0.1))

@@ -162,7 +162,7 @@ STRUCTURES = {
 
 
 @pytest.mark.parametrize("case", STRUCTURES)
-def test_bodies_that_do_not_hang_on_the_ground(faults, case):
+def test_bodies_not_joined_to_the_ground_are_refused(faults, case):
     joints, expected = STRUCTURES[case]
     lines = [f"    j{i}: {{type: weld, parent: {p}, child: {c}}}\n" for i, (p, c) in enumerate(joints)]
     reported = faults(BODIES + "  joints:\n" + "".join(lines) + REST)

@@ -47,7 +47,7 @@ def faults(path: Path, text: str) -> list[str]:
     return [str(fault) for fault in caught.value.faults]
 
 
-def test_a_grid_of_a_great_many_dimensions_is_told_in_short(tmp_path: Path) -> None:
+def test_a_grid_of_a_great_many_dimensions_is_reported_in_short(tmp_path: Path) -> None:
     values = "".join(f"  medium.eta_d.k{i}: [{', '.join(['1'] * 100)}]\n" for i in range(120))
     (line,) = faults(tmp_path / "grid.yaml", f"{SWEEP}vary:\n{values}")
     assert len(line) < 300
@@ -55,14 +55,14 @@ def test_a_grid_of_a_great_many_dimensions_is_told_in_short(tmp_path: Path) -> N
     assert "and 114 more" in line
 
 
-def test_unequal_columns_of_a_zip_are_told_in_short(tmp_path: Path) -> None:
+def test_unequal_columns_of_a_zip_are_reported_in_short(tmp_path: Path) -> None:
     values = "".join(f"  medium.eta_d.k{i}: [{', '.join(['1'] * (i + 1))}]\n" for i in range(100))
     (line,) = faults(tmp_path / "zip.yaml", f"{SWEEP}combine: zip\nvary:\n{values}")
     assert "and 94 more" in line
     assert len(line) < 400
 
 
-def test_combine_is_told_where_it_belongs(tmp_path: Path) -> None:
+def test_a_misplaced_combine_is_reported_with_its_place(tmp_path: Path) -> None:
     (line,) = faults(tmp_path / "sweep.yaml", f"{SWEEP}vary:\n  medium.eta_d: [4, 5]\n  combine: zip\n")
     assert line.endswith(
         "sweep.yaml:4: vary.combine: stands in vary, whose keys are those of a config; it belongs beside vary, at the "

@@ -42,12 +42,12 @@ def test_a_model_that_says_it_is_in_the_plane_is(foot: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["pendulum", "runner", "chain"])
-def test_so_does_any_shipped_model(name: str) -> None:
+def test_in_space_false_changes_no_shipped_planar_model(name: str) -> None:
     assert load(CONFIGS / f"{name}.yaml", ["model.in_space=false"]).scenario == load(CONFIGS / f"{name}.yaml").scenario
 
 
 @pytest.mark.parametrize("value", ["null", "'yes'", "2", "[]"])
-def test_what_is_neither_is_told(foot: Path, value: str) -> None:
+def test_in_space_must_be_true_or_false(foot: Path, value: str) -> None:
     foot.write_text(FOOT.replace("in_space: false", f"in_space: {value}"), encoding="utf-8")
     with pytest.raises(
         ConfigError, match=r"model.in_space: got .*; allowed is true, or false for a model in the plane"

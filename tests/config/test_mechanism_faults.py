@@ -210,7 +210,7 @@ def test_mechanism_fault(faults, case):
     assert len(reported[0].message) < 250
 
 
-def test_a_signal_that_nobody_follows_is_told_of(tmp_path):
+def test_an_unused_signal_is_reported(tmp_path):
     text = HEAD + f"signals:\n  gait: {SINE}\n  idle: {SINE}\ndrives:\n  knee: {{type: motion, angle_deg: gait}}\n"
     path = tmp_path / "idle.yaml"
     path.write_text(text, encoding="utf-8")
@@ -276,7 +276,7 @@ def test_chain_fault(faults, case):
     assert len(reported[0].message) < 250
 
 
-def test_a_chain_beside_bodies_of_its_names(faults):
+def test_a_chain_beside_bodies_of_the_same_names_is_refused(faults):
     more = (
         "  bodies:\n    link_2: {type: link, length_m: 0.1, diameter_m: 0.006, density_kg_m3: 7700}\n"
         "  joints:\n    own: {type: hinge, parent: ground, child: link_2}\ninitial"
@@ -286,7 +286,7 @@ def test_a_chain_beside_bodies_of_its_names(faults):
     assert fault.message == "link_2 is the name of a body already; give another"
 
 
-def test_a_mechanism_of_nothing(faults):
+def test_an_empty_mechanism_is_refused(faults):
     [fault] = faults("model:\n  name: nothing\ninitial: {impact_angle_deg: 10}\n")
     assert (fault.line, fault.key) == (1, "model.bodies")
     assert "or a chain" in fault.message

@@ -40,7 +40,7 @@ def test_a_model_beside_the_config_goes_before_the_installed_one(folder):
     assert sources.locate("model.bodies.arm.length_m") == (str(folder / "models/compound_pendulum.yaml"), 11)
 
 
-def test_a_config_beside_the_config_is_not_taken_for_the_model_it_is_called_as(folder):
+def test_a_config_named_like_a_shipped_model_is_not_taken_for_the_model(folder):
     (folder / "configs" / "compound_pendulum.yaml").write_text(START + "model: compound_pendulum\n")
     scenario = run(folder, START + "model: compound_pendulum\nmedium: play_sand\n").scenario
     assert list(scenario.model.bodies) == ["RB1", "RB2", "link"]
@@ -112,7 +112,7 @@ BAD_REFERENCES = [
 
 
 @pytest.mark.parametrize(("text", "line", "key", "message"), BAD_REFERENCES, ids=lambda value: str(value)[:30])
-def test_a_reference_to_nothing(folder, text, line, key, message):
+def test_a_faulty_reference_is_refused_at_its_line(folder, text, line, key, message):
     with pytest.raises(ConfigError) as caught:
         run(folder, START + text + "\n")
     [fault] = caught.value.faults
@@ -297,7 +297,7 @@ def test_a_medium_with_changed_numbers_says_so(folder, overrides, monkeypatch):
     assert (medium.provenance, medium.standing) == CHANGED[overrides]
 
 
-def test_changed_numbers_are_told_in_lists_and_layers(folder):
+def test_changed_numbers_are_reported_in_lists_and_layers(folder):
     bed = "bed: {layers: [{top_m: 0.01, medium: play_sand}, {top_m: 0.02, medium: rft_generic}]}\n"
     text = START + "model: compound_pendulum\nmedium: [play_sand, rft_generic]\n" + bed
     scenario = run(folder, text, "medium.1.zeta=2", "bed.layers.0.medium.eta_h=2").scenario
@@ -305,7 +305,7 @@ def test_changed_numbers_are_told_in_lists_and_layers(folder):
     assert provenances == ["published", "own", "own", "published"]
 
 
-def test_what_a_preset_lacks_is_told_where_it_is_named(folder):
+def test_missing_numbers_of_a_preset_are_located_where_it_is_named(folder):
     config = folder / "configs" / "run.yaml"
     scenario, sources = run(folder, START + "model: compound_pendulum\nmedium: hill_cylinders\n")
     assert scenario.medium.density_kg_m3 is None

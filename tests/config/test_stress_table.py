@@ -66,7 +66,7 @@ def faults_of(config: Path) -> list[str]:
     return [str(fault) for fault in caught.value.faults]
 
 
-def test_faults_are_told_with_file_and_line(tmp_path: Path) -> None:
+def test_faults_are_reported_with_file_and_line(tmp_path: Path) -> None:
     lines = [text(row) for row in rows()]
     push = list(rows()[5])
     push[3:] = [-2000.0 * np.cos(np.radians(push[2])), -2000.0 * np.sin(np.radians(push[2]))]

@@ -208,7 +208,7 @@ def test_all_faults_at_once(faults, tmp_path):
     ]
 
 
-def test_a_faulty_config_is_told_once_and_in_its_own_lines(faults, tmp_path):
+def test_a_faulty_config_is_reported_once_and_in_its_own_lines(faults, tmp_path):
     text = named("  a: {medium.eta_h: 1}\n  b: {}\n")
     (tmp_path / "run.yaml").write_text(GOOD.replace("eta_d: 6.5", "eta_d: -6.5"))
     assert [(f.file, f.line, f.key) for f in faults(text)] == [("run.yaml", 25, "medium.eta_d")]
@@ -224,7 +224,7 @@ def test_a_fault_of_two_values_names_the_case(faults):
     assert first.message.endswith("(in case case_1, solver.end_time_s = 0.0001)")
 
 
-def test_the_geometry_is_asked_too(faults):
+def test_faults_of_the_geometry_are_reported_by_case(faults):
     def probe(scenario):
         if scenario.gravity_m_s2 > 10:
             raise scene_error("gravity_m_s2", "is too much")
@@ -238,7 +238,7 @@ def test_the_geometry_is_asked_too(faults):
     ]
 
 
-def test_of_very_many_faults_the_first_are_told(faults):
+def test_only_the_first_of_many_faults_are_reported(faults):
     cases = "".join(f"  c{i}: {{medium.eta_h: -{i + 1}}}\n" for i in range(MOST_FAULTS + 7))
     reported = faults(named(cases))
     assert len(reported) == MOST_FAULTS + 1
@@ -266,7 +266,7 @@ def test_a_sweep_is_no_config(tmp_path):
         ("", False),
     ],
 )
-def test_telling_a_sweep(tmp_path, text, answer):
+def test_sweep_files_are_distinguished_from_other_files(tmp_path, text, answer):
     (tmp_path / "some.yaml").write_text(text)
     assert is_sweep(tmp_path / "some.yaml") is answer
     assert is_sweep(tmp_path / "none.yaml") is False
@@ -373,7 +373,7 @@ def test_a_seed_gives_the_same_cases(read, method):
     assert np.array_equal(sampled(read, method, 16), sampled(read, method, 16, "  seed: 0\n"))
 
 
-def test_one_at_a_time(read):
+def test_one_at_a_time_varies_each_key_alone(read):
     key = "model.bodies.arm.flexible.elements"
     ranges = f"{{{SPEED}: [2, 10], {key}: {{from: 2, to: 8, scale: log}}}}"
     sweep = read(sample("  method: one_at_a_time\n  count: 3\n", ranges))
@@ -393,14 +393,14 @@ def test_saltelli_mixes_two_samples(read):
     assert strata(a, 8) == strata(b, 8) == [[1] * 8] * 2
 
 
-def test_a_sample_says_itself_again(read):
+def test_a_sample_is_written_back_unchanged(read):
     sweep = read(sample("  method: sobol\n  count: 4\n  seed: 3\n", f"{{{SPEED}: {{from: 1, to: 9, scale: log}}}}"))
     ranges = {SPEED: {"from": 1, "to": 9, "scale": "log"}}
     assert sweep.sample.plain() == {"method": "sobol", "count": 4, "seed": 3, "ranges": ranges}
     assert read(vary(f"  {SPEED}: [1]\n")).sample is None
 
 
-def test_what_can_be_sent_away_needs_no_file(read, tmp_path):
+def test_cases_without_own_files_can_be_sent_to_other_machines(read, tmp_path):
     """Of cases that name files themselves the scenario has to be sent."""
     (tmp_path / "arm.yaml").write_text((ROOT / "models" / "compound_pendulum.yaml").read_text().replace("7700", "2700"))
     initial = f"initial: {{{SPEED[8:]}: 6, {ANGLE[8:]}: 31}}"

@@ -81,7 +81,7 @@ def test_no_file(tmp_path: Path, place, message):
     assert message in fault.message
 
 
-def test_text_that_is_fine(tmp_path: Path):
+def test_ordinary_text_is_kept_as_it_is(tmp_path: Path):
     """Byte order mark, Windows line ends, a document mark, anchors and a comment are all YAML."""
     text = GOOD.replace("density_kg_m3: 7700\n      shapes", "density_kg_m3: &steel 7700 # kg\n      shapes")
     text = text.replace("density_kg_m3: 7700\n", "density_kg_m3: *steel\n")

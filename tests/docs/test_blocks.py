@@ -48,7 +48,7 @@ def in_a_thread(pool: WorkerPool) -> Executor:
 
 
 @pytest.mark.parametrize("name", PAGES)
-def test_what_a_page_shows_happens(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_blocks_of_a_page_give_the_output_shown(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert at(name, tmp_path, monkeypatch).blocks > 0
     if name == "howto/law.md":
         forget("power")
@@ -67,7 +67,7 @@ def test_the_fit_finds_the_sand_that_made_the_data(tmp_path: Path, monkeypatch: 
     assert json.loads((results / "in_fitted_sand" / "summary.json").read_text(encoding="utf-8"))["status"] == "rest"
 
 
-def test_the_sweep_tells_that_speed_counts_and_drag_does_not(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_sensitivity_is_to_speed_and_not_to_drag(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     page = at("tutorials/sweep.md", tmp_path, monkeypatch)
     assert "Sobol indices of stopping_time_s" in page.printed
     named = re.findall(r"`(results/\S+)`", (DOCS / "tutorials/sweep.md").read_text(encoding="utf-8"))

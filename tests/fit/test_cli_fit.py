@@ -33,7 +33,7 @@ def folder(data: Path, tmp_path_factory) -> Path:
 
 
 @pytest.mark.slow
-def test_what_a_fit_leaves_behind(folder: Path) -> None:
+def test_a_fit_writes_its_files_and_figures(folder: Path) -> None:
     assert {path.name for path in folder.iterdir()} == {"fit.json", "medium.yaml", "residuals.csv", "figures"}
     figures = {path.name: path.stat().st_size for path in (folder / "figures").iterdir()}
     assert set(figures) == {"run_01.png", "residuals.png", "correlation.png"}
@@ -75,7 +75,7 @@ def test_the_medium_is_ready_to_use_and_says_where_it_is_from(folder: Path, tmp_
 
 
 @pytest.mark.parametrize("config", [str(CONFIG), "pendulum"], ids=["file", "name of a shipped config"])
-def test_what_is_printed(data: Path, tmp_path: Path, capsys, config: str) -> None:
+def test_fit_prints_parameters_errors_and_verdict(data: Path, tmp_path: Path, capsys, config: str) -> None:
     arguments = ["fit", config, str(data), *KEYS, *FAST, "--no-plots", "--out", str(tmp_path / "out")]
     assert main([*arguments, "--bounds", "medium.eta_d=3:12", "--noise", "tip_x_mm=0.1"]) == 0
     shown = capsys.readouterr().out
@@ -88,7 +88,7 @@ def test_what_is_printed(data: Path, tmp_path: Path, capsys, config: str) -> Non
 
 
 @pytest.mark.parametrize(("value", "error"), [(1999.85, 0.1378), (-2e-3, 3e-6), (5.00073, 0.01462), (7.0, 9.0)])
-def test_the_ends_of_an_interval_are_told_apart(value: float, error: float) -> None:
+def test_the_ends_of_an_interval_are_distinguished(value: float, error: float) -> None:
     """Each is shown to a tenth of the standard error or better."""
     for end in (value - 2.0 * error, value + 2.0 * error):
         assert abs(float(f"{end:.{digits(end, error)}g}") - end) <= 0.1 * error

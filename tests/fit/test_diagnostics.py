@@ -37,7 +37,7 @@ def residuals(seed: int) -> list[np.ndarray]:
     return list(np.random.default_rng(seed).standard_normal((2, 50, 3)))
 
 
-def test_of_noise_nothing_is_said(two: Problem) -> None:
+def test_pure_noise_gives_no_warning(two: Problem) -> None:
     # 4 standard deviations and a correlation of 4 of its own: for 300 values and 9 pairs, 2 % and 0.06 % of the draws.
     assert [warning for seed in range(30) for warning in data_warnings(two, residuals(seed), SIGMA)] == []
 
@@ -61,7 +61,7 @@ def test_a_pattern_in_two_columns_is_no_common_noise(two: Problem) -> None:
     assert data_warnings(two, [0.5 * noise + smooth for noise in residuals(0)], SIGMA) == []
 
 
-def test_runs_with_the_same_noise_are_found(two: Problem) -> None:
+def test_runs_with_the_same_noise_are_detected(two: Problem) -> None:
     f = residuals(0)
     f[1][:, 0] = -f[0][:, 0]
     (warning,) = data_warnings(two, f, SIGMA)
@@ -100,7 +100,7 @@ def test_outliers_are_named_by_file_and_line(two: Problem) -> None:
     assert data_warnings(two, [100.0 * noise for noise in residuals(0)], SIGMA) == []  # all of them are no exceptions
 
 
-def test_rounding_is_seen_and_told(two: Problem) -> None:
+def test_rounding_of_data_is_detected_and_reported(two: Problem) -> None:
     step = 2e-4
     runs = [
         replace(run, measured=replace(run.measured, values=np.round(run.measured.values / step) * step))

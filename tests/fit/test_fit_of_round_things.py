@@ -34,7 +34,7 @@ DISC = BALL.replace(
     [(BALL, "constant_force_N", 3.0, 0.0254), (DISC, "zeta", 1.5, 0.02)],
     ids=["ball", "disc"],
 )
-def test_the_medium_of_a_round_thing(tmp_path: Path, text: str, key: str, true: float, size: float) -> None:
+def test_medium_of_a_ball_or_round_bar_is_fitted(tmp_path: Path, text: str, key: str, true: float, size: float) -> None:
     (tmp_path / "round.yaml").write_text(text, encoding="utf-8")
     results = simulate(text)
     time = np.linspace(0.0, 0.04, 21)

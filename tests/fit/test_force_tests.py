@@ -63,7 +63,7 @@ def test_a_plate_pressed_in_has_the_force_of_the_theory() -> None:
     assert np.abs(got["horizontal_force_N"]).max() < 1e-12
 
 
-def test_the_law_alone_is_the_run_of_the_scene_once_its_resistance_is_mobilised() -> None:
+def test_forces_of_the_law_equal_those_of_a_run_after_mobilisation() -> None:
     results = simulate("dragged_plate", "solver.end_time_s=0.05")
     alone = forces(DRAGGED, [], np.array([0.08]), 0.1, 0.0)
     # Bristles yield after 10 um, 0.1 ms of the run; what is left of their damping is a share of exp(-t / 1 ms).
@@ -95,7 +95,7 @@ def test_torque_resists_the_turning_and_a_wheel_that_spins_pulls() -> None:
     np.testing.assert_allclose(np.abs(force[0]), np.abs(force[1]), rtol=0.02)  # 48 chords, one direction of each
 
 
-def test_a_steady_force_is_the_mean_of_what_scatters_and_all_of_what_builds_up() -> None:
+def test_steady_force_is_the_mean_of_scatter_with_all_shear_mobilised() -> None:
     sand = "law: pressure_sinkage, k_phi_Pa: 2e+4, exponent: 1, friction_angle_deg: 29"
     plain = forces(PLATE, [f"medium={{{sand}}}"], DEPTH, 0.01, 30.0)
     other = f"{sand}, shear_deformation_modulus_m: 0.02, scatter: {{relative: 0.3, length_m: 0.003}}"
@@ -131,7 +131,7 @@ def test_three_plates_and_one_command(tmp_path: Path) -> None:
     assert first.startswith("0,force_N,,")
 
 
-def test_drag_at_several_speeds_in_one_table_tells_inertia_from_friction(tmp_path: Path) -> None:
+def test_drag_at_several_speeds_separates_inertia_from_friction(tmp_path: Path) -> None:
     medium = "{law: drft, density_kg_m3: 900, lambda: 1.1, zeta: 0.8}"
     depth, speed = np.full(24, 0.06), np.repeat([0.05, 0.2, 0.4, 0.6], 6)
     drag = forces(DRAGGED, [f"medium={medium}"], depth, speed, 0.0)["force_N"]
@@ -171,7 +171,7 @@ def test_geometry_and_two_media_can_be_fitted_too(tmp_path: Path) -> None:
     assert abs(value - 0.7) < 4.0 * error
 
 
-def test_zeros_of_depth_and_force_are_found_or_said_to_be_one(tmp_path: Path) -> None:
+def test_zeros_of_depth_and_force_are_resolved_or_merged(tmp_path: Path) -> None:
     force = forces(PLATE, [RFT], DEPTH)["force_N"]
     shift, zero = 1.5e-3, 4.0
     table(tmp_path / "a.csv", "depth_mm,force_N", 1e3 * (DEPTH + shift), force, noise=0.1)
@@ -240,7 +240,7 @@ def test_faulty_tables(tmp_path: Path, name: str) -> None:
     assert message in first.message
 
 
-def test_rows_of_unloading_can_be_left_out_and_that_is_told(tmp_path: Path) -> None:
+def test_rows_of_unloading_can_be_left_out_and_that_is_reported(tmp_path: Path) -> None:
     law = forces(PLATE, [RFT], 1e-3 * Z)["force_N"]
     forth_and_back = np.concatenate([law, 0.1 * law[-2:20:-1]])
     jitter = BACK + 0.01 * np.random.default_rng(0).standard_normal(len(BACK))  # a tenth of a per cent is no way back
@@ -253,7 +253,7 @@ def test_rows_of_unloading_can_be_left_out_and_that_is_told(tmp_path: Path) -> N
     )
 
 
-def test_tests_in_units_that_do_not_belong_together_are_told(tmp_path: Path) -> None:
+def test_tests_in_units_that_do_not_belong_together_are_reported(tmp_path: Path) -> None:
     for name, factor in (("a", 1.0), ("b", 1.1), ("c", 1e-3)):
         table(tmp_path / f"{name}.csv", "depth_mm,force_N", Z, factor * F, noise=1e-2 * factor)
     runs = ", ".join(f"{{config: {PLATE}, data: {name}.csv}}" for name in "abc")

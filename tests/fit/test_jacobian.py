@@ -24,7 +24,7 @@ def derivatives(folder: Path, modes: int, rtol: float) -> np.ndarray:
 # twice as much.
 @pytest.mark.slow
 @pytest.mark.parametrize(("modes", "within"), [(0, 2e-5), (1, 2.4e-2)])
-def test_derivatives_are_as_right_as_they_are_said_to_be(
+def test_derivatives_keep_their_stated_accuracy(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, modes: int, within: float
 ) -> None:
     found = derivatives(tmp_path, modes, 1e-6)

@@ -32,7 +32,7 @@ def test_the_medium_is_that_of_a_run_that_has_the_coefficient(tmp_path: Path) ->
     assert summary(result)["parameters"]["medium.plunging.eta_v"]["runs"] == ["run_1"]
 
 
-def test_what_the_run_of_the_medium_does_not_have_is_said_to_be_left_out(tmp_path: Path) -> None:
+def test_numbers_missing_in_the_run_of_the_medium_are_reported(tmp_path: Path) -> None:
     other = "medium: {law: rft}"
     made = problem(tmp_path, two(tmp_path, "", other, "medium.plunging.eta_v, medium.zeta"))
     warnings = list(media_warnings(made, made.values(made.start)))
@@ -41,13 +41,13 @@ def test_what_the_run_of_the_medium_does_not_have_is_said_to_be_left_out(tmp_pat
 
 
 @pytest.mark.parametrize("more", ["medium.eta_h: 9", "medium: null"])
-def test_unfitted_keys_that_differ_are_told(tmp_path: Path, more: str) -> None:
+def test_unfitted_keys_that_differ_are_reported(tmp_path: Path, more: str) -> None:
     result = fitted(tmp_path, two(tmp_path, "", more))
     key = "law" if more == "medium: null" else "eta_h"
     assert any(f"differ in {key}" in warning and warning.endswith("that of run_0") for warning in result.warnings)
 
 
-def test_media_that_are_alike_are_no_matter(tmp_path: Path) -> None:
+def test_equal_media_of_several_runs_give_no_warning(tmp_path: Path) -> None:
     result = fitted(
         tmp_path,
         two(tmp_path, "medium.plunging.eta_v: 20", "medium.name: mine", "medium.plunging.eta_v").replace(

@@ -49,7 +49,7 @@ def test_four_impacts_give_all_four_coefficients_within_their_errors(recovered) 
 
 
 @pytest.mark.slow
-def test_noise_is_found(recovered) -> None:
+def test_noise_is_estimated(recovered) -> None:
     # A standard deviation of 200 values is known to 1 in sqrt(400): 5 %; three of these.
     for column in recovered.goodness.columns:
         assert column.noise == pytest.approx(NOISE, rel=0.15)
@@ -175,7 +175,7 @@ def test_data_without_noise_are_met(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_one_impact_does_not_tell_the_static_coefficients_apart(tmp_path: Path) -> None:
+def test_one_impact_does_not_separate_the_static_coefficients(tmp_path: Path) -> None:
     measure(tmp_path / "data.csv")
     text = one_run().replace("[medium.eta_d, medium.plunging.eta_v]", "[medium.eta_h, medium.plunging.eta_v]")
     result = fitted(tmp_path, text)
@@ -184,7 +184,7 @@ def test_one_impact_does_not_tell_the_static_coefficients_apart(tmp_path: Path) 
     assert abs(result.uncertainty.correlation[0, 1]) > 0.99
 
 
-def test_a_coefficient_beyond_its_bounds_is_told(tmp_path: Path) -> None:
+def test_a_coefficient_beyond_its_bounds_is_reported(tmp_path: Path) -> None:
     measure(tmp_path / "data.csv")
     text = one_run().replace("[medium.eta_d, medium.plunging.eta_v]", "{medium.eta_d: {from: 7, to: 9}}")
     result = fitted(tmp_path, text)
@@ -255,13 +255,13 @@ def test_a_process_that_is_killed_ends_no_fit(tmp_path: Path, monkeypatch, death
         np.testing.assert_array_equal(fit(made, workers=2).values, fit(made).values)
 
 
-def test_a_start_whose_process_died_is_told(recovered) -> None:
+def test_a_start_whose_process_died_is_reported(recovered) -> None:
     dead = Start(recovered.solution.scaled, np.inf, DIED)
     some = replace(recovered, solution=replace(recovered.solution, starts=(*recovered.solution.starts, dead)))
     assert "1 of 2 starting points failed: the process died" in some.warnings[-1]
 
 
-def test_a_model_that_fails_everywhere_is_told(tmp_path: Path, monkeypatch) -> None:
+def test_a_model_that_fails_everywhere_is_reported(tmp_path: Path, monkeypatch) -> None:
     from granular_contact.studies.fit import responses
 
     measure(tmp_path / "data.csv")

@@ -71,7 +71,7 @@ def _value(signs: np.ndarray, t: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.slow
-def test_scatter_noise_and_coefficient_are_told_apart(tmp_path: Path) -> None:
+def test_scatter_noise_and_coefficient_are_estimated_separately(tmp_path: Path) -> None:
     result = fitted(tmp_path, text(tmp_path, 4, 1, True))
     value, error = estimates_of(result)["medium.zeta"]
     assert abs(value - ZETA) < 4.0 * error
@@ -88,7 +88,7 @@ def test_scatter_noise_and_coefficient_are_told_apart(tmp_path: Path) -> None:
     assert estimates_of(usual)["medium.zeta"][1] < 0.7 * error
 
 
-def test_without_scatter_none_is_found(tmp_path: Path) -> None:
+def test_a_fit_of_data_without_scatter_estimates_none(tmp_path: Path) -> None:
     force = 2550.0 * DEPTH
     table(tmp_path / "0.csv", "depth_m,force_N", DEPTH, force, noise=NOISE)
     head = "scatter: true\nparameters: [medium.zeta]\nset: {medium: {law: rft, zeta: 0.5}}\n"
@@ -112,7 +112,7 @@ def test_the_medium_that_is_written_scatters(tmp_path: Path, capsys: pytest.Capt
     assert medium["scatter"]["length_m"] == pytest.approx(record["length_m"], rel=0.01)
 
 
-def test_what_does_not_tell_the_way_is_refused(tmp_path: Path) -> None:
+def test_scatter_fits_need_a_column_of_the_path(tmp_path: Path) -> None:
     table(tmp_path / "0.csv", "speed_m_s,force_N", np.linspace(0.1, 0.5, 9), np.full(9, 3.0), noise=0.1)
     head = "scatter: true\nparameters: [medium.zeta]\nforce_test: {direction: right, depth_m: 0.05}\n"
     with pytest.raises(ConfigError, match="does not determine the path of the body; allowed is a column path_length_m"):

@@ -42,7 +42,7 @@ def bias_warnings(result) -> list[str]:
     return [warning for warning in result.warnings if "with finer steps" in warning]
 
 
-def test_the_bias_of_long_steps_is_told_and_true(tmp_path: Path) -> None:
+def test_the_bias_of_long_steps_is_reported_and_true(tmp_path: Path) -> None:
     result = found_with(tmp_path, 2e-3, 1e-6)
     missing = TRUE - result.values[0]
     assert abs(missing) > 2.0 * result.uncertainty.estimates[0].error  # or nothing were to be told
@@ -51,7 +51,7 @@ def test_the_bias_of_long_steps_is_told_and_true(tmp_path: Path) -> None:
     assert len(bias_warnings(result)) == 1
 
 
-def test_nothing_is_told_where_noise_hides_the_bias(tmp_path: Path) -> None:
+def test_bias_below_the_noise_gives_no_warning(tmp_path: Path) -> None:
     result = found_with(tmp_path, 2e-4, 1e-4)
     assert abs(result.bias[0]) < result.uncertainty.estimates[0].error
     assert not bias_warnings(result)

@@ -97,7 +97,7 @@ def test_a_noise_given_far_too_large_leaves_the_errors_of_the_other_column(exact
     np.testing.assert_allclose(stated, alone, rtol=0.15)
 
 
-def test_what_the_data_do_not_move_is_not_determined(exact: Problem) -> None:
+def test_parameters_without_effect_on_the_data_are_undetermined(exact: Problem) -> None:
     made, added = noisy(exact, 2)
     slopes = jacobian(made, made.start, made.times())
     slopes[:, 1] = 0.0

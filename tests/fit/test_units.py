@@ -44,7 +44,7 @@ BOUND = "set: {medium: {law: rft, zeta: 1}}\nparameters: [medium.zeta]"
         ("depth_mm,force_kN", (1e3, 1.0), 1e3),  # N
     ],
 )
-def test_a_coefficient_that_no_sand_has_is_told(
+def test_a_coefficient_that_no_sand_has_is_reported(
     tmp_path: Path, force: np.ndarray, head: str, factors: tuple[float, float], size: float
 ) -> None:
     low, high = min(published()["zeta"]), max(published()["zeta"])
@@ -57,14 +57,12 @@ def test_a_coefficient_that_no_sand_has_is_told(
 
 
 @pytest.mark.parametrize(("head", "size"), [("depth_mm,force_N", 1e3), ("depth_mm,force_mN", 1.0)])
-def test_a_force_that_the_law_does_not_reach_within_its_bounds_is_told(
-    tmp_path: Path, force: np.ndarray, head: str, size: float
-) -> None:
+def test_forces_out_of_reach_of_the_law_are_reported(tmp_path: Path, force: np.ndarray, head: str, size: float) -> None:
     sentences = warnings(tmp_path, head, (1e3, size), force, BOUND)
     assert any("force_N is " in sentence and "times what the fitted law gives" in sentence for sentence in sentences)
 
 
-def test_right_units_are_not_told_of(tmp_path: Path, force: np.ndarray) -> None:
+def test_right_units_give_no_warning(tmp_path: Path, force: np.ndarray) -> None:
     for factor in (0.2, 1.0, 4.0):  # zeta of 0.16 to 3.2, within those published
         assert warnings(tmp_path, "depth_mm,force_N", (1e3, factor), force, FREE) == []
 
@@ -86,17 +84,17 @@ TURN = "depths are positive below the surface: change the sign of the column"
     "more",
     ["", "force_test: {depth_offset_m: fit}", "force_test: {unloading: leave_out}", "force_test: {direction: 60}"],
 )
-def test_heights_for_depths_are_told(tmp_path: Path, force: np.ndarray, more: str) -> None:
+def test_heights_given_as_depths_are_reported(tmp_path: Path, force: np.ndarray, more: str) -> None:
     assert TURN in refused(tmp_path, -DEPTH, force, more)
 
 
-def test_of_drag_and_of_a_plate_pulled_out_too(tmp_path: Path, force: np.ndarray) -> None:
+def test_depths_of_drag_and_withdrawal_with_wrong_sign_are_refused(tmp_path: Path, force: np.ndarray) -> None:
     level = np.full(len(DEPTH), -0.03)
     assert TURN in refused(tmp_path, level, force, "force_test: {direction: right}", DRAGGED)
     assert TURN in refused(tmp_path, -DEPTH[::-1], force, "force_test: {direction: up}")
 
 
-def test_a_body_that_comes_from_above_is_none_of_it(tmp_path: Path, force: np.ndarray) -> None:
+def test_depths_above_the_surface_get_no_hint_to_turn_the_sign(tmp_path: Path, force: np.ndarray) -> None:
     message = refused(tmp_path, DEPTH - 0.03, force)
     assert "above the surface" in message
     assert TURN not in message
@@ -105,7 +103,7 @@ def test_a_body_that_comes_from_above_is_none_of_it(tmp_path: Path, force: np.nd
 # ---- nothing in the place of a medium ----
 
 
-def test_a_medium_of_null_is_told_where_it_is_said(tmp_path: Path, force: np.ndarray) -> None:
+def test_a_null_medium_is_reported_at_its_key(tmp_path: Path, force: np.ndarray) -> None:
     table(tmp_path / "test.csv", "depth_mm,force_N", 1e3 * DEPTH, force)
     with pytest.raises(ConfigError) as caught:
         problem(
@@ -116,7 +114,7 @@ def test_a_medium_of_null_is_told_where_it_is_said(tmp_path: Path, force: np.nda
     assert fault.message == "this config can't be used for a force test: a steady motion needs a medium; got none"
 
 
-def test_of_a_run_too(tmp_path: Path) -> None:
+def test_a_parameter_below_a_null_medium_is_refused(tmp_path: Path) -> None:
     measure(tmp_path / "data.csv", RIGID)
     (tmp_path / "fit.yaml").write_text(
         f"parameters: [medium.eta_d]\nset: {{medium: null}}\nruns: [{{config: {CONFIG}, data: data.csv}}]", "utf-8"

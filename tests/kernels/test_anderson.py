@@ -65,7 +65,7 @@ def test_a_linear_iteration_ends_sooner() -> None:
     assert np.allclose(system.v, OF_V * system.a, rtol=1e-12)
 
 
-def test_what_differs_by_round_off_leads_nowhere() -> None:
+def test_iterations_that_differ_by_round_off_are_not_extrapolated() -> None:
     """Iterations that agree in all motion to round-off, and in multipliers not yet, say nothing of the next step."""
     system = Iterations(np.ones(UNKNOWNS))
     for n in range(4):
@@ -87,7 +87,7 @@ def test_an_iteration_that_contracts_too_little_asks_for_a_jacobian() -> None:
         assert not system.lead(system.a + direction, 0.0, jacobians=2)
 
 
-def test_one_that_goes_back_keeps_its_jacobian() -> None:
+def test_an_iteration_that_overshoots_keeps_its_jacobian() -> None:
     """It passed the solution by four times what it was away: where it goes on lies between the two, by the secant."""
     direction = np.ones(UNKNOWNS)
     system = Iterations()

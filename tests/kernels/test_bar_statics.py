@@ -70,7 +70,7 @@ def test_a_bristle_below_yield_is_linear_along_the_strip(lam: float) -> None:
 
 
 @pytest.mark.parametrize("lam", EXPONENTS)
-def test_what_is_mobilised_matches_quadrature(lam: float) -> None:
+def test_mobilised_integrals_match_quadrature(lam: float) -> None:
     rng = np.random.default_rng(2)
     yields = np.zeros(3, dtype=int)
     for _ in range(200):

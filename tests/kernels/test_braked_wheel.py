@@ -86,7 +86,7 @@ def test_driven_and_braked_wheels_are_those_of_the_quadrature() -> None:
 
 
 @pytest.mark.slow
-def test_in_space_too() -> None:
+def test_rolling_wheel_in_space_matches_quadrature() -> None:
     tilt = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])  # its axis across
     for slip in (-0.02, 0.2):
         load = SpatialLoad(SAND, 0.0, static=SHARP)

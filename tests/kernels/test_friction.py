@@ -80,7 +80,7 @@ def test_the_way_of_a_step_does_not_outweigh_the_velocity_at_its_end() -> None:
     assert (ux / uy, share) == pytest.approx((0.1, 1.0), rel=1e-12)
 
 
-def test_the_bristle_of_a_facet_that_was_dragged_far_leans_towards_the_velocity() -> None:
+def test_bristle_of_a_facet_dragged_far_follows_the_velocity() -> None:
     """On a circle the path of a step points where the body went in its middle: late by half the angle of the turn."""
     for turn in (0.1, 0.02):  # rad in a step
         chord, v = (np.array([np.cos(angle), np.sin(angle), 0.0]) for angle in (0.0, 0.5 * turn))
@@ -202,7 +202,7 @@ def test_anchors_are_free_above_the_surface() -> None:
     np.testing.assert_allclose(anchors, [P[0], P[1] + U_Y, P[2] + U_Y], atol=1e-15)
 
 
-def test_the_sign_changes_near_where_the_velocity_does() -> None:
+def test_bristles_change_sign_near_the_zero_of_velocity() -> None:
     """Between two saturated bristles of opposite sign: off by no more of a strip than `friction` says."""
     rng = np.random.default_rng(5)
     for back, ahead in 10.0 ** rng.uniform(-4, 1, (100, 2)):

@@ -58,7 +58,7 @@ def test_integrals_match_quadrature(kind: str, lam: float) -> None:
 
 
 @pytest.mark.parametrize("lam", EXPONENTS)
-def test_strip_above_the_surface_has_none(lam: float) -> None:
+def test_strip_above_the_surface_has_zero_integrals(lam: float) -> None:
     assert integrals(-0.1, -0.2, lam) == (0.0, 0.0)
     assert integrals(0.0, 0.0, lam) == (0.0, 0.0)
 
@@ -98,7 +98,7 @@ def test_parts_match_quadrature(kind: str, lam: float) -> None:
 
 
 @pytest.mark.parametrize("lam", EXPONENTS)
-def test_parts_add_up_to_what_is_immersed(lam: float) -> None:
+def test_parts_add_up_to_the_immersed_interval(lam: float) -> None:
     rng = np.random.default_rng(10)
     for _ in range(100):
         z0, z1 = rng.uniform(-1.0, 1.0, 2)
@@ -184,7 +184,7 @@ depth = st.floats(-1.0, 1.0).filter(lambda z: abs(z) > 1e-3)
 
 @settings(max_examples=60, deadline=None)
 @given(depth, depth, st.floats(0.001, 0.999))
-def test_interval_holds_what_is_immersed(z0: float, z1: float, xi: float) -> None:
+def test_interval_holds_the_immersed_part(z0: float, z1: float, xi: float) -> None:
     first, last = called(immersed_interval)(z0, z1)
     z = (1 - xi) * z0 + xi * z1
     if abs(z) > 1e-9:  # on the surface itself either answer is right

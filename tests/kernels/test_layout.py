@@ -55,7 +55,7 @@ def test_a_kernel_reads_the_arrays(arrays: dict[str, np.ndarray]) -> None:
     np.testing.assert_allclose(sums(LAYOUT.addresses(arrays)), expected, rtol=1e-13)
 
 
-def test_a_kernel_writes_into_them(arrays: dict[str, np.ndarray]) -> None:
+def test_a_kernel_writes_into_the_arrays(arrays: dict[str, np.ndarray]) -> None:
     change(LAYOUT.addresses(arrays))
     assert arrays["x"][-1] == 7.0
     np.testing.assert_array_equal(arrays["A"][1], arrays["A"][0])

@@ -119,7 +119,7 @@ def test_straight_links_match_the_closed_resultants(strips_: int) -> None:
 
 
 @pytest.mark.parametrize("strips_", [1, 7])
-def test_both_forms_give_the_same_force_where_the_velocity_is_uniform(strips_: int) -> None:
+def test_both_load_forms_agree_under_uniform_velocity(strips_: int) -> None:
     rng = np.random.default_rng(2)
     for i in range(STATES):
         link = random_link(rng, SLOPES[i % len(SLOPES)], [None, (0.16, 0.4)][i % 2])
@@ -186,7 +186,7 @@ def links_that_turn(rng: np.random.Generator, count: int) -> list[Link]:
     return out
 
 
-def test_one_strip_that_turns_about_a_point_in_the_sand_is_integrated_exactly() -> None:
+def test_force_on_a_strip_turning_about_an_immersed_point_is_exact() -> None:
     rng = np.random.default_rng(5)
     turns = np.zeros(2, dtype=int)
     for link in links_that_turn(rng, 30):
@@ -200,7 +200,7 @@ def test_one_strip_that_turns_about_a_point_in_the_sand_is_integrated_exactly() 
     assert (turns > 10).all()
 
 
-def test_a_midpoint_rule_that_knows_of_no_zeros_agrees() -> None:
+def test_a_plain_midpoint_rule_agrees() -> None:
     rng = np.random.default_rng(6)
     points = 40000
     for link in links_that_turn(rng, 12):

@@ -203,7 +203,7 @@ def test_tangent_of_a_sliding_sole_is_the_same_after_translation_by_1_km() -> No
     np.testing.assert_allclose(translated / scale, at_origin / scale, rtol=0.0, atol=0.02)
 
 
-def test_tangents_are_added_to_what_is_there() -> None:
+def test_tangents_are_added_to_the_given_matrix() -> None:
     rng = np.random.default_rng(18)
     sand = Sand(cable(rng), BAR_LAWS[0].record(STATIC[0], G), run_of(False), rng)
     tangent, out = sand.tangent(1.0, 0.5), np.full((16, 16), 3.0)

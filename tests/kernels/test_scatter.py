@@ -23,7 +23,7 @@ def table(seed, ways, places):
     return factors
 
 
-def test_it_has_mean_0_variance_1_and_bounds() -> None:
+def test_scatter_has_mean_0_variance_1_and_bounds() -> None:
     many = np.array([table(seed, np.array([0.3, 7.5, 900.2]), np.array([0.1, 4.5])) for seed in range(4000)])
     # 4000 draws: the standard error of the mean is 0.016, of the standard deviation at most that.
     assert np.abs(many.mean(axis=0)).max() < 0.07
@@ -35,7 +35,7 @@ def test_it_has_mean_0_variance_1_and_bounds() -> None:
     assert np.abs(far).max() < 0.08  # cells apart are independent
 
 
-def test_it_is_smooth_and_shared_by_neighbours() -> None:
+def test_scatter_is_smooth_and_correlated_between_neighbours() -> None:
     ways = np.linspace(0.0, 5.0, 5001)
     factors = table(3, ways, np.array([2.2, 2.3, 40.2]))
     # Weights turn by q' / (q^2 + (1 - q)^2) <= 3 a grain, around 2 at most: a slope of 6; and no kink between cells.

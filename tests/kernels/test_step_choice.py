@@ -26,7 +26,7 @@ def need(changes: list[float], groups: list[int], *, excess: float, both: float,
 
 
 @pytest.mark.parametrize("excess", [0.0, 0.2])
-def test_positions_are_off_by_the_coefficient_of_the_scheme_and_by_velocities_over_the_run(excess: float) -> None:
+def test_position_error_includes_velocity_errors_over_the_run(excess: float) -> None:
     """h (excess 7 + 3 / 12) / v: what counts not by itself, as links that bend, is in the first term alone."""
     drift = STEP * (excess * 7.0 + 3.0 / 12.0) / SPEED
     needed = need([3.0, 7.0], [EACH, NONE], excess=excess, both=0.0)

@@ -124,7 +124,7 @@ def test_an_outline_is_loaded_where_it_leads() -> None:
     np.testing.assert_allclose(half, 0.5 * whole, rtol=1e-9)
 
 
-def test_an_outline_that_rests_is_loaded_as_its_bristles_are_stretched_along_the_normal() -> None:
+def test_resting_outline_is_loaded_by_the_normal_stretch_of_its_bristles() -> None:
     """Not by their angle, which a hundredth of a micrometre changes: the force would be that stiff a spring."""
     m = Rft(GENERIC).record(Elastoplastic(yield_displacement=1e-5), G).view(np.recarray)[0]
     for along in (0.0, 0.5e-5, 1e-5):

@@ -72,7 +72,7 @@ def test_the_shear_grows_with_the_way_in_the_plane_and_in_space() -> None:
     assert part / whole == pytest.approx(1.0 - math.exp(-way * math.cos(tilt) / 0.01), rel=2e-2)  # its short sides, too
 
 
-def test_what_gets_out_of_the_medium_starts_anew() -> None:
+def test_shear_displacement_starts_anew_after_leaving_the_medium() -> None:
     medium = PressureSinkage(9e5, 1.2, 30.0, shear_deformation_modulus=0.01)
     load = GranularLoad(medium, 0.0)
     load.add(polyline(Body("plate", [0, 1, 2]), [[-0.05, 0.0], [0.05, 0.0]], width=0.04, strips=2))

@@ -59,7 +59,7 @@ def test_random_media_draw_every_law(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @EVERY
-def test_it_dissipates(law: type[Law]) -> None:
+def test_every_law_dissipates(law: type[Law]) -> None:
     medium = sample(law)
     for body in bodies(medium, DEPTH):
         powers = np.array([total(medium, body, v) @ v for v in motions()])
@@ -68,7 +68,7 @@ def test_it_dissipates(law: type[Law]) -> None:
 
 
 @EVERY
-def test_its_mirror_image_is_its_mirror_image(law: type[Law]) -> None:
+def test_force_on_the_mirror_image_is_the_mirrored_force(law: type[Law]) -> None:
     medium = sample(law)
     for body in bodies(medium, DEPTH):
         image = replace(body, points=body.points * MIRROR)
@@ -79,7 +79,7 @@ def test_its_mirror_image_is_its_mirror_image(law: type[Law]) -> None:
 
 
 @EVERY
-def test_it_begins_at_nothing_where_a_body_gets_in(law: type[Law]) -> None:
+def test_force_starts_at_zero_at_the_surface(law: type[Law]) -> None:
     medium, v = sample(law), np.array([0.3, -0.5])
     for above, at, deep in zip(bodies(medium, -1e-9), bodies(medium, 1e-9), bodies(medium, DEPTH), strict=True):
         assert not total(medium, above, v).any()
@@ -88,7 +88,7 @@ def test_it_begins_at_nothing_where_a_body_gets_in(law: type[Law]) -> None:
 
 
 @EVERY
-def test_its_forces_scale_as_the_units_of_its_keys_say(law: type[Law]) -> None:
+def test_forces_of_a_law_scale_with_the_units_of_its_keys(law: type[Law]) -> None:
     # The same bed and body in units of mass and length that are smaller by these factors, and in a unit of time in
     # which gravity has the same number, as its value is a constant of some laws.
     mass, length = 3.0, 1.7
@@ -107,7 +107,7 @@ def test_its_forces_scale_as_the_units_of_its_keys_say(law: type[Law]) -> None:
 
 
 @EVERY
-def test_its_terms_are_those_it_names(law: type[Law]) -> None:
+def test_a_law_has_the_terms_it_names(law: type[Law]) -> None:
     medium = sample(law)
     assert 1 <= len(law.terms) == len(set(law.terms)) <= TERMS
     for body in bodies(medium, DEPTH):
@@ -116,7 +116,7 @@ def test_its_terms_are_those_it_names(law: type[Law]) -> None:
 
 
 @EVERY
-def test_it_says_what_it_is(law: type[Law]) -> None:
+def test_a_law_describes_its_equation_shapes_and_tag(law: type[Law]) -> None:
     assert law.__doc__
     assert "=" in law.equation
     assert law.takes
@@ -130,7 +130,7 @@ def test_it_says_what_it_is(law: type[Law]) -> None:
 
 
 @EVERY
-def test_its_numbers_are_numbers_within_bounds(law: type[Law]) -> None:
+def test_coefficients_must_be_finite_numbers_within_bounds(law: type[Law]) -> None:
     plain = sample(law).model_dump(by_alias=True)
     law.model_validate(plain)
     for key, owner in coefficients(law).items():

@@ -48,7 +48,7 @@ def forgotten() -> Iterator[None]:
     allowed.clear_cache()
 
 
-def test_what_is_wanted_is_what_kernels_call() -> None:
+def test_expected_arguments_of_law_functions_are_those_of_kernels() -> None:
     stubs: dict[str, Callable[..., Any]] = {
         **{name: getattr(law, name) for name in ("strip_force", "cap_force", "ball_force", "drag_anchor")},
         **{"stress": plates.stress, "traction": plates.traction},
@@ -96,7 +96,7 @@ def _with(name: str, function: Any) -> type[Law]:
     return law_with(**{name: staticmethod(function)})
 
 
-def test_what_raises_is_refused() -> None:
+def test_law_functions_that_raise_are_refused() -> None:
     """It is called by its address, and what it raised would be printed and passed over."""
 
     def stress(t, u, m):  # type: ignore[no-untyped-def]  # noqa: ARG001
@@ -169,7 +169,7 @@ def undefined(t, u, m):  # type: ignore[no-untyped-def]  # noqa: ARG001
     ],
     ids=["name", "result", "constant", "plane", "numbers"],
 )
-def test_what_cant_be_compiled_is_one_sentence(members: dict[str, Any], message: str) -> None:
+def test_functions_that_do_not_compile_are_refused_in_one_sentence(members: dict[str, Any], message: str) -> None:
     with pytest.raises(TypeError, match=message) as caught:
         disc(law_with(**members))
     assert len(str(caught.value).splitlines()) == 1
@@ -183,7 +183,7 @@ def through_an_array(t, u, m):  # type: ignore[no-untyped-def]  # noqa: ARG001
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("forgotten")
-def test_it_may_make_arrays() -> None:
+def test_functions_of_own_laws_may_create_arrays() -> None:
     """Functions of the package make none, and are compiled without what arrays need."""
     # Another constant, or its record would be that of the laws above.
     disc(law_with(stress=staticmethod(through_an_array), constants=("q",), numbers=lambda self, gravity: {"q": 2e5}))  # noqa: ARG005

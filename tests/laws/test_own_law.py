@@ -58,7 +58,7 @@ def test_python_needs_the_class_alone() -> None:
 
 
 @pytest.mark.usefixtures("added")
-def test_it_runs_from_yaml(tmp_path: Path) -> None:
+def test_own_law_runs_from_yaml(tmp_path: Path) -> None:
     tables = []
     for law in ("power, stiffness_N: 400", "tsimring_volfson, drag_kg_m: 0, friction_N: 400"):
         config = tmp_path / "config.yaml"
@@ -83,7 +83,7 @@ def test_python_may_give_it_and_yaml_names_no_code(tmp_path: Path) -> None:
 
 
 @pytest.mark.usefixtures("added")
-def test_its_keys_are_checked(tmp_path: Path) -> None:
+def test_keys_of_own_laws_are_checked(tmp_path: Path) -> None:
     config = tmp_path / "own.yaml"
     config.write_text(BALL.replace("MEDIUM", "{law: power, stiffness_N: -1, exponents: 1.6}"), encoding="utf-8")
     with pytest.raises(ConfigError) as caught:

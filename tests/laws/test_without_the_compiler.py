@@ -54,7 +54,7 @@ def differing(compiled: dict[str, float], interpreted: dict[str, float]) -> Iter
 CLOSE, SMALL = 1e-9, 1e-12
 
 
-def test_to_the_same_numbers(interpreted: dict[str, dict[str, float]]) -> None:
+def test_interpreted_runs_give_the_numbers_of_compiled_runs(interpreted: dict[str, dict[str, float]]) -> None:
     compiled = numbers()
     assert interpreted.keys() == compiled.keys()
     wrong = {name: list(differing(compiled[name], interpreted[name])) for name in compiled}

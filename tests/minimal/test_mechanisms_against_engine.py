@@ -84,7 +84,7 @@ def minimal(case: str, accuracy: float = 1e-4) -> Results:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("case", CASES)
-def test_both_tell_the_same(case: str) -> None:
+def test_minimal_coordinates_and_engine_give_the_same_results(case: str) -> None:
     ours, theirs = minimal(case), by_engine(case)
     assert [column.name for column in ours.columns] == [column.name for column in theirs.columns]
     times = np.linspace(0.0, theirs["time_s"][-1], 301)

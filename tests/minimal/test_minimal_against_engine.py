@@ -47,7 +47,7 @@ def fixed(step: float, *more: str) -> Results:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("by", [by_engine, fixed])
-def test_both_go_to_one_limit(by: Callable[[float], Results]) -> None:
+def test_both_methods_converge_to_the_same_motion(by: Callable[[float], Results]) -> None:
     """The same law and bristles: what is left of either falls with its step."""
     fine, steps = fixed(2e-6), [8e-5, 4e-5, 2e-5]
     errors = [tip_error(by(step), fine, TIMES) for step in steps]
@@ -147,7 +147,7 @@ def test_slope_of_the_surface() -> None:
         (["model.joints.elbow.type=weld", "model.bodies.lower.flexible={youngs_modulus_Pa: 1e9}"], "elbow is a weld"),
     ],
 )
-def test_what_minimal_coordinates_are_not_for(overrides: list[str], reason: str) -> None:
+def test_scenes_beyond_minimal_coordinates_are_refused_with_a_reason(overrides: list[str], reason: str) -> None:
     try:
         scene_of(FORK, "method=minimal", *overrides)
     except SceneError as error:
@@ -173,7 +173,7 @@ def test_loops_are_not_for_minimal_coordinates() -> None:
         (("initial.settle=true", "initial.impact_speed_rad_s=0"), "minimal"),
     ],
 )
-def test_where_minimal_coordinates_serve_they_are_taken(overrides: tuple[str, ...], by: str) -> None:
+def test_default_method_is_minimal_wherever_it_serves(overrides: tuple[str, ...], by: str) -> None:
     method = scene_of(FORK, *overrides).method
     assert ("engine" if method is None else "minimal") == by
 

@@ -75,7 +75,7 @@ WALKER = "initial.settle=true", "solver.accuracy=null", "solver.step_s=4e-4", "s
         pytest.param(COLUMN, (), ("head_z_m",), id="column"),
     ],
 )
-def test_they_start_and_move_as_by_the_engine(
+def test_settled_trees_start_and_move_as_by_the_engine(
     config: str, overrides: tuple[str, ...], columns: tuple[str, ...]
 ) -> None:
     """With the same fixed steps: the start to round-off, the motion to what Newton's method leaves."""
@@ -94,7 +94,7 @@ def test_they_start_and_move_as_by_the_engine(
         pytest.param(COLUMN, (), "head_z_m", id="column"),
     ],
 )
-def test_what_nothing_moves_stays_at_rest(config: str, overrides: tuple[str, ...], column: str) -> None:
+def test_settled_trees_stay_at_rest(config: str, overrides: tuple[str, ...], column: str) -> None:
     """Within 1 um/s; with new bristles in sand and knee it would sink by the way on which they yield, 10 um or more."""
     results = simulate(config, *overrides)
     assert results["depth_m"][0] > 1e-3

@@ -105,7 +105,7 @@ def dense_masses(w: dict[str, Array]) -> Array:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("count", [1, 2, 6])
-def test_what_joints_lack_is_that_of_the_dense_equations(count: int) -> None:
+def test_joint_residuals_are_those_of_the_dense_equations(count: int) -> None:
     """R = J^T (M A + spin x I spin - f) - tau, with A = J s'' + J' s' and J' along the motion."""
     rng = np.random.default_rng(count)
     for _ in range(4):
@@ -219,7 +219,7 @@ def test_a_new_chart_leaves_the_motion_as_it_is() -> None:
         np.testing.assert_allclose(w[name][bodies], before[name], rtol=1e-12, atol=1e-11, err_msg=name)
 
 
-def test_matrix_of_newton_is_the_slope_of_what_joints_lack() -> None:
+def test_newton_matrix_is_the_derivative_of_joint_residuals() -> None:
     """Of the walker that stands in sand: by differences of R, with s, s' and s'' moved as a step of 1 ms does it."""
     march = March(make_tree(scene_of("walker_in_space", "solver.end_time_s=0.3")))
     march.plan(0.3)

@@ -344,7 +344,7 @@ def test_a_body_on_one_joint_is_solved_with_any_accuracy() -> None:
 
 
 @pytest.mark.slow
-def test_what_is_apart_falls_with_the_accuracy() -> None:
+def test_deviation_from_the_engine_falls_with_the_accuracy() -> None:
     scenario = load(random_tree(2)).scenario.replace({"solver.accuracy": 1e-4})
     assert off(scenario) < 2e-4
 
@@ -363,7 +363,7 @@ def test_the_engine_solves_steps_that_were_halved_to_near_round_off() -> None:
     assert apart(theirs.ways, ours.ways) < 1e-4
 
 
-def test_what_newton_leaves_is_small_beside_a_fine_accuracy() -> None:
+def test_newton_residual_is_small_beside_a_fine_accuracy() -> None:
     """A residual that is left acts as a force: one of 1e-5 puts this tree off by 12 times what is asked."""
     asked, exact = (solved_tree(176, "minimal", 1e-5, tolerance).ways for tolerance in (None, 1e-9))
     assert apart(exact, asked) < 0.2 * 1e-5

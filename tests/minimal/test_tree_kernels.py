@@ -59,7 +59,7 @@ def dense_masses(nodes: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.parametrize("count", [1, 2, 7, 20])
-def test_what_joints_lack_is_that_of_the_dense_equations(count: int) -> None:
+def test_joint_residuals_are_those_of_the_dense_equations(count: int) -> None:
     """R = J^T M (J s'' + J' s') - J^T f - tau, with J' along the motion."""
     rng = np.random.default_rng(count)
     for _ in range(5):
@@ -109,7 +109,7 @@ def test_folded_matrix_is_the_dense_one(count: int) -> None:
         np.testing.assert_allclose(w["node_change"].ravel(), J @ change, atol=1e-11 * scale + 1e-15)
 
 
-def test_matrix_of_newton_is_the_slope_of_what_joints_lack() -> None:
+def test_newton_matrix_is_the_derivative_of_joint_residuals() -> None:
     """Of three links that bristles hold: by differences of R, with s, s' and s'' moved as a step of 0.1 ms does it."""
     march = March(make_tree(scene_of(CHAIN_IN_SAND)))
     march.plan(0.1)
@@ -134,7 +134,7 @@ def test_matrix_of_newton_is_the_slope_of_what_joints_lack() -> None:
     np.testing.assert_allclose(slopes, matrix, atol=0.1 * np.abs(sand).max())
 
 
-def test_what_creeps_is_solved_as_closely_as_what_is_fast() -> None:
+def test_newton_tolerance_follows_the_greatest_speed() -> None:
     """A share of the greatest speed so far, down to a thousandth of the 1 mm/s of rest, where steps are long."""
     march = March(make_tree(scene_of(CHAIN_IN_SAND)))
     clock, share = march.arrays["clock"], march.arrays["control"]["share"][0]
@@ -153,7 +153,7 @@ def test_iterations_are_led_by_those_before() -> None:
     assert cost["shortened_steps"] == 0
 
 
-def test_the_matrix_is_renewed_where_the_step_changes_by_more_than_it_serves_for() -> None:
+def test_newton_matrix_is_renewed_after_a_large_change_of_step() -> None:
     run = simulate(CHAIN_IN_SAND, "solver.accuracy=1e-3")
     steps = np.diff(run["time_s"])
     ratios = steps[1:] / steps[:-1]

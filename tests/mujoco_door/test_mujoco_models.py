@@ -47,7 +47,7 @@ def test_geoms_are_taken_as_they_are() -> None:
     assert area(bed) == pytest.approx(sides, rel=0.02)
 
 
-def test_of_geoms_that_overlap_what_lies_outside_is_met() -> None:
+def test_overlapping_geoms_are_loaded_on_their_outer_faces() -> None:
     two = '<geom name="a" type="box" size="0.05 0.02 0.02"/>'
     two += '<geom name="b" type="box" size="0.05 0.02 0.02" pos="0.05 0 0"/>'
     bed = MujocoBed(model_of(two), SAND)
@@ -64,7 +64,7 @@ def refused(call: Any, *arguments: Any, **named: Any) -> str:
     return str(caught.value)
 
 
-def test_what_can_not_be_in_the_sand_is_told_in_one_line() -> None:
+def test_impossible_bodies_in_sand_are_refused_in_one_line() -> None:
     open_cube = SIDES.rsplit(" ", 3)[0]
     model = mujoco.MjModel.from_xml_string(
         f'<mujoco><asset><mesh name="open" vertex="{CUBE}" face="{open_cube}" scale="0.02 0.02 0.02"/></asset>'
@@ -114,7 +114,7 @@ def warned(xml: str, **options: Any) -> list[str]:
     return [str(warning.message) for warning in caught]
 
 
-def test_what_doubles_the_sand_or_keeps_it_from_acting_is_told() -> None:
+def test_contacts_that_keep_the_sand_from_acting_give_a_warning() -> None:
     body = f'<body name="robot" pos="0 0 0.1"><freejoint/>{BOX}</body>'
     floor = '<geom name="floor" type="plane" size="1 1 0.1"{}/>'
     assert warned(f"<mujoco><worldbody>{body}</worldbody></mujoco>") == []
@@ -144,7 +144,7 @@ def robot(path: str) -> Any:
     return spec
 
 
-def test_a_robot_file_is_taken_with_a_free_joint_and_told_without_one() -> None:
+def test_robot_files_need_a_free_joint() -> None:
     path = str(ROOT / "models" / "hexapod" / "hexapod.urdf")
     spec = robot(path)
     bed = MujocoBed(model := spec.compile(), SAND)

@@ -52,7 +52,7 @@ BEDS: dict[str, tuple[Any, Floor | None]] = {
 
 
 @pytest.mark.parametrize("name", BEDS)
-def test_shorter_steps_lead_to_the_motion_of_the_other_engine_with_order_one(name: str) -> None:
+def test_mujoco_motion_converges_to_exudyn_with_order_one(name: str) -> None:
     pytest.importorskip("exudyn")
     from validation.falling_box import FallingBox, order
 
@@ -69,7 +69,7 @@ def test_shorter_steps_lead_to_the_motion_of_the_other_engine_with_order_one(nam
 
 
 @pytest.mark.parametrize("geom", ["box", "ball"])
-def test_what_stands_on_a_floor_stands_at_any_step_where_its_springs_bear_it(geom: str) -> None:
+def test_bodies_on_a_stiff_floor_settle_at_spring_depth_at_any_step(geom: str) -> None:
     """At the longer step the springs would turn by more than a radian; the medium above the floor bears nothing."""
     stiffness, mass, area = 1e7, 0.8, 0.1 * 0.08
     size, medium, depth = "0.05 0.04 0.03", Rft(zeta=1e-9), mass * GRAVITY / (stiffness * area)
@@ -88,7 +88,7 @@ def test_what_stands_on_a_floor_stands_at_any_step_where_its_springs_bear_it(geo
 
 
 @pytest.mark.parametrize(("size", "mass"), [("0.1 0.05 0.02", 5.0), ("0.03 0.03 0.02", 0.4)])
-def test_the_error_of_a_step_is_told_of_a_foot_that_is_let_go_at_the_surface(size: str, mass: float) -> None:
+def test_step_error_of_a_released_foot_is_estimated_and_true(size: str, mass: float) -> None:
     """By energy it sinks by 2 m g / k, k of the stiffness times the area; what the bed tells follows from no such look.
 
     The bristles' first 10 um, of some 0.5 mm, are softer, so that shares of 0.03 are no error of the step. What is told
@@ -110,7 +110,7 @@ def test_the_error_of_a_step_is_told_of_a_foot_that_is_let_go_at_the_surface(siz
         assert off < 0.35  # a step that ends elsewhere than predicted is made again: 0.2 to 1.5 without that
 
 
-def test_the_error_of_facets_is_told_of_a_ball_that_is_thrown() -> None:
+def test_the_error_of_facets_is_reported_a_ball_that_is_thrown() -> None:
     """Facets of 10 mm against those of 2 mm, of a ball of 40 mm: the depth where it stops, over which work is done."""
 
     def made(size: float) -> tuple[float, Any]:
@@ -166,7 +166,7 @@ def test_a_robot_walks_as_far_with_steps_of_two_milliseconds(hexapod: Any) -> No
 
 
 @pytest.mark.parametrize("step", [1e-3, 2e-3, 4e-3])
-def test_what_was_dropped_on_round_legs_comes_to_rest(step: float) -> None:
+def test_robot_dropped_on_round_legs_comes_to_rest(step: float) -> None:
     """Faces of the legs' sides rest beside their bristles' yield: whether they are loaded must not go to and fro."""
     leg = '<geom name="leg_{0}" type="capsule" fromto="0 {1} 0 0 {1} -0.06" size="0.012"/>'
     trunk = '<geom name="trunk" type="box" size="0.08 0.05 0.02" density="800"/>'

@@ -151,7 +151,7 @@ def test_nothing_is_written_into_the_model_while_it_is_in_use() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("integrator", "cone"), [*zip(INTEGRATORS, cycle(("pyramidal", "elliptic")), strict=False)])
-def test_a_leg_with_a_servo_dry_friction_and_a_stop_stands_by_any_integrator(integrator: str, cone: str) -> None:
+def test_leg_with_servo_friction_and_stop_stands_with_any_integrator(integrator: str, cone: str) -> None:
     """Constraints that push in every step: those of dry friction and of the stop."""
     model = mujoco.MjModel.from_xml_string(
         f'<mujoco><option timestep="0.002" cone="{cone}"/><worldbody><body name="trunk" pos="0 0 0.16">'
@@ -220,7 +220,7 @@ def test_a_rollout_of_mujoco_is_one_in_sand() -> None:
         assert data.qpos[2] < 0.05
 
 
-def test_steps_without_a_call_are_told() -> None:
+def test_steps_without_a_call_are_reported() -> None:
     model, data, bed = box()
     bed.apply(data)
     mujoco.mj_step(model, data, nstep=3)
@@ -232,7 +232,7 @@ def test_steps_without_a_call_are_told() -> None:
     bed.apply(data)
 
 
-def test_contact_with_a_rigid_body_and_the_dual_solver_are_felt_in_the_same_step() -> None:
+def test_rigid_contact_and_sand_share_a_step_with_either_solver() -> None:
     """A slab on sand under a heavy ball: what the sand bears is the weight of both, however the contact is solved."""
     for solver in ("Newton", "PGS"):
         model = mujoco.MjModel.from_xml_string(

@@ -83,7 +83,7 @@ def test_the_active_set_changes_no_digit(monkeypatch: pytest.MonkeyPatch) -> Non
     np.testing.assert_array_equal(with_set, without)
 
 
-def test_most_are_inactive_while_they_fall() -> None:
+def test_most_lines_are_inactive_during_free_fall() -> None:
     mbs, (bed,), _ = rods(1)
     mbs.SolveDynamic(settings(2e-4, 2e-3))
     (batch,) = bed.load.batches

@@ -165,7 +165,7 @@ def test_a_piece_of_a_cable_is_met_as_a_rigid_body_at_its_place(medium: str) -> 
 
 
 @pytest.mark.parametrize(("medium", "near"), [("play_sand", 1e-3), ("rft3d_sand", 0.05)])
-def test_its_tangent_is_the_derivative_of_its_forces(medium: str, near: float) -> None:
+def test_tangent_of_a_cable_is_the_derivative_of_its_forces(medium: str, near: float) -> None:
     """Production takes one-sided differences, which facets that begin to lead within them change by some per cent."""
     made, q = cable(medium, 2)
     v = np.array([0.1, -0.2, -0.3, 0.5, 1.0, -2.0, 0.2, 0.1, -0.4, 1.0, -1.0, 0.7])
@@ -195,7 +195,7 @@ def refused(kind: str, up: Any = None, **options: Any) -> str:
     return str(caught.value)
 
 
-def test_what_does_not_fit_is_refused() -> None:
+def test_beams_that_do_not_fit_the_bed_are_refused() -> None:
     up = (0, 0, 1)
     assert "allowed is ANCFCable or BeamGeometricallyExact3D" in refused("cable2d", up, diameter=0.01)
     assert "allowed is ANCFCable2D or BeamGeometricallyExact2D" in refused("cable", diameter=0.01)
@@ -207,7 +207,7 @@ def test_what_does_not_fit_is_refused() -> None:
     assert "got section" in refused("cable2d", diameter=0.01, section=(0.01, 0.02))
 
 
-def test_a_medium_of_surfaces_beside_one_of_bars_is_told_that_it_does_not_act() -> None:
+def test_surface_medium_beside_a_bar_medium_warns_that_it_does_not_act() -> None:
     """A round beam is a bar for the one, and left out by the other, which alone would act on its skin."""
     mbs = exu.SystemContainer().AddSystem()
     row = [element(mbs, "cable", nodes_of(mbs, "cable", 1, 0.0), LENGTH)]

@@ -671,12 +671,12 @@ def test_an_outline_whose_sides_cross_is_refused() -> None:
         ({"floor": Floor(0.0), "up": (0, 0, 1)}, "floor: got a height of 0 m, with the surface at 0 m"),
     ],
 )
-def test_things_of_the_wrong_kind_are_told(options: dict[str, Any], message: str) -> None:
+def test_arguments_of_the_wrong_type_are_refused(options: dict[str, Any], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         GranularBed(script().mbs, **({"medium": SAND, "surface": 0.0} | options))
 
 
-def test_a_floor_of_numbers_that_can_not_be_is_told() -> None:
+def test_a_floor_of_impossible_numbers_is_refused() -> None:
     """Of damping below 0 it would give energy, of stiffness below 0 pull."""
     for numbers, message in (
         ((float("nan"),), "height of nan, allowed is a finite number"),
@@ -724,7 +724,7 @@ def in_sand() -> tuple[Script, GranularBed]:
     return system, bed
 
 
-def test_a_solve_that_begins_anew_at_a_later_time_is_another_one() -> None:
+def test_a_solve_from_a_later_time_starts_a_new_history() -> None:
     system, bed = in_sand()
     solved(system, 0.0, 0.1)
     first = bed.history

@@ -41,7 +41,7 @@ def test_vibration_and_a_run_at_its_end_leave_nothing():
 
 
 @pytest.mark.parametrize("in_space", [False, True])
-def test_an_overdamped_link_that_still_sags_is_told_with_what_is_left(in_space):
+def test_an_overdamped_link_that_still_sags_is_reported_with_what_is_left(in_space):
     strip = damped_strip(3.0, in_space=in_space)
     tip = "tip_z_m" if in_space else "tip_y_m"
     short, whole = simulate(strip), simulate(strip.replace({"solver.rest_time_s": None}))
@@ -54,7 +54,7 @@ def test_an_overdamped_link_that_still_sags_is_told_with_what_is_left(in_space):
     np.testing.assert_allclose(estimate, missing, rtol=0.1)
 
 
-def test_what_rests_in_sand_is_not_said_to_creep():
+def test_a_link_at_rest_in_sand_is_not_called_creeping():
     rested = simulate(load("pendulum_rigid"))
     assert rested.status.code == "rest"
     assert not creeping(rested)

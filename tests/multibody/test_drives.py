@@ -107,7 +107,7 @@ def test_chosen_steps_leap_over_no_pulse_of_a_drive(accuracy: float) -> None:
     np.testing.assert_allclose(run["rail_speed_m_s"][-1], speed, rtol=1e-3)
 
 
-def test_fixed_steps_too_long_for_a_pulse_are_told() -> None:
+def test_fixed_steps_too_long_for_a_pulse_are_reported() -> None:
     pulse = "{type: force, force_N: {type: table, time_s: [0.2, 0.201, 0.202], values: [0, 50, 0]}}"
     run = simulate(LIFT, f"drives={{rail: {pulse}}}", "solver.step_s=1e-3")
     assert any("bends twice within 0.001 s, 1.0 steps" in warning for warning in run.warnings), run.warnings
@@ -126,7 +126,7 @@ def test_motion_of_a_slider_is_followed() -> None:
     np.testing.assert_allclose(run["rail_force_N"], force, atol=1e-6 * np.abs(force).max())
 
 
-def test_control_keeps_to_its_limit_and_holds_with_the_error_that_its_gain_leaves() -> None:
+def test_control_keeps_its_limit_and_holds_with_the_error_of_its_gain() -> None:
     drive = "shoulder: {type: pd, angle_deg: 0, gain_Nm_per_rad: 100, rate_gain_Nm_s_per_rad: 2, limit_Nm: 1.2}"
     alone = (
         "model.bodies={upper: {" + BAR + "}}",
@@ -205,7 +205,7 @@ def test_a_jump_of_rate_is_refused_with_its_instant() -> None:
 
 
 @pytest.mark.parametrize("end", [0.1, 0.05])
-def test_a_jump_after_the_end_is_none(end: float) -> None:
+def test_a_jump_after_the_end_of_the_run_is_allowed(end: float) -> None:
     assert scene_of(LIFT, f"drives={{{CORNERED}}}}}", f"solver.end_time_s={end}").drives
 
 
@@ -219,7 +219,7 @@ def test_a_table_may_start_with_a_rate() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("solver", ["step_s: 4e-4", "step_s: 1.3e-4", "accuracy: 1e-3"])
-def test_a_smoothed_jump_takes_a_force_that_steps_do_not_change_and_balances(solver: str) -> None:
+def test_force_of_a_smoothed_jump_is_step_independent_and_balances(solver: str) -> None:
     run = simulate(LIFT, f"drives={{{CORNERED}, smooth_s: 0.02}}}}", f"solver={{end_time_s: 0.5, {solver}}}")
     # From 0 to 0.5 m/s in 20 ms, at most 3/2 times as fast as the mean: a parabola, which a step of 0.4 ms
     # meets within 4 (h / 2 / 0.02)^2 of its top.

@@ -30,7 +30,7 @@ def limit_warnings(run: dict[str, Any]) -> list[str]:
 
 @pytest.mark.parametrize("in_space", [False, True])
 @pytest.mark.parametrize("method", ["auto", "engine"])
-def test_a_prescribed_motion_beyond_the_effort_limit_is_told(in_space: bool, method: str) -> None:
+def test_a_prescribed_motion_beyond_the_effort_limit_is_reported(in_space: bool, method: str) -> None:
     hold = {"type": "motion", "angle_deg": 0}
     (sentence,) = limit_warnings(lift(in_space, 0.3, hold) | {"method": method})
     assert f"the drive of lift needs a torque of up to {NEEDED:.4g} N m" in sentence
@@ -40,7 +40,7 @@ def test_a_prescribed_motion_beyond_the_effort_limit_is_told(in_space: bool, met
 
 
 @pytest.mark.parametrize("in_space", [False, True])
-def test_forces_of_sliders_and_of_controllers_are_told_too(in_space: bool) -> None:
+def test_forces_of_sliders_and_of_controllers_are_reported_too(in_space: bool) -> None:
     (sentence,) = limit_warnings(lift(in_space, 2, {"type": "motion", "position_m": 0}, "slider"))
     assert f"a force of up to {ARM * 9.81:.4g} N, more than the effort limit of this joint, 2 N" in sentence
     stiff = {"type": "pd", "angle_deg": 10, "gain_Nm_per_rad": 50}
@@ -50,7 +50,7 @@ def test_forces_of_sliders_and_of_controllers_are_told_too(in_space: bool) -> No
 
 @pytest.mark.parametrize("in_space", [False, True])
 @pytest.mark.parametrize("kind", ["hinge", "slider"])
-def test_a_drive_beyond_the_rate_limit_is_told(in_space: bool, kind: str) -> None:
+def test_a_drive_beyond_the_rate_limit_is_reported(in_space: bool, kind: str) -> None:
     """The greatest rate of a ramp, a polynomial of degree 5, is 15/8 of its mean: of 10 degrees or 0.1 m in 0.02 s."""
     key, unit, rate = ("angle_deg", "rad/s", 16.36) if kind == "hinge" else ("position_m", "m/s", 9.375)
     ramp = {"type": "ramp", "from": 0, "to": 10 if kind == "hinge" else 0.1, "duration_s": 0.02}

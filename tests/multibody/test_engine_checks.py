@@ -126,13 +126,13 @@ def ends(first: Trajectory, second: Trajectory) -> float:
     return float(np.abs(first.q[-1] - second.q[-1]).max())
 
 
-def test_this_engine_does_it_all() -> None:
+def test_installed_engine_has_all_abilities() -> None:
     assert abilities() == Abilities()
     assert simulated().notices == ()
 
 
 @each
-def test_what_does_not_work_is_found_and_told_once(case: str, monkeypatch: PATCH) -> None:
+def test_missing_abilities_of_the_engine_are_detected_and_warned_once(case: str, monkeypatch: PATCH) -> None:
     spoil(case, monkeypatch)
     missing = [name for name in ("controls", "views", "order") if not getattr(abilities(), name)]
     assert missing == [case]
@@ -199,12 +199,12 @@ def test_a_run_that_can_not_be_stepped_is_refused(monkeypatch: PATCH) -> None:
         Simulation(scenario_of(CHAIN))
 
 
-def test_with_copies_of_vectors_it_is_stepped_and_goes_back(monkeypatch: PATCH) -> None:
+def test_vectorised_copies_are_stepped_and_restored(monkeypatch: PATCH) -> None:
     copies_of_vectors(monkeypatch)
     assert _after_a_detour() == 0.0
 
 
-def test_a_jacobian_that_is_not_computed_where_it_was_is_made_anew(monkeypatch: PATCH) -> None:
+def test_jacobian_is_computed_again_if_the_engine_ignores_its_place(monkeypatch: PATCH) -> None:
     """The engine ignores where it is led: told, and the same within what Newton's method leaves."""
     monkeypatch.setattr("granular_contact.engines.exudyn.tangent._starting_at", lambda _: lambda *_: None)
     warnings: list[str] = []
@@ -214,7 +214,7 @@ def test_a_jacobian_that_is_not_computed_where_it_was_is_made_anew(monkeypatch: 
     assert 0.0 < changed < 1e-5 * 0.2
 
 
-def test_accelerations_that_are_not_those_of_the_state_are_told(monkeypatch: PATCH) -> None:
+def test_accelerations_that_are_not_those_of_the_state_are_reported(monkeypatch: PATCH) -> None:
     monkeypatch.setattr(exu.MainSolverImplicitSecondOrder, "InitializeSolverInitialConditions", lambda *_: True)
     warnings: list[str] = []
     _after_a_detour(warnings)
@@ -256,7 +256,7 @@ def test_the_order_is_looked_at_in_every_residual(asked: list[str], fine: bool) 
     assert in_order(asked, TRIGGER, FORCE) == fine
 
 
-def test_what_is_watched_is_what_a_jacobian_depends_on() -> None:
+def test_engine_goes_back_to_the_state_of_its_jacobian() -> None:
     """The usual way back: the engine computes the Jacobian where it did."""
     answers: list[bool] = []
     recompute = Tangent.recompute

@@ -106,7 +106,7 @@ solver: {end_time_s: 0.05, rest_time_s: null}
     assert run["kinetic_J"][0] == 0.0
 
 
-def test_what_held_a_settling_mechanism_back_is_gone_when_the_run_begins() -> None:
+def test_settling_damps_nothing_after_the_run_begins() -> None:
     text = f"""
 model:
   name: swing
@@ -123,7 +123,7 @@ solver: {{end_time_s: 1, tolerance: 1e-8}}
     assert np.ptp(run["kinetic_J"]) > 1e-3
 
 
-def test_moments_do_not_know_how_far_from_the_origin_it_is():
+def test_moments_of_a_free_rod_are_independent_of_the_origin():
     """About the centre of mass of what has no pivot: a rod that strikes 3 m further on has the same moments.
 
     3 m lose a digit or two of places, and bristles that begin to hold carry it on: 1.0e-5 of the greatest was seen, ten

@@ -30,7 +30,7 @@ def chain(*changes: str) -> Scene:
     return scene_of(CHAIN, *changes)
 
 
-def test_forces_are_asked_for_once_a_residual_whoever_asks(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_forces_are_computed_once_per_residual(monkeypatch: pytest.MonkeyPatch) -> None:
     once = solve(build(chain()))
     # One residual at the start of each step and one after each iteration, and the accelerations at the start of all.
     assert once.cost.load_calls == once.cost.newton_iterations + once.cost.steps + 1
@@ -40,7 +40,7 @@ def test_forces_are_asked_for_once_a_residual_whoever_asks(monkeypatch: pytest.M
     np.testing.assert_array_equal(twice.q, once.q)
 
 
-def test_what_newtons_method_leaves_is_far_below_the_error_of_steps() -> None:
+def test_newton_residual_is_far_below_the_error_of_steps() -> None:
     shipped, closer = solve(build(chain())), solve(build(chain("solver.tolerance=1e-8")))
     exact = solve(build(chain("solver.step_s=2.5e-5")))
     error = np.abs(shipped.q - exact.q[::8]).max()
@@ -56,7 +56,7 @@ def test_the_tolerance_is_one_number_for_all_scenes_in_the_plane(change: str) ->
 
 
 @pytest.mark.parametrize(("step", "some"), [(2.3e-3, False), (2e-2, True)])
-def test_steps_are_shortened_where_the_iteration_fails_and_not_to_divide_the_time(step: float, some: bool) -> None:
+def test_steps_are_shortened_only_where_the_iteration_fails(step: float, some: bool) -> None:
     """To 0.04 s in 18 steps of 2.2 ms, or in 2 of 20 ms, of which the first can't be solved."""
     run = solve(build(chain(f"solver.step_s={step}")))
     asked = 0.04 / np.ceil(0.04 / step)

@@ -55,7 +55,7 @@ def test_spring_oscillates_at_its_frequency(text: str) -> None:
     assert imbalance(run) < 1e-4 * stored
 
 
-def test_spring_that_carries_gravity_hangs_deeper_by_the_weight_over_its_stiffness() -> None:
+def test_a_spring_under_a_weight_stretches_by_weight_over_stiffness() -> None:
     spring = (
         "model.joints.rail={type: slider, parent: ground, child: bar, axis: [0, 1], spring: {stiffness_N_per_m: 60}}"
     )

@@ -40,6 +40,6 @@ solver: {end_time_s: 0.002}
         (("medium=rft_generic", "load.end_cap=true"), "end caps: rft_generic have no force on end faces"),
     ],
 )
-def test_what_is_left_out_of_the_bed_is_said(more: tuple[str, ...], message: str) -> None:
+def test_shapes_left_out_of_the_bed_are_reported(more: tuple[str, ...], message: str) -> None:
     system = build(scene_of(PAIR, *more))
     assert message in list(left_out(system, solve(system)))

@@ -123,7 +123,7 @@ KNOTS = {"type": "table", "time_s": [0, 0.04, 0.05, 0.1], "values": [0, 0.01, 0.
 
 
 @pytest.mark.parametrize("solver", [{"step_s": 2.3e-4}, {"step_s": 1.7e-4}, {"accuracy": 1e-2}, {"accuracy": 1e-3}])
-def test_the_greatest_force_on_either_side_of_a_jump_is_told(solver: dict[str, float]) -> None:
+def test_the_greatest_force_on_either_side_of_a_jump_is_reported(solver: dict[str, float]) -> None:
     """Cubics through a table: the acceleration is greatest just before and after its instants, where no step may be."""
     mass = BAR["density_kg_m3"] * np.pi / 4 * BAR["diameter_m"] ** 2 * BAR["length_m"]  # type: ignore[operator]
     rail = {"type": "slider", "parent": "ground", "child": "a", "axis": [1, 0]}
@@ -163,7 +163,7 @@ def test_a_controller_does_not_answer_what_newtons_method_leaves() -> None:
         ((0.1, 0.98), np.inf, "lower, by 92"),
     ],
 )
-def test_a_greatest_force_that_steps_do_not_resolve_is_told(
+def test_a_greatest_force_that_steps_do_not_resolve_is_reported(
     beside: tuple[float, float], limit: float, expected: str
 ) -> None:
     scene = build(load(tree_of(FLAT["slider on what turns"], False)))
@@ -185,7 +185,7 @@ def test_a_greatest_force_that_steps_do_not_resolve_is_told(
         ((-0.2, -0.5, 4e-7, 2.1e-6), None, ""),  # it brakes
     ],
 )
-def test_a_greatest_power_that_still_rises_at_the_end_is_told(
+def test_a_greatest_power_that_still_rises_at_the_end_is_reported(
     power: tuple[float, ...], accuracy: float | None, expected: str
 ) -> None:
     scene = build(load(tree_of(FLAT["slider on what turns"], False)))
@@ -196,7 +196,7 @@ def test_a_greatest_power_that_still_rises_at_the_end_is_told(
     assert all(expected in warning.sentence for warning in warnings)
 
 
-def test_forces_and_powers_that_are_little_beside_those_of_the_run_are_not_told() -> None:
+def test_drives_with_negligible_force_or_power_give_no_warning() -> None:
     """A drive that holds still what no force acts on gives round-off alone."""
     scene = build(load(tree_of(FLAT["slider on what turns"], False)))
     scene = replace(scene, drives=(replace(scene.drives[0], kind="control"),))
@@ -210,7 +210,7 @@ def test_forces_and_powers_that_are_little_beside_those_of_the_run_are_not_told(
 
 
 @pytest.mark.parametrize("lasts", [9e-5, 2e-3])
-def test_a_controller_faster_than_the_steps_is_told(lasts: float) -> None:
+def test_a_controller_faster_than_the_steps_is_reported(lasts: float) -> None:
     """It takes up a mass within half a step, or within 2 ms: the force comes from nothing, and is least later."""
     mass = 7700 * np.pi / 4 * 0.01**2 * 0.1
     joint = {"rail": {"type": "slider", "parent": "ground", "child": "a", "axis": [0, 1]}}

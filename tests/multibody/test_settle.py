@@ -101,7 +101,7 @@ def test_a_robot_stands_as_deep_as_one_that_is_lowered(foot: str, height: float)
 @pytest.mark.slow
 @pytest.mark.parametrize("tilt", [0.0, 6.0])
 @pytest.mark.parametrize(("foot", "load_at"), [("round", 0.02), ("plate", 0.02), ("plate", -0.03)])
-def test_one_that_leans_stands_on_every_foot_as_deep_as_that_bears(foot: str, load_at: float, tilt: float) -> None:
+def test_each_foot_of_a_leaning_robot_sinks_by_the_load_it_carries(foot: str, load_at: float, tilt: float) -> None:
     """Set down level or on its front feet first, each foot is as deep as one lowered with what it carries."""
     run = simulate(robot(foot, load_at, f"{{y_m: 0.15, angle_deg: {tilt}}}"))
     carried = {leg: float(run[f"{leg}_granular_y_N"][0]) for leg in LEGS}
@@ -128,7 +128,7 @@ def _centre_of_plates() -> float:
 
 
 @pytest.mark.parametrize("load_at", [0.02, -0.03])
-def test_where_it_leans_forces_and_moments_balance(load_at: float) -> None:
+def test_leaning_robot_stands_in_balance(load_at: float) -> None:
     """What is not balanced would set it in motion: 1e-6 of gravity's acceleration is asked for."""
     run = simulate(robot("plate", load_at, "{y_m: 0.15}"), "solver.end_time_s=0.2", "solver.rest_time_s=null")
     # In 0.2 s 1e-6 of gravity's acceleration goes 0.2 um. By 0.12 it creeps, by what Newton's method leaves.
@@ -137,7 +137,7 @@ def test_where_it_leans_forces_and_moments_balance(load_at: float) -> None:
     assert max(np.ptp(run[f"{body}_orientation_deg"]) for body in ("trunk", *LEGS)) < 1e-4
 
 
-def test_what_stands_on_one_end_first_is_set_down_before_it_bears() -> None:
+def test_rod_let_down_aslant_settles_as_one_let_down_level() -> None:
     """A rod let down aslant lies in the end as it does when it is let down level."""
     text = """
 model:

@@ -128,7 +128,7 @@ solver: {end_time_s: 0.3, rest_time_s: null}
 
 
 @pytest.mark.parametrize(("accuracy", "most"), [(1e-2, 650), (1e-3, 1500)])
-def test_a_body_that_slides_and_rests_on_its_belly_takes_steps_as_others_do(accuracy: float, most: int) -> None:
+def test_sliding_body_that_comes_to_rest_needs_few_steps(accuracy: float, most: int) -> None:
     """Both failed at 0.118 s where a resting outline was loaded within a hundredth of a micrometre."""
     results = simulate(SLEDGE, f"solver.accuracy={accuracy}")
     cost = results.summary["cost"]
@@ -374,7 +374,9 @@ def test_the_default_run_is_in_no_doubt() -> None:
         ("pendulum", ("surface_height_m=-1",), "the bed: no shape of any body reaches the surface", "load on link"),
     ],
 )
-def test_what_is_left_out_is_said(config: str, more: tuple[str, ...], stated: str, not_stated: str) -> None:
+def test_unsupported_parts_of_a_scene_are_reported(
+    config: str, more: tuple[str, ...], stated: str, not_stated: str
+) -> None:
     system = build(scene_of(config, "solver.end_time_s=0.01", *more))
     sentences = list(left_out(system, solve(system)))
     assert any(line.startswith(stated) for line in sentences), sentences

@@ -67,7 +67,7 @@ def test_a_run_that_is_cut_before_the_rest_has_lasted_has_no_stopping_time() -> 
         ("c_leg", None),
     ],
 )
-def test_it_is_said_of_what(config: str, measure: str | None) -> None:
+def test_stopping_time_states_its_measure(config: str, measure: str | None) -> None:
     scene = scene_of(config)
     assert (scene.pendulum is not None) == (measure == STOP_MEASURE)
     run = simulate(config, "solver.end_time_s=0.01")

@@ -46,7 +46,7 @@ def test_strain_at_the_root_is_that_of_the_moment_there(in_space: bool, section:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("in_space", [False, True])
-def test_a_yield_stress_that_is_passed_is_told(in_space: bool) -> None:
+def test_a_yield_stress_that_is_passed_is_reported(in_space: bool) -> None:
     """From both sides: a little above the greatest stress, and a little below it."""
     most = cantilever(in_space, "round").summary["links"]["link"]["stress_Pa"]
     for factor, warned in ((1.02, False), (0.98, True)):

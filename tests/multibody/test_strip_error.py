@@ -27,7 +27,7 @@ MECHANISMS = {"double_pendulum": 2, "stepping_leg": 4, "free_link": 3, "chain_fl
 
 
 @pytest.mark.parametrize("config", MECHANISMS)
-def test_freedoms_obey_all_joints(config: str) -> None:
+def test_degrees_of_freedom_obey_all_joints(config: str) -> None:
     moved = motion(config, "solver.end_time_s=0.05")
     free = freedoms(moved)
     assert free.W.shape[2] == MECHANISMS[config]
@@ -36,7 +36,7 @@ def test_freedoms_obey_all_joints(config: str) -> None:
 
 
 @pytest.mark.parametrize("config", ["double_pendulum", "free_link"])
-def test_a_motion_of_rigid_bodies_lies_in_its_freedoms(config: str) -> None:
+def test_rigid_motion_lies_in_the_degrees_of_freedom(config: str) -> None:
     moved = motion(config, "solver.end_time_s=0.3")
     W, v, mass = freedoms(moved).W, moved.trajectory.v, moved.trajectory.mass
     momenta = W.transpose(0, 2, 1) @ mass
@@ -71,7 +71,7 @@ def test_links_bend_with_their_first_natural_frequency(hinged_at: float) -> None
     assert np.sqrt(squares.min() / scale) == pytest.approx(1.8751**2, rel=0.03)  # Ritz, and four elements
 
 
-def test_errors_of_a_link_that_only_bends_are_told() -> None:
+def test_errors_of_a_link_that_only_bends_are_reported() -> None:
     """A reed that a prescribed motion swings into the sand, where it bends by a third of its length."""
     few, many = (motion(REED, f"load.strips_per_element={n}") for n in (2, 16))
     off = np.abs((few.trajectory.q - many.trajectory.q) * many.lever).max() / many.path_length
@@ -88,7 +88,7 @@ def test_both_methods_find_the_same_error() -> None:
     assert errors[0] > 2e-4
 
 
-def test_a_link_that_bends_and_reaches_nothing_takes_no_part_in_the_estimate() -> None:
+def test_a_bending_link_out_of_reach_is_left_out_of_the_strip_estimate() -> None:
     """It has a shape on which this medium does not act, as it need not."""
     text = """
 model:
@@ -107,7 +107,7 @@ solver: {end_time_s: 0.02, step_s: 1.0e-4}
 
 
 @pytest.mark.parametrize("method", ["minimal", "engine"])
-def test_a_mass_that_round_off_hides_behind_another_does_not_end_the_estimate(method: str) -> None:
+def test_strip_estimate_survives_a_numerically_singular_mass_matrix(method: str) -> None:
     """Its matrix of masses is singular to round-off."""
     text = """
 model:

@@ -34,7 +34,7 @@ def solved() -> tuple[System, Trajectory]:
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="elsewhere there is always a display")
 @pytest.mark.parametrize("display", [None, ":987"])
-def test_without_a_display_it_is_refused_before_the_run(
+def test_viewing_without_a_display_is_refused_before_the_run(
     display: str | None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.delenv("DISPLAY", raising=False)
@@ -52,7 +52,7 @@ def test_a_reduced_model_is_refused(tmp_path: Path, capsys: pytest.CaptureFixtur
     assert "shows runs with method engine" in capsys.readouterr().err
 
 
-def test_what_is_played_is_the_trajectory(solved: tuple[System, Trajectory]) -> None:
+def test_viewer_plays_the_trajectory(solved: tuple[System, Trajectory]) -> None:
     system, trajectory = solved
     solution = viewer.solution_data(system, trajectory.time, trajectory.q, trajectory.v)
     observer = Kinematics(system, trajectory)
@@ -117,7 +117,7 @@ print("closed")
 
 @pytest.mark.slow
 @pytest.mark.skipif(shutil.which("Xvfb") is None, reason="no Xvfb on this machine to make a display")
-def test_it_plays_on_a_display_until_it_is_closed() -> None:
+def test_viewer_plays_on_a_display_until_closed() -> None:
     server = subprocess.Popen(
         ["Xvfb", "-displayfd", "1", "-screen", "0", "1280x1024x24"],
         stdout=subprocess.PIPE,

@@ -26,16 +26,16 @@ from granular_contact.scene.shapes import build_shape
 BY_ONE = (
     "test_a_smooth_wheel_is_a_disc",
     "test_grousers_are_teeth",
-    "test_what_is_told_of_a_wheel",
+    "test_summary_of_a_wheel_holds_slip_load_and_sinkage",
     "test_a_rolling_disc_is_as_round_as_one_of_256_strips",
     "test_grousers_pull",
     "test_faults_of_a_wheel",
     "test_behind_a_turning_wheel_the_surface_is_lowered",
     "test_scatter_leaves_the_order_in_the_step_as_it_is",
     "test_slip_pull_load_and_sinkage_are_along_and_across_a_slope",
-    "test_shear_that_is_there_at_once_is_told_of_a_driven_wheel",
-    "test_its_start_is_within_the_range_of_the_medium",
-    "test_a_wheel_that_still_sinks_is_told",
+    "test_driven_wheel_without_shear_deformation_modulus_has_a_note",
+    "test_run_starts_within_the_range_of_the_medium",
+    "test_a_wheel_that_still_sinks_is_reported",
 )
 SURFACE = "initial.joints={post: {position_m: 0}}"  # from where a wheel sinks by its dynamics
 QUICK = ("load.strips_per_rigid_part=12", "solver={step_s: 4e-3, end_time_s: 1.2}", "wheel.speed_m_s=0.05")
@@ -86,7 +86,7 @@ def test_the_run_of_a_wheel_is_that_of_its_drives() -> None:
         np.testing.assert_allclose(short[name], long[name], rtol=1e-6, atol=1e-9)  # the steps of Newton's method
 
 
-def test_what_is_told_of_a_wheel() -> None:
+def test_summary_of_a_wheel_holds_slip_load_and_sinkage() -> None:
     for slip in (-1.0, 0.2, 0.6):
         run = simulate("wheel", *QUICK, f"wheel.slip={slip}")
         summary = run.summary["wheel"]
@@ -224,7 +224,7 @@ def test_scatter_leaves_the_order_in_the_step_as_it_is() -> None:
     assert abs(orders[0] - orders[1]) < 0.2
 
 
-def test_no_scatter_is_none_bit_by_bit() -> None:
+def test_zero_scatter_changes_no_bit() -> None:
     plain = simulate("pendulum")
     zero = simulate("pendulum", "medium.scatter={relative: 0, length_m: 0.003}")
     np.testing.assert_array_equal(plain.table, zero.table)
@@ -270,7 +270,7 @@ def test_slip_pull_load_and_sinkage_are_along_and_across_a_slope(slope: float, s
     np.testing.assert_allclose(run["disc_load_N"][10:], -run["post_force_N"][10:] + 1.5 * weight * c, atol=1e-3)
 
 
-def test_shear_that_is_there_at_once_is_told_of_a_driven_wheel() -> None:
+def test_driven_wheel_without_shear_deformation_modulus_has_a_note() -> None:
     def warned(*overrides: str) -> bool:
         return any("shear_deformation_modulus_m: is 0" in str(note) for note in scene_of(*overrides).notes)
 
@@ -322,13 +322,13 @@ def test_a_wheel_begins_and_stays_steady(slip: float, more: tuple[str, ...], req
     assert short["wheel_drawbar_pull_N"][0] == pytest.approx(expected["drawbar_pull_N"], abs=24.0 * ripple)
 
 
-def test_its_start_is_within_the_range_of_the_medium() -> None:
+def test_run_starts_within_the_range_of_the_medium() -> None:
     """From the surface it dropped at 0.16 m/s, with which every run was warned of."""
     assert not any("outside the range" in warning for warning in simulate("wheel", *STEADY).warnings)
     assert any("outside the range" in warning for warning in simulate("wheel", *STEADY, SURFACE).warnings)
 
 
-def test_a_wheel_that_still_sinks_is_told() -> None:
+def test_a_wheel_that_still_sinks_is_reported() -> None:
     run = simulate("wheel", *STEADY, "wheel.slip=0.75", SURFACE)
     summary = run.summary["wheel"]
     (warning,) = [warning for warning in run.warnings if "not steady" in warning]

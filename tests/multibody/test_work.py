@@ -101,7 +101,7 @@ def test_a_flexible_rod_on_a_slope_balances_or_says_so() -> None:
         (np.inf, ["energy"]),
     ],
 )
-def test_no_softer_sentence_stands_beside_the_balance(off: float, heard: list[str]) -> None:
+def test_the_energy_balance_replaces_milder_warnings(off: float, heard: list[str]) -> None:
     warnings = [
         AccuracyWarning("steps are too long: 2 %", 0.02),
         AccuracyWarning("beam: 1 %", 0.01),
@@ -147,7 +147,7 @@ output: {bodies: all}
 """
 
 
-def test_steps_that_miss_the_turn_of_a_body_are_not_softly_spoken_of() -> None:
+def test_steps_too_long_for_a_spin_warn_by_the_energy_balance() -> None:
     """A rod that strikes the sand spinning is 21 degrees off its 63 at 1 ms, where each step turns it by 3.
 
     The work of the medium is then unknown to a third; whatever the jumps along the motion tell is softer.
@@ -161,7 +161,7 @@ def test_steps_that_miss_the_turn_of_a_body_are_not_softly_spoken_of() -> None:
     assert not any("not usable" in warning for warning in fine.warnings)
 
 
-def test_what_jumps_by_little_is_told_in_metres() -> None:
+def test_small_jumps_of_position_are_reported_in_metres() -> None:
     run = simulate(BOX)
     (sentence,) = (warning for warning in run.warnings if "too long" in warning)
     share, metres = (float(text) for text in re.findall(r"about ([\d.]+)% of its path, ([\d.e-]+) m", sentence)[0])

@@ -159,7 +159,7 @@ def test_motion_is_the_same_after_translation_by_1_km(tree: dict[str, Any], tmp_
     assert apart(tree, shifted(tree), tmp_path) < free_fall(off, tree, tmp_path)
 
 
-def test_what_iterations_leave_moves_a_free_rod_no_further_than_their_tolerance(tmp_path: Path) -> None:
+def test_residual_of_iterations_moves_a_free_rod_within_the_tolerance(tmp_path: Path) -> None:
     tree, exact = (falling_rod(3e8, tolerance) for tolerance in (TOLERANCE, 1e-3 * TOLERANCE))
     # The tolerance is of the root mean square of 20 residuals, of which 5 push the rod the same way.
     most = np.sqrt(20.0 * 5.0) * TOLERANCE

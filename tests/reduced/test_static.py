@@ -124,7 +124,7 @@ def test_rows_and_bias_are_derivatives_of_the_slip_velocity():
     np.testing.assert_allclose(rows @ a + bias, (ends[1] - ends[0]) / 2e-5, atol=1e-7)
 
 
-def test_what_sticks_has_no_acceleration():
+def test_sticking_stations_have_no_acceleration():
     march = immersed(2)
     march.y[3:6] = 1.0, -0.05, 0.01
     for stuck in (0, 1):
@@ -176,7 +176,7 @@ def test_withdrawing_has_its_own_bound():
             assert margin[0] < 0
 
 
-def test_what_sticks_loses_its_last_speed():
+def test_sticking_stations_lose_their_remaining_speed():
     march = immersed(2)
     march.y[3:6] = 0.3, -0.5, 0.2
     for _ in range(40):  # bring the middle near rest, with the link still vibrating

@@ -51,7 +51,7 @@ def comparable(summary: dict[str, object] | Exception) -> dict[str, object]:
 
 
 @pytest.mark.parametrize(("modes", "static"), [(0, "true_sign"), (2, "elastoplastic"), (2, "true_sign")])
-def test_together_is_as_alone(modes, static, monkeypatch):
+def test_runs_in_a_batch_equal_single_runs(modes, static, monkeypatch):
     several = scenes(modes, static)
     monkeypatch.setattr(batch, "MOST_ROWS", 40)  # so that tables grow on the way
     for summary, scene in zip(summaries_of(several), several, strict=True):
@@ -66,7 +66,7 @@ def test_models_of_different_sizes_and_methods_go_together():
     ]
 
 
-def test_what_fails_fails_alone(monkeypatch):
+def test_a_failure_in_a_batch_stays_with_its_own_run(monkeypatch):
     several = scenes(0, "true_sign", 3)
     whole, broken = summaries_of(several), several[1]
     begin = batch.known
@@ -88,7 +88,7 @@ def test_what_fails_fails_alone(monkeypatch):
 
 
 @pytest.mark.parametrize("modes", [0, 3])
-def test_a_scene_from_one_that_is_like_it_is_that_scene(modes):
+def test_scenes_built_from_a_similar_scene_are_equal_to_new_scenes(modes):
     base = load("pendulum", method={"reduced": {"modes": modes}}).scenario
     builder, rng = Builder(base), np.random.default_rng(1)
     for medium in ("play_sand", "play_sand", None, "play_sand"):
@@ -108,7 +108,7 @@ def test_a_scene_from_one_that_is_like_it_is_that_scene(modes):
         assert made.media == anew.media
 
 
-def test_what_a_scene_may_not_be_is_refused_from_one_that_is_like_it_too():
+def test_faulty_scenes_are_refused_when_derived_from_a_valid_scene():
     base = load("pendulum", method="reduced").scenario
     builder = Builder(base)
     # A law for spheres alone, and a start beyond all numbers.

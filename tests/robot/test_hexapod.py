@@ -34,7 +34,7 @@ def maker() -> ModuleType:
     return module
 
 
-def test_its_files_are_what_its_script_makes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_hexapod_files_are_those_of_its_script(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """By value: the last digits are the processor's."""
     module = maker()
     monkeypatch.setattr(module, "HERE", tmp_path)
@@ -61,7 +61,7 @@ def values(root: etree._Element) -> list[tuple[str, str | list[float]]]:
     ]
 
 
-def test_what_is_only_round_off_is_written_as_0() -> None:
+def test_round_off_is_written_as_zero() -> None:
     """A zero of exact geometry is a zero in the files, on every processor."""
     numbers = [x for _, parsed in values(etree.parse(FOLDER / "hexapod.urdf").getroot()) for x in parsed if x != 0.0]
     assert min(abs(x) for x in numbers if isinstance(x, float)) > 1e-9
@@ -95,7 +95,7 @@ def walk(*sets: str, mirrored: bool = False, end: float = 0.25) -> Results:
     return run(build(loaded), loaded.scenario)
 
 
-def test_it_walks_ahead_on_three_legs() -> None:
+def test_hexapod_walks_ahead_on_three_legs() -> None:
     # At the config's 1e-2 the imbalance of so short a run is 4e-4 to 19e-4, at 3e-3 it is 1e-4.
     results = walk("solver.accuracy=3e-3")
     assert results.status.code == "end_time"
@@ -119,7 +119,7 @@ def test_it_walks_ahead_on_three_legs() -> None:
     assert mean == pytest.approx(1.44 * 9.81, abs=1.44 * rise + 1.0)
 
 
-def test_its_mirror_image_walks_in_mirrored_steps() -> None:
+def test_mirrored_hexapod_walks_in_mirrored_steps() -> None:
     """Up to what steps and Newton's method leave, as legs stand in another order: far below the sway of the trunk."""
     fine = "solver.accuracy=1e-3"
     original, mirrored_walk = walk(fine), walk(fine, mirrored=True)

@@ -51,7 +51,7 @@ def with_slivers(corners: np.ndarray, count: int, seed: int) -> np.ndarray:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(6))
-def test_a_mesh_without_its_empty_triangles_is_closed_and_of_the_same_volume(seed: int) -> None:
+def test_removing_empty_triangles_keeps_a_mesh_closed_and_its_volume(seed: int) -> None:
     whole = with_slivers(bracket(), 12, seed)
     assert len(whole) > 30
     (vertices, faces), repairs = mended_mesh(*arrays(whole))

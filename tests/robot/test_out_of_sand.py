@@ -115,7 +115,7 @@ def test_triangles_without_area_carry_no_force_and_are_counted(tmp_path: Path, c
         assert f"1 of its {len(corners)} triangles have no area and are left out" in line
 
 
-def test_check_tells_them_as_notes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_check_prints_doubts_as_notes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = with_foot(ON_A_LINE)(tmp_path)
     assert main(["check", str(path)]) == 0
     assert f"note: {path}:6: link.foot.collision.geometry.mesh: foot.stl: 1 of its 14" in capsys.readouterr().err

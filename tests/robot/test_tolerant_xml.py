@@ -60,7 +60,7 @@ def same(first: Robot, second: Robot) -> None:
 
 
 @pytest.mark.parametrize("name", TOLERATED)
-def test_what_other_readers_take_is_read_with_a_notice(tmp_path: Path, name: str) -> None:
+def test_tolerated_xml_faults_are_read_with_a_notice(tmp_path: Path, name: str) -> None:
     start, before_end, encoding, line, message = TOLERATED[name]
     plain, _ = read_all(robot_in(tmp_path / "plain"))
     path = written(tmp_path, start, before_end, encoding)
@@ -91,7 +91,7 @@ def test_mujoco_takes_them_too(tmp_path: Path, name: str) -> None:
     assert mujoco.MjModel.from_xml_path(str(path)).njnt == 3  # hip, slide and axle
 
 
-def test_check_and_runs_tell_the_notice(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_check_and_runs_print_the_notice(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = written(tmp_path, '\n<?xml version="0.0" encoding="utf-16"?>\n', "<gazebo><plugin:x/></gazebo>")
     notices: list[Any] = []
     assert main(["check", str(path)]) == 0

@@ -123,7 +123,7 @@ def test_names_that_are_numbers_stay(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("short", [1e-4, 1e-3, 1.9e-3])
-def test_what_a_file_rounds_away_is_no_fault(tmp_path: Path, short: float) -> None:
+def test_rounding_of_a_robot_file_is_no_fault(tmp_path: Path, short: float) -> None:
     """A plate's moments, of which the largest is the sum of the two others but for three or four digits."""
     moments = 'ixx="1e-3" iyy="1e-3" izz="1e-3" ixy="1e-5" ixz="0" iyz="0"'
     rounded = f'ixx="1e-3" iyy="2e-3" izz="{3e-3 / (1.0 - short)}" ixy="0" ixz="0" iyz="0"'

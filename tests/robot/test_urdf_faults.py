@@ -75,7 +75,7 @@ def test_each_fault_has_its_line_and_key(tmp_path: Path, old: str, new: str, lin
     assert "\n" not in str(mine[0])
 
 
-def test_all_faults_are_told_at_once_and_a_good_file_has_none(tmp_path: Path) -> None:
+def test_all_faults_are_reported_at_once_and_a_good_file_has_none(tmp_path: Path) -> None:
     good = inspect(robot_in(tmp_path))
     assert good.faults == ()
     assert good.which == "collision"

@@ -195,7 +195,7 @@ ASKED = [
 
 
 @pytest.mark.parametrize(("model", "message"), ASKED)
-def test_what_a_model_asks_of_a_robot_is_checked(tmp_path: Path, model: dict[str, Any], message: str) -> None:
+def test_requests_of_a_model_to_a_robot_file_are_checked(tmp_path: Path, model: dict[str, Any], message: str) -> None:
     (line,) = faults(run_of(robot_in(tmp_path), **model))
     assert message in line
 
@@ -204,7 +204,7 @@ def loaded(path: Path, **model: Any) -> Any:
     return config.load({"model": {"urdf": str(path), **model}, "medium": "rft3d_sand"}).scenario.model
 
 
-def test_what_the_file_leaves_open_is_asked_for(tmp_path: Path) -> None:
+def test_options_of_a_robot_file_reach_the_model(tmp_path: Path) -> None:
     path = robot_in(tmp_path)
     model = loaded(
         path,
@@ -272,7 +272,7 @@ def test_a_mass_in_a_point_is_part_of_the_body_that_it_is_fixed_to(tmp_path: Pat
         config.load({"model": {"urdf": str(robot_in(tmp_path, with_mass, turning))}})
 
 
-def test_a_joint_without_its_limits_is_told_as_such(tmp_path: Path) -> None:
+def test_a_joint_without_limits_is_reported(tmp_path: Path) -> None:
     path = robot_in(tmp_path, ('lower="-1" upper="0.5" effort', "effort"))
     with pytest.raises(ConfigError, match=r"hip.limit.lower: is missing, and so is upper, so that by URDF both are 0"):
         config.load({"model": {"urdf": str(path)}})

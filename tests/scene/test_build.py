@@ -243,7 +243,7 @@ def test_coefficients_of_the_medium_arrive() -> None:
 
 
 @pytest.mark.parametrize("config", ["walker", "walker_in_space"])
-def test_an_unknown_part_is_told_with_similar_names(config: str) -> None:
+def test_an_unknown_part_is_reported_with_similar_names(config: str) -> None:
     scene = build(load(config).scenario)
     assert scene.body("trunk").name == "trunk"
     for find in (scene.body, scene.joint):

@@ -34,7 +34,7 @@ def test_the_tip_of_a_disc_is_its_farthest_point_from_the_pivot(strips: int, hom
     np.testing.assert_allclose(made.tip[1], R * np.array(CENTRE) / centre, atol=1e-12)  # from the centre of mass
 
 
-def test_that_of_an_arc_is_too_or_its_end() -> None:
+def test_tip_of_an_arc_is_its_farthest_point_or_end() -> None:
     for strips in STRIPS:
         at = scene({**ARC, "center_m": [0.1, 0.0]}, {"type": "hinge"}, strips).tip_position
         np.testing.assert_allclose(at, [0.1 + R, 0.0], atol=1e-12)
@@ -44,16 +44,14 @@ def test_that_of_an_arc_is_too_or_its_end() -> None:
         np.testing.assert_allclose(np.linalg.norm(at), np.hypot(0.1, R), atol=1e-12)
 
 
-def test_about_its_own_centre_it_is_the_first_point_of_any_cut() -> None:
+def test_tip_of_a_disc_on_its_own_centre_is_its_first_point() -> None:
     tips = [scene({**DISC, "center_m": [0, 0]}, {"type": "hinge"}, strips).tip_position for strips in STRIPS]
     np.testing.assert_allclose(tips, np.tile([R, 0.0], (len(STRIPS), 1)), atol=1e-12)
 
 
 @pytest.mark.parametrize("angle", [0.0, 20.0, 45.0])
 @pytest.mark.parametrize("shape", [DISC, {**ARC, "from_deg": 0, "to_deg": 180}], ids=["disc", "arc"])
-def test_what_falls_has_its_lowest_point_for_a_tip_and_the_surface_below_it(
-    shape: dict[str, Any], angle: float
-) -> None:
+def test_tip_of_a_falling_body_is_its_lowest_point_above_the_surface(shape: dict[str, Any], angle: float) -> None:
     for strips in STRIPS:
         start = {"initial": {"joints": {"joint": {"angle_deg": angle}}}}
         made = scene({**shape, "center_m": [0.0, 0.0]}, {"type": "free"}, strips, **start)

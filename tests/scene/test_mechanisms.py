@@ -110,7 +110,7 @@ def test_the_joint_that_closes_a_loop_starts_with_its_bodies(crank: float) -> No
     assert parent.angle - child.angle + closed.offset == pytest.approx(closed.start, abs=1e-12)
 
 
-def test_the_slider_that_closes_a_crank_starts_where_and_as_fast_as_its_block() -> None:
+def test_closing_slider_of_a_crank_starts_at_place_and_speed_of_its_block() -> None:
     """x = r cos q + sqrt(l^2 - r^2 sin^2 q) of a crank r at the angle q, a rod l and a block on the level through a."""
     text = """
 model:
@@ -130,7 +130,7 @@ initial: {joints: {a: {angle_deg: -50, rate_rad_s: 2}}}
     assert closed.rate == pytest.approx(-r * math.sin(q) * rate * (1.0 + r * math.cos(q) / level), abs=1e-9)
 
 
-def test_the_slider_that_closes_a_loop_on_a_turning_body_starts_as_fast_as_its_block_slides() -> None:
+def test_closing_slider_on_a_turning_body_starts_at_the_speed_of_its_block() -> None:
     """A crank r drives a rocker by a block in its slot, which passes its pivot, c below that of the crank, at h.
 
     s = sqrt(r^2 + c^2 + 2 r c sin q - h^2) along the slot, whose own motion at the block is not across it.
@@ -272,7 +272,7 @@ def test_homes_that_were_found_are_written_where_they_stand(tmp_path) -> None:
     assert not build(load(file)).notes
 
 
-def test_the_home_of_a_joint_of_a_chain_is_told_and_not_written(tmp_path, capsys) -> None:
+def test_homes_of_chain_joints_are_printed_and_not_written(tmp_path, capsys) -> None:
     text = """
 model:
   name: chain
@@ -390,7 +390,7 @@ def test_a_chain_is_bodies_and_hinges() -> None:
         at = at + 0.1 * turn(math.radians(angle))
 
 
-def test_no_end_to_where_a_slider_or_a_free_body_can_get() -> None:
+def test_workspace_of_sliders_and_free_bodies_is_unbounded() -> None:
     assert all(body.workspace.length == math.inf for body in scene_of(LEG).rigid)
     assert all(body.workspace.length < 1.0 for body in scene_of(CHAIN).rigid)
 

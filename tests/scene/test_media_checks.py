@@ -62,7 +62,7 @@ def test_a_slope_steeper_than_the_angle_of_repose_is_refused(kind: Callable[...,
 
 
 @BOTH
-def test_it_is_the_media_that_say_how_steep(kind: Callable[..., dict[str, Any]]) -> None:
+def test_steepest_slope_is_that_of_the_media(kind: Callable[..., dict[str, Any]]) -> None:
     steep = {"slope_deg": 40}
     scene(kind(bed=steep, medium="rft3d_sand"))  # whose angle no source states
     scene(kind(bed=steep, medium={"from": "cmu_dry_sand", "angle_of_repose_deg": 41}))
@@ -71,7 +71,7 @@ def test_it_is_the_media_that_say_how_steep(kind: Callable[..., dict[str, Any]])
         scene(kind(bed=steep | {"layers": [{"top_m": 0.1, "medium": "cmu_dry_sand"}]}, medium="rft3d_sand"))
 
 
-def test_steep_pieces_of_a_profile_are_told() -> None:
+def test_steep_pieces_of_a_profile_are_reported() -> None:
     step = [[-1, 0], [0, 0], [0.05, 0.05], [1, 0.05]]
     (note,) = scene(planar(bed={"profile_m": step})).notes
     assert note.key == "bed.profile_m"
@@ -80,7 +80,7 @@ def test_steep_pieces_of_a_profile_are_told() -> None:
     assert not scene(planar(bed={"profile_m": [[-1, 0], [0, 0], [1, 0.5]]})).notes
 
 
-def test_steep_places_of_a_map_are_told(tmp_path: Path) -> None:
+def test_steep_places_of_a_map_are_reported(tmp_path: Path) -> None:
     def mapped(rise: float) -> tuple[Any, ...]:
         heights = np.zeros((5, 11))
         heights[:, 6:] = 0.1 * rise  # one of ten columns of cells
@@ -95,7 +95,7 @@ def test_steep_places_of_a_map_are_told(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("slope", [math.tan(math.radians(30.0)), -0.7])
-def test_both_doors_refuse_it(slope: float) -> None:
+def test_steep_slopes_are_refused_in_the_plane_and_in_space(slope: float) -> None:
     sand = preset("cmu_dry_sand")
     with pytest.raises(ValueError, match=r"slope.*29 deg"):
         GranularLoad(sand, 0.0, slope=slope)
@@ -135,7 +135,7 @@ def test_a_stiffness_goes_with_gravity() -> None:
     ],
     ids=lambda value: value.name if isinstance(value, Law) else "",
 )
-def test_what_is_assumed_is_told(medium: Law, message: str | None) -> None:
+def test_assumptions_on_other_gravity_have_a_note(medium: Law, message: str | None) -> None:
     notes = list(gravity_notes(medium, MOON))
     assert not list(gravity_notes(medium, 9.80665))
     assert [message is not None and message in note for note in notes] == ([] if message is None else [True])
@@ -144,7 +144,7 @@ def test_what_is_assumed_is_told(medium: Law, message: str | None) -> None:
         assert medium.name in note
 
 
-def test_a_run_tells_it_with_its_key_and_a_door_warns() -> None:
+def test_other_gravity_gives_runs_a_note_and_beds_a_warning() -> None:
     (note,) = scene(planar(medium="cmu_dry_sand_plate", gravity_m_s2=MOON)).notes
     assert (note.key, "k_phi_Pa" in note.message) == ("medium", True)
     exu = pytest.importorskip("exudyn")
@@ -158,7 +158,7 @@ def test_a_run_tells_it_with_its_key_and_a_door_warns() -> None:
         GranularBed(exu.SystemContainer().AddSystem(), preset("cmu_dry_sand"), 0.0, gravity=MOON)
 
 
-def test_mujoco_is_told_too() -> None:
+def test_mujoco_beds_warn_too() -> None:
     mujoco = pytest.importorskip("mujoco")
     from granular_contact.mujoco import MujocoBed
 
@@ -176,7 +176,7 @@ def test_every_preset_says_its_gravity() -> None:
 
 
 @pytest.mark.parametrize("medium", ["cmu_dry_sand", None])
-def test_gravity_that_points_out_of_the_medium_is_told(medium: str | None) -> None:
+def test_gravity_that_points_out_of_the_medium_is_reported(medium: str | None) -> None:
     notes = [note for note in scene(planar(medium=medium, gravity_m_s2=-9.81)).notes if note.key == "gravity_m_s2"]
     assert len(notes) == (medium is not None)
     assert all("got -9.81" in note.message and "positive gravity is downward" in note.message for note in notes)

@@ -85,12 +85,12 @@ UNSEEN = {"sine": sine(1000), "two steps a period": sine(500), "pulses": pulses(
 
 @pytest.mark.parametrize("made", [rod, rod_in_space])
 @pytest.mark.parametrize("case", UNSEEN)
-def test_what_fixed_steps_cannot_see_is_refused(made: Any, case: str) -> None:
+def test_drives_that_fixed_steps_cannot_resolve_are_refused(made: Any, case: str) -> None:
     with pytest.raises(SceneError, match=r"drives\.j\.torque_Nm: goes to and fro within .* solver\.accuracy"):
         simulate(made(UNSEEN[case], step_s=1e-3))
 
 
-def test_what_fixed_steps_see_badly_is_told_and_what_they_see_is_not() -> None:
+def test_poorly_sampled_drives_warn_and_well_sampled_drives_do_not() -> None:
     message = "the drive of j goes to and fro within"
     assert any(message in warning for warning in simulate(rod(sine(200), step_s=1e-3)).warnings)
     assert not any(message in warning for warning in simulate(rod(sine(50), step_s=1e-3)).warnings)
@@ -98,7 +98,7 @@ def test_what_fixed_steps_see_badly_is_told_and_what_they_see_is_not() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("method", "step"), [("minimal", None), ("engine", 5e-3), ("in space", None)])
-def test_chosen_steps_pass_nothing_by(method: str, step: float | None) -> None:
+def test_chosen_steps_resolve_every_pulse_of_a_drive(method: str, step: float | None) -> None:
     """Angle of a torque A sin(w t) from rest: A / (I w) (t - sin(w t) / w); of pulses: their impulses over I, each from
     its middle on.
 

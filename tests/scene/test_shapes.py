@@ -136,7 +136,7 @@ def test_a_polygon_that_crosses_itself_is_refused() -> None:
     assert shape(type="polygon", width_m=0.5, points_m=pinched)
 
 
-def test_what_the_schema_calls_a_solid_the_bed_can_lay_out() -> None:
+def test_every_solid_of_the_schema_has_an_outline_of_positive_area() -> None:
     """Slivers once passed the schema and stopped the run."""
     sliver = shape(type="polygon", width_m=0.5, points_m=[[0, 0], [1e5, 0], [1e5, 1e-6]])
     sole = shape(type="foot", width_m=0.5, length_m=1e3, height_m=1e-3)

@@ -76,7 +76,7 @@ def test_phase_is_time_ahead() -> None:
         assert ahead.value(t) == pytest.approx(clock.value(t + 0.25 / 1.3), rel=1e-12)
 
 
-def test_cubic_table_is_a_monotone_interpolation_that_starts_and_ends_at_rest() -> None:
+def test_cubic_table_interpolates_monotonically_and_rests_at_its_ends() -> None:
     signal, peer = SIGNALS["cubic"], PchipInterpolator(TIMES, VALUES)
     # In the inner intervals the slopes are those of scipy; at the ends ours are zero, where the signal stays.
     for t in np.linspace(0.2, 0.6, 41):

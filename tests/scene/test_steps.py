@@ -39,7 +39,7 @@ def test_steps_follow_from_what_moves_where_the_config_names_none(
     assert why in solver.why
 
 
-def test_explain_tells_the_steps_and_why(tmp_path, capsys) -> None:  # type: ignore[no-untyped-def]
+def test_explain_prints_the_steps_and_the_reason(tmp_path, capsys) -> None:  # type: ignore[no-untyped-def]
     run = ["run", str(CONFIGS / "dropped.yaml"), "--explain", "--no-plots", "--out", str(tmp_path)]
     assert main([*run, "--set", "solver={end_time_s: 0.001}"]) == 0
     printed = capsys.readouterr().out

@@ -86,14 +86,14 @@ def test_a_shift_changes_nothing_of_what_is_refused(
     assert shifted(text, overrides, by) == shifted(text, overrides, (0.0, 0.0))
 
 
-def test_what_is_refused_at_home() -> None:
+def test_scenes_at_the_origin_are_accepted_or_refused() -> None:
     shifted_scenes = [shifted(text, overrides, (0.0, 0.0)) for text, overrides in SCENES]
     free, refused, both = [[False], [True]], "model.bodies.hub", [[True], [True]]
     of_hubs = [free, refused, free, refused, refused, "bed.layers.0.medium", both]
     assert shifted_scenes == [*of_hubs, [[False, True]], [[False, False]]]
 
 
-def test_a_hub_away_from_the_origin_is_none_of_the_sands() -> None:
+def test_a_hub_away_from_the_origin_stays_out_of_the_sand() -> None:
     """Today's smallest case: at x = 0 it was built, at x = 0.5 m refused."""
     assert scene_of(HUB, "model.joints.pin.parent_point_m=[0.5, 0]").rigid[0].name == "hub"
 
@@ -122,7 +122,7 @@ def test_a_beam_reaches_by_its_length_from_the_pivot() -> None:
         assert can_get_below(scene.bed, link, np.array([[0.0, 0.0], [link.length, 0.0]])) == touches
 
 
-def test_the_elements_of_a_beam_that_can_get_into_the_sand_are_counted_from_its_tip() -> None:
+def test_immersible_elements_of_a_beam_are_counted_from_its_tip() -> None:
     """Of 16 elements those whose ends are farther from the pivot than the sand: of 2.5 elements from the tip three."""
     far = L_RB + LENGTH * (1.0 - 2.5 / 16)
     scene = scene_of("pendulum", "model.bodies.link.flexible.elements=16", f"surface_height_m={-MARGIN * far}")
@@ -130,7 +130,7 @@ def test_the_elements_of_a_beam_that_can_get_into_the_sand_are_counted_from_its_
     assert immersible_elements(scene.bed, scene.links[0]) == range(13, 16)
 
 
-def test_what_is_welded_at_an_angle_reaches_no_farther_than_it_does() -> None:
+def test_reach_of_a_body_welded_at_an_angle_is_its_true_distance() -> None:
     """An arm of 0.09 m and, from its end, 0.09 m square to it: sqrt(2) times 0.09 m from the pin, not 0.18 m."""
     bent = BALL.replace("parent_point_m: [0.09, 0]", "parent_point_m: [0.09, 0], child_point_m: [0, -0.09]")
     (body,) = scene_of(bent).rigid

@@ -50,7 +50,7 @@ def test_a_ball_rests_on_a_floor_at_the_depth_of_its_springs(medium: Any) -> Non
     assert any("the floor was reached" in warning and "its contact carried" in warning for warning in results.warnings)
 
 
-def test_walls_are_watched_and_a_floor_without_a_contact_is_told() -> None:
+def test_walls_are_watched_and_a_floor_without_a_contact_is_reported() -> None:
     """How far the immersed part of a ball reached follows from where its middle was."""
     bed = {"depth_m": 0.01, "container_x_m": [0.0, 0.12], "container_y_m": [-0.06, 0.2]}
     results = simulate(load(run(bed, {**BALL, "facet_size_m": 0.004})))
@@ -128,14 +128,14 @@ FAULTS: dict[str, tuple[dict[str, Any], dict[str, Any], str]] = {
 
 
 @pytest.mark.parametrize("name", FAULTS)
-def test_faults_tell_their_key(name: str) -> None:
+def test_faults_name_their_key(name: str) -> None:
     bed, given, message = FAULTS[name]
     with pytest.raises((ConfigError, SceneError)) as caught:
         build(load(run(bed, **given)))
     assert message in str(caught.value)
 
 
-def test_a_map_below_the_floor_is_told(tmp_path: Any) -> None:
+def test_a_map_below_the_floor_is_reported(tmp_path: Any) -> None:
     np.savetxt(tmp_path / "ground.csv", np.outer([0.0, -0.1, 0.0], np.ones(3)), delimiter=",")
     bed = {"depth_m": 0.05, "height_map": {"file": str(tmp_path / "ground.csv"), "cell_m": 1.0, "corner_m": [0, 1]}}
     with pytest.raises(SceneError, match=r"the map of heights goes down to -0\.1 m: allowed is a floor below it"):

@@ -253,7 +253,7 @@ def test_the_engine_goes_on_after_a_try_that_ran_away() -> None:
     assert solve(assembled(build(load(scene)))).status.code == "end_time"
 
 
-def test_held_by_its_tip_it_is_the_same_link_the_other_way_round() -> None:
+def test_link_held_by_its_tip_moves_as_one_held_by_its_root() -> None:
     end = {"type": "hinge", "parent": "ground", "child": "rod", "axis": [0, 1, 0]}
     by_root = config({"rod": ROD | {"flexible": SOFT}}, {"pin": end}, solver={"end_time_s": 0.05, "step_s": 5e-4})
     by_tip = copy.deepcopy(by_root)
@@ -328,7 +328,7 @@ def test_a_link_that_bends_too_little_to_show_is_rigid_in_space() -> None:
     assert summary["status"] == "end_time"
 
 
-def test_too_few_elements_are_told_with_their_error() -> None:
+def test_too_few_elements_are_reported_with_their_error() -> None:
     """From both sides: the error is told where it is large, and no more than twice as large as it is."""
     section = Section(None, WIDTH, THICKNESS)
     shear = MODULUS / (2.0 * (1.0 + POISSON))
@@ -355,7 +355,9 @@ def test_too_few_elements_are_told_with_their_error() -> None:
         (STRIP, SOFT | {"axial_damping_N_s": 1.0}, "flexible.axial_damping_N_s", "keeps its length"),
     ],
 )
-def test_what_can_not_be_is_refused_with_its_key(link: Config, flexible: Config, key: str, reason: str) -> None:
+def test_impossible_bending_links_are_refused_with_the_key(
+    link: Config, flexible: Config, key: str, reason: str
+) -> None:
     with pytest.raises(ConfigError) as refused:
         load(clamped(link, flexible))
     message = str(refused.value)
@@ -368,7 +370,7 @@ def test_a_strip_in_a_medium_of_bars_is_refused_by_the_name_of_the_link() -> Non
         build(load(clamped(STRIP, SOFT, medium="play_sand")))
 
 
-def test_a_rigid_link_is_met_as_a_cylinder_and_a_bending_one_by_facets_of_a_fourth_of_an_element() -> None:
+def test_rigid_links_are_cylinders_and_bending_links_small_facets() -> None:
     rigid = build(load(leg("rft3d_sand", ROD, 0.0) | {"model": clamped_to_hub(ROD)})).rigid[0]
     (shape,) = [(type(part.shape).__name__, part.facet_size) for part in rigid.parts]
     assert shape == ("Cylinder", None)

@@ -204,7 +204,7 @@ def refused(call: Any, *arguments: Any, **named: Any) -> str:
     return str(caught.value)
 
 
-def test_what_can_not_be_is_told() -> None:
+def test_unusable_bodies_are_refused_in_space() -> None:
     mbs = exu.SystemContainer().AddSystem()
     bodies = [
         mbs.CreateRigidBody(inertia=INERTIA, nodeType=kind, name=name) for kind, name in ((EULER, "leg"), (LIE, "foot"))

@@ -52,7 +52,7 @@ def test_the_force_is_continuous_where_a_face_leads_by_its_turn_alone() -> None:
     np.testing.assert_allclose(force(-1e-12), force(1e-12), atol=1e-5)
 
 
-def test_the_force_is_continuous_where_the_middle_of_a_facet_comes_to_rest_as_its_body_turns() -> None:
+def test_force_is_continuous_where_the_centroid_of_a_turning_facet_rests() -> None:
     """There the velocity of the middle has any direction, and only other places of the facet slide."""
     load = load_on(SAND, Box((0.1, 0.07, 0.05)), size=1.0, static=Elastoplastic(1e-5, 1e-3))  # a facet a face
     load.start(state(np.array([0.0, 0.0, -0.04]), Rotation.identity(), np.zeros(3), np.zeros(3))[0])

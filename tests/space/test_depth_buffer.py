@@ -34,7 +34,7 @@ def test_planes_that_cross_are_each_seen_where_they_are_in_front() -> None:
     assert picture[0, 0, 3] == 0.0
 
 
-def test_what_is_far_is_paler() -> None:
+def test_distant_faces_are_paler() -> None:
     near, far = 0.4 * square((1.0, 1.0)) + [0.5, 0, 0], 0.4 * square((-1.0, -1.0)) - [0.5, 0, 0]
     picture = seen(np.concatenate([near, far]), np.array([0, 0, 1, 1]), BLUE, LOW, HIGH, PIXELS)
     assert picture[50, 25, :3].sum() > 1.2 * picture[50, 75, :3].sum()
@@ -51,7 +51,7 @@ def test_a_closed_body_has_no_holes(turn: float) -> None:
     assert np.abs(np.diff(covered.astype(int), axis=1)).sum(axis=1).max() == 2
 
 
-def test_triangles_that_small_parts_do_not_need_are_for_the_large_ones() -> None:
+def test_large_parts_get_the_triangles_that_small_parts_leave() -> None:
     """A wheel with grousers beside many small parts keeps its teeth: an equal share for each took them away."""
     assert _most_of_each([12] * 40 + [2000]) >= 2000
     numbers = [12, 500, 4000, 6000]

@@ -77,7 +77,7 @@ def test_the_estimate_is_true_within_a_factor_of_five(name: str) -> None:
     assert 0.2 < max(estimate(motion, 0.0).values()) / error < 5.0
 
 
-def test_the_estimate_of_a_link_that_bends_is_true_within_what_is_promised(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_strip_error_estimate_of_a_bending_link_keeps_its_bounds(monkeypatch: pytest.MonkeyPatch) -> None:
     """A strip that falls on its side into sand and bends: facets of 10 mm against those of 2 mm.
 
     With some fifty instants or fewer it is up to 19 times the error, as it turns back at one that counts for long.
@@ -117,7 +117,7 @@ def test_a_cantilever_of_elements_that_move_as_one_is_as_soft(monkeypatch: pytes
 
 
 @pytest.mark.parametrize("name", SHAPES)
-def test_two_runs_or_a_glance_tell_the_error_within_a_factor_of_three(name: str) -> None:
+def test_facet_error_estimates_are_within_a_factor_of_three(name: str) -> None:
     """Facets of 4 mm after those of 8 mm, at fixed steps, against those of 1.6 mm."""
     tree = thrown(SHAPES[name], 0.008, step_s=2e-4)
     finer = motion_of(tree, 0.5)
@@ -181,7 +181,7 @@ def test_a_run_with_an_accuracy_is_repeated_until_its_facets_keep_it() -> None:
     assert np.abs(fine_path - fine.center("b")[0]).max() < 3.0 * ERROR * fine.path_length
 
 
-def test_a_run_in_steps_tells_the_error_that_it_cannot_mend(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_a_stepped_run_reports_its_facet_error(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     """`simulate` repeats the run with facets of half the size at the least; `Simulation` warns, with what it says."""
     tree = thrown(SHAPES["ball"], 0.01, accuracy=ERROR)
     results = Simulation(load(tree)).run()
@@ -232,7 +232,7 @@ def test_facets_of_many_bodies_in_a_mechanism_are_larger_than_of_one() -> None:
     assert counts["alone"] == pytest.approx(4.0 * counts["b"], rel=0.15)  # of whole numbers of rows
 
 
-def test_members_of_an_ensemble_have_the_facets_of_the_motion_without_scatter() -> None:
+def test_ensemble_members_use_the_facets_of_the_run_without_scatter() -> None:
     """They are chosen once for all draws: with scatter they stayed as large as at first, off by several per cent."""
     tree = thrown(SHAPES["ball"], 0.01, accuracy=ERROR)
     plain = simulate(load(tree)).summary

@@ -29,7 +29,7 @@ def pressed(shape: Any, depth: float, speed: float = 0.0, medium: Any = NOTHING,
     return wrench
 
 
-def test_what_is_pressed_on_a_floor_is_borne_as_by_springs_side_by_side() -> None:
+def test_a_floor_carries_bodies_as_a_field_of_parallel_springs() -> None:
     depth, speed = 1e-3, -0.05
     share = 1.0 - D * speed
     force = pressed(Plate((0.1, 0.06)), depth, speed)
@@ -48,7 +48,7 @@ def test_what_is_pressed_on_a_floor_is_borne_as_by_springs_side_by_side() -> Non
     assert pressed(Plate((0.1, 0.06)), -1e-6)[2] == 0.0
 
 
-def test_a_floor_is_that_of_the_plane() -> None:
+def test_force_of_a_floor_in_space_is_that_in_the_plane() -> None:
     """Of the width of the plate times the stiffness; both are below the sand that the plate goes through."""
     width = 0.06
     flat = GranularLoad(SAND, 0.0, floor=Floor(-0.025, K * width, D))

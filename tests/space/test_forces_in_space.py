@@ -147,7 +147,7 @@ def test_rft_is_taken_in_the_vertical_plane_of_the_motion() -> None:
     np.testing.assert_allclose(down[1:], [down[0]] * 2, rtol=1e-4, atol=1e-4 * np.abs(down[0]).max())
 
 
-def test_what_slides_meets_the_law_on_all_that_leads() -> None:
+def test_force_on_a_sliding_ball_is_the_integral_over_its_front() -> None:
     """A ball below the surface, against the integral of the law over its front; slowly it has up to 4 % less lift."""
     u, sand = np.array([1.0, 0.0, 0.0]), SimpleNamespace(xi_n=SAND.stiffness(9.81), mu_surf=SAND.mu_surf)
     cosines, weights = np.polynomial.legendre.leggauss(60)
@@ -287,7 +287,7 @@ def test_tangent_is_that_of_differences(name: str, size: int) -> None:
 
 
 @pytest.mark.parametrize("slope", [(0.0, 0.0, 0.0), (0.4, -0.3, 0.0)], ids=["level", "slope"])
-def test_of_translations_the_tangent_knows_how_the_depth_changes(slope: tuple[float, float, float]) -> None:
+def test_tangent_holds_the_change_of_depth_under_translation(slope: tuple[float, float, float]) -> None:
     """With bristles so soft that what depth does is seen: 2 % of the tangent is that of the slope."""
     load, turn = load_on(*PAIRS["rft3d"], slope=slope, static=Elastoplastic(0.03, 0.0)), Rotation.random(random_state=7)
     velocity = np.array([0.1, -0.05, -0.1])
@@ -357,7 +357,7 @@ def test_sand_never_drives_what_moves_through_it(name: str) -> None:
                 assert (history.power[5:] < 0.02 * np.abs(history.power).max()).all()
 
 
-def test_what_is_out_of_reach_costs_nothing_and_changes_nothing() -> None:
+def test_clusters_out_of_reach_are_inactive_without_change_of_forces() -> None:
     loads = [load_on(SAND, Box((0.1, 0.07, 0.05)), 0.012) for _ in range(2)]
     seen = []
     for i in range(61):
@@ -381,7 +381,7 @@ def test_what_is_out_of_reach_costs_nothing_and_changes_nothing() -> None:
 
 
 @pytest.mark.parametrize("name", ["rft3d", "lee_marghitu", "ball"])
-def test_an_accepted_step_is_the_same_whatever_forces_were_asked_for_before_it(name: str) -> None:
+def test_accepted_step_is_independent_of_earlier_force_evaluations(name: str) -> None:
     """Forces found at the end of a step are taken for it, but not those of another state, anchor or active cluster."""
     motion = Motion(3, way=0.05)
 
@@ -492,7 +492,7 @@ def test_depth_speed_and_lowest_point_are_those_of_the_points_of_a_body(
 
 
 @pytest.mark.parametrize("name", ["rft3d", "lee_marghitu"])
-def test_forces_asked_for_again_at_a_place_are_those_of_the_velocity_there(name: str) -> None:
+def test_repeated_force_evaluations_follow_the_velocity(name: str) -> None:
     """What is kept of the last forces serves the same motion alone."""
     motion, forces = Motion(3), []
     q, v = motion.state(0.3)

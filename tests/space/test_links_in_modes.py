@@ -114,7 +114,7 @@ def test_a_few_modes_bend_and_twist_as_all_elements_do() -> None:
     assert errors[6] < 1e-5  # all that there are
 
 
-def test_in_sand_two_modes_hold_a_strike_that_one_misses_and_that_is_told() -> None:
+def test_two_modes_follow_a_strike_in_sand_and_one_mode_warns() -> None:
     """On an inclined axis, as in `validation/oblique_modes.py`, from both sides."""
     scene = into_space(pendulum(0.15, 8), 0.0)
     scene["model"]["joints"]["pivot"]["axis"] = [0.0, 0.866, 0.5]
@@ -133,7 +133,7 @@ def test_in_sand_two_modes_hold_a_strike_that_one_misses_and_that_is_told() -> N
             assert 0.4 * error < estimate < 1.7 * error
 
 
-def test_none_is_rigid_and_prescribed_motions_stay() -> None:
+def test_zero_modes_give_a_rigid_link_on_its_prescribed_motion() -> None:
     """The shipped whip on its mast, dragged for a tenth of a second: without modes it is the rigid one."""
     short = ["solver.end_time_s=0.1", "solver.accuracy=3e-3", "model.bodies.whip.flexible.elements=6"]
     config = ROOT / "configs" / "whip.yaml"
@@ -148,7 +148,7 @@ def test_none_is_rigid_and_prescribed_motions_stay() -> None:
         assert run["drive_work_J"][-1] > 0.0
 
 
-def test_held_by_its_tip_it_has_the_same_modes() -> None:
+def test_link_held_by_its_tip_has_the_same_modes() -> None:
     by_root, by_tip = cantilever(6, 2, 0.02), cantilever(6, 2, 0.02)
     by_tip["model"]["joints"]["wall"] |= {"child_point_m": [LENGTH, 0, 0], "rpy_deg": [0, 0, 180]}
     held_by_root, held_by_tip = (simulate(load(scene)) for scene in (by_root, by_tip))
@@ -196,7 +196,7 @@ def rigid() -> Config:
         (swung() | {"initial": {"settle": True}}, reduced(1), "method: initial.settle is true"),
     ],
 )
-def test_what_can_not_be_in_modes_is_refused_with_its_key(scene: Config, method: Config, message: str) -> None:
+def test_scenes_without_modal_reduction_are_refused_with_the_key(scene: Config, method: Config, message: str) -> None:
     with pytest.raises((ConfigError, SceneError)) as refused:
         build(load(copy.deepcopy(scene) | {"method": method}))
     assert message in str(refused.value)

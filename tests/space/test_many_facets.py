@@ -46,7 +46,7 @@ def test_any_shape_in_facets_too_small_is_refused_with_the_size_allowed(shape: A
     assert 1_000 < len(shape.facets(float(sizes[2])).area) <= 20_000
 
 
-def test_a_mesh_that_has_too_many_triangles_is_told_so(monkeypatch: Any) -> None:
+def test_a_mesh_of_too_many_triangles_is_reported(monkeypatch: Any) -> None:
     monkeypatch.setattr(triangles, "MOST_FACETS", 1)
     assert "this surface of 2 triangles takes more than 1 facets" in refused(SQUARE, 1.0)
     assert len(SQUARE.corners(np.inf)) == 2  # to be drawn
@@ -72,7 +72,7 @@ def foot(**shape: Any) -> dict[str, Any]:
         {"type": "sphere", "diameter_m": 0.2},
     ],
 )
-def test_check_says_it_with_the_key(shape: dict[str, Any]) -> None:
+def test_check_reports_too_many_facets_with_the_key(shape: dict[str, Any]) -> None:
     with pytest.raises(SceneError) as caught:
         build(load(foot(**shape, facet_size_m=1e-5)))
     (fault,) = caught.value.faults
@@ -80,7 +80,7 @@ def test_check_says_it_with_the_key(shape: dict[str, Any]) -> None:
     assert f"{MOST_FACETS:,} facets, 0.7 GB of memory" in fault.message
 
 
-def test_out_of_the_sand_it_is_no_matter() -> None:
+def test_tiny_facets_out_of_the_sand_are_allowed() -> None:
     build(load({**foot(type="sphere", diameter_m=0.2, facet_size_m=1e-5, in_sand=False), "medium": None}))
 
 

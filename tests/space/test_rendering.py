@@ -46,7 +46,7 @@ def near(picture: NDArray[np.uint8], colour: str, within: int = 40) -> NDArray[n
 @pytest.mark.parametrize(
     ("installed", "message"), [(False, "pip install 'granular-contact[render]'"), (True, "OpenGL")]
 )
-def test_a_film_in_space_that_is_not_shaded_is_told(
+def test_a_film_in_space_that_is_not_shaded_is_reported(
     installed: bool, message: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(film, "find_spec", lambda _: installed or None)
@@ -59,7 +59,7 @@ def test_a_film_in_space_that_is_not_shaded_is_told(
 
 
 @pytest.mark.parametrize(("size", "fills"), [((1.0, 1.0, 9.0), 1), ((9.0, 1.0, 1.0), 0)])
-def test_all_that_moves_is_in_the_picture(size: tuple[float, float, float], fills: int) -> None:
+def test_view_angle_fits_all_moving_bodies(size: tuple[float, float, float], fills: int) -> None:
     """Of a view from the front, by hand; a tall screw left the picture at its top."""
     half = 0.5 * np.array(size)
     angle = rendering.opening(np.array([0.0, -50.0, 0.0]), np.zeros(3), -half, half, 1.6)
@@ -70,7 +70,7 @@ def test_all_that_moves_is_in_the_picture(size: tuple[float, float, float], fill
 
 
 @pytest.mark.usefixtures("vtk")
-def test_a_body_moves_with_its_shadow_under_it_and_an_arrow_where_it_is_pushed() -> None:
+def test_pictures_show_a_falling_body_its_shadow_and_its_force_arrow() -> None:
     stage = rendering.Stage(falling(), 320, 240)
     high, _, low = (stage.picture(k) for k in range(3))
     stage.close()

@@ -75,7 +75,7 @@ def columns(results: Results, *names: str, at: Any) -> np.ndarray:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "width"), [*((name, None) for name in EXTRUDED), ("plate", 0.05), ("bar", 0.006)])
-def test_what_is_extruded_moves_as_in_the_plane(name: str, width: float | None) -> None:
+def test_extruded_bodies_move_as_in_the_plane(name: str, width: float | None) -> None:
     """On a bed of one medium, and on one with a layer and a floor that bears."""
     plane, space, medium = EXTRUDED[name]
     beds = [{} if width is None else {"bed": bed_of(name, width, in_space)} for in_space in (False, True)]
@@ -402,7 +402,7 @@ def test_forces_in_a_ball_joint_are_those_of_its_potential_and_its_damper() -> N
                 assert np.abs(f).max() > 0.1
 
 
-def test_forces_between_elements_are_those_of_their_energy_and_their_damping() -> None:
+def test_power_between_elements_is_that_of_energy_and_damping() -> None:
     """Of both engines, at any angle: their power is -d/dt (K t^2 + k s^2) / 2 - D t'^2 - d s'^2, t the rotation vector.
 
     s: how far the child's point is from the parent's, along x of the joint. Rates by differences of a rigid motion.

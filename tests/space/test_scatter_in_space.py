@@ -67,7 +67,7 @@ def test_a_plate_scatters_as_its_cubes_do() -> None:
     assert np.mean(at) == pytest.approx(1.0, abs=4 * SHARE * GRAIN / SIZE / np.sqrt(40))
 
 
-def test_it_changes_with_the_way_and_only_what_is_static() -> None:
+def test_scatter_changes_along_the_path_and_only_static_terms() -> None:
     plain, scattered, repeated, other = (pushed(seed) for seed in (0, 5, 5, 6))
     np.testing.assert_array_equal(scattered, repeated)
     np.testing.assert_array_equal(scattered[:, 1], plain[:, 1])
@@ -119,7 +119,7 @@ def test_one_seed_converges_with_the_step_by_order_two() -> None:
     assert np.linalg.norm(end(4e-4, 3) - fine) > 3 * errors[0]  # another seed is another motion
 
 
-def test_none_at_all_is_none_bit_by_bit() -> None:
+def test_zero_scatter_changes_no_bit_in_space() -> None:
     nothing = PLAIN.model_copy(update={"scatter": Scatter(0.0, GRAIN, 3)})
     at = state(np.array([0.0, 0.0, -0.01]), Rotation.identity(), np.array([0.0, 0.0, -0.1]), np.zeros(3))
     histories = []
@@ -141,7 +141,7 @@ def test_laws_of_bars_and_balls_are_refused_in_a_line() -> None:
 
 
 @pytest.mark.parametrize("in_space", [True, False])
-def test_what_was_measured_of_a_plate_comes_back(in_space: bool) -> None:
+def test_scatter_of_a_plate_is_the_measured_scatter(in_space: bool) -> None:
     """Force over its mean on a level plate of 53 mm with the preset's own number, which is of the force."""
     medium, at, size = preset("cmu_dry_sand"), [], 0.0532
     (asked,) = (sand.force for sand in medium.measured_scatter if sand.name == "pressed_plate")

@@ -108,7 +108,7 @@ FAULTS = {
 
 
 @pytest.mark.parametrize("name", FAULTS)
-def test_faults_tell_their_key(name: str) -> None:
+def test_faults_name_their_key(name: str) -> None:
     run, message = FAULTS[name]
     with pytest.raises((ConfigError, SceneError)) as caught:
         scene_of(run)
@@ -132,7 +132,7 @@ initial: {joints: {flight: {z_m: 0.06}}}
 """
 
 
-def test_a_mesh_in_pieces_is_told_where_it_stands(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_mesh_in_pieces_is_reported_at_its_key(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Two boxes of which one stands half in the other: loaded with notices; one alone silently."""
     for name, move in (("one", None), ("two", [0.03, 0.004, 0.005])):
         corners = Box((0.06, 0.04, 0.03)).corners(0.02)
@@ -249,7 +249,7 @@ def test_a_loop_in_space_is_closed_from_rough_homes_with_the_least_change() -> N
     np.testing.assert_allclose(a.motion.rate, c.motion.rate, atol=1e-9)
 
 
-def test_a_medium_of_surfaces_that_leaves_out_round_links_is_told() -> None:
+def test_a_medium_of_surfaces_that_leaves_out_round_links_is_reported() -> None:
     """Round links are bars for one medium and would be surfaces for the other: they were left out without a word."""
     run = changed("model.bodies.arm", BEAM)
     run["model"]["joints"]["shoulder"] = {"type": "ball", "parent": "box", "child": "arm"}

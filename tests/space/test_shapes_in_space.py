@@ -81,7 +81,7 @@ def test_a_capsule_without_a_length_is_cut_as_a_sphere() -> None:
 
 
 @pytest.mark.parametrize(("name", "sides"), [("cylinder", 48), ("cone", 48), ("sphere", 24), ("capsule", 24)])
-def test_what_is_round_is_drawn_round(name: str, sides: int) -> None:
+def test_round_bodies_are_drawn_round(name: str, sides: int) -> None:
     """A regular polygon of n sides with the area of its circle is pi^2 / 3 n^2 of the radius away from it at most."""
     corners = SOLIDS[name][0].drawn()
     widest = corners[np.abs(np.hypot(corners[..., 0], corners[..., 1]) / (D / 2) - 1.0) < 0.02]
@@ -154,7 +154,7 @@ def arrays(corners: Any) -> tuple[Any, Any]:
     return flat, np.arange(len(flat)).reshape(-1, 3)
 
 
-def test_a_mesh_that_can_not_be_is_told() -> None:
+def test_an_impossible_mesh_is_refused() -> None:
     points, faces = arrays(CUBE)
     assert "it is open: 4 edges belong to one triangle only" in message(Mesh, points, faces[:10])
     flipped = faces.copy()
@@ -188,14 +188,14 @@ def test_meshes_are_read_from_files(tmp_path: Path) -> None:
     assert "broken.stl" in message(Mesh.read, tmp_path / "broken.stl")
 
 
-def test_shapes_that_no_law_takes_are_told() -> None:
+def test_shapes_that_no_law_takes_are_reported() -> None:
     line = Bar([[0, 0, 0], [0, 0, 0.1]], 0.01)
     assert "in space nothing acts on a Bar: rft takes surfaces" in message(load_on, Rft(), line)
     assert "nothing acts on a Box: lee_marghitu takes a Bar" in message(load_on, PLAY, Box((0.1, 0.1, 0.1)))
     assert "nothing acts on a Cone: poncelet takes a Sphere" in message(load_on, Poncelet(1.0, 1.0), Cone(0.1, 0.1))
 
 
-def test_what_can_not_be_is_told() -> None:
+def test_impossible_shapes_are_refused() -> None:
     assert "size: got (0.1, -1, 0.1), allowed are 3 numbers above 0" in message(Box, (0.1, -1, 0.1))
     assert "Box: size: got (0.1, 0.1), allowed are 3 numbers above 0" in message(Box, (0.1, 0.1))
     assert "Plate: size: got 0.1, allowed are 2 numbers above 0" in message(Plate, 0.1)

@@ -101,7 +101,7 @@ def test_a_state_in_space_has_the_same_future_bit_by_bit(solver: dict[str, Any])
 
 
 @pytest.mark.slow
-def test_what_is_seen_in_space_are_the_columns_of_the_results() -> None:
+def test_observations_in_space_are_the_columns_of_the_results() -> None:
     simulation = sculler()
     seen = go_on(simulation, PAUSES)[-1]
     results, names = simulation.results(), list(simulation.observe())

@@ -57,7 +57,7 @@ def test_a_rod_that_hangs_is_as_long_as_hooke_says(by_tip: bool) -> None:
     assert numbers["stress_Pa"] == pytest.approx(YOUNG * strain.max(), rel=1e-9)
 
 
-def test_the_frequency_of_waves_along_it() -> None:
+def test_frequency_of_longitudinal_waves_converges_to_theory() -> None:
     """Sqrt(E / rho) / 4 L of a rod that is clamped at one end."""
     counts, errors, exact = [4, 8, 16], [], np.sqrt(YOUNG / DENSITY) / (4.0 * LENGTH)
     for count in counts:
@@ -101,7 +101,7 @@ def test_a_rubber_pendulum_swings_as_in_the_plane() -> None:
     assert np.abs(planar - spatial).max() < 5e-3 * np.abs(np.diff(spatial)).sum()
 
 
-def test_what_is_held_at_both_ends_stretches_or_is_refused() -> None:
+def test_links_held_at_both_ends_stretch_or_are_refused() -> None:
     """A strip on two fixed hinges carries a weight nearly as a string does: 2 T sin a = P, T = E A (1 / cos a - 1).
 
     Without stretch its length would be held by a constraint that is none to first order: it was left out in silence.

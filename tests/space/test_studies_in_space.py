@@ -36,7 +36,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.mark.usefixtures("folder")
-def test_what_builds_the_scenes_of_sweeps_and_ensembles_takes_those_in_space() -> None:
+def test_builder_of_sweep_scenes_accepts_scenes_in_space() -> None:
     """Whose bodies have other shapes than those of the reduced model, from which other scenes are made."""
     scenario = load("ball.yaml").scenario
     for build in (Builder(), Builder(scenario)):

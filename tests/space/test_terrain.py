@@ -62,7 +62,7 @@ def test_a_map_of_a_slope_is_the_slope(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", ["rft3d", "lee_marghitu", "ball"])
-def test_what_meets_a_map_of_a_slope_meets_the_slope(name: str) -> None:
+def test_forces_on_a_map_of_a_slope_are_those_of_the_slope(name: str) -> None:
     """Facets, strips of a bar and a ball: forces, their tangent, and what is seen at the end of a step."""
     x, y = np.meshgrid(-0.3 + 0.05 * np.arange(13), -0.3 + 0.05 * np.arange(13))
     heights = Heights(RISE[0] * x + RISE[1] * y, (-0.3, -0.3), 0.05)
@@ -114,7 +114,7 @@ def test_kernels_and_scene_have_one_surface_whose_rise_is_its_derivative() -> No
         (None, "can't be read: FileNotFoundError"),
     ],
 )
-def test_faults_of_a_map_tell_file_and_line(tmp_path: Path, text: str | None, message: str) -> None:
+def test_faults_of_a_map_name_file_and_line(tmp_path: Path, text: str | None, message: str) -> None:
     if text is not None:
         (tmp_path / "ground.csv").write_text(text)
     scenario = load(run({"height_map": {"file": str(tmp_path / "ground.csv"), "cell_m": 0.1}}))
@@ -123,7 +123,7 @@ def test_faults_of_a_map_tell_file_and_line(tmp_path: Path, text: str | None, me
     assert message in str(caught.value)
 
 
-def test_a_map_between_spaces_is_one_between_commas(tmp_path: Path) -> None:
+def test_maps_with_spaces_and_with_commas_are_the_same(tmp_path: Path) -> None:
     values = np.random.default_rng(3).uniform(0.0, 0.01, (4, 5))
     commas, spaces = tmp_path / "commas.csv", tmp_path / "spaces.txt"
     np.savetxt(commas, values, delimiter=",")
@@ -133,7 +133,7 @@ def test_a_map_between_spaces_is_one_between_commas(tmp_path: Path) -> None:
         np.testing.assert_array_equal(placed.heights.values, values)
 
 
-def test_what_begins_beside_a_map_is_told(tmp_path: Path) -> None:
+def test_bodies_that_start_beyond_the_map_have_a_note(tmp_path: Path) -> None:
     """A map begins at the origin unless it has a corner: a robot there has two of its feet beside it."""
     ground = written(tmp_path, np.zeros((11, 21)), cell_m=0.1)
     (note,) = build(load(run(ground))).notes
@@ -158,7 +158,7 @@ def test_slopes_of_a_map_are_those_of_its_heights() -> None:
     assert not across[(y < 0.1) | (y > 0.5)].any()
 
 
-def test_what_leaves_a_map_in_a_run_is_told(tmp_path: Path) -> None:
+def test_bodies_leaving_the_map_in_a_run_are_reported(tmp_path: Path) -> None:
     ball = {"type": "rigid", "density_kg_m3": 800, "shapes": [{"type": "sphere", "diameter_m": 0.06}]}
     model = {"in_space": True, "name": "ball", "bodies": {"ball": ball}}
     model["joints"] = {"air": {"type": "free", "parent": "ground", "child": "ball"}}

@@ -43,7 +43,7 @@ def test_an_even_acceleration_goes_half_its_rate_in_a_second(axis: list[float], 
     assert travels(cart(axis, travel=travel)) == pytest.approx([1.0, 1.0, 1.5, 1.0 / (0.5 * 9.81)], rel=1e-9)
 
 
-def test_what_moves_across_does_not_travel() -> None:
+def test_motion_across_the_travel_direction_is_no_distance() -> None:
     assert travels(cart([3, 4, 0], travel="x"))[:2] == pytest.approx([0.6, 0.6], rel=1e-9)
     assert "distance_m" not in simulate(load(cart([0, 1, 0], travel="x"))).summary
 
@@ -60,7 +60,7 @@ def test_a_circle_has_a_path_and_no_distance() -> None:
         assert along[-1] - along[0] == pytest.approx(expected, abs=1e-9)
 
 
-def test_what_is_no_direction_is_refused() -> None:
+def test_travel_without_a_direction_is_refused() -> None:
     with pytest.raises(ConfigError, match=r"output\.travel: got \[0\.0, 0\.0\]; allowed is a direction on the ground"):
         load(cart([1, 0, 0], travel=[0, 0]))
     with pytest.raises(SceneError, match=r"output\.travel: got y, but y is up in the plane: allowed are x and path"):

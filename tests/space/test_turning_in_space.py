@@ -37,7 +37,7 @@ def spun(size: float, step: float, fast: float = 1.0) -> Array:
     return load.history.bodies[-1, 0]
 
 
-def test_a_ball_that_turns_nearly_in_place_is_loaded_on_the_side_that_leads() -> None:
+def test_ball_turning_nearly_in_place_is_loaded_on_its_leading_side() -> None:
     """Of a round body n . v does not know the spin, so that fine facets and coarse ones lead alike.
 
     Were bristles alike within a facet, coarse ones would lead on all sides, and lift a quarter less.
@@ -48,7 +48,7 @@ def test_a_ball_that_turns_nearly_in_place_is_loaded_on_the_side_that_leads() ->
         assert np.linalg.norm(one[3:] - finest[3:]) < error * np.linalg.norm(finest[3:])
 
 
-def test_how_much_of_a_triangle_leads_does_not_depend_on_which_corner_comes_first() -> None:
+def test_leading_part_of_a_triangle_is_independent_of_corner_order() -> None:
     """A wedge of large triangles that turn as fast as they slide, with each corner of its triangles as the first."""
     corners = [[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.0, 0.06, 0.0], [0.02, 0.01, 0.05]]
     faces = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
@@ -86,7 +86,7 @@ def test_the_spread_of_a_facet_is_that_of_an_even_one_with_its_variance(form: st
     assert s**2 == pytest.approx(3.0 * weights @ along**2, rel=1e-12)
 
 
-def test_a_facet_is_looked_at_where_its_bristle_may_let_it_lead() -> None:
+def test_facets_whose_bristle_may_lead_are_evaluated() -> None:
     """With the stretch alike within it, or differing as v does: |n . e| below spread times e . v / v^2."""
     looked_at, spread_of = called(is_pulled), called(spread_along)
     rng, seen = np.random.default_rng(8), {False: 0, True: 0}
@@ -103,7 +103,7 @@ def test_a_facet_is_looked_at_where_its_bristle_may_let_it_lead() -> None:
     assert min(seen.values()) > 5
 
 
-def test_a_bristle_that_is_dragged_far_leans_towards_the_motion() -> None:
+def test_bristle_dragged_far_leans_towards_the_motion() -> None:
     """Its stretch, q less what tau v adds, is along (1 - f) e / |e| + f v / |v| and at most u_y (`space_friction`)."""
     m, rng = SimpleNamespace(friction=ELASTOPLASTIC, u_y=1e-3, tau=2e-3), np.random.default_rng(2)
     for size in (3e-4, 2e-3, 0.03) * 10:
@@ -118,7 +118,7 @@ def test_a_bristle_that_is_dragged_far_leans_towards_the_motion() -> None:
         np.testing.assert_allclose(by_e * e + (by_v - tau) * v, expected, atol=1e-12 * m.u_y)
 
 
-def test_what_a_bristle_below_half_its_yield_leads_knows_no_motion() -> None:
+def test_bristle_below_half_yield_loads_a_facet_independent_of_motion() -> None:
     """Without damping: no place of a facet has slid, so that all of it is stretched alike, however its body turns."""
     u_y = 1e-4  # m
     load = load_on(SAND, Box((0.1, 0.07, 0.05)), size=1.0, static=Elastoplastic(u_y, 0.0))
@@ -133,7 +133,7 @@ def test_what_a_bristle_below_half_its_yield_leads_knows_no_motion() -> None:
         np.testing.assert_allclose(load.force(q, v, np.zeros(7)), still, atol=1e-9 * np.abs(still).max())
 
 
-def test_a_ball_that_turns_far_in_a_step_is_loaded_as_in_short_steps() -> None:
+def test_load_on_a_fast_spinning_ball_is_independent_of_the_step() -> None:
     """The path of a step points where a facet went half a step before: away from what it slides along."""
     long, short = (spun(3e-3, step, fast=2.0) for step in (0.05, 0.001))
     assert np.linalg.norm(long - short) < 0.02 * np.linalg.norm(short)
@@ -157,7 +157,7 @@ def dragged(steps: int) -> Array:
     return load.history.bodies[-1, 0]
 
 
-def test_what_was_sheared_does_not_know_in_how_many_steps_the_motion_turned() -> None:
+def test_shear_displacement_is_independent_of_the_steps_of_a_turn() -> None:
     """Counted by the path alone, 5 mm would be sheared after a sharp turn and 26 mm after a turn in many steps."""
     sharp, gradual = (dragged(steps) for steps in (2, 200))
     # What is counted is 1 mm of the corner and the 5 mm after it, along y alone.

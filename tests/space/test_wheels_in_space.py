@@ -79,7 +79,7 @@ def test_slip_and_sinkage_are_those_of_the_rig(slope: float, heading: float) -> 
     assert (pull, support) == pytest.approx((force @ along, force @ normal), rel=1e-9)
 
 
-def test_a_steered_wheel_has_its_slip_along_its_heading_and_a_side_force_against_its_drift() -> None:
+def test_steered_wheel_has_slip_along_its_heading_and_a_side_force() -> None:
     run = simulate(load(rig(steer=STEER)))
     slip, angle, side = last(run, "slip", "slip_angle_deg", "side_force_N")
     assert slip == pytest.approx(1.0 - SPEED * math.cos(math.radians(STEER)) / (RATE * RADIUS), abs=OF_A_STEP)
@@ -92,7 +92,7 @@ def test_a_steered_wheel_has_its_slip_along_its_heading_and_a_side_force_against
     assert f"wheel has a slip angle of {STEER:.0f} degrees" in sentence
 
 
-def test_wheels_that_differ_much_from_measured_ones_are_told() -> None:
+def test_wheels_that_differ_much_from_measured_ones_are_reported() -> None:
     numbers = {"slip": 0.2, "slip_angle_deg": 4.0}
     summary = {"wheel": numbers, "wheel_left": numbers | {"slip": -1.0}, "facets": {}}
     (sentence,) = uncompared(summary)

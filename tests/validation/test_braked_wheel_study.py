@@ -19,7 +19,7 @@ BOUND = cmu.BOUNDS[braked_wheel.BOUND]
 LEVEL = Effects()
 
 
-def test_the_level_surface_is_the_package_s_wheel_and_that_of_the_first_trial() -> None:
+def test_level_surface_agrees_with_the_package_and_the_first_trial() -> None:
     # 360 points of the rim against 96 strips: both miss the edge of the contact by a share of 1e-4 or less.
     assert braked_wheel.against_package(braked_wheel.BOUND) < 2e-3
     for place, force, sinkage in ((0, -18.5, 33.5), (2, -15.8, 27.1), (4, -3.4, 17.3)):
@@ -31,7 +31,7 @@ def test_the_level_surface_is_the_package_s_wheel_and_that_of_the_first_trial() 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", CANDIDATES)
-def test_candidates_are_the_level_surface_at_no_strength_and_differ_at_full(name: str) -> None:
+def test_candidates_of_zero_strength_equal_the_level_surface(name: str) -> None:
     effects = CANDIDATES[name]
     for place in (0, 2, 8):
         trial = cmu.rolling()[place]
@@ -51,7 +51,7 @@ def test_the_sinkage_bears_the_load() -> None:
         assert (x, z) == (pytest.approx(force), pytest.approx(trial.load, rel=1e-4))
 
 
-def test_a_wedge_is_passive_earth_pressure_and_its_area_that_before_the_rim() -> None:
+def test_wedge_force_is_coulomb_passive_earth_pressure() -> None:
     # Coulomb's coefficient for an upright wall with the wall's friction as large as the internal one; the failure
     # plane is taken from a grid of 0.5 degrees, and the force is least there, so the error is of second order.
     phi = np.arctan(SAND.mu)
@@ -78,7 +78,7 @@ def test_a_wedge_is_passive_earth_pressure_and_its_area_that_before_the_rim() ->
     assert Model(LEVEL, wheel_rim, -1.0).area(0.03, float(x[-1])) == pytest.approx(under, rel=1e-4)
 
 
-def test_what_is_pressed_straight_down() -> None:
+def test_load_of_a_body_pressed_straight_down() -> None:
     depth = np.array([0.01, 0.03])
     want = cmu.pressed_wheel(preset("cmu_dry_sand"), braked_wheel.BOUND, depth)
     got = [pressed.wheel(LEVEL, BOUND, float(z)) for z in depth]

@@ -11,7 +11,7 @@ from validation import curled
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["rope that falls", "soft rope that falls and curls"])
-def test_what_is_told_of_a_rope_that_curls_is_its_error(name: str) -> None:
+def test_strip_error_estimate_of_a_curling_rope_is_true(name: str) -> None:
     """From both sides: a link of 16 elements, 2 % off, was silent; estimates are 1 to 2 times the error here."""
     made = curled.CASES[name]
     fine = curled.found(made(64))
@@ -22,7 +22,7 @@ def test_what_is_told_of_a_rope_that_curls_is_its_error(name: str) -> None:
         assert outcome.told is (outcome.estimate > 0.01)
 
 
-def test_what_is_told_of_a_rod_that_vibrates_grows_with_its_phase() -> None:
+def test_strip_error_estimate_of_a_vibrating_rod_grows_with_its_phase() -> None:
     """From both sides: 4 elements are 2.9 % of the path off after two periods, which was silent; 8 are 0.7 % off."""
     made = curled.CASES["rod that vibrates twice"]
     fine = curled.found(made(16))

@@ -11,7 +11,7 @@ SEEDS = {64: "thrown solid"}
 
 
 @pytest.mark.parametrize("seed", SEEDS, ids=SEEDS.get)
-def test_what_a_run_tells_is_within_a_factor_of_ten_of_its_error(seed: int) -> None:
+def test_estimated_facet_error_is_within_a_factor_of_ten_of_the_error(seed: int) -> None:
     judged = study.judge(seed)
     assert judged is not None
     assert judged.kind == SEEDS[seed]

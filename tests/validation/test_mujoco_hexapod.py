@@ -7,7 +7,7 @@ import pytest
 from validation.peers.mujoco_hexapod import model_of, scene_of
 
 
-def test_it_is_the_robot_of_the_scene() -> None:
+def test_mujoco_model_is_the_robot_of_the_scene() -> None:
     scene = scene_of(0.1)
     model = model_of(scene, 1e-3)
     assert model.nbody == 1 + len(scene.rigid)

@@ -48,7 +48,7 @@ def test_the_draws_are_of_every_kind(drawn) -> None:
 
 
 @pytest.mark.slow
-def test_images_are_scenes_and_the_mirror_image_of_a_mirror_image_is_the_scene(drawn, tmp_path: Path) -> None:
+def test_images_are_scenes_and_mirroring_twice_restores_the_scene(drawn, tmp_path: Path) -> None:
     made: Counter[str] = Counter()
     for scene in drawn[:30]:
         for name, image in study.WORLDS["plane"].images.items():
@@ -106,7 +106,7 @@ def test_distance_of_tracks_is_over_the_way_and_between_rows() -> None:
     assert apart(mirrored, made(11), mirror=True) == 0.0
 
 
-def test_what_is_wrong_without_a_word_is_counted() -> None:
+def test_errors_without_a_warning_are_counted() -> None:
     right = study.Found(0, "rod", "fixed steps", "rft", "rest", imbalance=1e-5, steps=1e-3, space=2e-3, half=1e-3)
 
     def lost(**changes) -> set[str]:
@@ -147,7 +147,7 @@ def test_beginnings_of_scenes_keep_the_properties(seed: int) -> None:
 
 
 @pytest.mark.slow
-def test_a_foot_that_grazes_the_surface_moves_alike_after_translation_by_1_km(tmp_path: Path) -> None:
+def test_grazing_foot_moves_alike_after_translation_by_1_km(tmp_path: Path) -> None:
     """There a step that Newton's method failed in led to 7678 short ones, and 0.6 % of the way."""
     scene = draw(451, tmp_path).tree
     runs = [(tree, solve(tree, tmp_path)) for tree in (scene, images.shifted(scene))]

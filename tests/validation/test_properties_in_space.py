@@ -37,7 +37,7 @@ def test_the_draws_are_of_every_kind(drawn) -> None:
 
 
 @pytest.mark.slow
-def test_images_are_scenes_and_twice_a_mirror_image_is_the_scene(drawn, tmp_path: Path) -> None:
+def test_images_are_scenes_and_mirroring_twice_restores_the_scene(drawn, tmp_path: Path) -> None:
     made = dict.fromkeys(SPACE.images, 0)
     for scene in drawn[:12]:
         for name, image in SPACE.images.items():

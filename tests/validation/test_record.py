@@ -116,7 +116,7 @@ def test_a_record_is_read_as_it_was_saved(tmp_path: Path, monkeypatch: pytest.Mo
     assert record.read() == made
 
 
-def test_validate_runs_records_and_tells_what_is_lost(
+def test_validate_runs_records_and_reports_lost_claims(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """A study that comes out otherwise the second time, in a list of two of which the other ends in an error."""

@@ -26,7 +26,7 @@ def test_all_claims_hold(designs: list[list[study.Gait]]) -> None:
     assert [name for name, holds in held(designs).items() if not holds] == []
 
 
-def test_a_runner_that_stands_still_or_sinks_is_told(designs: list[list[study.Gait]]) -> None:
+def test_a_runner_that_stands_still_or_sinks_is_reported(designs: list[list[study.Gait]]) -> None:
     slow = [[replace(gait, speed=0.1) for gait in gaits] for gaits in designs]
     assert not held(slow)[RISES]
     assert not held(slow)["runner.a heavy trunk gets faster, then slower"]

@@ -40,7 +40,7 @@ def test_chains_are_as_asked() -> None:
     assert chains.strips(1) * 1 == chains.strips(16) * 16 == 16
 
 
-def test_what_the_load_does_is_linear_in_the_links() -> None:
+def test_cost_of_the_load_is_linear_in_the_number_of_links() -> None:
     """Entries of its tangent, and calls from Python, which are as many for 64 links as for 16."""
     entries, calls = [], []
     for links in (16, 64):

@@ -26,7 +26,7 @@ def test_a_beam_that_is_spun_up_comes_back_with_order_two() -> None:
     assert 0.5 < most < 0.6  # m; in figures of Simo and Vu-Quoc (1986) somewhat less than 0.6
 
 
-def test_links_from_soft_to_stiff_are_right_or_told_of(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_links_from_soft_to_stiff_are_accurate_or_warned_of(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(study.soft_and_stiff, "FINE", 32)  # twice as many as those that are right to some 0.1 %
     cases = study.soft_and_stiff.cases((1e-4, 1e6), 32)
     assert [case.told for case in cases] == [True, False, True, True, False]
@@ -36,7 +36,7 @@ def test_links_from_soft_to_stiff_are_right_or_told_of(monkeypatch: pytest.Monke
         assert case.imbalance < 1e-3
 
 
-def test_modes_are_told_apart() -> None:
+def test_modes_are_distinguished() -> None:
     """A motion in the first mode of one plane and the second of the other, of half the amplitude.
 
     Its energies are as 1 to 1/4, since the squares of these curvatures are the same.

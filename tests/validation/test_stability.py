@@ -19,7 +19,7 @@ CELLS = (
 )
 
 
-def test_there_are_enough_cases() -> None:
+def test_the_stability_matrix_has_enough_cases() -> None:
     """As many as the matrix promises, each once."""
     every = [*cases(), *(place[3] for place in heat())]
     assert len(set(every)) == len(every) >= 300
@@ -53,7 +53,7 @@ def test_a_wrong_answer_without_a_word_is_seen() -> None:
 
 
 @pytest.mark.slow
-def test_ten_times_the_step_is_told() -> None:
+def test_ten_times_the_step_is_reported() -> None:
     outcomes = [study.ten_times(study.CONFIGS / f"{name}.yaml") for name in ("pendulum", "impact_61deg", "runner")]
     assert study.coarse_claim(outcomes).held
     assert [bool(one.warnings) for one in outcomes] == [True, True, False]

@@ -56,7 +56,7 @@ def test_claims_fail_where_the_estimate_differs_from_the_error() -> None:
 
 
 @pytest.mark.slow
-def test_wheels_that_turn_are_not_told_to_be_wrong(tmp_path: Path) -> None:
+def test_turning_wheels_have_no_warning(tmp_path: Path) -> None:
     """A cart whose strips are right within 0.1 %: no run was as good as told, and 128 strips were taken for nothing."""
     judged = study.judge("cart", study.cart(0), tmp_path)
     assert judged is not None
@@ -68,7 +68,7 @@ def test_wheels_that_turn_are_not_told_to_be_wrong(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_a_rod_that_stands_on_its_end_gets_the_strips_that_its_accuracy_needs(tmp_path: Path) -> None:
+def test_strip_estimate_suffices_for_a_rod_toppling_from_its_end(tmp_path: Path) -> None:
     """It topples, which lets errors grow: 16 strips, 0.43 % off, were taken to be enough for 0.1 %."""
     asked = solved(study.settings(ROD, 16, accuracy=1e-3), tmp_path)
     exact = solved(study.settings(ROD, 256, step_s=5e-5), tmp_path)

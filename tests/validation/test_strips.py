@@ -5,7 +5,7 @@ from __future__ import annotations
 from validation import strips
 
 
-def test_a_solid_is_as_exact_as_the_study_says() -> None:
+def test_error_of_a_cut_solid_is_that_of_the_study() -> None:
     """A box that falls and tumbles: silent, exact by its strips, and within what was asked where both are chosen."""
     judged = strips.judge(strips.CASES["solid, poppy seeds"])
     assert not judged.told
@@ -16,7 +16,7 @@ def test_a_solid_is_as_exact_as_the_study_says() -> None:
         assert steps < 130  # of 12 500 fixed ones
 
 
-def test_strips_that_are_too_long_are_told_and_shortened() -> None:
+def test_strips_that_are_too_long_are_reported_and_shortened() -> None:
     """A rod that strikes steeply and topples: 2 % off with 8 strips. A box on its corner, 0.3 % off, is not told of."""
     case = strips.CASES["rod, 3D-RFT, steep"]
     run = strips.simulate(case, 8, step_s=1e-4)

@@ -77,7 +77,7 @@ def in_space(mbs: Any) -> Callable[[Any], None]:
         (rotation_vector, "RotVec"),
     ],
 )
-def test_what_it_cannot_see_is_refused_by_its_kind(made: Callable[[Any], Any], kind: str, add: Any) -> None:
+def test_unsupported_objects_are_refused_with_their_kind(made: Callable[[Any], Any], kind: str, add: Any) -> None:
     mbs = exu.SystemContainer().AddSystem()
     if (made, add) == (beam, cables):
         add(mbs)(made(mbs))
@@ -106,7 +106,7 @@ def test_an_element_is_no_list_of_elements() -> None:
         GranularBed(mbs, preset("play_sand"), 0.0).add_cables(beam(mbs), 0.01)
 
 
-def test_a_bed_that_was_not_attached_has_nothing_to_tell() -> None:
+def test_an_unattached_bed_reports_nothing() -> None:
     """Its forces were zeros, which looks like a body above the sand."""
     mbs = exu.SystemContainer().AddSystem()
     body = mbs.CreateRigidBody(inertia=RIGID, referencePosition=[0, 0, 0.04])
