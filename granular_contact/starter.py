@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import itertools
 import re
+import shlex
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -61,11 +62,12 @@ def text(name: str, file: str) -> str:
     config = _read(shipped)
     body = "\n".join(line for line in _without_comment(config) if not line.startswith("# yaml-language-server"))
     body = _MODEL.sub(lambda match: _model_text(match[1]), body)
+    written, folder = (shlex.quote(each) for each in (file, f"results/{Path(file).stem}/"))
     lines = [
         f"# {about(shipped)}",
         "#",
-        f"#   granular-contact check {file}            what is wrong, with its line",
-        f"#   granular-contact run {file} --animate    results and a film in results/{Path(file).stem}/",
+        f"#   granular-contact check {written}            what is wrong, with its line",
+        f"#   granular-contact run {written} --animate    results and a film in {folder}",
         "",
         body.strip(),
         "",

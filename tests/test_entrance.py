@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import shlex
 import subprocess
 import sys
 from functools import cache
@@ -18,6 +19,7 @@ from granular_contact import __version__, starter
 from granular_contact.cli import main, schema
 from granular_contact.cli.schema import SCHEMAS
 from granular_contact.config import json_schema, load, medium_names
+from granular_contact.results import Results
 
 
 def test_the_bare_command_lists_the_commands(capsys: pytest.CaptureFixture[str]) -> None:
@@ -60,6 +62,24 @@ def test_new_writes_a_config_of_the_shipped_model(
     assert main(["new", name, "--out", str(path)]) == 2
     assert "is there already" in capsys.readouterr().err
     assert path.read_text(encoding="utf-8") == before
+
+
+def test_a_file_with_a_blank_in_a_home_folder_is_written_and_its_commands_can_be_copied(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A shell leaves ~ as it is in --out=~/wheel.yaml: a folder of the name ~ was made in the working folder."""
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.setattr(starter, "names", lambda: NAMES)
+    assert main(["new", "free_link", "--out=~/my rod.yaml"]) == 0
+    path = tmp_path / "my rod.yaml"
+    commands = [line for line in capsys.readouterr().out.splitlines() if line.startswith("  ")]
+    assert [shlex.split(line)[2] for line in commands] == [str(path)] * 2
+    named = [line[1:] for line in path.read_text(encoding="utf-8").splitlines() if line.startswith("#   ")]
+    assert [shlex.split(line)[2] for line in named] == ["my rod.yaml"] * 2
+    monkeypatch.chdir(tmp_path)
+    assert main(["run", "my rod.yaml", "--out=~/of the rod", "--set", "solver.end_time_s=0.01", "--no-plots"]) == 0
+    assert Results.open(tmp_path / "of the rod").save("~/again", figures=False) == tmp_path / "again"
+    assert not (tmp_path / "~").exists()
 
 
 def test_every_key_that_new_offers_can_be_used(tmp_path: Path) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import shutil
 import sys
 import tempfile
@@ -94,7 +95,8 @@ def add_set(parser: argparse.ArgumentParser, example: str = "medium.eta_h=9") ->
 
 def add_output(parser: argparse.ArgumentParser, default: str) -> None:
     """Add the options --out, whose default is `default` in words, and --quiet."""
-    parser.add_argument("--out", metavar="DIR", help=f"folder of the results ({default})")
+    # Shells leave the ~ of --out=~/results as it is.
+    parser.add_argument("--out", metavar="DIR", type=os.path.expanduser, help=f"folder of the results ({default})")
     parser.add_argument("--quiet", action="store_true", help="print faults only")
 
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+import os
+import shlex
 from pathlib import Path
 
 from granular_contact.cli.common import FINE, Refusal
@@ -14,7 +16,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     text = "shipped model or config to copy, as runner; without it all are listed"
     parser.add_argument("model", metavar="MODEL", nargs="?", help=text)
-    parser.add_argument("--out", metavar="FILE", help="file to write (my_MODEL.yaml)")
+    parser.add_argument("--out", metavar="FILE", type=os.path.expanduser, help="file to write (my_MODEL.yaml)")
 
 
 def execute(chosen: argparse.Namespace) -> int:
@@ -39,6 +41,6 @@ def execute(chosen: argparse.Namespace) -> int:
     except OSError as error:
         raise Refusal(f"{path} can't be written: {error.strerror}") from None
     print(f"{path} holds the mechanism and its run; change it, and then:")
-    print(f"  granular-contact check {path}")
-    print(f"  granular-contact run {path} --animate")
+    print(f"  granular-contact check {shlex.quote(str(path))}")
+    print(f"  granular-contact run {shlex.quote(str(path))} --animate")
     return FINE

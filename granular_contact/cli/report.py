@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 from pathlib import Path
 
 from granular_contact.cli.common import FINE, Refusal, view
@@ -15,7 +16,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     text = "folder of a run, a comparison, a sweep, a search or a fit; several folders of runs make a gallery"
     parser.add_argument("directory", metavar="DIR", nargs="+", help=text)
     text = "file to write (DIR/report.html; for several folders gallery.html beside them)"
-    parser.add_argument("--out", metavar="FILE", help=text)
+    parser.add_argument("--out", metavar="FILE", type=os.path.expanduser, help=text)
     parser.add_argument("--view", action="store_true", help="open the file in the browser")
 
 

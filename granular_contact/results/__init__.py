@@ -13,6 +13,7 @@ methods                        methods of `Results` that need the rooms above (f
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from os import PathLike
@@ -282,7 +283,7 @@ class Results:
         """
         from granular_contact.results.methods import save
 
-        return save(self, Path(directory), figures)
+        return save(self, Path(os.path.expanduser(directory)), figures)
 
     @classmethod
     def open(cls, directory: str | PathLike[str]) -> Results:
