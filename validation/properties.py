@@ -7,7 +7,7 @@ laws, beds, and all methods of solution. The loader of the command line reads ea
 forms:
 
 - mirrored in x; translated by 1 km; with its parts in another order (its *images*);
-- with half the step, and with a quarter to a sixteenth of the step;
+- with half the step, and with a quarter to a sixteenth of the step (less if that run has a warning);
 - with a quarter of the step (less if that is too long), eight times the strips and four times the elements; in space
   with half the step and facets of a third of the size;
 - with adaptive steps if they were fixed, and the other way round.
@@ -206,13 +206,10 @@ def _judged(drawn: Drawn, folder: Path, share: float, world: World) -> Found:
     values["half"] = forms.off(lambda one: images.finer(one, 2.0), refined, silent=True)
     steps = tree["solver"]["end_time_s"] / tree["solver"].get("step_s", images.STEP)
     most = min(16.0, max(4.0, 2.0 ** math.floor(math.log2(world.most_steps / steps))))
-    values["steps"] = forms.off(lambda one: images.finer(one, most), refined)
-    for factor in (world.shorter, most):  # a reference with too long steps does not show the error of strips
-        finer = partial(world.divided, factor=factor)
-        # Refused without a fault: a body that has 200 000 facets can't have facets of a third of the size.
-        values["space"] = forms.off(finer, refined, silent=factor < most, refused=math.nan)
-        if math.isfinite(values["space"]):
-            break
+    factors = [most, 4.0 * most, 16.0 * most]
+    values["steps"] = forms.off_reference(images.finer, refined, factors)
+    # Refused without a fault: a body that has 200 000 facets can't have facets of a third of the size.
+    values["space"] = forms.off_reference(world.divided, refined, [world.shorter, *factors], refused=math.nan)
     if (other := forms.run(images.chosen, tree)) is not None and other.status.code in GOOD:
         values["numbers"] = summaries_apart(
             results, other, own, max(scene.length, 1e-3), scene.mass * abs(scene.gravity)
@@ -271,6 +268,24 @@ class _Forms:
         if results.status.code not in GOOD:
             return ends
         return apart(self.own, track(results, image(tree), self.least_path), mirror)
+
+    def off_reference(
+        self,
+        finer: Callable[[images.Tree, float], images.Tree],
+        tree: Any,
+        factors: Sequence[float],
+        refused: float = math.inf,
+    ) -> float:
+        """Difference from the first finer run without a warning, else from the finest; NaN if that does not end well.
+
+        finer: makes a config with steps shorter by a factor; factors: in the order in which they are tried. A run with
+        a warning may be farther off than the scene itself. refused: as in `off`.
+        """
+        for factor in factors:
+            difference = self.off(partial(finer, factor=factor), tree, silent=factor < factors[-1], refused=refused)
+            if math.isfinite(difference):
+                break
+        return difference
 
 
 def every(
