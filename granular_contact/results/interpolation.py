@@ -228,7 +228,7 @@ def _zeros(time: Vector, tracks: Sequence[Track], between: Sequence[Vector]) -> 
         middle = 0.5 * (a + b)
         beyond = (c0 + middle * (c1 + middle * (c2 + middle * c3)) > 0.0) == rises
         a, b = np.where(beyond, a, middle), np.where(beyond, middle, b)
-    zeros: Vector = start + step * 0.5 * (a + b)
+    zeros: Vector = start + step * a  # which is exact where a step begins at zero
     return zeros
 
 
