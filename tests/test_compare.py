@@ -5,12 +5,14 @@ from __future__ import annotations
 import csv
 from pathlib import Path
 
+import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
 from granular_contact.cli import main
 from granular_contact.errors import ConfigError, SceneError
 from granular_contact.report.figures.over_time import draw_runs
+from granular_contact.results import Results
 from granular_contact.studies.compare import Comparison, compare, write
 
 ROOT = Path(__file__).parents[1]
@@ -89,6 +91,36 @@ def test_figures_are_those_of_a_run_with_a_curve_for_each_model(
     away = [count for title, count in (angles | deflections).items() if "less" in title]
     assert away[0] == len(runs) - 1
     assert away[-1] == bending - 1
+
+
+@pytest.fixture(scope="module")
+def in_space() -> Comparison:
+    return compare(ROOT / "configs" / "whip.yaml", (0, 1), (4, 8), overrides=["solver.end_time_s=0.5"], repeats=1)
+
+
+def test_models_in_space_are_compared_by_the_places_of_their_tips(in_space: Comparison) -> None:
+    rigid, one_mode, coarse, finest = in_space.rows
+    assert [row.name for row in in_space.rows] == ["rigid", "1 mode", "4 elements", "8 elements"]
+    assert set(finest.differences.values()) == {0.0}
+    assert max(one_mode.motion_error, coarse.motion_error) < 0.1 * rigid.motion_error
+    assert rigid.differences["deflection_relative"] == pytest.approx(-1.0)
+    # A cantilever of n elements bends by 1/4n^2 too little: one of 4 elements by 1.2 % less than one of 8.
+    assert coarse.differences["deflection_relative"] == pytest.approx(-0.012, rel=0.5)
+    assert in_space.verdict.startswith("No model is within 1 % of 8 elements in the motion; ") or (
+        in_space.verdict.startswith("Cheapest within 1 % in the motion: ")
+    )
+
+
+def test_the_error_of_the_motion_in_space_is_the_greatest_distance_over_the_longest_path(in_space: Comparison) -> None:
+    row, reference = in_space.rows[0], in_space.rows[-1].results
+
+    def places(run: Results, point: str) -> np.ndarray:
+        return np.array([np.interp(reference["time_s"], run["time_s"], run[f"{point}_{axis}_m"]) for axis in "xyz"])
+
+    apart = np.linalg.norm(places(row.results, "tip") - places(reference, "tip"), axis=0).max()
+    paths = [np.linalg.norm(np.diff(places(reference, name)), axis=0).sum() for name in ("arm", "whip", "tip")]
+    assert row.differences["motion_m"] == pytest.approx(apart, rel=1e-3)
+    assert row.differences["motion_relative"] == pytest.approx(apart / max(paths), rel=1e-2)
 
 
 @pytest.mark.parametrize(

@@ -14,9 +14,11 @@ SHOWN = (
     ("max_deflection_m", "peak um", 1e6, ".1f"),
     ("stopping_time_relative", "stop %", 1e2, "+.3f"),
     ("travel_relative", "travel %", 1e2, "+.3f"),
+    ("motion_relative", "motion %", 1e2, ".3f"),
     ("deflection_relative", "peak %", 1e2, "+.2f"),
     ("angle_rms_deg", "rms mdeg", 1e3, ".2f"),
     ("deflection_rms_m", "rms um", 1e6, ".2f"),
+    ("motion_m", "apart um", 1e6, ".1f"),
     ("solve_s", "run ms", 1e3, ".2f"),
 )
 
@@ -60,7 +62,9 @@ def execute(chosen: argparse.Namespace) -> int:
         comparison = compare(chosen.config, chosen.modes, chosen.elements, tolerance=chosen.tolerance, **progress)
     write(comparison, folder, figures=not chosen.no_plots)
     if not chosen.quiet:
-        print_numbers(["model"], SHOWN, (([row.name], cells(row)) for row in comparison.rows))
+        rows = [cells(row) for row in comparison.rows]
+        shown = [column for column in SHOWN if column[0] in rows[0]]
+        print_numbers(["model"], shown, (([str(row["model"])], row) for row in rows))
         say(comparison.verdict)
         say(f"saved in {folder}")
     return worst(row.results for row in comparison.rows)

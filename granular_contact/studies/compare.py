@@ -1,7 +1,9 @@
-"""Compare rigid, modal and finite-element models of one config with the model of the most elements.
+"""Compare rigid and modal models of one config, and models with several numbers of elements, with the finest of them.
 
-A model is accepted for the motion if stopping time and travel (angle at stop minus impact angle) are both within the
-tolerance, and for the deflection if the peak deflection is. The verdict is the cheapest accepted model.
+A model is accepted for the motion if its errors are within the tolerance: in the plane those of stopping time and
+travel (angle at stop minus impact angle) of a pendulum, in space the greatest distance of the tip from its place in the
+reference, over the longest path of a body. It is accepted for the deflection if the peak deflection is within the
+tolerance. The verdict is the cheapest accepted model.
 """
 
 from __future__ import annotations
@@ -26,18 +28,21 @@ from granular_contact.results.frames import MOST
 from granular_contact.results.interpolation import at_times, rates
 from granular_contact.run import run, uninterrupted
 from granular_contact.scene import build
+from granular_contact.scene.types import Vector
 
 MODES, ELEMENTS = (0, 1, 2, 5), (4, 8, 16, 32)
 MOST_MODES, MOST_ELEMENTS = 20, 1024
 EVERY_STEP = "output.interval_s=null"  # so that differences do not depend on the number of stored rows
+OF_MOTION = ("stopping_time_relative", "travel_relative", "motion_relative")  # the errors of the motion that there are
+INSTANTS = 2001  # at which histories are compared
 
 
 @dataclass(frozen=True)
 class Row:
     """One model: its name, results, median run time (s) and differences from the reference.
 
-    differences: by column, relative differences of stopping time, travel and peak deflection, and root mean square
-    differences (deg, m) over the common time. None if either run lacks the number.
+    differences: by column, relative differences and root mean square differences (deg, m) over the common time; see
+    `_in_plane` and `_in_space`. None if either run lacks the number.
     """
 
     name: str
@@ -47,8 +52,8 @@ class Row:
 
     @property
     def motion_error(self) -> float:
-        """Larger of the two relative errors of the motion; infinite if one is unknown, or the run failed."""
-        errors = [self.differences[key] for key in ("stopping_time_relative", "travel_relative")]
+        """Greatest relative error of the motion; infinite if one is unknown, or the run failed."""
+        errors = [self.differences[key] for key in OF_MOTION if key in self.differences]
         if self.results.status.code not in FINISHED:
             return math.inf
         return max(math.inf if error is None else abs(error) for error in errors)
@@ -70,12 +75,13 @@ class Comparison:
             return f"{reference.name} did not reach its end, so there is no reference: {message}"
         candidates = sorted(models, key=lambda row: row.seconds)
         limit = f"{100 * self.tolerance:g} %"
-        motion = f"No model is within {limit} of {reference.name} in stopping time and travel"
+        measure = "the motion" if "motion_relative" in reference.differences else "stopping time and travel"
+        motion = f"No model is within {limit} of {reference.name} in {measure}"
         if accepted := [row for row in candidates if row.motion_error <= self.tolerance]:
             best = accepted[0]
             cost = f"{1e3 * best.seconds:.3g} ms ({reference.name}: {1e3 * reference.seconds:.3g} ms)"
             motion = (
-                f"Cheapest within {limit} in stopping time and travel: {best.name}, "
+                f"Cheapest within {limit} in {measure}: {best.name}, "
                 f"error {100 * best.motion_error:.2g} % in {cost}"
             )
         peaks = [(row.name, row.differences["deflection_relative"]) for row in candidates]
@@ -87,6 +93,8 @@ def models(
     path: str | PathLike[str], modes: Sequence[int], elements: Sequence[int], overrides: Sequence[str]
 ) -> dict[str, list[str]]:
     """Overrides of each model of a comparison, by its name; cheapest kind first, the most elements last.
+
+    In the plane the beams are finite elements of Exudyn; in space the modes are those of the config's own elements.
 
     Raises
     ------
@@ -100,23 +108,21 @@ def models(
         if not low <= n <= high
     ]
     faults += [] if elements else [Fault("", None, "--elements", "got none; the reference needs at least one number")]
-    scenario = load(path, overrides).scenario
-    flexible = [name for name, body in scenario.model.all_bodies.items() if getattr(body, "flexible", None) is not None]
-    links = [name for name in flexible if name in scenario.model.bodies]
+    model = load(path, overrides).scenario.model
+    flexible = [name for name, body in model.all_bodies.items() if getattr(body, "flexible", None) is not None]
+    links = [name for name in flexible if name in model.bodies]
     if not flexible:
         faults.append(Fault(str(path), None, "model.bodies", "no link is flexible, so there is nothing to compare"))
-    elif scenario.model.in_space:
-        message = "is in space, and compare is for a pendulum in the plane; here sweep method.reduced.modes"
-        faults.append(Fault(str(path), None, "model", message))
     if faults:
         raise ConfigError(faults)
+    friction, method, kind = ("", "auto", "") if model.in_space else (", static: elastoplastic", "engine", "FE, ")
     reduced = {
-        _counted("mode", n) if n else "rigid": [f"method={{reduced: {{modes: {n}, static: elastoplastic}}}}"]
+        _counted("mode", n) if n else "rigid": [f"method={{reduced: {{modes: {n}{friction}}}}}"]
         for n in sorted(set(modes))
     }
     beams = {
-        f"FE, {_counted('element', n)}": [
-            "method=engine",
+        kind + _counted("element", n): [
+            f"method={method}",
             *(f"model.bodies.{link}.flexible.elements={n}" for link in links),
         ]
         for n in sorted(set(elements))
@@ -165,37 +171,72 @@ def compare(
 
 def _differences(results: Results, reference: Results) -> dict[str, float | None]:
     """Differences of a run from the reference, see `Row`."""
+    of_motion = _in_space if "tip_z_m" in reference.names else _in_plane
+    return {
+        **of_motion(results, reference),
+        "deflection_rms_m": _rms(results, reference, "deflection_m"),
+        "deflection_relative": _relative(results, reference, "max_deflection_m"),
+    }
 
-    def relative(key: str, origin: float = 0.0) -> float | None:
-        value, exact = results.summary[key], reference.summary[key]
-        if value is None or exact is None or exact == origin:
-            return None
-        return float((value - exact) / (exact - origin))
 
+def _in_plane(results: Results, reference: Results) -> dict[str, float | None]:
+    """Differences of a pendulum: of its angle (root mean square), and relative ones of stopping time and travel."""
     angle = next(name for name in reference.names if name.endswith("_angle_deg"))
     return {
         "angle_rms_deg": _rms(results, reference, angle),
-        "deflection_rms_m": _rms(results, reference, "deflection_m"),
-        "stopping_time_relative": relative("stopping_time_s"),
-        "travel_relative": relative("angle_at_stop_deg", float(reference[angle][0])),
-        "deflection_relative": relative("max_deflection_m"),
+        "stopping_time_relative": _relative(results, reference, "stopping_time_s"),
+        "travel_relative": _relative(results, reference, "angle_at_stop_deg", float(reference[angle][0])),
     }
+
+
+def _in_space(results: Results, reference: Results) -> dict[str, float | None]:
+    """Greatest distance of the tip from its place in the reference (m), and its ratio to the longest path of a body.
+
+    Centres of bodies are not compared: that of a body with a welded link depends on the length of the link's elements.
+    """
+    time = _common_time(results, reference)
+    apart = np.linalg.norm(_places(results, "tip", time) - _places(reference, "tip", time), axis=0).max()
+    points = [name.removesuffix("_x_m") for name in reference.names if name.endswith("_x_m")]
+    longest = max(np.linalg.norm(np.diff(_places(reference, point, time)), axis=0).sum() for point in points)
+    return {"motion_m": float(apart), "motion_relative": float(apart / longest) if longest > 0.0 else None}
+
+
+def _places(run: Results, point: str, time: Vector) -> Vector:
+    """Places (3, n) m of a point at times (n,) s."""
+    return np.array([_at(run, f"{point}_{axis}_m", time) for axis in "xyz"])
+
+
+def _relative(results: Results, reference: Results, key: str, origin: float = 0.0) -> float | None:
+    """Relative difference of a number of the summary, both less `origin`; None if either run lacks it."""
+    value, exact = results.summary[key], reference.summary[key]
+    if value is None or exact is None or exact == origin:
+        return None
+    return float((value - exact) / (exact - origin))
+
+
+def _common_time(results: Results, reference: Results) -> Vector:
+    """Instants (s) from the start to the end of the shorter of two runs."""
+    return np.linspace(0.0, min(results["time_s"][-1], reference["time_s"][-1]), INSTANTS)
+
+
+def _at(run: Results, column: str, time: Vector) -> Vector:
+    """Values of a column at times (s), by cubics between the steps."""
+    history = run["time_s"], run[column]
+    return at_times(*history, rates(*history), time)
 
 
 def _rms(results: Results, reference: Results, column: str) -> float | None:
     """Root mean square difference of a column over the common time of two runs; None if one lacks the column."""
     if not all(column in run.names for run in (results, reference)):
         return None
-    end = min(results["time_s"][-1], reference["time_s"][-1])
-    time = np.linspace(0.0, end, 2001)
-    histories = [(run["time_s"], run[column]) for run in (results, reference)]
-    values, exact = (at_times(*history, rates(*history), time) for history in histories)
-    return float(np.sqrt(np.mean((values - exact) ** 2)))
+    time = _common_time(results, reference)
+    return float(np.sqrt(np.mean((_at(results, column, time) - _at(reference, column, time)) ** 2)))
 
 
 def cells(row: Row) -> dict[str, str | float | None]:
     """Cells of a row of the table, by column name."""
-    numbers = {key: row.results.summary[key] for key in ("stopping_time_s", "angle_at_stop_deg", "max_deflection_m")}
+    of_motion = () if "motion_relative" in row.differences else ("stopping_time_s", "angle_at_stop_deg")
+    numbers = {key: row.results.summary[key] for key in (*of_motion, "max_deflection_m")}
     return {"model": row.name, **numbers, **row.differences, "solve_s": row.seconds}
 
 

@@ -16,6 +16,7 @@ from granular_contact.report.units import is_number, quantity
 
 _OF_MODELS = (
     *("model", "stopping_time_s", "stopping_time_relative", "angle_at_stop_deg", "travel_relative"),
+    *("motion_m", "motion_relative"),
     *("max_deflection_m", "deflection_relative", "angle_rms_deg", "deflection_rms_m", "solve_s"),
 )
 _NOT_SHOWN = ("warnings", "energy_imbalance_relative")  # columns of media that are shown elsewhere on the page
