@@ -56,8 +56,8 @@ COUNT, QUICK, SEED = 1000, 8, 0
 SHARE = 0.2  # simulated share of the end time of a scene in the quick form
 SILENT = 1e-2  # relative error allowed in a run without a warning
 BALANCE = 1e-3
-# Relative difference allowed between images; or, if larger, the accuracy of adaptive steps, or the error of the steps,
-# as round-off grows like that error where the motion diverges.
+# Relative difference allowed between images. If these are larger: twice the accuracy of adaptive steps, as each of the
+# two runs may be off by it; the error of the steps, as round-off grows like that error where the motion diverges.
 ALIKE = 1e-4
 STRIPS, ELEMENTS = 8, 4
 FACETS = 1.0 / 3.0  # factor on the size of facets in finer runs
@@ -98,7 +98,7 @@ class Found:
     @property
     def alike(self) -> float:
         """Difference allowed between the scene and an image."""
-        return max(ALIKE, self.accuracy, _finite(self.steps), _finite(self.half))
+        return max(ALIKE, 2.0 * self.accuracy, _finite(self.steps), _finite(self.half))
 
     @property
     def cause(self) -> str:

@@ -81,8 +81,7 @@ class Comparison:
             best = accepted[0]
             cost = f"{1e3 * best.seconds:.3g} ms ({reference.name}: {1e3 * reference.seconds:.3g} ms)"
             motion = (
-                f"Cheapest within {limit} in {measure}: {best.name}, "
-                f"error {100 * best.motion_error:.2g} % in {cost}"
+                f"Cheapest within {limit} in {measure}: {best.name}, error {100 * best.motion_error:.2g} % in {cost}"
             )
         peaks = [(row.name, row.differences["deflection_relative"]) for row in candidates]
         accurate = [name for name, error in peaks if error is not None and abs(error) <= self.tolerance]

@@ -106,6 +106,30 @@ def test_distance_of_tracks_is_over_the_way_and_between_rows() -> None:
     assert apart(mirrored, made(11), mirror=True) == 0.0
 
 
+def test_small_strains_are_compared_with_a_strain_of_a_thousandth() -> None:
+    class Run:
+        def __init__(self, strain: float, place: float = 0.1) -> None:
+            link = {
+                "strain": strain,
+                "stress_Pa": 2e9 * strain,
+                "place_m": place,
+                "time_s": place,
+                "yield_stress_Pa": 5e7,
+            }
+            self.summary = {"links": {"body": link}}
+
+        def __getitem__(self, column: str) -> np.ndarray:
+            return np.array([0.0, 1.0])
+
+    still = Track(np.array([0.0, 1.0]), np.zeros((2, 1)), np.zeros((2, 1)), np.ones(1), 1.0)
+
+    def off(*runs: Run) -> float:
+        return study.summaries_apart(*runs, still, 1.0, 1.0)[0]
+
+    assert off(Run(4e-5), Run(3e-5, 0.2)) == pytest.approx(0.01)  # of 1e-3; places of maxima do not count
+    assert off(Run(4.4e-3), Run(4e-3)) == pytest.approx(0.1)
+
+
 def test_errors_without_a_warning_are_counted() -> None:
     right = study.Found(0, "rod", "fixed steps", "rft", "rest", imbalance=1e-5, steps=1e-3, space=2e-3, half=1e-3)
 

@@ -122,6 +122,7 @@ def _between(track: Track, at: Vector) -> Vector:
     return between
 
 
+STRAIN = 1e-3  # of links: differences of smaller strains count relative to it
 LEFT_OUT = ("cost", "versions", "warnings", "name", "message", "status", "static_turns")
 
 
@@ -143,8 +144,9 @@ def summaries_apart(first: Any, other: Any, own: Track, size: float, weight: flo
     work of the weight over the path length. The scale of a cost of transport follows from those of the work and the
     distance of which it is the ratio. Pull and slip of a wheel can be near zero: their scales are the weight, and 1.
     Instants are compared by the motion between them: the difference is at most the relative distance that a body moves
-    from one instant to the other. Instants of maxima are skipped, as two peaks can be equally high; so are facets,
-    which each run chooses by itself.
+    from one instant to the other. Instants and places of maxima are skipped, as two peaks can be equally high; so are
+    facets, which each run chooses by itself. The scale of strains is at least STRAIN, and that of stresses belongs to
+    it: steps are chosen by the error of positions, and do not resolve the vibration of a link that hardly bends.
     """
     of_first, of_second = dict(numbers(first.summary)), dict(numbers(other.summary))
     end = max(float(first["time_s"][-1]), float(other["time_s"][-1]))
@@ -162,10 +164,15 @@ def summaries_apart(first: Any, other: Any, own: Track, size: float, weight: flo
     }
     worst = 0.0, ""
     for key in of_first.keys() & of_second.keys():
-        if key.startswith("facets.") or (key.startswith("max_") and key.endswith("time_s")):
+        of_maximum = key.startswith(("max_", "links.")) and key.endswith(("time_s", "place_m"))
+        if key.startswith("facets.") or of_maximum:
             continue
         scale = next((value for tail, value in scales.items() if key.endswith(tail)), 0.0)
-        itself = not scale or "largest_" in key  # a peak can be many times the mean, which is energy over time
+        if key.endswith(("strain", "stress_Pa")):
+            strain = of_second.get(key.replace("stress_Pa", "strain"), 0.0)
+            scale = STRAIN * (of_second[key] / strain if strain else 1.0)
+        # A peak of power can be many times the mean, which is energy over time.
+        itself = not scale or key.startswith("links.") or "largest_" in key
         if key.startswith("wheel.") and not scale:  # scale of forces: the weight; of slip and ratios: 1
             scale = weight if key.endswith("_N") else 1.0
         scale = max(scale, abs(of_second[key]) if itself else 0.0, 1e-300)
