@@ -16,13 +16,17 @@ Tree = dict[str, Any]
 Vector = NDArray[np.float64]
 
 
+MOST_TURN = 0.5  # rad within a step; a cubic through both ends is off by its fourth power over 384
+
+
 @dataclass(frozen=True)
 class Track:
     """Motion of all bodies since the start.
 
     time (n,) s; place (n, k) m: in the plane the displacements in x and y of every body and its rotation times its
     radius, in space the displacements of its centre, and of the ends of its axes relative to the centre, with axes as
-    long as the radius; rate (n, k) m/s; signs (k,): factors of the mirror image; way: longest path length, m.
+    long as the radius; rate (n, k) m/s; signs (k,): factors of the mirror image; way: longest path length, m; turn:
+    greatest rotation of a body in space within a step, rad.
     """
 
     time: Vector
@@ -30,6 +34,7 @@ class Track:
     rate: Vector
     signs: Vector
     way: float
+    turn: float = 0.0
 
 
 def track(results: Any, tree: Tree, least_path: float) -> Track:
@@ -47,7 +52,7 @@ def track(results: Any, tree: Tree, least_path: float) -> Track:
 def _in_space(results: Any, tree: Tree, least_path: float) -> Track:
     """Track of a run in space, rotated back about the vertical by the angle that `images_in_space.turned` recorded."""
     back = rotations.of_rpy([0.0, 0.0, -math.radians(tree.get("aside", {}).get("turned_deg", 0.0))])
-    points, rates, longest = [], [], least_path
+    points, rates, longest, turn = [], [], least_path, 0.0
     for name, body in sorted(tree["model"]["bodies"].items()):
         place, velocity, spin = (
             np.column_stack([results[f"{name}_{column}"] for column in columns]) @ back.T
@@ -62,12 +67,13 @@ def _in_space(results: Any, tree: Tree, least_path: float) -> Track:
         arms = [axes[:, :, i] for i in range(3)]
         ends = [place, *(place + arm for arm in arms)]
         longest = max(longest, *(float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum()) for path in ends))
+        turn = max(turn, float((np.diff(results["time_s"]) * np.linalg.norm(spin, axis=1)[1:]).max(initial=0.0)))
         points += [place, *arms]
         rates += [velocity, *(np.cross(spin, arm) for arm in arms)]
     place = np.column_stack(points)
     signs = np.array([1.0, -1.0, 1.0])
     mirror = np.tile(np.concatenate([signs, signs, -signs, signs]), len(points) // 4)
-    return Track(results["time_s"], place - place[0], np.column_stack(rates), mirror, longest)
+    return Track(results["time_s"], place - place[0], np.column_stack(rates), mirror, longest, turn)
 
 
 def _bodies(results: Any, tree: Tree) -> Iterator[tuple[Vector, Vector, float]]:
@@ -101,9 +107,14 @@ def reach(body: Tree) -> float:
 
 
 def apart(first: Track, other: Track, mirror: bool = False) -> float:
-    """Greatest difference of two tracks at the instants of the first, over the path length of the second."""
+    """Greatest difference of two tracks at the instants of the first, over the path length of the second.
+
+    NaN if the second has other instants and turns by more than MOST_TURN between them, which no cubic represents.
+    """
     end = min(first.time[-1], other.time[-1])
     common = first.time <= end * (1.0 + 1e-12)
+    if other.turn > MOST_TURN and not np.array_equal(first.time, other.time):
+        return math.nan
     at = _between(other, first.time[common])
     place = first.place[common] * (first.signs if mirror else 1.0)
     return float(np.abs(place - at).max()) / other.way
