@@ -62,6 +62,21 @@ def test_repeated_columns_are_drawn_once_and_sinkage_in_one_sense() -> None:
     assert set(shown) == {"wheel", "travel", "joints"}
 
 
+def test_a_run_in_space_that_stays_in_a_plane_has_the_panels_of_the_others() -> None:
+    def body(up: float) -> dict[str, np.ndarray]:
+        moved, still = 0.1 * TIME, np.zeros_like(TIME)
+        places = {"trunk_x_m": moved, "trunk_y_m": moved**2, "trunk_z_m": still + up * moved}
+        velocities = {"trunk_vx_m_s": still + 0.1, "trunk_vy_m_s": 0.2 * moved, "trunk_vz_m_s": still + 0.1 * up}
+        return {"time_s": TIME, **places, **velocities, "trunk_yaw_deg": 3.0 * moved}
+
+    for heights in ((0.0, 0.5), (0.0, 0.0)):
+        runs = [History(name, body(up)) for name, up in zip("ab", heights, strict=True)]
+        (travel,) = panels(["a", "b"], table(runs))
+        titles = [panel.title for panel in travel.panels]
+        assert titles[:2] == ["trunk, ahead: x", "trunk, to the left: y"]
+        assert ("trunk, height: z" in titles) is any(heights)
+
+
 def test_constant_columns_of_a_run_are_kept_beside_new_ones() -> None:
     results = wheel(0.2)
     column = results.__getitem__

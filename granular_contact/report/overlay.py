@@ -52,16 +52,20 @@ def keys(names: Iterable[str]) -> list[str]:
 
 
 def table(runs: Sequence[History]) -> dict[str, Array]:
-    """Columns (rows,) of all runs on a common time axis, by name; columns of zeros are left out."""
+    """Columns (rows,) of all runs on a common time axis, by name; columns that are zero in all runs are left out.
+
+    Velocities along z stay, as they tell that a run is in space.
+    """
     times = np.unique(np.concatenate([run.columns["time_s"] for run in runs]))
     count = sum(len(run.columns) for run in runs)
     row_limit = int(np.clip(MOST_NUMBERS // max(count, 1), LEAST_ROWS, MOST_ROWS))
     time = times if len(times) <= row_limit else np.linspace(times[0], times[-1], row_limit)
     columns: dict[str, Array] = {"time_s": time}
+    kept = {name for run in runs for name in run.columns if name.endswith("_vz_m_s") or greatest(run.columns[name]) > 0}
     for key, run in zip(keys(run.name for run in runs), runs, strict=True):
         run_time = run.columns["time_s"]
         for name, values in run.columns.items():
-            if name == "time_s" or not greatest(values) > 0.0:
+            if name == "time_s" or name not in kept:
                 continue
             if split(name)[1] in _SMOOTH and len(run_time) > 1:
                 sampled = at_times(run_time, values, rates(run_time, values), time)
