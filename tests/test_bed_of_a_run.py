@@ -7,9 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from support_refusals import CONFIG_OR_SCENE, faults_of
 from support_runs import scenario_of, scene_of, simulate
 
-from granular_contact.errors import ConfigError, SceneError
+from granular_contact.errors import ConfigError
 from granular_contact.laws.validity import Validity
 from granular_contact.results.limits import Reach, warnings
 
@@ -47,10 +48,8 @@ solver: {step_s: 1e-4, end_time_s: 0.04}
 PLATE_END = "end_m: [0.03, 0], width_m: 0.05, thickness_m: 0.005"
 
 
-def faults_of(text_or_name: str, *overrides: str) -> list[tuple[str, str]]:
-    with pytest.raises((SceneError, ConfigError)) as caught:
-        scene_of(text_or_name, *overrides)
-    return [(fault.key, fault.message) for fault in caught.value.faults]
+def faults_in(text_or_name: str, *overrides: str) -> list[tuple[str, str]]:
+    return [(fault.key, fault.message) for fault in faults_of(CONFIG_OR_SCENE, scene_of, text_or_name, *overrides)]
 
 
 def test_a_sloped_surface_is_touched_at_the_start() -> None:
@@ -223,22 +222,22 @@ def test_a_ball_falls_as_the_closed_form_says() -> None:
 
 
 def test_faulty_beds_are_refused() -> None:
-    ((key, message),) = faults_of("pendulum", "medium={law: bingham, yield_force_N: 1, viscosity_N_s_m: 1}")
+    ((key, message),) = faults_in("pendulum", "medium={law: bingham, yield_force_N: 1, viscosity_N_s_m: 1}")
     assert key == "model.bodies.RB2" or key.startswith("model.bodies")
     assert "lee_marghitu, albert, hill, rft, drft, rft3d" in message
-    assert faults_of("pendulum", "medium=hill_cylinders")[0][0] == "medium.density_kg_m3"
-    assert faults_of("pendulum", "medium=[play_sand, {from: hill_cylinders}]")[0][0] == "medium.1.density_kg_m3"
-    assert faults_of("pendulum", "bed={depth_m: 0.01, slope_deg: -20}")[0][0] == "bed.depth_m"
+    assert faults_in("pendulum", "medium=hill_cylinders")[0][0] == "medium.density_kg_m3"
+    assert faults_in("pendulum", "medium=[play_sand, {from: hill_cylinders}]")[0][0] == "medium.1.density_kg_m3"
+    assert faults_in("pendulum", "bed={depth_m: 0.01, slope_deg: -20}")[0][0] == "bed.depth_m"
     assert (
-        faults_of("pendulum", "bed.layers=[{top_m: 0.01, medium: play_sand}]", "load.form=resultant")[0][0]
+        faults_in("pendulum", "bed.layers=[{top_m: 0.01, medium: play_sand}]", "load.form=resultant")[0][0]
         == "load.form"
     )
-    assert faults_of("pendulum", "bed.slope_deg=5", "method=reduced")[0][0] == "method"
-    assert faults_of(BALL, "bed.layers=[{top_m: 0.01, medium: rft_generic}]")[0][0] == "bed.layers"
+    assert faults_in("pendulum", "bed.slope_deg=5", "method=reduced")[0][0] == "method"
+    assert faults_in(BALL, "bed.layers=[{top_m: 0.01, medium: rft_generic}]")[0][0] == "bed.layers"
 
 
 def test_every_depth_has_a_law_for_what_can_get_there() -> None:
-    ((key, message),) = faults_of(PLATE, "bed.layers=[{top_m: 0.005, medium: play_sand}]")
+    ((key, message),) = faults_in(PLATE, "bed.layers=[{top_m: 0.005, medium: play_sand}]")
     assert key == "bed.layers.0.medium"
     assert "plate can get that deep, but play_sand takes round bars" in message
     assert "laws for plates (plate, arc or polyline with a width) are rft, drft, rft3d" in message
@@ -246,11 +245,11 @@ def test_every_depth_has_a_law_for_what_can_get_there() -> None:
     law = "{law: linear_depth, stiffness_N_m: 1}"
     for config in ("pendulum_rigid", "pendulum"):
         scene_of(config, "surface_height_m=-0.14", f"bed.layers=[{{top_m: 0.145, medium: {law}}}]")
-        assert faults_of(config, "surface_height_m=-0.14", f"bed.layers=[{{top_m: 0.1, medium: {law}}}]")
+        assert faults_in(config, "surface_height_m=-0.14", f"bed.layers=[{{top_m: 0.1, medium: {law}}}]")
 
 
 def test_a_medium_that_takes_nothing_of_the_mechanism_is_refused() -> None:
-    ((key, message),) = faults_of(PLATE, "medium=[poppy_seeds_loose, play_sand]")
+    ((key, message),) = faults_in(PLATE, "medium=[poppy_seeds_loose, play_sand]")
     assert key == "medium.1"
     assert "play_sand takes round bars" in message
     assert "laws for plates (plate, arc or polyline with a width) are rft, drft, rft3d" in message
@@ -276,7 +275,7 @@ def test_a_medium_is_judged_by_what_it_met() -> None:
 
 def test_only_laws_that_have_a_resultant_take_its_form() -> None:
     for medium in ("rft_generic", "rft3d_sand", "[play_sand, rft_generic]"):
-        ((key, message),) = faults_of("pendulum_rigid", f"medium={medium}", "load.form=resultant")
+        ((key, message),) = faults_in("pendulum_rigid", f"medium={medium}", "load.form=resultant")
         assert key == "load.form"
         assert "laws with one are lee_marghitu, albert, hill" in message
     scene = scene_of("pendulum_rigid", f"medium=[play_sand, {ALBERT}, {HILL}]", "load.form=resultant")
@@ -287,10 +286,10 @@ FLOOR = "bed={depth_m: 0.05, floor: {stiffness_N_m2: 1e6, damping_s_m: 1}}"
 
 
 def test_a_floor_without_a_medium_is_refused() -> None:
-    ((key, message),) = faults_of(PLATE, "medium=null", FLOOR)
+    ((key, message),) = faults_in(PLATE, "medium=null", FLOOR)
     assert key == "bed.depth_m"
     assert "a bed needs one" in message
-    assert faults_of(PLATE, "medium=null", "bed.container_x_m=[-1, 1]")[0][0] == "bed.container_x_m"
+    assert faults_in(PLATE, "medium=null", "bed.container_x_m=[-1, 1]")[0][0] == "bed.container_x_m"
     # What the message names in its place: the plate falls freely to the floor, which carries.
     bare = simulate(PLATE, "medium={from: rft_generic, zeta: 1e-9}", FLOOR, "solver.end_time_s=0.06")
     # m v^2 = k delta^2 with 40.5 g at 1.41 m/s and 60 kN/m: 1.16 mm, less by the damping.
@@ -300,7 +299,7 @@ def test_a_floor_without_a_medium_is_refused() -> None:
 
 def test_a_floor_lies_below_all_of_a_profile() -> None:
     profile = "bed={profile_m: [[-0.1, 0], [0.1, 0], [0.2, -0.06]], depth_m: 0.05}"
-    ((key, message),) = faults_of(PLATE, profile)
+    ((key, message),) = faults_in(PLATE, profile)
     assert key == "bed.depth_m"
     assert "the corner [0.2, -0.06]" in message
     assert scene_of(PLATE, profile.replace("0.05}", "0.07}")).bed.floor.height == -0.07
@@ -356,9 +355,7 @@ def test_a_slope_that_ran_into_its_floor_is_reported() -> None:
     ],
 )
 def test_faults_of_beds_and_media_stand_at_their_keys(override: str, key: str, message: str) -> None:
-    with pytest.raises(ConfigError) as caught:
-        scenario_of("pendulum", override)
-    (fault,) = caught.value.faults
+    (fault,) = faults_of(ConfigError, scenario_of, "pendulum", override)
     assert fault.key == key
     assert message in fault.message
 

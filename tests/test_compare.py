@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
+from support_refusals import faults_of
 
 from granular_contact.cli import main
 from granular_contact.errors import ConfigError, SceneError
@@ -133,9 +134,7 @@ def test_the_error_of_the_motion_in_space_is_the_greatest_distance_over_the_long
     ],
 )
 def test_counts_out_of_range_are_refused(modes, elements, message) -> None:
-    with pytest.raises(ConfigError) as refused:
-        compare(CONFIG, modes, elements)
-    assert [str(fault) for fault in refused.value.faults] == [message]
+    assert [str(fault) for fault in faults_of(ConfigError, compare, CONFIG, modes, elements)] == [message]
 
 
 def test_a_rigid_mechanism_has_nothing_to_compare() -> None:

@@ -16,6 +16,7 @@ from pathlib import Path
 import pytest
 import yaml
 from support_figures import sketched
+from support_refusals import faults_of
 from support_results import make
 from support_sweep import CONFIGS, ENVIRONMENT, arguments, until
 
@@ -333,9 +334,8 @@ def test_faults_are_reported_at_their_lines(tmp_path, case):
 
 def test_faults_of_a_file_its_keys_and_its_ends_are_reported_together(tmp_path):
     parameters = f"parameters:\n  initial.impact_sped_rad_s: [9, 4]\n  {ANGLE}: [10, 800]\n  load.odd: [2, 2]\n"
-    with pytest.raises(ConfigError) as caught:
-        study(tmp_path, FILE.replace(PARAMETERS, parameters) + "method: cmaes\n")
-    assert [fault.line for fault in caught.value.faults] == [3, 4, 5, 8]
+    faults = faults_of(ConfigError, study, tmp_path, FILE.replace(PARAMETERS, parameters) + "method: cmaes\n")
+    assert [fault.line for fault in faults] == [3, 4, 5, 8]
 
 
 @pytest.mark.parametrize(
@@ -348,8 +348,6 @@ def test_faults_of_a_file_its_keys_and_its_ends_are_reported_together(tmp_path):
     ],
 )
 def test_an_objective_that_no_run_has_ends_the_search(tmp_path, change, key, message):
-    with pytest.raises(ConfigError) as caught:
-        outcome_of(study(tmp_path, FILE.replace(*change)))
-    (fault,) = caught.value.faults
+    (fault,) = faults_of(ConfigError, outcome_of, study(tmp_path, FILE.replace(*change)))
     assert (fault.key, fault.line is not None) == (key, True)
     assert message in fault.message

@@ -6,12 +6,13 @@ import json
 import re
 import sys
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from support_refusals import faults_of, message_of
 from support_runs import CONFIGS, ROOT
 
 import granular_contact
@@ -171,9 +172,7 @@ def test_plots_have_a_panel_for_each_unit_and_show_in_notebooks() -> None:
 def test_frames_need_pandas_and_nothing_else_loads_it(monkeypatch) -> None:
     assert "pandas" not in sys.modules
     monkeypatch.setitem(sys.modules, "pandas", None)
-    with pytest.raises(MissingPackageError) as caught:
-        swung().to_dataframe()
-    assert str(caught.value) == "to_dataframe() needs pandas: pip install pandas"
+    assert message_of(MissingPackageError, swung().to_dataframe) == "to_dataframe() needs pandas: pip install pandas"
     made: dict[str, object] = {}
 
     def frame(table, columns) -> SimpleNamespace:
@@ -222,9 +221,7 @@ def test_files_names_and_mappings_are_the_same() -> None:
 def test_all_that_runs_a_config_takes_what_load_takes(function) -> None:
     """Each loads what it is given: a name that is none, and a mapping with a fault, are refused as `load` does."""
     for given in ("pendulun", {"model": "no_such"}):
-        with pytest.raises(ConfigError) as caught:
-            load(given)
-        with pytest.raises(ConfigError, match=re.escape(str(caught.value))):
+        with pytest.raises(ConfigError, match=re.escape(message_of(ConfigError, load, given))):
             function(given)
     assert granular_contact.build("pendulum_rigid").name == "pendulum_rigid"
 
@@ -259,12 +256,9 @@ def test_an_override_with_a_type_replaces_another_type() -> None:
     ],
 )
 def test_faults_are_reported_as_on_the_command_line(text: str, changes: dict[str, object]) -> None:
-    messages = []
-    for call in (lambda: load("runner", [text]), lambda: load("runner", **changes)):
-        with pytest.raises(ConfigError) as caught:
-            call()
-        messages.append([(fault.key, fault.message) for fault in caught.value.faults])
-    assert messages[0] == messages[1] != []
+    refused = partial(faults_of, ConfigError, load, "runner")
+    by_text, by_keywords = ([(f.key, f.message) for f in faults] for faults in (refused([text]), refused(**changes)))
+    assert by_text == by_keywords != []
 
 
 def test_missing_files_are_reported_with_similar_names() -> None:
@@ -275,9 +269,9 @@ def test_missing_files_are_reported_with_similar_names() -> None:
 
 
 def test_faults_of_the_geometry_have_their_lines() -> None:
-    with pytest.raises(SceneError) as caught:
-        simulate(load(CONFIGS / "flexible_leg.yaml", method={"reduced": {"modes": 0}}))
-    assert {fault.file for fault in caught.value.faults} == {"load method={'reduced': {'modes': 0}}"}
+    loaded = load(CONFIGS / "flexible_leg.yaml", method={"reduced": {"modes": 0}})
+    files = {fault.file for fault in faults_of(SceneError, simulate, loaded)}
+    assert files == {"load method={'reduced': {'modes': 0}}"}
 
 
 def test_editors_know_every_key_of_a_config() -> None:

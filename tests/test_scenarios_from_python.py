@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
+from support_refusals import faults_of, message_of
 from support_runs import CONFIGS, scenario_of, scene_of
 
 import granular_contact
@@ -176,9 +178,7 @@ def test_a_scene_knows_its_scenario() -> None:
 def test_a_scenario_that_was_not_run_is_refused() -> None:
     scenario, scene = pendulum(*SHORT), scene_of("pendulum", *SHORT)
     other = scenario.replace({"medium.eta_d": 5, "gravity_m_s2": 1})
-    with pytest.raises(SceneError) as caught:
-        granular_contact.simulate(scene, other)
-    (line,) = str(caught.value).splitlines()
+    (line,) = message_of(SceneError, granular_contact.simulate, scene, other).splitlines()
     assert line.startswith("scenario: is not the one that the scene was built from: they differ in medium.")
     assert "medium.eta_d" in line
     assert "gravity_m_s2" in line
@@ -226,11 +226,10 @@ def test_a_sweep_from_python_has_the_numbers_of_single_runs() -> None:
 
 
 def test_a_sweep_from_python_is_checked_before_anything_runs() -> None:
-    with pytest.raises(ConfigError) as caught:
-        granular_contact.sweep(pendulum(), {"medium.eta_d": [4, -1], "medium.eta_q": [1], "gravity_m_s2": {"from": 1}})
-    assert [fault.key for fault in caught.value.faults] == ["vary.gravity_m_s2.to", "vary.gravity_m_s2.count"]
-    with pytest.raises(ConfigError) as caught:
-        granular_contact.sweep(pendulum(), {"medium.eta_d": [4, -1], "medium.eta_q": [1, 2]}, combine="zip")
-    assert {fault.key for fault in caught.value.faults} == {"medium.eta_d", "medium.eta_q"}
+    refused = partial(faults_of, ConfigError, granular_contact.sweep, pendulum())
+    faults = refused({"medium.eta_d": [4, -1], "medium.eta_q": [1], "gravity_m_s2": {"from": 1}})
+    assert [fault.key for fault in faults] == ["vary.gravity_m_s2.to", "vary.gravity_m_s2.count"]
+    faults = refused({"medium.eta_d": [4, -1], "medium.eta_q": [1, 2]}, combine="zip")
+    assert {fault.key for fault in faults} == {"medium.eta_d", "medium.eta_q"}
     with pytest.raises(ConfigError, match="none of cases, vary and sample"):
         granular_contact.sweep(pendulum())

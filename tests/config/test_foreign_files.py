@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from support_refusals import faults_of
 from support_runs import CONFIGS, scenario_of
 
 from granular_contact import cli
@@ -42,9 +43,7 @@ def test_a_file_that_is_no_config_is_not_quoted(
 
 def faults(path: Path, text: str) -> list[str]:
     path.write_text(text)
-    with pytest.raises(ConfigError) as caught:
-        load_sweep(path)
-    return [str(fault) for fault in caught.value.faults]
+    return [str(fault) for fault in faults_of(ConfigError, load_sweep, path)]
 
 
 def test_a_grid_of_a_great_many_dimensions_is_reported_in_short(tmp_path: Path) -> None:
@@ -71,9 +70,7 @@ def test_a_misplaced_combine_is_reported_with_its_place(tmp_path: Path) -> None:
 
 
 def test_where_the_path_of_a_medium_starts_is_said(capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(ConfigError) as caught:
-        load(CONFIGS / "pendulum.yaml", ["medium=sand/mine.yaml"])
-    (fault,) = caught.value.faults
+    (fault,) = faults_of(ConfigError, load, CONFIGS / "pendulum.yaml", ["medium=sand/mine.yaml"])
     assert "no file sand/mine.yaml; paths start from the working folder" in fault.message
     with pytest.raises(SystemExit):
         cli.main(["run", "--help"])

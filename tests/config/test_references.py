@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 import yaml
 from support_config import GOOD, changed
+from support_refusals import faults_of
 
 from granular_contact.config import is_run, load, scenario_to_dict
 from granular_contact.config.load import preset
@@ -113,9 +114,7 @@ BAD_REFERENCES = [
 
 @pytest.mark.parametrize(("text", "line", "key", "message"), BAD_REFERENCES, ids=lambda value: str(value)[:30])
 def test_a_faulty_reference_is_refused_at_its_line(folder, text, line, key, message):
-    with pytest.raises(ConfigError) as caught:
-        run(folder, START + text + "\n")
-    [fault] = caught.value.faults
+    [fault] = faults_of(ConfigError, run, folder, START + text + "\n")
     assert (Path(fault.file).name, fault.line, fault.key) == ("run.yaml", line, key)
     assert [word for word in message if word not in fault.message] == []
 
@@ -124,18 +123,15 @@ def test_a_fault_in_a_model_file_is_located_there(folder):
     (folder / "models" / "arm.yaml").write_text(ARM.replace("length_m: 0.2", "length_m: 0"))
     (folder / "models" / "torn.yaml").write_text("name: [\n")
     for model, line, key in (("arm", 11, "model.bodies.arm.length_m"), ("torn", 2, "")):
-        with pytest.raises(ConfigError) as caught:
-            run(folder, START + f"model: {model}\ngravity_m_s2: down\n")
-        places = [(Path(f.file).name, f.line, f.key) for f in caught.value.faults]
+        reported = faults_of(ConfigError, run, folder, START + f"model: {model}\ngravity_m_s2: down\n")
+        places = [(Path(f.file).name, f.line, f.key) for f in reported]
         assert places == [("run.yaml", 3, "gravity_m_s2"), (f"{model}.yaml", line, key)]
 
 
 def test_a_cycle_is_refused(folder):
     (folder / "models" / "a.yaml").write_text("from: b\n")
     (folder / "models" / "b.yaml").write_text("\nfrom: a.yaml\n")
-    with pytest.raises(ConfigError) as caught:
-        run(folder, START + "model: a\n")
-    [fault] = caught.value.faults
+    [fault] = faults_of(ConfigError, run, folder, START + "model: a\n")
     assert (Path(fault.file).name, fault.line, fault.key) == ("b.yaml", 2, "model.from")
     assert "a.yaml -> b.yaml -> a.yaml" in fault.message
 
@@ -321,8 +317,6 @@ def test_a_law_is_no_medium_and_stays_under_from(folder):
         ("albert", "medium", "which is a law and no medium; give its numbers, as medium: {law: albert, ...}"),
         ("{from: play_sand, law: rft}", "medium.law", "play_sand is of the law lee_marghitu, and law can't change"),
     ):
-        with pytest.raises(ConfigError) as caught:
-            run(folder, start + medium + "\n")
-        [fault] = caught.value.faults
+        [fault] = faults_of(ConfigError, run, folder, start + medium + "\n")
         assert (fault.line, fault.key) == (3, key)
         assert message in fault.message

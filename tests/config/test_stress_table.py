@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from support_refusals import faults_of
 from support_runs import scenario_of
 
 from granular_contact.config import load, scenario_to_dict
@@ -60,10 +61,8 @@ def test_a_table_of_a_law_is_that_law_between_its_rows_too(tmp_path: Path) -> No
         np.testing.assert_array_equal(force(reloaded, body, v), force(medium, body, v))
 
 
-def faults_of(config: Path) -> list[str]:
-    with pytest.raises(ConfigError) as caught:
-        load(config)
-    return [str(fault) for fault in caught.value.faults]
+def faults_in(config: Path) -> list[str]:
+    return [str(fault) for fault in faults_of(ConfigError, load, config)]
 
 
 def test_faults_are_reported_with_file_and_line(tmp_path: Path) -> None:
@@ -71,7 +70,7 @@ def test_faults_are_reported_with_file_and_line(tmp_path: Path) -> None:
     push = list(rows()[5])
     push[3:] = [-2000.0 * np.cos(np.radians(push[2])), -2000.0 * np.sin(np.radians(push[2]))]
     changed = [*lines[:5], text(tuple(push)), *lines[6:40], "0.02,-60,x,1,2", *lines[41:], lines[0]]
-    reported = faults_of(written(tmp_path, changed))
+    reported = faults_in(written(tmp_path, changed))
     file = str(tmp_path / "sand.csv")
     assert any(
         fault.startswith(f"{file}:7: pushes an element at beta -90 deg that moves at gamma -40 deg")
@@ -82,16 +81,16 @@ def test_faults_are_reported_with_file_and_line(tmp_path: Path) -> None:
         fault.startswith(f"{file}:{len(changed) + 1}: has the depth and angles of line 2 once more")
         for fault in reported
     )
-    hole = faults_of(written(tmp_path, [*lines[:9], *lines[10:]]))
+    hole = faults_in(written(tmp_path, [*lines[:9], *lines[10:]]))
     assert hole == [
         f"{file}:1: has no row for depth 0.02 m, beta -90 deg, gamma 0 deg, though others have each of these"
     ]
-    narrow = faults_of(written(tmp_path, [line for line in lines if ",90.0," not in line]))
+    narrow = faults_in(written(tmp_path, [line for line in lines if ",90.0," not in line]))
     assert any("beta_deg: goes from -90 to 80; allowed is from -90 to 90" in fault for fault in narrow)
     assert any("gamma_deg: goes from -90 to 80" in fault for fault in narrow)
     (tmp_path / "sand.csv").unlink()
     config = tmp_path / "case.yaml"
-    assert any(f"{config}:2: medium.file: got 'sand.csv', but" in fault for fault in faults_of(config))
+    assert any(f"{config}:2: medium.file: got 'sand.csv', but" in fault for fault in faults_in(config))
 
 
 def test_numbers_that_would_drive_are_refused_in_a_config_too() -> None:

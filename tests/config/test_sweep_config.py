@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support_config import GOOD
+from support_refusals import faults_of
 
 from granular_contact.config import Sweep, is_sweep, load, load_optimise, load_sweep
 from granular_contact.config.sweep import MOST_FAULTS
@@ -35,10 +36,9 @@ def faults(read, tmp_path):
     """Faults of a sweep of the text; files are named relative to its folder."""
 
     def of(text: str, **options) -> list[Fault]:
-        with pytest.raises(ConfigError) as caught:
-            read(text, **options)
         prefix = f"{tmp_path}/"
-        return [Fault(f.file.removeprefix(prefix), f.line, f.key, f.message) for f in caught.value.faults]
+        reported = faults_of(ConfigError, read, text, **options)
+        return [Fault(f.file.removeprefix(prefix), f.line, f.key, f.message) for f in reported]
 
     return of
 
@@ -248,9 +248,7 @@ def test_only_the_first_of_many_faults_are_reported(faults):
 
 def test_a_sweep_is_no_config(tmp_path):
     (tmp_path / "many.yaml").write_text(named("  a: {}\n"))
-    with pytest.raises(ConfigError) as caught:
-        load(tmp_path / "many.yaml")
-    [fault] = caught.value.faults
+    [fault] = faults_of(ConfigError, load, tmp_path / "many.yaml")
     assert (fault.line, fault.key) == (1, "config")
     assert "the config of one run is needed" in fault.message
 

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 from support_config import GOOD, changed
+from support_refusals import faults_of
 
 from granular_contact.config import load
 from granular_contact.config.yaml_source import MAX_BYTES
@@ -74,9 +75,7 @@ def test_unreadable(faults, case):
 )
 def test_no_file(tmp_path: Path, place, message):
     (tmp_path / "run.yaml").write_text(GOOD)
-    with pytest.raises(ConfigError) as caught:
-        load(f"{tmp_path}/{place}")
-    [fault] = caught.value.faults
+    [fault] = faults_of(ConfigError, load, f"{tmp_path}/{place}")
     assert fault.line is None
     assert message in fault.message
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support_fit import CONFIG, NOISE, measure, problem
+from support_refusals import faults_of
 
 from granular_contact.errors import ConfigError
 from granular_contact.studies.fit import diagnostics
@@ -71,9 +72,7 @@ def test_runs_with_the_same_noise_are_detected(two: Problem) -> None:
 def test_the_same_numbers_twice_are_refused(tmp_path: Path) -> None:
     for i in range(2):
         measure(tmp_path / f"{i}.csv")
-    with pytest.raises(ConfigError) as caught:
-        problem(tmp_path, text(2))
-    (fault,) = caught.value.faults
+    (fault,) = faults_of(ConfigError, problem, tmp_path, text(2))
     assert fault.line == 6
     assert fault.message.endswith("0.csv; a measurement may be used only once")
 

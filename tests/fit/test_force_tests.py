@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import yaml
 from support_force import DRAGGED, PLATE, WIDTH, estimates_of, fitted, forces, problem, table
+from support_refusals import faults_of
 from support_runs import CONFIGS, simulate
 
 from granular_contact import cli
@@ -233,9 +234,8 @@ FAULTY: dict[str, tuple[Callable[[], list[str]], int, str, str]] = {
 def test_faulty_tables(tmp_path: Path, name: str) -> None:
     lines, line, key, message = FAULTY[name]
     (tmp_path / "data.csv").write_text("\n".join(lines()) + "\n", encoding="utf-8")
-    with pytest.raises(ConfigError) as caught:
-        problem(tmp_path, f"parameters: [medium.zeta]\n{START}runs: [{{config: {PLATE}, data: data.csv}}]")
-    first = caught.value.faults[0]
+    text = f"parameters: [medium.zeta]\n{START}runs: [{{config: {PLATE}, data: data.csv}}]"
+    first = faults_of(ConfigError, problem, tmp_path, text)[0]
     assert (Path(first.file).name, first.line, first.key) == ("data.csv", line, key)
     assert message in first.message
 
@@ -257,9 +257,7 @@ def test_tests_in_units_that_do_not_belong_together_are_reported(tmp_path: Path)
     for name, factor in (("a", 1.0), ("b", 1.1), ("c", 1e-3)):
         table(tmp_path / f"{name}.csv", "depth_mm,force_N", Z, factor * F, noise=1e-2 * factor)
     runs = ", ".join(f"{{config: {PLATE}, data: {name}.csv}}" for name in "abc")
-    with pytest.raises(ConfigError) as caught:
-        problem(tmp_path, f"parameters: [medium.zeta]\n{START}runs: [{runs}]")
-    (fault,) = caught.value.faults
+    (fault,) = faults_of(ConfigError, problem, tmp_path, f"parameters: [medium.zeta]\n{START}runs: [{runs}]")
     assert Path(fault.file).name == "c.csv"
     assert "differ by a factor 1.1e+03" in fault.message
 

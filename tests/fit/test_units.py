@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from support_fit import CONFIG, RIGID, measure
 from support_force import DRAGGED, PLATE, fitted, forces, problem, table
+from support_refusals import faults_of, message_of
 
 from granular_contact.errors import ConfigError
 from granular_contact.studies.fit import load_specification, prepare
@@ -72,9 +73,7 @@ def test_right_units_give_no_warning(tmp_path: Path, force: np.ndarray) -> None:
 
 def refused(folder: Path, depth: np.ndarray, force: np.ndarray, more: str = "", config: Path = PLATE) -> str:
     table(folder / "test.csv", "depth_mm,force_N", 1e3 * depth, force)
-    with pytest.raises(ConfigError) as caught:
-        problem(folder, f"{BOUND}\n{more}\nruns: [{{config: {config}, data: test.csv}}]")
-    return str(caught.value)
+    return message_of(ConfigError, problem, folder, f"{BOUND}\n{more}\nruns: [{{config: {config}, data: test.csv}}]")
 
 
 TURN = "depths are positive below the surface: change the sign of the column"
@@ -105,11 +104,8 @@ def test_depths_above_the_surface_get_no_hint_to_turn_the_sign(tmp_path: Path, f
 
 def test_a_null_medium_is_reported_at_its_key(tmp_path: Path, force: np.ndarray) -> None:
     table(tmp_path / "test.csv", "depth_mm,force_N", 1e3 * DEPTH, force)
-    with pytest.raises(ConfigError) as caught:
-        problem(
-            tmp_path, f"parameters: [medium.zeta]\nset: {{medium: null}}\nruns: [{{config: {PLATE}, data: test.csv}}]"
-        )
-    (fault,) = caught.value.faults
+    text = f"parameters: [medium.zeta]\nset: {{medium: null}}\nruns: [{{config: {PLATE}, data: test.csv}}]"
+    (fault,) = faults_of(ConfigError, problem, tmp_path, text)
     assert (Path(fault.file).name, fault.line, fault.key) == ("fit.yaml", 3, "medium")
     assert fault.message == "this config can't be used for a force test: a steady motion needs a medium; got none"
 

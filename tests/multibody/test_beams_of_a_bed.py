@@ -9,6 +9,7 @@ import exudyn as exu
 import exudyn.itemInterface as items
 import numpy as np
 import pytest
+from support_refusals import message_of
 
 from granular_contact import GranularBed, load, preset, simulate
 from granular_contact.errors import SceneError
@@ -190,9 +191,7 @@ def refused(kind: str, up: Any = None, **options: Any) -> str:
     nodes = nodes_of(mbs, kind, 2, 0.0)
     elements = [element(mbs, kind, pair, 0.2) for pair in pairwise(nodes)]
     bed = GranularBed(mbs, preset("play_sand"), 0.0, up=up)
-    with pytest.raises(SceneError) as caught:
-        bed.add_cables(elements, **options)
-    return str(caught.value)
+    return message_of(SceneError, bed.add_cables, elements, **options)
 
 
 def test_beams_that_do_not_fit_the_bed_are_refused() -> None:

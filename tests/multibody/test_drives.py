@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import support_runs
+from support_refusals import faults_of
 from support_runs import DENSITY, scene_of, simulate
 
 from granular_contact.errors import SceneError
@@ -193,9 +194,7 @@ CORNERED = f"rail: {{type: motion, position_m: {UP_AND_DOWN}"
 
 def test_a_jump_of_rate_is_refused_with_its_instant() -> None:
     """84 % of the energy was lost in one, by forces that grew as steps shrank."""
-    with pytest.raises(SceneError) as refused:
-        scene_of(LIFT, f"drives={{{CORNERED}}}}}")
-    (fault,) = refused.value.faults
+    (fault,) = faults_of(SceneError, scene_of, LIFT, f"drives={{{CORNERED}}}}}")
     assert fault.key == "drives.rail.position_m"
     assert fault.message.startswith("at t = 0.1 s the rate jumps from 0 to 0.5 m/s (the first of 3 jumps)")
     assert "allowed are interpolation: cubic, and smooth_s" in fault.message

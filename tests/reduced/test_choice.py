@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from support_refusals import faults_of, message_of
 from support_runs import ROOT, scenario_of, scene_of
 
 from granular_contact import cli, config
@@ -51,9 +52,7 @@ REFUSED = {
 @pytest.mark.parametrize("name", REFUSED)
 def test_mechanisms_without_a_reduction(name):
     text, reason = REFUSED[name]
-    with pytest.raises(SceneError) as caught:
-        scene_of(text)
-    (fault,) = caught.value.faults
+    (fault,) = faults_of(SceneError, scene_of, text)
     assert fault.key == "method"
     assert reason in fault.message
     assert "the reduced model is for one hinge on the ground" in fault.message
@@ -61,9 +60,8 @@ def test_mechanisms_without_a_reduction(name):
 
 
 def test_a_rigid_model_has_no_modes():
-    with pytest.raises(SceneError) as caught:
-        scene_of("pendulum_rigid", "method=reduced")
-    assert str(caught.value) == "method.reduced.modes: got 1, but the model has no flexible link: allowed is 0"
+    message = message_of(SceneError, scene_of, "pendulum_rigid", "method=reduced")
+    assert message == "method.reduced.modes: got 1, but the model has no flexible link: allowed is 0"
     assert scene_of("pendulum_rigid", "method.reduced.modes=0").method.modes == 0
 
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from support_refusals import faults_of
 
 from granular_contact import load
 from granular_contact.config import load_sweep
@@ -116,11 +117,8 @@ def test_faulty_scenes_are_refused_when_derived_from_a_valid_scene():
         {"medium": {"law": "bingham", "yield_force_N": 1, "viscosity_N_s_m": 1}},
         {"initial.impact_speed_rad_s": 1e40},
     ):
-        scenario, faults = base.replace(changes), []
-        for make in (build, builder):
-            with pytest.raises(GranularContactError) as caught:
-                make(scenario)
-            faults.append(caught.value.faults)
+        scenario = base.replace(changes)
+        faults = [faults_of(GranularContactError, make, scenario) for make in (build, builder)]
         assert faults[0] == faults[1]
 
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from support_refusals import faults_of
 from support_robot import robot_in
 
 from granular_contact import config, scene
@@ -91,9 +92,7 @@ def test_only_what_is_given_is_put_right(tmp_path: Path) -> None:
         ({"joints": {"hip": {"stops": STOPS}}, "bodies": {"leg": {"mass_kg": 1}}}, {6}),
         ({"joints": {"hip": {"stops": STOPS}}, "bodies": {"foot": {"mass_kg": 1}}}, {5}),
     ):
-        with pytest.raises(ConfigError) as caught:
-            load(path, **keys)
-        assert {fault.line for fault in caught.value.faults} == lines, keys
+        assert {fault.line for fault in faults_of(ConfigError, load, path, **keys)} == lines, keys
     with pytest.raises(ConfigError, match=r"bodies.leg.mass_kg: got the number -1"):
         load(robot_in(tmp_path, (LEG_MASS, "")), bodies={"leg": {"mass_kg": -1}})
 

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 
 import numpy as np
 import pytest
+import support_refusals
 from support_runs import DENSITY, DIAMETER, GRAVITY_MOMENT, INERTIA, L_RB, LENGTH, scene_of
 
 from granular_contact import load
-from granular_contact.errors import Fault, SceneError
+from granular_contact.errors import SceneError
 from granular_contact.scene import build
 from granular_contact.scene.types import Scene
 
@@ -45,10 +47,7 @@ def about_pivot(scene: Scene) -> tuple[float, float]:
     return inertia, 9.81 * sum(b.mass * float(np.hypot(*b.motion.position)) for b in scene.rigid)
 
 
-def faults_of(text: str, *overrides: str) -> list[Fault]:
-    with pytest.raises(SceneError) as caught:
-        scene_of(text, *overrides)
-    return caught.value.faults
+faults_of = partial(support_refusals.faults_of, SceneError, scene_of)
 
 
 def test_welded_bodies_are_one() -> None:

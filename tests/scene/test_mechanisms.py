@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 
 import numpy as np
 import pytest
+import support_refusals
 from scipy.optimize import minimize_scalar
 from support_runs import FOUR_BAR, scene_of
 
 from granular_contact.cli import main
 from granular_contact.config import load
-from granular_contact.errors import Fault, SceneError
+from granular_contact.errors import SceneError
 from granular_contact.scene import build
 from granular_contact.scene.homes import HomeNote
 from granular_contact.scene.types import Scene
@@ -35,10 +37,7 @@ initial:
 """
 
 
-def faults_of(text: str, *overrides: str) -> list[Fault]:
-    with pytest.raises(SceneError) as caught:
-        scene_of(text, *overrides)
-    return caught.value.faults
+faults_of = partial(support_refusals.faults_of, SceneError, scene_of)
 
 
 def turn(angle: float) -> np.ndarray:

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from support_refusals import faults_of
 
 from granular_contact import KatsuragiDurian, LinearDepth, Poncelet, load, preset
 from granular_contact.errors import SceneError
@@ -53,9 +54,7 @@ BOTH = pytest.mark.parametrize("kind", [planar, spatial])
 @pytest.mark.parametrize("sign", [1, -1])
 def test_a_slope_steeper_than_the_angle_of_repose_is_refused(kind: Callable[..., dict[str, Any]], sign: int) -> None:
     scene(kind(bed={"slope_deg": sign * ANGLE}))
-    with pytest.raises(SceneError) as caught:
-        scene(kind(bed={"slope_deg": sign * 30.5}))
-    (fault,) = caught.value.faults
+    (fault,) = faults_of(SceneError, scene, kind(bed={"slope_deg": sign * 30.5}))
     assert fault.key == "bed.slope_deg"
     assert "30.5 deg" in fault.message
     assert "cmu_dry_sand is 29 deg" in fault.message

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
-import pytest
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
+from support_refusals import message_of
 
 from granular_contact import Albert, Bar, Box, Cone, Drft, Hill, Layer, LeeMarghitu, Mesh, Poncelet, Rft, Rft3d, Sphere
 from granular_contact import VerticalResistance as Vertical
@@ -112,10 +113,7 @@ def both(flat: GranularLoad, space: SpatialLoad, spin: float) -> tuple[Array, Ar
     return flat.history.bodies[:, 0], space.history.bodies[:, 0][:, [0, 2, 4]] * [1.0, 1.0, -1.0]
 
 
-def message(call: Any, *arguments: Any, **named: Any) -> str:
-    with pytest.raises((SceneError, ValueError)) as caught:
-        call(*arguments, **named)
-    return str(caught.value)
+message = partial(message_of, (SceneError, ValueError))
 
 
 def prism(outline: Array, width: float) -> Mesh:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import exudyn as exu
@@ -10,6 +11,7 @@ import pytest
 from exudyn import itemInterface as items
 from exudyn.rigidBodyUtilities import InertiaCuboid, RotXYZ2RotationMatrix
 from numpy.typing import NDArray
+from support_refusals import message_of
 from support_space import PLAY, SAND, prism
 
 from granular_contact import Bar, Box, Cone, GranularBed, Poncelet, Rft3d, Sphere
@@ -198,10 +200,7 @@ def test_a_body_in_the_plane_moves_as_there(kind: str) -> None:
     assert way > 0.04
 
 
-def refused(call: Any, *arguments: Any, **named: Any) -> str:
-    with pytest.raises((SceneError, ValueError)) as caught:
-        call(*arguments, **named)
-    return str(caught.value)
+refused = partial(message_of, (SceneError, ValueError))
 
 
 def test_unusable_bodies_are_refused_in_space() -> None:
