@@ -81,6 +81,8 @@ def form_faults(table: Table) -> list[Fault]:
     if all(number(cell) is not None for cell in header):
         message = "has numbers where the names of the columns should stand; put a line as time_s,tip_x_mm above them"
         return [Fault(file, header_line, "", message)]
+    if len(header) == 1 and " " in header[0]:
+        return [Fault(file, header_line, "", "has one column; a comma, a semicolon or a tab separates columns")]
     nameless = [i for i, name in enumerate(header, 1) if not name]
     duplicates = sorted({name for name in header if name and header.count(name) > 1})
     return [

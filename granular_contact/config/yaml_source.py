@@ -150,7 +150,7 @@ class Composer:
             return node.value
         elif not isinstance(node, Broken):
             got = f"the key {node.text or 'null'}" if isinstance(node, Scalar) else "a list or mapping as key"
-            self._broken(position, path, f"got {got}; a key is a text (quote it if it is one)")
+            self._broken(position, path, f"got {got}; a key is a text (quote it if it is one), decimals have a point")
         return None
 
 

@@ -113,7 +113,7 @@ def did_you_mean(word: str, known: Collection[str]) -> str:
         The known names.
     """
     near = [name for name in get_close_matches(word, known) if not _similar_by_unit_alone(word, name)]
-    near = near or [name for name in known if name.startswith(f"{word}_")]  # no unit given
+    near = near or [name for name in known if name.startswith(f"{word}_") or name.endswith(f".{word}")]  # or last key
     return f"did you mean {near[0]}?" if near else ""
 
 

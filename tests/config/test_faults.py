@@ -51,6 +51,7 @@ SCHEMA_FAULTS = [
     ("  eta_d: 6.5\n", "", 22, "medium.eta_d", ["is missing", "of at least 0"]),
     ("  name: arm\n", "", 2, "model.name", ["is missing", "text"]),
     (", lambda: 1.1", "", 27, "medium.plunging.lambda", ["is missing", "from 0 to 5"]),
+    ("gravity_m_s2: 9.81", "bed: {slope_deg: 3,5, depth_m: 1}", 28, "bed", ["the key 5", "decimals have a point"]),
     # tags of unions
     ("type: link", "type: lnk", 12, "model.bodies.arm.type", ["the text 'lnk'", "did you mean link?"]),
     ("type: link", "type: sponge", 12, "model.bodies.arm.type", ["link, rigid"]),
@@ -111,6 +112,7 @@ SCHEMA_FAULTS = [
     ("step_s: 1e-3", "rest_time_s: 0", 38, "solver.rest_time_s", ["above 0, or null"]),
     ("elements: 4", "elements: 1" + "0" * 400, 18, "model.bodies.arm.flexible.elements", ["from 1 to 1024"]),
     # what fits singly but not together
+    ("step_s: 1e-3", "step_s: 1e-9", 38, "solver.step_s", ["5e+08 steps to end_time_s, 0.5", "allowed are 1e+08"]),
     ("step_s: 1e-3", "step_s: 0.75", 38, "solver.step_s", ["0.75", "end_time_s, 0.5"]),
     ("elements: 4", "youngs_modulus_Pa: 2e11", 16, "model.bodies.arm.flexible", ["both", "exactly one"]),
     ("bending_stiffness_N_m2: 15", "axial_stiffness_N: 15", 16, "model.bodies.arm.flexible", ["neither"]),

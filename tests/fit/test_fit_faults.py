@@ -81,6 +81,7 @@ DATA = {
     "time alone": (lambda g: ["time_s,drag_force_x_N,kinetic_J", *g[1:]], 1, "", "no column to compare with the run"),
     "two of one": (lambda g: ["time_s,tip_x_m,tip_x_mm", *g[1:]], 1, "tip_x_m", "is measured by two columns"),
     "capitals": (lambda g: ["time_s,Tip_X_m,tip_y_m", *g[1:]], 1, "Tip_X_m", "did you mean tip_x_m?"),
+    "columns by blanks": (lambda g: ["time_s   tip_x_m", *g[1:]], 1, "", "a comma, a semicolon or a tab separates"),
     "no name": (lambda g: ["time_s,,tip_y_m", *g[1:]], 1, "", "has no name for column 2"),
     "name twice": (lambda g: ["time_s,tip_x_m,tip_x_m", *g[1:]], 1, "tip_x_m", "is the name of two columns"),
 }  # fmt: skip
@@ -185,6 +186,7 @@ TEXTS = {
                       "parameters.medium.eta_d.start", "not within the bounds from 2 to 9"),
     "log of nothing": (("[medium.eta_d]", "{medium.eta_d: {from: 0, to: 9, scale: log}}"), "fit.yaml", 1,
                        "parameters.medium.eta_d.scale", "must be above 0"),
+    "last part of a key": (("medium.eta_d]", "eta_d]"), "fit.yaml", 1, "eta_d", "did you mean medium.eta_d?"),
     "unknown coefficient": (("eta_d]", "eta_q]"), "fit.yaml", 1, "medium.eta_q", "did you mean medium.eta_"),
     "text": (("medium.eta_d]", "medium.law]"), "fit.yaml", 1, "medium.law", "is not a number but 'lee_marghitu'"),
     "whole number": (("medium.eta_d]", "load.strips_per_element]"), "fit.yaml", 1, "load.strips_per_element",

@@ -46,6 +46,9 @@ class Load(Strict):
     """Regularisation of static friction at zero speed."""
 
 
+MOST_STEPS = 1e8  # of a run with fixed steps: their rows would take some 10 GB
+
+
 class Solver(Strict):
     """Time integration, and the conditions that end a run."""
 
@@ -78,6 +81,12 @@ class Solver(Strict):
     def _faults(self) -> Faults:
         if self.step_s is not None and self.step_s > self.end_time_s:
             yield ("step_s",), f"got {self.step_s:g}, which exceeds end_time_s, {self.end_time_s:g}"
+        elif self.step_s is not None and self.end_time_s / self.step_s > MOST_STEPS:
+            steps = f"{self.end_time_s / self.step_s:.2g} steps to end_time_s, {self.end_time_s:g}"
+            yield (
+                ("step_s",),
+                f"got {self.step_s:g}, which makes {steps}; allowed are {MOST_STEPS:g}, as memory is finite",
+            )
 
 
 Travel = (
