@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from support_models import ball
 from support_refusals import CONFIG_OR_SCENE, faults_of
 from support_runs import scenario_of, scene_of, simulate
 
@@ -17,17 +18,11 @@ from granular_contact.results.limits import Reach, warnings
 HILL = "{from: hill_cylinders, density_kg_m3: 2500}"
 ALBERT = "{law: albert, density_kg_m3: 2500, eta_h: 8}"
 
-BALL = """
-model:
-  name: ball
-  bodies:
-    ball: {type: rigid, density_kg_m3: 7700, shapes: [{type: sphere, diameter_m: 0.0254}]}
-  joints:
-    flight: {type: free, parent: ground, child: ball}
-medium: {from: glass_beads_katsuragi_durian, stiffness_N_m: 80}
-initial: {joints: {flight: {vy_m_s: -1.0}}}
-solver: {step_s: 2e-5, end_time_s: 0.06}
-"""
+BALL = ball(
+    "medium: {from: glass_beads_katsuragi_durian, stiffness_N_m: 80}",
+    "initial: {joints: {flight: {vy_m_s: -1.0}}}",
+    "solver: {step_s: 2e-5, end_time_s: 0.06}",
+)
 
 PLATE = """
 model:

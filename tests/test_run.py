@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import yaml
+from support_models import bent_arm
 from support_runs import CONFIGS, order, scenario_of, simulate, tip_error
 
 from granular_contact.config import Scenario, scenario_to_dict
@@ -36,18 +37,7 @@ SMOOTH = "load.friction={type: smooth}"
 # The source's pendulum; the other mechanisms are in test_models and, with all configs, in test_gallery.
 SINGLE = sorted(path.stem for path in (*CONFIGS.glob("impact_*.yaml"), *CONFIGS.glob("pendulum*.yaml")))
 
-BENT = """
-model:
-  name: bent
-  bodies:
-    arm: {type: link, length_m: 0.2, diameter_m: 0.006, density_kg_m3: 7700}
-    finger: {type: link, length_m: 0.1, diameter_m: 0.012, density_kg_m3: 7700}
-  joints:
-    pivot: {type: hinge, parent: ground, child: arm}
-    knuckle: {type: weld, parent: arm, child: finger, parent_point_m: [0.2, 0], home_deg: 60}
-medium: play_sand
-initial: {impact_angle_deg: 20, impact_speed_rad_s: 5}
-"""
+BENT = bent_arm(0.006, 0.012, "medium: play_sand", "initial: {impact_angle_deg: 20, impact_speed_rad_s: 5}")
 
 
 def case(angle: float, speed: float) -> tuple[str, str]:

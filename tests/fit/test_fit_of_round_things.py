@@ -7,21 +7,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support_fit import fitted
+from support_models import ball
 from support_runs import simulate
 
 from granular_contact.studies.fit.writing import media
 
-BALL = """
-model:
-  name: ball
-  bodies:
-    ball: {type: rigid, density_kg_m3: 7700, shapes: [{type: sphere, diameter_m: 0.0254}]}
-  joints:
-    flight: {type: free, parent: ground, child: ball}
-medium: {law: poncelet, constant_force_N: 3.0, drag_kg_m: 1.0}
-initial: {joints: {flight: {vy_m_s: -1.0}}}
-solver: {step_s: 2e-4, end_time_s: 0.05}
-"""
+BALL = ball(
+    "medium: {law: poncelet, constant_force_N: 3.0, drag_kg_m: 1.0}",
+    "initial: {joints: {flight: {vy_m_s: -1.0}}}",
+    "solver: {step_s: 2e-4, end_time_s: 0.05}",
+)
 DISC = BALL.replace(
     "type: sphere, diameter_m: 0.0254", "type: disc, diameter_m: 0.03, thickness_m: 0.02, in_sand: true"
 ).replace("law: poncelet, constant_force_N: 3.0, drag_kg_m: 1.0", "law: rft, zeta: 1.5")

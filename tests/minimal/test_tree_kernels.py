@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from support_models import chain
 from support_parts import of_tree
 from support_runs import order, scene_of, simulate
 from support_slopes import slopes_of_residuals
@@ -13,6 +14,16 @@ from granular_contact.engines.tree.kernels.tree_arrays import NODE, addresses, r
 from granular_contact.engines.tree.march import March
 from granular_contact.engines.tree.tree import tree as make_tree
 from granular_contact.mechanics.kernels.step_choice import LONGER, SHORTER
+
+CHAIN_IN_SAND = chain(
+    3,
+    0.09,
+    "medium: play_sand",
+    "initial: {impact_angle_deg: 31, impact_speed_rad_s: 6}",
+    "method: minimal",
+    "solver: {end_time_s: 0.1, accuracy: 1.0e-4, rest_time_s: null}",
+    diameter=0.0064,
+)
 
 
 def random_tree(rng: np.random.Generator, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -159,17 +170,6 @@ def test_newton_matrix_is_renewed_after_a_large_change_of_step() -> None:
     ratios = steps[1:] / steps[:-1]
     changed = np.count_nonzero((ratios < 0.99 * SHORTER) | (ratios > 1.01 * LONGER))
     assert run.summary["cost"]["jacobians"] >= changed > 10
-
-
-CHAIN_IN_SAND = """
-model:
-  name: three
-  chain: {count: 3, link: {length_m: 0.09, diameter_m: 0.0064, density_kg_m3: 7700}}
-medium: play_sand
-initial: {impact_angle_deg: 31, impact_speed_rad_s: 6}
-method: minimal
-solver: {end_time_s: 0.1, accuracy: 1.0e-4, rest_time_s: null}
-"""
 
 
 @pytest.mark.parametrize("radius", [1.0, 0.9, 0.5, 0.0])

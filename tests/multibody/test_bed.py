@@ -493,9 +493,8 @@ def test_no_cables_are_refused() -> None:
 @pytest.mark.parametrize("strips", [0, -1, 2.5, float("nan")])
 def test_strips_are_counted(strips: float) -> None:
     system = script()
-    message = refused(
-        GranularBed(system.mbs, SAND, 0.0), "add_rigid", system.first, [0, 0], [0.1, 0], 0.01, strips=strips
-    )
+    bed = GranularBed(system.mbs, SAND, 0.0)
+    message = refused(bed.add_rigid, system.first, [0, 0], [0.1, 0], 0.01, strips=strips)
     assert f"strips: got {strips}" in message
 
 

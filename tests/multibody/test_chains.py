@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from scipy.special import j0, jn_zeros
+from support_models import chain
 from support_runs import order, simulate, tip_error
 
 PENDULUM = """
@@ -17,20 +18,11 @@ initial: {impact_angle_deg: 40, impact_speed_rad_s: 5}
 """
 
 
-def chain(count: int, length: float, **changes: str) -> str:
-    flexible = changes.get("flexible", "null")
-    return f"""
-model:
-  name: chain
-  chain:
-    count: {count}
-    link: {{length_m: {length}, diameter_m: 0.006, density_kg_m3: 7700, flexible: {flexible}}}
-{changes.get("rest", "initial: {impact_angle_deg: 40, impact_speed_rad_s: 5}")}
-"""
+STRIKE = "initial={impact_angle_deg: 40, impact_speed_rad_s: 5}"
 
 
 def test_a_chain_of_one_link_is_a_pendulum() -> None:
-    single_link, pendulum = simulate(chain(1, 0.3), "medium=play_sand"), simulate(PENDULUM)
+    single_link, pendulum = simulate(chain(1, 0.3), "medium=play_sand", STRIKE), simulate(PENDULUM)
     for mine, theirs in (
         ("hinge_1_angle_deg", "pivot_angle_deg"),
         ("hinge_1_rate_rad_s", "pivot_rate_rad_s"),
@@ -52,9 +44,12 @@ def hanging(count: int, mode: int) -> str:
     bends = [90.0 - lean[0], *(-np.diff(lean))]
     joints = ", ".join(f"hinge_{i + 1}: {{angle_deg: {bend!r}}}" for i, bend in enumerate(map(float, bends)))
     quarter = np.pi / 2 / (0.5 * root * np.sqrt(9.81))
-    rest = f"initial: {{joints: {{{joints}}}}}\n"
-    rest += f"solver: {{end_time_s: {1.3 * quarter}, tolerance: 1e-9, rest_time_s: null}}"
-    return chain(count, 1.0 / count, rest=rest)
+    return chain(
+        count,
+        1.0 / count,
+        f"initial: {{joints: {{{joints}}}}}",
+        f"solver: {{end_time_s: {1.3 * quarter}, tolerance: 1e-9, rest_time_s: null}}",
+    )
 
 
 def frequency(count: int, mode: int) -> float:
@@ -79,7 +74,7 @@ def test_frequencies_of_many_links_approach_those_of_the_hanging_chain(mode: int
 @pytest.mark.slow
 def test_beams_that_stiffen_become_rigid_links() -> None:
     times, errors, moduli = np.linspace(0.0, 0.1, 51), [], [2e7, 1e8, 5e8]
-    settings = ("solver.step_s=1e-4", "solver.end_time_s=0.1", "solver.rest_time_s=null", "solver.tolerance=1e-7")
+    settings = ("solver={step_s: 1e-4, end_time_s: 0.1, rest_time_s: null, tolerance: 1e-7}", STRIKE)
     rigid = simulate(chain(3, 0.1), *settings)
     for modulus in moduli:
         beam = f"{{youngs_modulus_Pa: {modulus}, elements: 4}}"

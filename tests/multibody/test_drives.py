@@ -5,14 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import support_runs
+from support_bar import BAR, INERTIA, MASS
 from support_refusals import faults_of
-from support_runs import DENSITY, scene_of, simulate
+from support_runs import scene_of, simulate
 
 from granular_contact.errors import SceneError
 
-MASS = DENSITY * np.pi / 4 * 0.01**2 * 0.2
-INERTIA = MASS * (0.2**2 / 3 + 0.01**2 / 16)
-BAR = "type: link, length_m: 0.2, diameter_m: 0.01, density_kg_m3: 7700"
 ARM = f"""
 model:
   name: arm

@@ -10,6 +10,7 @@ import exudyn as exu
 import numpy as np
 import pytest
 from exudyn import itemInterface as items
+from support_models import chain
 from support_runs import scenario_of, scene_of
 
 from granular_contact import GranularBed, Simulation, preset
@@ -31,15 +32,14 @@ from granular_contact.errors import SolveError
 from granular_contact.mechanics.system import Trajectory
 from granular_contact.run import run
 
-CHAIN = """
-model:
-  name: chain
-  chain: {count: 4, link: {length_m: 0.05, diameter_m: 0.006, density_kg_m3: 7700}}
-medium: play_sand
-initial: {impact_angle_deg: 40, impact_speed_rad_s: 5}
-solver: {step_s: 2e-4, end_time_s: 0.04, rest_time_s: null}
-method: engine
-"""
+CHAIN = chain(
+    4,
+    0.05,
+    "medium: play_sand",
+    "initial: {impact_angle_deg: 40, impact_speed_rad_s: 5}",
+    "solver: {step_s: 2e-4, end_time_s: 0.04, rest_time_s: null}",
+    "method: engine",
+)
 PATCH = pytest.MonkeyPatch
 
 

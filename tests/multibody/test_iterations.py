@@ -6,6 +6,7 @@ from contextlib import nullcontext
 
 import numpy as np
 import pytest
+import support_models
 from support_runs import scene_of
 
 from granular_contact.engines.exudyn.build import build
@@ -16,14 +17,13 @@ from granular_contact.mechanics.kernels.numerics import TOLERANCE
 from granular_contact.scene import Scene
 
 PD = "drives={hinge_1: {type: pd, angle_deg: 0, gain_Nm_per_rad: 1, rate_gain_Nm_s_per_rad: 0.01}}"
-CHAIN = """
-model:
-  name: chain
-  chain: {count: 6, link: {length_m: 0.05, diameter_m: 0.006, density_kg_m3: 7700}}
-medium: play_sand
-initial: {impact_angle_deg: 40, impact_speed_rad_s: 5}
-solver: {step_s: 2e-4, end_time_s: 0.04, rest_time_s: null}
-"""
+CHAIN = support_models.chain(
+    6,
+    0.05,
+    "medium: play_sand",
+    "initial: {impact_angle_deg: 40, impact_speed_rad_s: 5}",
+    "solver: {step_s: 2e-4, end_time_s: 0.04, rest_time_s: null}",
+)
 
 
 def chain(*changes: str) -> Scene:

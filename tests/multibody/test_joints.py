@@ -5,12 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from support_bar import BAR, INERTIA, MASS
 from support_runs import DENSITY, FOUR_BAR, order, simulate
 
 NO_REST = "solver.rest_time_s=null"
-BAR = "type: link, length_m: 0.2, diameter_m: 0.01, density_kg_m3: 7700"
-MASS = DENSITY * np.pi / 4 * 0.01**2 * 0.2
-INERTIA = MASS * (0.2**2 / 3 + 0.01**2 / 16)  # about an end
 
 RAIL = f"""
 model:

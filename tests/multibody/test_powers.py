@@ -12,7 +12,8 @@ from functools import cache
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from support_runs import DENSITY, scenario_of, simulate
+from support_bar import INERTIA, MASS
+from support_runs import scenario_of, simulate
 
 from granular_contact.engines.exudyn.build import build as build_system
 from granular_contact.engines.exudyn.solve import solve
@@ -27,8 +28,6 @@ from granular_contact.scene import build
 pytestmark = pytest.mark.slow
 
 Array = NDArray[np.float64]
-MASS = DENSITY * np.pi / 4 * 0.01**2 * 0.2
-INERTIA = MASS * (0.2**2 / 3 + 0.01**2 / 16)  # about an end
 STEP = 5e-5
 
 # One joint with one element, on a body that starts towards it; the unit of the coordinate in the text: deg or m.

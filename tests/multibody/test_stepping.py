@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from support_models import ball
 from support_runs import scenario_of, scene_of, simulate, tip_error
 
 from granular_contact import simulate as run_of
@@ -27,17 +28,11 @@ WAY = 0.024  # m, of the tip
 
 
 # A steel ball that strikes 2 N + 0.5 kg/m v^2 at 2 m/s: a jump of the force at the touch, at t = 0.
-BALL = """
-model:
-  name: ball
-  bodies:
-    ball: {type: rigid, density_kg_m3: 7700, shapes: [{type: sphere, diameter_m: 0.0254}]}
-  joints:
-    fall: {type: free, parent: ground, child: ball}
-medium: {law: poncelet, constant_force_N: 2, drag_kg_m: 0.5}
-initial: {joints: {fall: {vy_m_s: -2}}}
-solver: {end_time_s: 0.08, rest_time_s: null}
-"""
+BALL = ball(
+    "medium: {law: poncelet, constant_force_N: 2, drag_kg_m: 0.5}",
+    "initial: {joints: {flight: {vy_m_s: -2}}}",
+    "solver: {end_time_s: 0.08, rest_time_s: null}",
+)
 
 
 def stiff(factor: float, elements: int) -> tuple[str, ...]:

@@ -8,6 +8,7 @@ from functools import partial
 import numpy as np
 import pytest
 import support_refusals
+from support_models import bent_arm
 from support_runs import DENSITY, DIAMETER, GRAVITY_MOMENT, INERTIA, L_RB, LENGTH, scene_of
 
 from granular_contact import load
@@ -27,18 +28,7 @@ model:
 initial: {impact_angle_deg: 30, impact_speed_rad_s: 2}
 """
 
-BENT = """
-model:
-  name: bent
-  bodies:
-    arm: {type: link, length_m: 0.2, diameter_m: 0.01, density_kg_m3: 7700}
-    finger: {type: link, length_m: 0.1, diameter_m: 0.01, density_kg_m3: 7700}
-  joints:
-    pivot: {type: hinge, parent: ground, child: arm}
-    knuckle: {type: weld, parent: arm, child: finger, parent_point_m: [0.2, 0], home_deg: 60}
-medium: play_sand
-initial: {impact_angle_deg: 20}
-"""
+BENT = bent_arm(0.01, 0.01, "medium: play_sand", "initial: {impact_angle_deg: 20}")
 
 
 def about_pivot(scene: Scene) -> tuple[float, float]:
