@@ -260,11 +260,15 @@ def is_detected(mutant: Mutant) -> bool:
     before, stamp = file.read_text(encoding="utf-8"), file.stat()
     shutil.rmtree(cache, ignore_errors=True)
     old = stale(mutant.file) if "kernels/" in mutant.file else set()
+    # Tests compile the code of the package into functions of their own files, which do not change.
+    of_tests = ("test_", "support_")
     shutil.copytree(
         original,
         cache,
         copy_function=os.link,
-        ignore=lambda _, names: [name for name in names if name.partition(".")[0] in old and ".nb" in name],
+        ignore=lambda _, names: [
+            name for name in names if ".nb" in name and (name.partition(".")[0] in old or name.startswith(of_tests))
+        ],
     )
     try:
         file.write_text(mutant.code() or before, encoding="utf-8")

@@ -90,18 +90,18 @@ def run_record(width: float, side: int = 0, mass: float = 0.0, turn: float = 0.0
     return run
 
 
-@njit
+@njit(cache=True)
 def _strip(a, b, z0, z1, c, V, e, run, m, f):
     v0, v1, e0, e1 = (V[0, 0], V[0, 1]), (V[1, 0], V[1, 1]), (e[0, 0], e[0, 1]), (e[1, 0], e[1, 1])
     law.strip_force(strip.Strip(a, b, z0, z1, (c[0], c[1]), v0, v1, e0, e1), run[0], m[0], f)
 
 
-@njit
+@njit(cache=True)
 def _ball(z, v, e, run, m, f):
     law.ball_force(z, (v[0], v[1]), (e[0], e[1]), run[0], m[0], f)
 
 
-@njit
+@njit(cache=True)
 def _drag(p, a, m):
     return law.drag_anchor((p[0], p[1]), (a[0], a[1]), m[0])
 

@@ -13,10 +13,10 @@ from support_laws import TRUE_SIGN, Array, G, published_rft
 
 from granular_contact.laws import rft3d
 
-published_stress = njit(rft3d.Rft3d.stress)
+published_stress = njit(cache=True)(rft3d.Rft3d.stress)
 
 
-@njit
+@njit(cache=True)
 def stresses(t: Array, u: Array, record: Any) -> Array:
     """Published stresses (n, 2) N/m3 on many elements."""
     out = np.empty_like(t)

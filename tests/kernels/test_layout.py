@@ -14,7 +14,7 @@ LAYOUT = Layout("of a test", x=(float, 1), A=(float, 2), T=(float, 3), marks=(np
 view = LAYOUT.view
 
 
-@njit
+@njit(cache=True)
 def sums(addresses):
     """Of all numbers of each array, by its sizes and strides."""
     w = view(addresses)
@@ -27,7 +27,7 @@ def sums(addresses):
     return w.x.sum(), flat, deep, w.marks.sum(), w.pairs[1].number, w.pairs[1].size, w.T.size
 
 
-@njit
+@njit(cache=True)
 def change(addresses):
     """Write into arrays and records."""
     w = view(addresses)

@@ -14,7 +14,7 @@ from granular_contact.sand.kernels import scatter
 from granular_contact.sand.load import GranularLoad
 
 
-@njit
+@njit(cache=True)
 def table(seed, ways, places):
     factors = np.empty((len(ways), len(places)))
     for i in range(len(ways)):
