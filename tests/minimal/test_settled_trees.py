@@ -64,7 +64,7 @@ solver: {end_time_s: 0.1, accuracy: null, step_s: 2.0e-4}
 """
 
 
-WALKER = "initial.settle=true", "solver.accuracy=null", "solver.step_s=4e-4", "solver.end_time_s=0.15"
+WALKER = "initial.settle=true", "solver.accuracy=null", "solver.step_s=4e-4", "solver.end_time_s=0.05"
 
 
 @pytest.mark.parametrize(

@@ -27,7 +27,7 @@ POINTS, CLOSEST, HALVINGS = 100, 4, 40
 def test_the_force_is_continuous(name: str, static: Any) -> None:
     """Along ways from one random state to another: where the force changes most they are halved until they are one."""
     load, rng, jumps = load_on(*CASES[name], static=static), np.random.default_rng(7), []
-    for i in range(24):
+    for i in range(12):
         begin, at = _way(rng, aside=(1e-5, 2e-4, 2e-4)[i % 3], fast=(1.0, 1.0, 1e-3)[i % 3])
         load.start(begin)
         jumps += _greatest_jumps(_along(load, at))

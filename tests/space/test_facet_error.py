@@ -77,6 +77,7 @@ def test_the_estimate_is_true_within_a_factor_of_five(name: str) -> None:
     assert 0.2 < max(estimate(motion, 0.0).values()) / error < 5.0
 
 
+@pytest.mark.slow
 def test_strip_error_estimate_of_a_bending_link_keeps_its_bounds(monkeypatch: pytest.MonkeyPatch) -> None:
     """A strip that falls on its side into sand and bends: facets of 10 mm against those of 2 mm.
 
@@ -94,7 +95,7 @@ def test_strip_error_estimate_of_a_bending_link_keeps_its_bounds(monkeypatch: py
         assert 0.2 < max(estimate(motion, 0.0).values()) / error < 5.0
 
 
-@pytest.mark.parametrize("each", [1, 3, 5])
+@pytest.mark.parametrize("each", [pytest.param(1, marks=pytest.mark.slow), 3, 5])
 def test_a_cantilever_of_elements_that_move_as_one_is_as_soft(monkeypatch: pytest.MonkeyPatch, each: int) -> None:
     """Its tip is deflected by F L^3 / (3 E I), bent at all 45 joints, at every third or every fifth."""
     monkeypatch.setattr(facet_departure, "BENDING", 3 * 45 // each)

@@ -134,6 +134,7 @@ def test_a_controller_steers_a_run_in_space() -> None:
     assert abs(push(0.05)["hip_left_angle_deg"][-1] - push(-0.05)["hip_left_angle_deg"][-1]) > 1.0
 
 
+@pytest.mark.slow
 def test_a_chain_translated_by_1_km_takes_as_many_steps_as_at_the_origin() -> None:
     """Round-off of constraints is no error that shorter steps mend: it made them ever shorter, 200 000 of them."""
     links = {"type": "link", "density_kg_m3": 4000, "diameter_m": 0.015}
