@@ -109,8 +109,8 @@ def imports(path: Path, *, when_run: bool = False) -> set[str]:
 def own_modules(path: Path) -> set[str]:
     """The package's modules that a file imports."""
     ours = {name for name in imports(path) if name.startswith("granular_contact.")}
-    found = {name.removeprefix("granular_contact.") for name in ours} & NAMES
-    return {name for name in found if not any(other.startswith(f"{name}.") for other in found)}
+    modules = {name.removeprefix("granular_contact.") for name in ours} & NAMES
+    return {name for name in modules if not any(other.startswith(f"{name}.") for other in modules)}
 
 
 def ids(path: Path) -> str:
@@ -163,7 +163,9 @@ def test_heavy_libraries_stay_where_they_belong() -> None:
     def astray(path: Path) -> set[str]:
         libraries = {name.split(".")[0] for name in imports(path, when_run=True)} & set(homes)
         name = dotted(path)
-        return {one for one in libraries if not any(f"{name}.".startswith(f"{home}.") for home in homes[one])}
+        return {
+            library for library in libraries if not any(f"{name}.".startswith(f"{home}.") for home in homes[library])
+        }
 
     assert wrong(astray) == {}
 
@@ -184,7 +186,7 @@ def test_only_the_command_line_prints_and_exits() -> None:
 
     def output_calls(path: Path) -> set[str]:
         calls = {ast.unparse(node.func) for node in nodes(path) if isinstance(node, ast.Call)} & shouts
-        raised = {ast.unparse(one.exc) for one in nodes(path) if isinstance(one, ast.Raise) and one.exc is not None}
+        raised = {ast.unparse(node.exc) for node in nodes(path) if isinstance(node, ast.Raise) and node.exc is not None}
         return calls | {error for error in raised if "SystemExit" in error}
 
     assert wrong(output_calls, [path for path in MODULES if not dotted(path).startswith(("__main__", "cli"))]) == {}

@@ -128,9 +128,9 @@ def summary_of(begun: Begun, trajectory: Trajectory) -> dict[str, Any]:
 
 
 def run_and_motion(scenario: Scenario) -> tuple[Results, Kinematics]:
-    found = []
-    results = run_module.run(build(scenario), scenario, inspect=lambda *solved: found.append(Kinematics(*solved)))
-    return results, found[0]
+    motions = []
+    results = run_module.run(build(scenario), scenario, inspect=lambda *solved: motions.append(Kinematics(*solved)))
+    return results, motions[0]
 
 
 def numbers(summary: dict[str, Any]) -> dict[str, float]:

@@ -27,10 +27,10 @@ def derivatives(folder: Path, modes: int, rtol: float) -> np.ndarray:
 def test_derivatives_keep_their_stated_accuracy(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, modes: int, within: float
 ) -> None:
-    found = derivatives(tmp_path, modes, 1e-6)
+    computed = derivatives(tmp_path, modes, 1e-6)
     whole = derivatives(tmp_path, modes, 1e-10)
     monkeypatch.setattr(module, "STEP", module.STEP / 2)
     half = derivatives(tmp_path, modes, 1e-10)
     exact = (4.0 * half - whole) / 3.0  # of fourth order in the step
-    errors = np.linalg.norm(found - exact, axis=0) / np.linalg.norm(exact, axis=0)
+    errors = np.linalg.norm(computed - exact, axis=0) / np.linalg.norm(exact, axis=0)
     assert errors.max() < within

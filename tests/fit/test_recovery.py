@@ -257,8 +257,8 @@ def test_a_process_that_is_killed_ends_no_fit(tmp_path: Path, monkeypatch, death
 
 def test_a_start_whose_process_died_is_reported(recovered) -> None:
     dead = Start(recovered.solution.scaled, np.inf, DIED)
-    some = replace(recovered, solution=replace(recovered.solution, starts=(*recovered.solution.starts, dead)))
-    assert "1 of 2 starting points failed: the process died" in some.warnings[-1]
+    with_failure = replace(recovered, solution=replace(recovered.solution, starts=(*recovered.solution.starts, dead)))
+    assert "1 of 2 starting points failed: the process died" in with_failure.warnings[-1]
 
 
 def test_a_model_that_fails_everywhere_is_reported(tmp_path: Path, monkeypatch) -> None:

@@ -82,8 +82,8 @@ def test_finer_strips_scatter_as_much_as_a_whole() -> None:
     # A body of 17 grains: however it is divided, its forces scatter by s / sqrt(17), see `sand.kernels.scatter`.
     medium = Drft(LOOSE, 1500.0, 1.1)
     plain = [pushed(medium, 0, strips, 51)[50, 0, 1] for strips in (4, 64)]
-    found = [
+    ratios = [
         [pushed(medium, seed, n, 51)[50, 0, 1] / plain[i] for seed in range(1, 101)] for i, n in enumerate((4, 64))
     ]
-    spread = np.std(found, axis=1)
+    spread = np.std(ratios, axis=1)
     assert 0.75 < spread[0] / spread[1] < 1.33  # of 100 draws each is known to 7 %

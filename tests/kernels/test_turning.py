@@ -141,9 +141,9 @@ def test_chords_of_an_arc_converge_to_the_disc(medium: Any) -> None:
     errors, ripples = [], []
     for motion in motions(np.random.default_rng(3), 12):
         want, (_, size) = on_disc(medium, 4096, motion, round_=False), sharp_disc(medium, motion)
-        found = np.array([[on_disc(medium, int(n), motion, 2 * np.pi / n * p) for p in PHASES] for n in sizes])
-        errors.append(np.abs(found - want).max(axis=2) / size)
-        ripples.append(np.ptp(found, axis=1).max(axis=1) / size)
+        forces = np.array([[on_disc(medium, int(n), motion, 2 * np.pi / n * p) for p in PHASES] for n in sizes])
+        errors.append(np.abs(forces - want).max(axis=2) / size)
+        ripples.append(np.ptp(forces, axis=1).max(axis=1) / size)
     rms = np.sqrt(np.mean(np.square(errors), axis=(0, 2)))
     # Chords in place of arcs, and velocities of chords, are of second order; however the disc is turned. With 64 strips
     # what is left of the ripple is that of the fade of leading edges, 2e-4, whichever of the strips it falls into.
@@ -174,8 +174,8 @@ def test_a_dragged_disc_is_round(medium: Any, n: int) -> None:
         motion = center, 0.5 * np.array([np.cos(heading), np.sin(heading)]), 0.0
         _, size = sharp_disc(medium, motion)
         for i, round_ in enumerate((True, False)):
-            found = [on_disc(medium, n, motion, 2 * np.pi / n * p, round_) for p in PHASES]
-            ripples[i] = max(ripples[i], np.ptp(found, axis=0).max() / size)
+            forces = [on_disc(medium, n, motion, 2 * np.pi / n * p, round_) for p in PHASES]
+            ripples[i] = max(ripples[i], np.ptp(forces, axis=0).max() / size)
     # A polygon of 16 sides ripples by 6 to 14 %, one of 64 by 2 to 4 %: as the side. Arcs as its square at least (0.1 %
     # and 0.002 %; in rft3d, which all but jumps where an element is upright, 0.4 % and 0.04 %).
     assert ripples[0] < 2.5 / n**2

@@ -57,10 +57,10 @@ def test_a_drive_beyond_the_rate_limit_is_reported(in_space: bool, kind: str) ->
     run = lift(in_space, None, {"type": "motion", key: ramp}, kind)
     limit = "rate_limit_rad_s" if kind == "hinge" else "speed_limit_m_s"
     joint = run["model"]["joints"]["lift"]
-    for share, said in ((0.9, True), (1.01, False)):
+    for share, warned in ((0.9, True), (1.01, False)):
         joint[limit] = share * rate
         warnings = [sentence for sentence in simulate(run).warnings if "limit of this joint" in sentence]
-        assert len(warnings) == said
+        assert len(warnings) == warned
         assert all(f"of up to {rate:.4g} {unit}, more than the" in sentence for sentence in warnings)
 
 

@@ -228,9 +228,9 @@ def test_zero_scatter_changes_no_bit() -> None:
     plain = simulate("pendulum")
     zero = simulate("pendulum", "medium.scatter={relative: 0, length_m: 0.003}")
     np.testing.assert_array_equal(plain.table, zero.table)
-    some = simulate("pendulum", "medium.scatter={relative: 0.2, length_m: 0.003}")
-    assert some.summary["energy"]["imbalance_relative"] < 1e-4
-    assert abs(some.summary["stopping_time_s"] - plain.summary["stopping_time_s"]) > 1e-5
+    scattered = simulate("pendulum", "medium.scatter={relative: 0.2, length_m: 0.003}")
+    assert scattered.summary["energy"]["imbalance_relative"] < 1e-4
+    assert abs(scattered.summary["stopping_time_s"] - plain.summary["stopping_time_s"]) > 1e-5
 
 
 UPHILL = """

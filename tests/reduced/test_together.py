@@ -47,7 +47,7 @@ def comparable(summary: dict[str, object] | Exception) -> dict[str, object]:
     assert isinstance(summary, dict), summary
     flat = dict(worker._flat(summary))
     flat["energy.imbalance_relative"] = pytest.approx(flat["energy.imbalance_relative"], abs=1e-13)
-    near = {key: pytest.approx(one, rel=1e-12, abs=1e-16) for key, one in flat.items() if isinstance(one, float)}
+    near = {key: pytest.approx(x, rel=1e-12, abs=1e-16) for key, x in flat.items() if isinstance(x, float)}
     return flat | near | UNTOLD
 
 

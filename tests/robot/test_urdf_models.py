@@ -104,12 +104,12 @@ def numbers(value: Any, path: str = "") -> dict[str, Any]:
 
 def same(first: Any, second: Any) -> None:
     """Both have the same leaves; zero turns may be left out."""
-    found, wanted = (
+    given, wanted = (
         {path: held for path, held in numbers(each.model_dump()).items() if held not in (None, 0.0)}
         for each in (first, second)
     )
-    assert found.keys() == wanted.keys()
-    for path, held in found.items():
+    assert given.keys() == wanted.keys()
+    for path, held in given.items():
         assert held == (pytest.approx(wanted[path], rel=1e-12) if isinstance(held, float) else wanted[path]), path
 
 

@@ -35,7 +35,7 @@ def near_line(line: np.ndarray, half: float) -> Callable[[np.ndarray], np.ndarra
     """Points beside the pieces of a polyline, at most `half` away, without round ends."""
 
     def inside(points: np.ndarray) -> np.ndarray:
-        found = np.zeros(len(points), bool)
+        is_inside = np.zeros(len(points), bool)
         order = np.argsort(points[:, 0])
         x = points[order, 0]
         for a, b in pairwise(line):
@@ -43,8 +43,8 @@ def near_line(line: np.ndarray, half: float) -> Callable[[np.ndarray], np.ndarra
             near = order[np.searchsorted(x, left - half) : np.searchsorted(x, right + half, "right")]
             along = (points[near] - a) @ (b - a) / np.sum((b - a) ** 2)
             off = points[near] - a - along[:, None] * (b - a)
-            found[near] |= (along >= 0) & (along <= 1) & (np.linalg.norm(off, axis=1) <= half)
-        return found
+            is_inside[near] |= (along >= 0) & (along <= 1) & (np.linalg.norm(off, axis=1) <= half)
+        return is_inside
 
     return inside
 

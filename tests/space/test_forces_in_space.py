@@ -237,14 +237,14 @@ def test_finer_facets_converge_with_their_square(shape: Any, coarse: float) -> N
     sizes, forces = coarse * np.array([1.0, 0.5, 0.25]), []
     # Over several motions, in which single facets that come into the lead do not count.
     for size in (*sizes, coarse / 16):
-        found = []
+        resultants = []
         for seed in range(6):
             load = load_on(SAND, shape, size, static=Smooth(0.01))
             q, v = Motion(seed, way=0.1).state(0.2)
             load.start(q)
             load.accept(0.0, q, v)
-            found.append(load.history.bodies[0, 0, :3])
-        forces.append(np.array(found))
+            resultants.append(load.history.bodies[0, 0, :3])
+        forces.append(np.array(resultants))
     errors = [float(np.linalg.norm(coarser - forces[-1])) for coarser in forces[:-1]]
     slope = np.polyfit(np.log(sizes), np.log(errors), 1)[0]
     assert 1.8 < slope < 2.4, (errors, slope)
@@ -440,12 +440,12 @@ def test_how_facets_are_kept_together_changes_nothing(shape: Shape) -> None:
         q, v = state(place, Rotation.random(random_state=i), random.normal(size=3), spin)
         for load in loads:
             load.accept(1e-3 * i, q, v)
-    one, many = (load.history for load in loads)
-    scale = np.abs(one.bodies).max()
-    np.testing.assert_allclose(many.bodies, one.bodies, atol=1e-12 * scale)  # sums in another order
-    np.testing.assert_allclose(many.depth, one.depth, rtol=1e-12)
+    single, many = (load.history for load in loads)
+    scale = np.abs(single.bodies).max()
+    np.testing.assert_allclose(many.bodies, single.bodies, atol=1e-12 * scale)  # sums in another order
+    np.testing.assert_allclose(many.depth, single.depth, rtol=1e-12)
     np.testing.assert_allclose(loads[1].batches[0].anchors, loads[0].batches[0].anchors, atol=1e-15)
-    assert (one.bodies[:, 0, 2] == 0.0).any()
+    assert (single.bodies[:, 0, 2] == 0.0).any()
     assert scale > 1.0
 
 

@@ -105,15 +105,15 @@ def test_observations_in_space_are_the_columns_of_the_results() -> None:
     simulation = sculler()
     seen = go_on(simulation, PAUSES)[-1]
     results, names = simulation.results(), list(simulation.observe())
-    told = dict(zip(names, seen, strict=True))
-    shared = [column.name for column in results.columns if column.name in told]
+    observed = dict(zip(names, seen, strict=True))
+    shared = [column.name for column in results.columns if column.name in observed]
     assert len(shared) > 50
     for name in shared:
-        one = told[name]
+        value = observed[name]
         last = results[name][-1]
-        turns = 360.0 * round((last - one) / 360.0) if "_yaw_" in name or "_roll_" in name else 0.0  # columns go on
-        assert one + turns == pytest.approx(last, rel=1e-9, abs=1e-9), name
-    assert [told[f"{body}_contact"] for body in ("trunk", "left", "right", "tail")].count(1.0) > 0
+        turns = 360.0 * round((last - value) / 360.0) if "_yaw_" in name or "_roll_" in name else 0.0  # columns go on
+        assert value + turns == pytest.approx(last, rel=1e-9, abs=1e-9), name
+    assert [observed[f"{body}_contact"] for body in ("trunk", "left", "right", "tail")].count(1.0) > 0
     assert simulation.outlines()
 
 

@@ -164,16 +164,16 @@ def test_bodies_leaving_the_map_in_a_run_are_reported(tmp_path: Path) -> None:
     model["joints"] = {"air": {"type": "free", "parent": "ground", "child": "ball"}}
     start = {"joints": {"air": {"x_m": 0.05, "z_m": 0.035, "vx_m_s": 1.0}}}
     given = {"model": model, "medium": "rft3d_sand", "initial": start, "solver": {"end_time_s": 0.3}}
-    told = {}
+    leaving = {}
     for columns in (6, 30):  # to x = 0.15 m, or 1.35 m
         ground = written(tmp_path, np.zeros((5, columns)), cell_m=0.05, corner_m=[-0.1, -0.1])
-        found = simulate(load(given | {"bed": ground}))
-        told[columns] = [one for one in found.warnings if "left the map of heights" in one]
-        touching = found["ball_x_m"][found["ball_granular_z_N"] != 0.0].max()
-    assert not told[30]
-    (words,) = told[6]
-    assert "the map is from x = -0.1 to 0.15 m and from y = -0.1 to 0.1 m" in words
-    assert float(words.split(" by ")[1].split()[0]) == pytest.approx(touching - 0.15, rel=0.01)
+        results = simulate(load(given | {"bed": ground}))
+        leaving[columns] = [warning for warning in results.warnings if "left the map of heights" in warning]
+        touching = results["ball_x_m"][results["ball_granular_z_N"] != 0.0].max()
+    assert not leaving[30]
+    (warning,) = leaving[6]
+    assert "the map is from x = -0.1 to 0.15 m and from y = -0.1 to 0.1 m" in warning
+    assert float(warning.split(" by ")[1].split()[0]) == pytest.approx(touching - 0.15, rel=0.01)
 
 
 def test_a_picture_is_a_map_of_its_grey_levels(tmp_path: Path) -> None:

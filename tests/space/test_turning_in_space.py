@@ -43,9 +43,9 @@ def test_ball_turning_nearly_in_place_is_loaded_on_its_leading_side() -> None:
     Were bristles alike within a facet, coarse ones would lead on all sides, and lift a quarter less.
     """
     finest, *others = (spun(size, 0.01) for size in (1.5e-3, 3e-3, 6e-3))
-    for one, error in zip(others, (0.02, 0.06), strict=True):  # with the square of the size
-        assert abs(one[2] / finest[2] - 1.0) < error
-        assert np.linalg.norm(one[3:] - finest[3:]) < error * np.linalg.norm(finest[3:])
+    for coarser, error in zip(others, (0.02, 0.06), strict=True):  # with the square of the size
+        assert abs(coarser[2] / finest[2] - 1.0) < error
+        assert np.linalg.norm(coarser[3:] - finest[3:]) < error * np.linalg.norm(finest[3:])
 
 
 def test_leading_part_of_a_triangle_is_independent_of_corner_order() -> None:

@@ -134,8 +134,8 @@ def test_errors_without_a_warning_are_counted() -> None:
     right = study.Found(0, "rod", "fixed steps", "rft", "rest", imbalance=1e-5, steps=1e-3, space=2e-3, half=1e-3)
 
     def lost(**changes) -> set[str]:
-        found = [right, study.Found(**{**vars(right), "seed": 1, **changes})]
-        return {name for name, bad in study.violations(found).items() if [one.seed for one in bad] == [1]}
+        outcomes = [right, study.Found(**{**vars(right), "seed": 1, **changes})]
+        return {name for name, bad in study.violations(outcomes).items() if [outcome.seed for outcome in bad] == [1]}
 
     assert lost() == set()
     assert lost(steps=0.02) == {"no error of steps above 1 % is without a warning"}

@@ -40,7 +40,7 @@ def test_cells_keep_the_claims(outcomes: list[study.Found]) -> None:
     held = {claim.name: claim.held for claim in study.claims(outcomes, 0.0, True)}
     for name in names:
         assert all(value for key, value in held.items() if key.startswith(f"stability.{name}"))
-    assert {one.case.value for one in outcomes if one.warnings} >= {"1e-6", "0.01 s", "100 rad/s"}
+    assert {outcome.case.value for outcome in outcomes if outcome.warnings} >= {"1e-6", "0.01 s", "100 rad/s"}
 
 
 def test_a_wrong_answer_without_a_word_is_seen() -> None:
@@ -56,8 +56,8 @@ def test_a_wrong_answer_without_a_word_is_seen() -> None:
 def test_ten_times_the_step_is_reported() -> None:
     outcomes = [study.ten_times(study.CONFIGS / f"{name}.yaml") for name in ("pendulum", "impact_61deg", "runner")]
     assert study.coarse_claim(outcomes).held
-    assert [bool(one.warnings) for one in outcomes] == [True, True, False]
+    assert [bool(outcome.warnings) for outcome in outcomes] == [True, True, False]
     assert study.coarse_table(outcomes).count("\n") == 4
     for difference, warnings, held in ((0.03, ("w",), True), (0.03, (), False), (0.06, ("w",), False)):
-        one = study.Coarse("a", 1e-3, "rest", warnings, 0.0, difference)
-        assert study.coarse_claim([*outcomes, one]).held is held
+        outcome = study.Coarse("a", 1e-3, "rest", warnings, 0.0, difference)
+        assert study.coarse_claim([*outcomes, outcome]).held is held

@@ -75,9 +75,9 @@ def test_strip_estimate_suffices_for_a_rod_toppling_from_its_end(tmp_path: Path)
     assert asked.summary["strips"]["per_rigid_part"] > 24
     at = exact["time_s"]
     path = np.column_stack([exact["rod_x_m"], exact["rod_y_m"]])
-    there = np.column_stack([np.interp(at, asked["time_s"], asked[name]) for name in ("rod_x_m", "rod_y_m")])
+    interpolated = np.column_stack([np.interp(at, asked["time_s"], asked[name]) for name in ("rod_x_m", "rod_y_m")])
     travelled = np.linalg.norm(np.diff(path, axis=0), axis=1).sum()
-    assert np.linalg.norm(there - path, axis=1).max() < 1e-3 * travelled
+    assert np.linalg.norm(interpolated - path, axis=1).max() < 1e-3 * travelled
 
 
 def solved(tree: study.Tree, folder: Path) -> Results:
