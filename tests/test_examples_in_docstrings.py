@@ -8,7 +8,7 @@ from importlib import import_module
 import pytest
 from support_runs import ROOT
 
-MODULES = ("config.add_law", "config.load", "simulation")
+MODULES = ("config.add_law", "config.load", "sand", "sand.space", "simulation")
 
 
 @pytest.mark.parametrize("name", MODULES)

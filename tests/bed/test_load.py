@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import doctest
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-import granular_contact.sand
 from granular_contact import preset
 from granular_contact.errors import SceneError
 from granular_contact.laws import probe
@@ -205,7 +203,3 @@ def test_unusable_bodies_are_refused() -> None:
     load.start(np.zeros(3))
     with pytest.raises(SceneError, match="attached already"):
         load.add(polyline(Body("late", [0, 1, 2]), PLATE, width=SIZE))
-
-
-def test_the_example_of_the_package() -> None:
-    assert doctest.testmod(granular_contact.sand).failed == 0

@@ -129,7 +129,7 @@ def test_contacts_that_keep_the_sand_from_acting_give_a_warning() -> None:
     )  # a deep bottom
     pair = '<contact><pair geom1="floor" geom2="box"/></contact>'
     (warning,) = warned(f"<mujoco><worldbody>{floor.format(off)}{body}</worldbody>{pair}</mujoco>")
-    assert "contact pair 0 of geoms floor and box is left on beside the sand" in warning or "box and floor" in warning
+    assert re.search("contact pair 0 of geoms (floor and box|box and floor) is left on beside the sand", warning)
     leg = '<body name="trunk" pos="0 0 0.5"><geom size="0.1"/>'
     leg += f'<body name="leg" pos="0 0 -0.3"><joint/>{BOX}</body></body>'
     (warning,) = warned(f"<mujoco><worldbody>{leg}</worldbody></mujoco>")

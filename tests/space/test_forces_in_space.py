@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import doctest
 from dataclasses import replace
 from itertools import product
 from types import SimpleNamespace
@@ -13,7 +12,6 @@ import pytest
 from scipy.spatial.transform import Rotation
 from support_space import FLAT, PAIRS, PLAY, SAND, WAY, Array, Motion, both, driven, load_on, prism, state
 
-import granular_contact.sand.space
 from granular_contact import Bar, Box, Capsule, Cone, Cylinder, Drft, Mesh, Plate, Rft, Rft3d, Sphere
 from granular_contact.laws.rft3d import C
 from granular_contact.laws.static_friction import Elastoplastic, Smooth
@@ -518,7 +516,3 @@ def test_a_flat_body_close_above_the_surface_is_out_of_reach() -> None:
     q[2] = 0.0105
     load.accept(2e-3, q, v)
     assert load.update_active(2e-3)
-
-
-def test_the_example_in_the_package() -> None:
-    assert doctest.testmod(granular_contact.sand.space).failed == 0
