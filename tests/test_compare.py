@@ -1,4 +1,4 @@
-"""The comparison of models says what its numbers say, and refuses what it can't compare."""
+"""The comparison of models: a verdict in line with its numbers, and refusals."""
 
 from __future__ import annotations
 

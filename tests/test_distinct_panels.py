@@ -1,4 +1,4 @@
-"""What pages show of several runs is shown once and in one sense; no number is zero to the eye that is none."""
+"""Pages of several runs draw each quantity once and in one sense, and print no number as zero that is not zero."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Runs at the edges of what a scene may be: off the origin, settled, without a pivot, interrupted."""
+"""Runs of unusual scenes: off the origin, settled, without a pivot, interrupted."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What someone meets first: the bare command, its version, a config to start from, kernels compiled ahead."""
+"""The first commands of a user: the bare command, its version, a new config, kernels compiled ahead."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is loaded when, and who may import whom."""
+"""Which libraries are loaded when, and which rooms of the package may import which."""
 
 from __future__ import annotations
 

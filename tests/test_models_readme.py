@@ -1,4 +1,4 @@
-"""What models/README.md shows runs, and does what it says."""
+"""The commands in models/README.md run and give what it says."""
 
 from __future__ import annotations
 

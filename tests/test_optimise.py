@@ -1,4 +1,4 @@
-"""Searches find what is best, whoever works and however often they are killed, and say what is wrong with a file."""
+"""Searches find the best case for any number of workers and after kills, and report faults of their file."""
 
 from __future__ import annotations
 

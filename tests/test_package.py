@@ -1,4 +1,4 @@
-"""What the package offers by name is there, and is what the name says, whatever was imported before."""
+"""The public names of the package exist and are documented, whatever was imported before."""
 
 from __future__ import annotations
 

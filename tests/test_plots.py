@@ -1,4 +1,4 @@
-"""Figures: which there are, that they show the data, and that their words neither overlap nor leave the page."""
+"""Figures: which there are, that they show the data, and that their labels neither overlap nor leave the page."""
 
 from __future__ import annotations
 

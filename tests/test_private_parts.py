@@ -1,4 +1,4 @@
-"""Public parts of numba and LLVM alone, but for those that docs/architecture.md lists, with what happens then."""
+"""The package uses public parts of numba and LLVM, but for those listed in docs/architecture.md."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What README shows is what happens; .ci/run takes its test line."""
+"""The commands in README do what it says; .ci/run takes its test line."""
 
 from __future__ import annotations
 

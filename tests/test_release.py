@@ -1,4 +1,4 @@
-"""What a release needs: one version, which changelog and citation have too."""
+"""Requirements of a release: one version, in changelog and citation too."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The output folder: what is in it, exactly, and that it is there whole or not at all."""
+"""The output folder: its exact files, written whole or not at all."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Results as users have them in hand: by name, as a frame, plotted, saved and opened; and `load` from Python."""
+"""Results as users handle them: by name, as a frame, plotted, saved and opened; and `load` from Python."""
 
 from __future__ import annotations
 

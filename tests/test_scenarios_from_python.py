@@ -1,4 +1,4 @@
-"""Scenarios changed from Python: as strict as `--set`, and results never name a scenario that was not run."""
+"""Scenarios changed from Python: checked as strictly as `--set`; results name the scenario that was run."""
 
 from __future__ import annotations
 

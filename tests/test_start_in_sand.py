@@ -1,4 +1,4 @@
-"""Bodies that start in the sand: as if they had been laid there without moving a grain."""
+"""Bodies that start in the sand, as if laid there without moving a grain."""
 
 from __future__ import annotations
 

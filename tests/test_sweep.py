@@ -1,4 +1,4 @@
-"""Sweeps as a user runs them: the same numbers as single runs, in order, whatever becomes of single cases."""
+"""Sweeps as a user runs them: the numbers of single runs, in order, whichever cases fail."""
 
 from __future__ import annotations
 

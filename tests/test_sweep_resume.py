@@ -1,4 +1,4 @@
-"""Sweeps that are killed go on where they were: nothing lost, nothing run twice, nothing of another sweep touched."""
+"""Killed sweeps resume: no row is lost or run twice, and folders of other sweeps stay untouched."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Files that are something else are not quoted; messages stay short; where keys belong and paths start is said."""
+"""Messages about files that are no configs: short, without quoting the file, with the right place of keys and paths."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whether a model is in space: as it says, and one that says it is not is one in the plane."""
+"""The key in_space: true gives a model in space, false or none a model in the plane."""
 
 from __future__ import annotations
 

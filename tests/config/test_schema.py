@@ -1,4 +1,4 @@
-"""The schema as data: what an editor is told, and what Python callers may rely on."""
+"""The JSON schema for editors, and the classes of the schema that Python callers use."""
 
 import json
 from pathlib import Path

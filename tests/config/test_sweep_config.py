@@ -1,4 +1,4 @@
-"""Sweep files: what cases come of them, and each kind of fault at its line."""
+"""Sweep files: the cases they describe, and each kind of fault at its line."""
 
 from __future__ import annotations
 

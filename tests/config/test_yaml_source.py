@@ -1,4 +1,4 @@
-"""Texts that are no good YAML, and what plain scalars mean."""
+"""Faults of YAML texts, and the meaning of plain scalars."""
 
 import math
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""The documentation is built without a warning and without network, and its reference has all that there is."""
+"""The documentation builds without a warning and without network, and its reference is complete."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The command: what it prints, what it leaves behind, and its exit codes."""
+"""The command `fit`: its output, its files and its exit codes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is said of residuals that look like noise, and of data that are not what a fit takes them for."""
+"""Warnings of fits about patterns in the residuals, shared noise, outliers and rounded data."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is wrong with data, fit files and parameters: one line each, with file and line, all at once."""
+"""Faults of data, fit files and parameters: one line each with file and line, all reported at once."""
 
 from __future__ import annotations
 

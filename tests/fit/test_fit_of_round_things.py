@@ -1,4 +1,4 @@
-"""A ball and a disc have no bar or plate to measure; the medium found of them still tells what sizes it is for."""
+"""Fits of media to the motion of a ball and a disc: the coefficient, and the range of sizes written with the medium."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Coefficients from forces against depth or speed: the law alone, its zeros, and what such tables may have wrong."""
+"""Coefficients fitted to forces over depth or speed by the law alone, zeros of the sensors, faults of such tables."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Derivatives by differences against those of runs with control of error ten thousand times as strict."""
+"""Derivatives by differences of runs against those of runs with a tolerance ten thousand times as strict."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The medium written is one that has the coefficients found; what else differs between the runs is said."""
+"""The written medium is that of a run with the fitted coefficients; differences between media are reported."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Fits to data of known coefficients find them; fits to data of another model say that they are none."""
+"""Fits recover the coefficients that made the data; fits to data of another model are judged a misfit."""
 
 from __future__ import annotations
 

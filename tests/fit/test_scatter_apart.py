@@ -1,4 +1,4 @@
-"""Repeated force tests in a medium that scatters: its scatter, the noise of the sensor and the coefficient, apart."""
+"""Repeated force tests in a scattering medium: scatter, sensor noise and coefficient are estimated separately."""
 
 from __future__ import annotations
 

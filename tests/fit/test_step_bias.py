@@ -1,4 +1,4 @@
-"""Bias of fitted coefficients by the steps of the runs: told where it exceeds the standard error, true in size."""
+"""Bias of fitted coefficients by the steps of runs: reported where it exceeds the standard error, and true in size."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Columns in another unit, or of another sign, than their names say: told by the size of what is found."""
+"""Columns whose unit or sign differs from that of their name are detected by the size of the forces and depths."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whatever comes in, a fault in a sentence or an honest run comes out: the first cases of `validation/fuzz.py`."""
+"""Random input ends in a fault in one sentence or in a valid run: the first cases of `validation/fuzz.py`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Iterations that go on from those before: they end sooner, and are led no further than those before know."""
+"""Extrapolated iterations (Anderson): they converge sooner, within the change that earlier iterations support."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What of the static force on a bar is mobilised: closed integrals of s z^lam along a strip, against quadrature."""
+"""Mobilised static force on a bar: closed integrals of s z^lam along a strip against quadrature."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Compiled functions called by the addresses in a record: arguments, results, and what is refused."""
+"""Calls of compiled functions by the addresses in a record: arguments, results, and refused functions."""
 
 from __future__ import annotations
 

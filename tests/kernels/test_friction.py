@@ -1,4 +1,4 @@
-"""The two regularised signs: what they do to one point that is pushed about, and along a strip between two."""
+"""Both regularised signs, bristles and smooth: for a point moved on paths, and along a strip between two points."""
 
 from __future__ import annotations
 

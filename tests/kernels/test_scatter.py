@@ -1,4 +1,4 @@
-"""The random function of scatter, and what it does to forces."""
+"""The random function of scatter, and the scatter of forces that it gives."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the choice of steps makes of accelerations, against its equations by hand (`mechanics.stepping`)."""
+"""The choice of steps from accelerations, against its equations by hand (`mechanics.stepping`)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""rft, drft and rft3d: published values, signs, symmetries, and what regularisation leaves of them."""
+"""rft, drft and rft3d: published values, signs, symmetries, and the effect of regularisation."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""pressure_sinkage and reece: the printed formulas, the shear that grows with the way, plane and space."""
+"""pressure_sinkage and reece: the printed formulas, shear that grows along the path, and plane against space."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A law from outside: one class and one registration, and it runs from YAML as the laws of the package do."""
+"""A user's law: one class and one registration, after which it runs from YAML as a law of the package does."""
 
 from __future__ import annotations
 

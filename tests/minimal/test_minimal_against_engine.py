@@ -1,4 +1,4 @@
-"""The same scenes in minimal coordinates and through the engine: one limit, one set of columns, honest refusals."""
+"""The same scenes in minimal coordinates and by the engine: same limit, same columns, refusals with a reason."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What of a model is in the sand, and what of it is wrong, in one line each."""
+"""The parts of MuJoCo models that are in the sand, and faults of models in one line each."""
 
 from __future__ import annotations
 

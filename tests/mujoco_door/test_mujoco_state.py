@@ -1,4 +1,4 @@
-"""When friction state is advanced, several data of one model, going back, the callback, threads."""
+"""Friction states of MuJoCo beds: when they advance, several data of one model, restored states, callback, threads."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Many bodies in one bed: computed in one call, active where the sand may touch them, all as if each had its own."""
+"""Many bodies in one bed: computed in one call, active near the sand, with the results of separate beds."""
 
 from __future__ import annotations
 

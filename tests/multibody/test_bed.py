@@ -1,4 +1,4 @@
-"""The plugin door: beds in somebody's own Exudyn script."""
+"""`GranularBed` in a user's own Exudyn script, in the plane."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Motion that is left when a run ends at rest: told where a mechanism still creeps, and not where it stands."""
+"""The warning about motion left at rest: given where a mechanism still creeps, and not where it stands."""
 
 import numpy as np
 import pytest

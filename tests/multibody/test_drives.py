@@ -1,4 +1,4 @@
-"""Drives: what they do by closed forms, and their work in the energy balance."""
+"""Drives against closed forms, and their work in the energy balance."""
 
 from __future__ import annotations
 

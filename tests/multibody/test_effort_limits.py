@@ -1,4 +1,4 @@
-"""Drives beyond the effort limit or the rate limit of their joint: told with need and limit, in plane and space."""
+"""Drives beyond the effort or rate limit of their joint: reported with need and limit, in plane and space."""
 
 from __future__ import annotations
 

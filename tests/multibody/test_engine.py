@@ -1,4 +1,4 @@
-"""The engine without sand: pendulums and beams against what is known of them."""
+"""The engine without sand: pendulums and beams against their equations and closed forms."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Iterations of a chain in sand: who asks for its forces, and what they leave."""
+"""Iterations of a chain in sand: evaluations of forces, remaining residuals, shortened steps."""
 
 from __future__ import annotations
 
@@ -55,10 +55,10 @@ def test_the_tolerance_is_one_number_for_all_scenes_in_the_plane(change: str) ->
     assert allowed == pytest.approx(TOLERANCE * scene.force_scale)
 
 
-@pytest.mark.parametrize(("step", "some"), [(2.3e-3, False), (2e-2, True)])
-def test_steps_are_shortened_only_where_the_iteration_fails(step: float, some: bool) -> None:
+@pytest.mark.parametrize(("step", "shortened"), [(2.3e-3, False), (2e-2, True)])
+def test_steps_are_shortened_only_where_the_iteration_fails(step: float, shortened: bool) -> None:
     """To 0.04 s in 18 steps of 2.2 ms, or in 2 of 20 ms, of which the first can't be solved."""
     run = solve(build(chain(f"solver.step_s={step}")))
     asked = 0.04 / np.ceil(0.04 / step)
     assert run.cost.shortened_steps == np.sum(np.diff(run.time)[:-1] < 0.99 * asked)
-    assert (run.cost.shortened_steps > 0) == some
+    assert (run.cost.shortened_steps > 0) == shortened

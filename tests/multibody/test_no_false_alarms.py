@@ -1,4 +1,4 @@
-"""Runs of which nothing is to be told: what is as small as round-off is held against the scale of the run."""
+"""Runs that must have no warning: quantities of round-off are compared with the scale of the run."""
 
 from __future__ import annotations
 

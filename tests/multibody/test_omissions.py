@@ -1,4 +1,4 @@
-"""What --explain says of the bed."""
+"""The lines of --explain about the bed."""
 
 from __future__ import annotations
 

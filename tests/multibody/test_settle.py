@@ -1,4 +1,4 @@
-"""Rest before the start: what stands on sand stands as deep as its weight presses it, and no deeper."""
+"""Settled starts: bodies stand in the sand as deep as their weight presses them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Steps that are chosen, tolerances on stiff beams, limits of time, doubts and what was left out."""
+"""Chosen steps, tolerances with stiff beams, limits of time, warnings, and the parts left out of a scene."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is told of stopping: of what stops, and stays; nothing of what still falls."""
+"""Stopping times: reported for mechanisms that stop and stay at rest, and not for those that still fall."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a departure of a motion is made of: the freedoms of mechanisms, and that both methods find the same."""
+"""Estimated errors by strips: degrees of freedom of mechanisms, and agreement of both methods."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The engine's viewer: refused where there is no display, and shown the run where there is one."""
+"""The engine's viewer: refused without a display, and showing the run with one."""
 
 from __future__ import annotations
 

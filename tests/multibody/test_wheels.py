@@ -1,4 +1,4 @@
-"""Wheels: their shape, their rig, what it says of them, and the surface behind them."""
+"""Wheels: their shape, their rig, their summary, and the surface behind them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Work as the motion has it: the balance of energy closes over jumps of the force, and says so where it does not."""
+"""Work in the energy balance: it closes over jumps of the force, or a warning says that it does not."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The medium never gives energy, but for what its bristles can hold."""
+"""The medium gives no energy beyond what its bristles can store."""
 
 from __future__ import annotations
 

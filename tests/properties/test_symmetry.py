@@ -1,4 +1,4 @@
-"""Where something is and which way it looks is nothing to the medium; above its surface there is nothing."""
+"""Forces are mirrored with the scene and do not depend on its place; above the surface there are none."""
 
 from __future__ import annotations
 

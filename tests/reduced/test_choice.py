@@ -1,4 +1,4 @@
-"""Asking for the reduced model: config, command line, what is refused, what is not imported."""
+"""The choice of the reduced model: config, command line, refusals, and imports it avoids."""
 
 from __future__ import annotations
 

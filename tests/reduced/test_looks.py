@@ -1,4 +1,4 @@
-"""What is greatest between the rows of a reduced run: by the kernel as by `results.interpolation`, for all others."""
+"""Extremes between the rows of a reduced run: by its kernel as by `results.interpolation`."""
 
 from __future__ import annotations
 

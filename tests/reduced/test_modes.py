@@ -1,4 +1,4 @@
-"""Clamped-free modes: the beam equation, its ends, and what is known of them in closed form."""
+"""Clamped-free modes against the beam equation, its boundary conditions and closed forms."""
 
 from __future__ import annotations
 

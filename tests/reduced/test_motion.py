@@ -1,4 +1,4 @@
-"""Equations of motion against the slow obvious ones, energy, order, frequencies."""
+"""Equations of motion against slow, direct ones; energy, order, frequencies."""
 
 from __future__ import annotations
 

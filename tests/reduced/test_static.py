@@ -1,4 +1,4 @@
-"""The static resistance: true sign with its stops and turns, against the table, the bristle and other steppers."""
+"""Static resistance: true sign with stops and turns, against the table, the bristle and other integrators."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Runs of the reduced model that are marched by one compiled call: each as it is alone, up to the last digits."""
+"""Runs of the reduced model that one compiled call marches in a batch: each equals its single run to round-off."""
 
 from __future__ import annotations
 

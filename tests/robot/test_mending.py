@@ -1,4 +1,4 @@
-"""What `--mend` changes is as little as serves: volume, tensor and centre stay where they can."""
+"""Copies of robot files by `--mend`: the changes are minimal; volume, tensor and centre stay where possible."""
 
 from __future__ import annotations
 

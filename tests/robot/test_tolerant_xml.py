@@ -1,4 +1,4 @@
-"""Robot files that other readers take though they are no proper XML: read to the same robot, each with a notice."""
+"""Robot files that are no proper XML but that other readers accept: read to the same robot, each with a notice."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Keys beside `urdf` put right what the robot file says; without them it is refused as before."""
+"""Keys beside `urdf` correct the robot file; without them it is refused as before."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Scenario -> Scene: mass, places and motion by hand, and what does not fit together."""
+"""From scenario to scene: mass, places and motion by hand, and faults of parts that do not fit."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The tip of a mechanism and the lowest point of what is round are points of the geometry, however it is cut."""
+"""The tip of a mechanism and the lowest point of round bodies are points of the geometry, for any number of strips."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Initial states of mechanisms: joints as said, loops closed, chains expanded, and what contradicts itself."""
+"""Initial states of mechanisms: given joints, closed loops, expanded chains, and contradictions."""
 
 from __future__ import annotations
 

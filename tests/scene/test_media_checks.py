@@ -1,4 +1,4 @@
-"""Slopes that a medium does not keep, and gravities that it was not measured at: in configs, and at both doors."""
+"""Slopes beyond the angle of repose and gravity other than that of the tests: in configs and in beds of both kinds."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Shortest periods of signals, and steps that see them: what falls between two steps is told, refused or stepped on."""
+"""Shortest periods of signals, and steps that resolve them: poorly resolved signals are reported or refused."""
 
 from __future__ import annotations
 

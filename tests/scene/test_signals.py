@@ -1,4 +1,4 @@
-"""Signals: their derivatives by differences, and what each promises."""
+"""Signals: derivatives by differences, and the promised properties of each kind."""
 
 from __future__ import annotations
 

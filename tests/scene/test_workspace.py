@@ -1,4 +1,4 @@
-"""What of a mechanism can get into the sand: measured from where it hangs, wherever that is."""
+"""The parts of a mechanism that can reach the sand, measured from its pivot wherever the pivot is."""
 
 from __future__ import annotations
 

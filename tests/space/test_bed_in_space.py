@@ -1,4 +1,4 @@
-"""Beds in space from YAML: layers, floor and container, what they do in a run, and what is wrong with them."""
+"""Beds in space from YAML: layers, floor and container, their effect in a run, and their faults."""
 
 from __future__ import annotations
 

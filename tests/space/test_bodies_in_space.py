@@ -1,4 +1,4 @@
-"""Bodies of Exudyn scripts in a bed in space: falls, standing on a slope, what a body in the plane does, faults."""
+"""Bodies of Exudyn scripts in a bed in space: falls, rest on a slope, motion as in the plane, faults."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The error of a motion by facets that are too large: estimated, told, and kept below what was asked for."""
+"""Estimated errors by facets that are too large: true in size, reported, and kept below the accuracy asked for."""
 
 from __future__ import annotations
 

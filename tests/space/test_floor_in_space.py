@@ -1,4 +1,4 @@
-"""A floor in space: closed forms of what is pressed on it, that of the plane, its energy, its tangent."""
+"""A floor in space: closed forms of pressed bodies, the floor in the plane, energy, tangent."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Scatter in space: how much a plate of facets scatters, what shares it, what does not scatter, and who is refused."""
+"""Scatter in space: size on a plate of facets, correlation, terms without scatter, and refusals."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Links in space that stretch: against theory, the other engine and the plane; what is told of those that do not."""
+"""Links in space that stretch: against theory, the other engine and the plane, and warnings."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Many runs of scenes in space: what is set and swept reaches them by the same keys as in the plane."""
+"""Many runs of scenes in space: settings and varied keys reach them as in the plane."""
 
 from __future__ import annotations
 

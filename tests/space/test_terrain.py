@@ -1,4 +1,4 @@
-"""The ground in space: slopes in any direction, maps of heights, and what is wrong with a map."""
+"""The ground in space: slopes in any direction, maps of heights, and faults of maps."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Along what distance, speed and cost of transport are taken: x, y, a direction, or the path."""
+"""Distance, speed and cost of transport along x, y, a direction or the path."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Bodies that turn while they slide: which facets lead, and what was sheared, whatever facets and steps."""
+"""Bodies that turn while they slide: leading facets and sheared displacement, for any facets and steps."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Candidates for the braked wheel: they begin at the level surface, they bear the load, and the rule can fail."""
+"""Candidates for the braked wheel: they start from the level surface and carry the load, and the rule can fail."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The error that is told of links in space with too few elements: where they curl, and as they vibrate."""
+"""The reported error of links in space with too few elements: where they curl, and as they vibrate."""
 
 from __future__ import annotations
 

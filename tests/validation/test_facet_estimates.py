@@ -1,4 +1,4 @@
-"""The study of the estimated error by facets: a few of its scenes, and what it would notice."""
+"""The study of estimated errors by facets: a few of its scenes, and the violations it detects."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Measured sand against the models: what holds and what does not, as it stands; and a wrong model would be seen."""
+"""Measured sand against the models: the recorded agreement, and detection of a wrong model."""
 
 from __future__ import annotations
 

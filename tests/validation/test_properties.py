@@ -1,4 +1,4 @@
-"""The study of random scenes: what it draws, its images, its judgement by hand, and the beginnings of a few scenes."""
+"""The study of random scenes: draws, images, judgement by hand, and the starts of a few scenes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The study of random scenes in space: what it draws, its images, and the beginnings of a few scenes."""
+"""The study of random scenes in space: draws, images, and the starts of a few scenes."""
 
 from __future__ import annotations
 

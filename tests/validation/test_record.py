@@ -1,4 +1,4 @@
-"""The record of the studies: all are in the list, pages and index say what it says, and a difference is noticed."""
+"""The record of the studies: complete, in line with pages and index, and differences are detected."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The study of what decides the stopping time: its claims, and that they can fail."""
+"""The study of the sensitivity of the stopping time: its claims, and that they can fail."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What `initial.settle` sets down stands as deep as in its static balance; all cases but the two dearest."""
+"""Depths after `initial.settle` against static balance; all cases but the two most expensive."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The study of beams in space: its references are no mistakes, and what is wrong is told."""
+"""The study of beams in space: its references are right, and errors are warned of."""
 
 from __future__ import annotations
 
