@@ -1,6 +1,11 @@
-"""Texts of planar models that several tests share; `lines`: medium, start, solver and method, as a test needs them."""
+"""Models that several tests share: texts of planar models, and mappings of models of one body.
+
+lines: medium, start, solver and method, which a test adds to the text of a model.
+"""
 
 from __future__ import annotations
+
+from typing import Any
 
 BALL = """
 model:
@@ -36,3 +41,9 @@ def chain(count: int, length: float, *lines: str, flexible: str = "null", diamet
     """A chain of steel links (m) on hinges."""
     link = f"length_m: {length}, diameter_m: {diameter}, density_kg_m3: 7700, flexible: {flexible}"
     return "\n".join(("model:", "  name: chain", f"  chain: {{count: {count}, link: {{{link}}}}}", *lines))
+
+
+def one_body(name: str, body: dict[str, Any], joint: str = "flight", kind: str = "free", **keys: Any) -> dict[str, Any]:
+    """A model in space of one body on a joint to the ground; keys: of the joint."""
+    joints = {joint: {"type": kind, "parent": "ground", "child": name, **keys}}
+    return {"in_space": True, "name": name, "bodies": {name: body}, "joints": joints}

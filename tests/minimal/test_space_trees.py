@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
+from support_models import one_body
 from support_runs import ROOT, order, simulate
 
 from granular_contact import Simulation, build, load
@@ -186,12 +187,7 @@ def test_a_heavy_top_precesses_steadily() -> None:
     inertia = {"xx": 0.5 * I_3, "yy": 0.5 * I_3, "zz": I_3}
     top = {"type": "rigid", "mass_kg": m, "inertia_kg_m2": inertia, "center_of_mass_m": [0, 0, high]}
     config: dict[str, Any] = {
-        "model": {
-            "in_space": True,
-            "name": "top",
-            "bodies": {"top": top},
-            "joints": {"tip": {"type": "ball", "parent": "ground", "child": "top"}},
-        },
+        "model": one_body("top", top, "tip", "ball"),
         "medium": None,
         "initial": {"joints": {"tip": {"rpy_deg": [30, 0, 0], "spin_rad_s": angular_velocity.tolist()}}},
         "solver": {"end_time_s": 1.0, "step_s": 1e-3, "rest_time_s": None},
@@ -269,15 +265,10 @@ def test_a_body_rests_on_a_slope() -> None:
     """Laid on sand that rises by 10 degrees it comes to rest, and then creeps by less than 1 um/s over 20 s."""
     box = {"type": "rigid", "density_kg_m3": 1500, "shapes": [{"type": "box", "size_m": [0.08, 0.06, 0.03]}]}
     config: dict[str, Any] = {
-        "model": {
-            "in_space": True,
-            "name": "laid",
-            "bodies": {"box": box},
-            "joints": {"free": {"type": "free", "parent": "ground", "child": "box"}},
-        },
+        "model": one_body("box", box),
         "medium": "rft3d_sand",
         "bed": {"slope_deg": 10, "slope_direction_deg": 30},
-        "initial": {"joints": {"free": {"z_m": 0.02, "rpy_deg": [0, -8, 4]}}},
+        "initial": {"joints": {"flight": {"z_m": 0.02, "rpy_deg": [0, -8, 4]}}},
         "solver": {"end_time_s": 23.0, "accuracy": 1e-2, "rest_time_s": None},
     }
     motion = solved(config)

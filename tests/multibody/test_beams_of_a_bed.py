@@ -9,6 +9,7 @@ import exudyn as exu
 import exudyn.itemInterface as items
 import numpy as np
 import pytest
+from support_models import one_body
 from support_refusals import message_of
 
 from granular_contact import GranularBed, load, preset, simulate
@@ -87,8 +88,7 @@ def scene(medium: str) -> Any:
     """The same rod as a scene of 16 rigid elements."""
     flexible = {"youngs_modulus_Pa": YOUNG, "elements": 16}
     rod = {"type": "link", "length_m": LENGTH, "diameter_m": DIAMETER, "density_kg_m3": DENSITY, "flexible": flexible}
-    wall = {"type": "weld", "parent": "ground", "child": "rod"}
-    model = {"in_space": True, "name": "falls", "bodies": {"rod": rod}, "joints": {"wall": wall}}
+    model = one_body("rod", rod, "wall", "weld")
     solver = {"end_time_s": END, "step_s": STEP, "spectral_radius": 0.9, "rest_time_s": None}
     return simulate(load({"model": model, "solver": solver, "medium": medium, "bed": {"height_m": SURFACE}}))
 

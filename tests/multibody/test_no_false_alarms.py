@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from support_models import one_body
 
 from granular_contact import Simulation, load, simulate
 
@@ -15,13 +16,9 @@ INERTIA = {"xx": 0.01, "yy": 0.01, "zz": 0.01}
 def test_a_drive_that_brakes_at_fixed_steps() -> None:
     """A cone that is heavier than what the sand carries is let down: the power is negative, and ends at zero."""
     lowered = {"type": "ramp", "from": 0, "to": 0.06, "duration_s": 2}
+    cone = {"type": "rigid", "mass_kg": 1, "inertia_kg_m2": INERTIA, "shapes": [CONE]}
     config: dict[str, Any] = {
-        "model": {
-            "in_space": True,
-            "name": "cone",
-            "bodies": {"cone": {"type": "rigid", "mass_kg": 1, "inertia_kg_m2": INERTIA, "shapes": [CONE]}},
-            "joints": {"rail": {"type": "slider", "parent": "ground", "child": "cone", "axis": [0, 0, -1]}},
-        },
+        "model": one_body("cone", cone, "rail", "slider", axis=[0, 0, -1]),
         "medium": "rft_generic",
         "surface_height_m": 0,
         "drives": {"rail": {"type": "motion", "position_m": lowered}},

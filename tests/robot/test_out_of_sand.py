@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from support_models import one_body
 from support_refusals import CONFIG_OR_SCENE, faults_of
 from support_robot import block, robot_in, stl
 
@@ -85,10 +86,8 @@ def test_a_faulty_shape_out_of_the_sand_is_left_out(tmp_path: Path, name: str) -
 def test_a_mesh_that_gives_mass_is_needed_out_of_the_sand_too(tmp_path: Path) -> None:
     shape = {"type": "mesh", "file": str(tmp_path / "lost.stl"), "in_sand": False}
     body = {"type": "rigid", "density_kg_m3": 1000, "shapes": [shape]}
-    model = {"in_space": True, "name": "one", "bodies": {"one": body}}
-    model["joints"] = {"one": {"type": "free", "parent": "ground", "child": "one"}}
     with pytest.raises(SceneError, match="there is no such file"):
-        scene.build(config.load({"model": model, "medium": "rft3d_sand"}))
+        scene.build(config.load({"model": one_body("plate", body), "medium": "rft3d_sand"}))
 
 
 # One triangle of two corners, and one of three on a line, which closes the cube between its own corners.

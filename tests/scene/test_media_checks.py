@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from support_models import one_body
 from support_refusals import faults_of
 
 from granular_contact import KatsuragiDurian, LinearDepth, Poncelet, load, preset
@@ -38,9 +39,7 @@ def planar(**keys: Any) -> dict[str, Any]:
 
 def spatial(**keys: Any) -> dict[str, Any]:
     box = {"type": "rigid", "density_kg_m3": 2000, "shapes": [{"type": "box", "size_m": [0.06, 0.04, 0.03]}]}
-    model = {"in_space": True, "name": "box", "bodies": {"box": box}}
-    joints = {"flight": {"type": "free", "parent": "ground", "child": "box"}}
-    return {"model": model | {"joints": joints}, "medium": "cmu_dry_sand"} | keys
+    return {"model": one_body("box", box), "medium": "cmu_dry_sand"} | keys
 
 
 def scene(given: dict[str, Any]) -> Scene:

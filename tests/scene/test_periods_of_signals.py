@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from support_models import one_body
 
 from granular_contact import Results, load, simulate
 from granular_contact.errors import SceneError
@@ -36,8 +37,7 @@ def rod_in_space(signal: Any, **solver: Any) -> dict[str, Any]:
     config = rod(signal, **solver)
     moments = {"xx": INERTIA, "yy": INERTIA, "zz": INERTIA}
     body = {"type": "rigid", "mass_kg": MASS, "inertia_kg_m2": moments, "shapes": []}
-    joint = {"type": "hinge", "parent": "ground", "child": "b", "axis": [0, 0, 1]}
-    return config | {"model": {"in_space": True, "name": "rod", "bodies": {"b": body}, "joints": {"j": joint}}}
+    return config | {"model": one_body("b", body, "j", "hinge", axis=[0, 0, 1])}
 
 
 def sine(frequency: float) -> dict[str, Any]:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
+from support_models import one_body
 from support_refusals import CONFIG_OR_SCENE, message_of
 
 from granular_contact import load, simulate
@@ -26,9 +27,8 @@ def run(bed: dict[str, Any], shape: dict[str, Any] = BALL, **given: Any) -> dict
     """A body of 0.5 kg that begins at the surface and moves ahead and to the right."""
     inertia = {"xx": 2e-4, "yy": 2e-4, "zz": 2e-4}
     body = {"type": "rigid", "mass_kg": 0.5, "inertia_kg_m2": inertia, "shapes": [shape]}
-    joints = {"flight": {"type": "free", "parent": "ground", "child": "b"}}
     return {
-        "model": {"in_space": True, "name": "b", "bodies": {"b": body}, "joints": joints},
+        "model": one_body("b", body),
         "medium": "rft3d_sand",
         "bed": {"height_m": 0.0, **bed},
         "initial": {"joints": {"flight": START}},

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from support_bending import MODULUS, POISSON, THICKNESS, WIDTH, into_space, kirchhoff, order, pendulum, princeton
+from support_models import one_body
 from support_refusals import message_of
 from support_runs import ROOT
 
@@ -34,8 +35,7 @@ def config(bodies: Config, joints: Config, **more: Any) -> Config:
 
 
 def clamped(link: Config, flexible: Config, **more: Any) -> Config:
-    joints = {"wall": {"type": "weld", "parent": "ground", "child": "rod"}}
-    return config({"rod": link | {"flexible": flexible}}, joints, **more)
+    return {"model": one_body("rod", link | {"flexible": flexible}, "wall", "weld"), **more}
 
 
 def tip(results: Results) -> Any:

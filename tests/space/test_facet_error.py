@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
+from support_models import one_body
 
 from granular_contact import Simulation, load, simulate
 from granular_contact.cli.main import main
@@ -31,15 +32,10 @@ SHAPES: dict[str, list[dict[str, Any]]] = {
 def thrown(shapes: list[dict[str, Any]], size: float | None = None, **solver: Any) -> dict[str, Any]:
     """A body that is thrown into sand, turning."""
     parts = [shape if size is None else shape | {"facet_size_m": size} for shape in copy.deepcopy(shapes)]
-    bodies = {"b": {"type": "rigid", "density_kg_m3": 2000, "shapes": parts}}
+    body = {"type": "rigid", "density_kg_m3": 2000, "shapes": parts}
     start = {"z_m": 0.05, "rpy_deg": [20, 35, 10], "vx_m_s": 0.5, "vz_m_s": -1, "spin_rad_s": [5, 0, 3]}
     return {
-        "model": {
-            "in_space": True,
-            "name": "thrown",
-            "bodies": bodies,
-            "joints": {"f": {"type": "free", "parent": "ground", "child": "b"}},
-        },
+        "model": one_body("b", body, "f"),
         "medium": "rft3d_sand",
         "surface_height_m": 0,
         "initial": {"joints": {"f": start}},
@@ -101,13 +97,7 @@ def test_a_cantilever_of_elements_that_move_as_one_is_as_soft(monkeypatch: pytes
     monkeypatch.setattr(facet_departure, "BENDING", 3 * 45 // each)
     link = {"type": "link", "length_m": 0.1, "width_m": 0.01, "thickness_m": 0.01, "density_kg_m3": 1000}
     flexible = {"youngs_modulus_Pa": 1e7, "elements": 45}
-    joint = {"type": "weld", "parent": "ground", "child": "b"}
-    model = {
-        "in_space": True,
-        "name": "cantilever",
-        "bodies": {"b": link | {"flexible": flexible}},
-        "joints": {"clamp": joint},
-    }
+    model = one_body("b", link | {"flexible": flexible}, "clamp", "weld")
     motion = motion_of({"model": model, "solver": {"end_time_s": 1e-3}})
     W, K, _ = (each[0] for each in facet_departure._freedoms(motion))
     assert len(K) == 3 * 45 // each

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from support_bending import into_space, order, pendulum
+from support_models import one_body
 from support_refusals import CONFIG_OR_SCENE, message_of
 from support_runs import ROOT
 
@@ -31,8 +32,7 @@ def reduced(modes: int) -> Config:
 
 def cantilever(elements: int, modes: int, end: float, gravity: float = 9.81) -> Config:
     strip = STRIP | {"flexible": {"youngs_modulus_Pa": E, "elements": elements}}
-    joints = {"wall": {"type": "weld", "parent": "ground", "child": "strip"}}
-    model = {"in_space": True, "name": "cantilever", "bodies": {"strip": strip}, "joints": joints}
+    model = one_body("strip", strip, "wall", "weld")
     return {"model": model, "method": reduced(modes), "gravity_m_s2": gravity, "solver": {"end_time_s": end}}
 
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from support_models import one_body
 from support_refusals import faults_of
 
 from granular_contact import Box, Capsule, Cone, Cylinder, Mesh, Plate, Sphere, load, preset, simulate
@@ -55,11 +56,7 @@ def foot(**shape: Any) -> dict[str, Any]:
     """A foot on sand in space."""
     inertia = {"xx": 0.01, "yy": 0.02, "zz": 0.02}
     body = {"type": "rigid", "mass_kg": 5, "inertia_kg_m2": inertia, "shapes": [shape]}
-    free = {"type": "free", "parent": "ground", "child": "foot"}
-    return {
-        "model": {"in_space": True, "name": "foot", "bodies": {"foot": body}, "joints": {"fall": free}},
-        "medium": "rft3d_sand",
-    }
+    return {"model": one_body("foot", body), "medium": "rft3d_sand"}
 
 
 @pytest.mark.parametrize(
@@ -138,6 +135,6 @@ def test_a_body_larger_than_any_is_refused(name: str) -> None:
 
 def test_a_body_that_starts_farther_away_than_any_is_refused() -> None:
     far = foot(type="sphere", diameter_m=0.1)
-    far["model"]["joints"]["fall"]["parent_point_m"] = [2e6, 0.0, 0.0]
+    far["model"]["joints"]["flight"]["parent_point_m"] = [2e6, 0.0, 0.0]
     with pytest.raises(SceneError, match=r"foot: starts at a distance of 2e\+06 m; allowed is less than 1e\+06 m"):
         build(load(far))

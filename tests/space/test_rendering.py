@@ -10,6 +10,7 @@ import pytest
 from matplotlib.colors import to_rgb
 from numpy.typing import NDArray
 from PIL import Image
+from support_models import one_body
 from support_results import make
 
 from granular_contact import Results, load, simulate
@@ -109,11 +110,9 @@ def test_a_shadow_falls_on_a_slope() -> None:
 def fallen() -> Results:
     """A box thrown onto sand, with a few instants for a film."""
     body = {"type": "rigid", "density_kg_m3": 2000, "shapes": [{"type": "box", "size_m": [0.06, 0.04, 0.03]}]}
-    model = {"in_space": True, "name": "box", "bodies": {"box": body}}
-    model["joints"] = {"flight": {"type": "free", "parent": "ground", "child": "box"}}
-    start = {"flight": {"z_m": 0.05, "rpy_deg": [20, 35, 10], "vz_m_s": -1}}
-    run = {"model": model, "medium": "rft3d_sand", "bed": {"height_m": 0.0}, "solver": {"end_time_s": 0.02}}
-    return simulate(load({**run, "initial": {"joints": start}}), most_frames=5)
+    start = {"joints": {"flight": {"z_m": 0.05, "rpy_deg": [20, 35, 10], "vz_m_s": -1}}}
+    run = {"model": one_body("box", body), "medium": "rft3d_sand", "bed": {"height_m": 0.0}, "initial": start}
+    return simulate(load(run | {"solver": {"end_time_s": 0.02}}), most_frames=5)
 
 
 def film_of(results: Results, file: Path) -> tuple[int, tuple[int, int]]:

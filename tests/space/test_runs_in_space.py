@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 import yaml
 from scipy.spatial.transform import Rotation
+from support_models import one_body
 from support_parts import called
 from support_runs import ROOT
 
@@ -410,10 +411,7 @@ def test_power_between_elements_is_that_of_energy_and_damping() -> None:
     random = np.random.default_rng(2)
     soft = {"youngs_modulus_Pa": 1e6, "elements": 2, "axial_stiffness_N": 1.0}
     rod = ARM["bodies"]["upper"] | {"flexible": soft}
-    clamp = {"type": "weld", "parent": "ground", "child": "rod"}
-    made: Any = build(
-        load({"model": {"in_space": True, "name": "rod", "bodies": {"rod": rod}, "joints": {"a": clamp}}})
-    )
+    made: Any = build(load({"model": one_body("rod", rod, "a", "weld")}))
     K, D, (k, d) = np.array([0.3, 0.5, 0.2]), np.array([0.02, 0.01, 0.03]), (4.0, 0.7)
     P, C = rotations.of_rpy([0.3, -0.5, 0.9]), rotations.of_rpy([-0.2, 0.4, 0.1])
     law = replace(made.joints[-1].elastic, stiffness=K, damping=D, axial=(k, d))
@@ -480,13 +478,8 @@ def test_the_gradient_of_a_coordinate_is_its_derivative(kind: str) -> None:
 
 def test_penetration_ends_where_the_lower_end_stops_falling() -> None:
     """Of a ball that is thrown askew and rolls as it sinks: within two steps of where its path is lowest."""
-    ball = {"type": "sphere", "diameter_m": 0.03, "facet_size_m": 0.004}
-    model = {
-        "in_space": True,
-        "name": "ball",
-        "bodies": {"ball": {"type": "rigid", "density_kg_m3": 2000, "shapes": [ball]}},
-        "joints": {"flight": {"type": "free", "parent": "ground", "child": "ball"}},
-    }
+    sphere = {"type": "sphere", "diameter_m": 0.03, "facet_size_m": 0.004}
+    model = one_body("ball", {"type": "rigid", "density_kg_m3": 2000, "shapes": [sphere]})
     start = {"joints": {"flight": {"z_m": 0.02, "vx_m_s": 0.5, "vy_m_s": 0.4, "vz_m_s": -1}}}
     run = {"model": model, "medium": "rft3d_sand", "surface_height_m": 0, "initial": start}
     results = simulate(load(run | {"solver": {"end_time_s": 0.02, "step_s": 1e-4}}))

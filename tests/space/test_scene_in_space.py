@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from support_models import one_body
 from support_refusals import CONFIG_OR_SCENE, message_of
 
 from granular_contact import Box
@@ -24,12 +25,7 @@ from granular_contact.scene.space.types import SpatialScene
 
 BOX = {"type": "box", "size_m": [0.06, 0.04, 0.03]}
 RUN: dict[str, Any] = {
-    "model": {
-        "in_space": True,
-        "name": "box",
-        "bodies": {"box": {"type": "rigid", "density_kg_m3": 2000, "shapes": [BOX]}},
-        "joints": {"flight": {"type": "free", "parent": "ground", "child": "box"}},
-    },
+    "model": one_body("box", {"type": "rigid", "density_kg_m3": 2000, "shapes": [BOX]}),
     "medium": "rft3d_sand",
     "surface_height_m": 0,
     "initial": {"joints": {"flight": {"z_m": 0.06, "rpy_deg": [20, 35, 10], "vx_m_s": 0.5, "vz_m_s": -1}}},

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from PIL import Image
+from support_models import one_body
 from support_parts import called
 from support_space import PAIRS, load_on
 
@@ -29,9 +30,8 @@ def run(bed: dict[str, Any]) -> dict[str, Any]:
     """A box thrown down onto a bed."""
     body = {"type": "rigid", "density_kg_m3": 2000, "shapes": [{"type": "box", "size_m": [0.06, 0.04, 0.03]}]}
     start = {"x_m": 0.02, "y_m": 0.01, "z_m": 0.05, "rpy_deg": [20, 35, 10], "vx_m_s": 0.5, "vz_m_s": -1}
-    joints = {"flight": {"type": "free", "parent": "ground", "child": "box"}}
     return {
-        "model": {"in_space": True, "name": "box", "bodies": {"box": body}, "joints": joints},
+        "model": one_body("box", body),
         "medium": "rft3d_sand",
         "bed": bed,
         "initial": {"joints": {"flight": start}},
@@ -160,10 +160,8 @@ def test_slopes_of_a_map_are_those_of_its_heights() -> None:
 
 def test_bodies_leaving_the_map_in_a_run_are_reported(tmp_path: Path) -> None:
     ball = {"type": "rigid", "density_kg_m3": 800, "shapes": [{"type": "sphere", "diameter_m": 0.06}]}
-    model = {"in_space": True, "name": "ball", "bodies": {"ball": ball}}
-    model["joints"] = {"air": {"type": "free", "parent": "ground", "child": "ball"}}
-    start = {"joints": {"air": {"x_m": 0.05, "z_m": 0.035, "vx_m_s": 1.0}}}
-    given = {"model": model, "medium": "rft3d_sand", "initial": start, "solver": {"end_time_s": 0.3}}
+    start = {"joints": {"flight": {"x_m": 0.05, "z_m": 0.035, "vx_m_s": 1.0}}}
+    given = {"model": one_body("ball", ball), "medium": "rft3d_sand", "initial": start, "solver": {"end_time_s": 0.3}}
     leaving = {}
     for columns in (6, 30):  # to x = 0.15 m, or 1.35 m
         ground = written(tmp_path, np.zeros((5, columns)), cell_m=0.05, corner_m=[-0.1, -0.1])

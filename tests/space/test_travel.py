@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from support_models import one_body
 
 from granular_contact import load, simulate
 from granular_contact.errors import ConfigError, SceneError
@@ -20,9 +21,8 @@ KEYS = ("distance_m", "forward_speed_m_s", "forward_speed_second_half_m_s", "cos
 def cart(axis: list[float], **output: Any) -> dict[str, Any]:
     """A box in space that a force pushes along a rail in vacuum: a = 2 m/s2 for 1 s."""
     body = {"type": "rigid", "density_kg_m3": 500, "shapes": [{"type": "box", "size_m": [0.1, 0.1, 0.1]}]}
-    rail = {"type": "slider", "parent": "ground", "child": "box", "axis": axis}
     return {
-        "model": {"in_space": True, "name": "cart", "bodies": {"box": body}, "joints": {"rail": rail}},
+        "model": one_body("box", body, "rail", "slider", axis=axis),
         "drives": {"rail": {"type": "force", "force_N": 1.0}},
         "solver": {"end_time_s": 1.0, "step_s": 0.01},
         "output": {"figures": False, **output},
