@@ -175,8 +175,10 @@ class _Step:
         tolerance (m/s): change of the speed of any point in the last iteration; lever (m,): factors from rates to
         speeds.
         """
-        rate, is_old = self.rate.copy(), False  # whether the Jacobian is that of an earlier iteration
-        r, square, q = self.residual(rate)
+        # Where a step is too long to be solved, a rate that is kept would carry the departure away without bound.
+        starts = [(self.residual(rate), rate) for rate in (self.rate, np.zeros_like(self.rate))]
+        (r, square, q), rate = min(starts, key=lambda start: start[0][1])
+        is_old = False  # whether the Jacobian is that of an earlier iteration
         for _ in range(ITERATIONS):
             if not is_old:
                 jacobian = self.jacobian(q, rate)

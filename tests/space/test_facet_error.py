@@ -194,6 +194,20 @@ def test_a_stepped_run_reports_its_facet_error(capsys: pytest.CaptureFixture[str
     assert re.search(of_run, printed)
 
 
+# Scenes of many times the time in which they come to rest or fall over, with the error in such a run: of dropped from
+# one as long as it moves, of the walker from facets of half the size.
+LONG: dict[str, tuple[float, float]] = {"dropped": (10.0, 0.003), "walker_in_space": (16.0, 0.002)}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", LONG)
+def test_the_estimate_of_a_long_run_is_less_than_ten_times_the_error(name: str) -> None:
+    """Steps of the departure were too long to be solved, and it grew at its last rate: to 6 and 390 times the path."""
+    seconds, error = LONG[name]
+    results = Simulation(load(name, solver={"end_time_s": seconds, "rest_time_s": None})).run()
+    assert results.summary["facets"]["error"] < 10.0 * error
+
+
 def test_facets_are_made_smaller_of_the_mechanism_that_needs_it_alone() -> None:
     """A ball of large facets, and far from it a plate that lies still: its facets stay."""
     tree = thrown(SHAPES["ball"], 0.01, accuracy=ERROR)
