@@ -171,8 +171,8 @@ class SpatialLoad(GranularLoad):
                 parts.append(elements.ball(body, shape, place, mass))
         count = sum(len(part.rows) for part in (*self.lines, *parts) if part.element_kind == "surface")
         if count > MOST_FACETS:
-            reason = f"got {count:,} facets in all; allowed are {MOST_FACETS:,}, which take {COST}: larger facets, or"
-            raise scene_error(FACET_SIZE, f"{reason} fewer shapes in the sand (in_sand: false)")
+            reason = f"got {count:,} facets in all; allowed are {MOST_FACETS:,}, which take {COST}: a larger accuracy,"
+            raise scene_error(FACET_SIZE, f"{reason} larger facets, or fewer shapes in the sand (in_sand: false)")
         self.lines += [replace(part, duplicate=i > 0) for i, part in enumerate(parts)]
         self.table = self._new_table()
         self.building_s += time.perf_counter() - began
