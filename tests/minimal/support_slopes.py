@@ -1,4 +1,4 @@
-"""The matrix of Newton's method of a tree by differences."""
+"""The matrix of Newton's method of a tree by differences, and its dense solution."""
 
 from __future__ import annotations
 
@@ -33,3 +33,11 @@ def slopes_of_residuals(
             ends.append(w["residual"].copy())
         slopes.append((ends[0] - ends[1]) / (2.0 * by))
     return np.array(slopes).T
+
+
+def solved_densely(matrix: np.ndarray, w: dict[str, np.ndarray]) -> tuple[np.ndarray, float]:
+    """Change (n,) with matrix change = -R for all that is not prescribed, and the scale of its round-off."""
+    free = w["prescribed"] == 0
+    whole, change = matrix[np.ix_(free, free)], np.zeros(len(free))
+    change[free] = np.linalg.solve(whole, -w["residual"][free])
+    return change, np.abs(change).max(initial=0.0) * max(1.0, np.linalg.cond(whole) if free.any() else 0.0)

@@ -7,6 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
+from granular_contact.cli import main
+from granular_contact.robot.inspection import inspect
+from granular_contact.robot.types import Inertial
+
 
 def inertial(mass: float, moment: str = "1e-3") -> str:
     return f'<inertial><mass value="{mass}"/><inertia ixx="{moment}" iyy="{moment}" izz="{moment}" ixy="1e-5" ixz="0" iyz="0"/></inertial>'
@@ -56,3 +60,13 @@ def robot_in(folder: Path, *changes: tuple[str, str]) -> Path:
     path = folder / "arm.urdf"
     path.write_text(text, encoding="utf-8")
     return path
+
+
+def inertial_after_mending(path: Path, folder: Path, link: str) -> Inertial:
+    """Inertia of a link in the copy that `check --mend` writes of a faulty robot file, which has no faults."""
+    assert main(["check", str(path), "--mend", str(folder)]) == 2
+    mended = inspect(folder / "arm.urdf")
+    assert mended.faults == ()
+    mended_inertial = mended.robot.links[link].inertial
+    assert mended_inertial is not None
+    return mended_inertial
