@@ -8,13 +8,12 @@ from random import Random
 
 import numpy as np
 import pytest
+from support_images import built_images, close
 
-from granular_contact.config import load_scenario
-from granular_contact.scene import build
 from validation import properties as study
 from validation.random_scenes import images
 from validation.random_scenes.mechanisms import KINDS
-from validation.random_scenes.scenes import draw, solve, write
+from validation.random_scenes.scenes import draw, solve
 from validation.random_scenes.signals import SMOOTH, signal
 from validation.random_scenes.tracks import Track, apart, track
 
@@ -50,16 +49,11 @@ def test_the_draws_are_of_every_kind(drawn) -> None:
 @pytest.mark.slow
 def test_images_are_scenes_and_mirroring_twice_restores_the_scene(drawn, tmp_path: Path) -> None:
     made: Counter[str] = Counter()
-    for scene in drawn[:30]:
-        for name, image in study.WORLDS["plane"].images.items():
-            try:
-                tree = image(scene.tree)
-            except images.NoImage:
-                continue
-            build(load_scenario(write(tree, tmp_path)))
-            made[name] += 1
-            if image is images.mirrored:
-                assert _close(image(tree)["model"], scene.tree["model"])
+    for name, tree, scene in built_images(drawn[:30], "plane", tmp_path):
+        made[name] += 1
+        if study.WORLDS["plane"].images[name] is images.mirrored:
+            # Mirroring adds zeros.
+            assert close(images.mirrored(tree)["model"], scene.tree["model"], missing=0.0)
     assert min(made[name] for name in study.WORLDS["plane"].images) >= 8
 
 
@@ -78,15 +72,6 @@ def test_every_signal_has_a_mirror_image(kind: str, tmp_path: Path) -> None:
     assert np.abs(original.place[:, 2]).max() > 1e-5
     # Round-off, which grows where a body turns round: 9e-8 seen.
     assert apart(original, other, mirror=True) < 1e-6
-
-
-def _close(first, second) -> bool:
-    """Trees with the same numbers but for round-off; what mirroring adds is a zero."""
-    if isinstance(first, dict):
-        return all(_close(value, second.get(key, 0.0)) for key, value in first.items())
-    if isinstance(first, list):
-        return len(first) == len(second) and all(map(_close, first, second))
-    return first == second or (isinstance(first, float) and abs(first - second) < 1e-8)
 
 
 def test_distance_of_tracks_is_over_the_way_and_between_rows() -> None:

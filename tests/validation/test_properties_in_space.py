@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from support_images import built_images, close
 
-from granular_contact.config import load_scenario
-from granular_contact.scene import build
 from validation import properties as study
-from validation.random_scenes import images, images_in_space
+from validation.random_scenes import images_in_space
 from validation.random_scenes.in_space import SOLIDS, draw
-from validation.random_scenes.scenes import solve, write
-
-SPACE = study.WORLDS["space"]
+from validation.random_scenes.scenes import solve
 
 
 @pytest.fixture(scope="module")
@@ -38,28 +36,11 @@ def test_the_draws_are_of_every_kind(drawn) -> None:
 
 @pytest.mark.slow
 def test_images_are_scenes_and_mirroring_twice_restores_the_scene(drawn, tmp_path: Path) -> None:
-    made = dict.fromkeys(SPACE.images, 0)
-    for scene in drawn[:12]:
-        for name, image in SPACE.images.items():
-            try:
-                tree = image(scene.tree)
-            except images.NoImage:
-                continue
-            build(load_scenario(write(tree, tmp_path)))
-            made[name] += 1
-    assert min(made.values()) >= 4
+    made = Counter(name for name, _, _ in built_images(drawn[:12], "space", tmp_path))
+    assert min(made[name] for name in study.WORLDS["space"].images) >= 4
     for scene in drawn:
         twice = images_in_space.mirrored(images_in_space.mirrored(scene.tree))
-        assert _close(twice, scene.tree)
-
-
-def _close(first, second) -> bool:
-    """Trees with the same numbers but for round-off."""
-    if isinstance(first, dict):
-        return first.keys() == second.keys() and all(_close(first[key], second[key]) for key in first)
-    if isinstance(first, list):
-        return len(first) == len(second) and all(map(_close, first, second))
-    return first == second or (isinstance(first, float) and abs(first - second) < 1e-9)
+        assert close(twice, scene.tree)
 
 
 def test_the_engine_takes_no_shorter_steps_after_translation_by_1_km(tmp_path: Path) -> None:
