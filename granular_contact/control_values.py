@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping
 from typing import Any
 
@@ -72,7 +73,7 @@ class ControlValues:
         """As `checked`, also for numbers of other types and for angles in radians; raises with all faults."""
         faults, values = [], {}
         for name, value in by_name.items():
-            control = self._controls.get(name) or self._controls.get(name.removesuffix("_rad") + "_deg")
+            control = self._controls.get(name) or self._controls.get(re.sub("_rad$", "_deg", name))
             if not self._controls:
                 faults.append(f"no control {name!r}: no drive is external; give a joint one, {AN_EXTERNAL}")
             elif control is None:

@@ -282,6 +282,7 @@ def test_the_energy_balance_holds_under_a_controller_that_switches() -> None:
 
 BAD: tuple[tuple[Any, Any, str], ...] = (
     ({"hips_angle_deg": 1.0}, 0.01, r"no control 'hips_angle_deg'; did you mean hip_angle_deg\?"),
+    ({"hip_angle": 1.0}, 0.01, r"no control 'hip_angle'; did you mean hip_angle_deg\?"),
     ({"hip_angle_m": 1.0}, 0.01, "no control 'hip_angle_m'"),
     ({"knee_torque_rad": 1.0}, 0.01, "no control 'knee_torque_rad'"),
     ({"knee_torque_Nm": 0.1, "hip_angle_deg": np.nan}, 0.01, "hip_angle_deg: got nan, allowed is a finite number"),
