@@ -341,7 +341,7 @@ def test_an_mp4_decodes_to_all_frames(tmp_path: Path) -> None:
     assert printed.stdout.strip() == f"{RATE}/1,{len(results.frames)}"
 
 
-def test_a_film_of_one_frame(tmp_path: Path) -> None:
+def test_a_film_of_one_frame_has_one_picture(tmp_path: Path) -> None:
     still = dataclasses.replace(filmed(), frames=filmed().frames[:1])
     film.write(still, tmp_path / "a.gif")
     with Image.open(tmp_path / "a.gif") as image:

@@ -231,7 +231,7 @@ def test_faulty_beds_are_refused() -> None:
     assert faults_in(BALL, "bed.layers=[{top_m: 0.01, medium: rft_generic}]")[0][0] == "bed.layers"
 
 
-def test_every_depth_has_a_law_for_what_can_get_there() -> None:
+def test_every_depth_needs_a_law_for_the_bodies_that_reach_it() -> None:
     ((key, message),) = faults_in(PLATE, "bed.layers=[{top_m: 0.005, medium: play_sand}]")
     assert key == "bed.layers.0.medium"
     assert "plate can get that deep, but play_sand takes round bars" in message

@@ -45,7 +45,7 @@ def test_extremes_between_steps_agree_with_fine_sampling(seed: int) -> None:
     assert first_above_zero(time, tracks) == (spans[0][0] if spans else None)
 
 
-def test_a_touch_within_a_single_step_is_found() -> None:
+def test_a_touch_within_a_single_step_is_detected() -> None:
     # The cubic 4 x (1 - x) h - d of a step is above zero in its middle alone.
     time = np.array([0.0, 1.0, 2.0])
     track = Track(np.full(3, -0.9), np.array([4.0, -4.0, 0.0]))

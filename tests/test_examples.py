@@ -75,7 +75,7 @@ def test_a_file_in_the_way_is_refused_in_one_line(tmp_path: Path, capsys: pytest
     assert capsys.readouterr().err.count("\n") == 1
 
 
-def test_an_installation_without_them_says_so(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_an_installation_without_examples_is_refused(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr(examples, "PACKAGE", tmp_path / "nowhere")
     assert cli.main(["examples", str(tmp_path / "out")]) == 2
     assert not (tmp_path / "out").exists()

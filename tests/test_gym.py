@@ -81,7 +81,7 @@ def test_an_episode_is_cut_at_the_end_and_rewarded_by_the_way() -> None:
     assert not cut
 
 
-def test_the_name_of_an_observation_is_rewarded_by_its_increase() -> None:
+def test_an_observation_named_as_reward_gives_its_increase() -> None:
     """As the function of the other tests, by the id that makes an environment of any config."""
     options = {"observation": NAMES, "control_rate_Hz": 100}
     named = gymnasium.make(CONFIG, config=scenario_of(ARM), reward="depth_m", **options)

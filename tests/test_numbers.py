@@ -90,7 +90,7 @@ def test_an_excursion_between_two_steps_is_detected() -> None:
     assert greatest(time, [low]) == (pytest.approx(0.15), pytest.approx(0.5))
 
 
-def test_a_jump_of_the_acceleration_inside_a_step_costs_what_is_said() -> None:
+def test_error_by_a_jump_of_acceleration_keeps_its_bound() -> None:
     """h^2 / 60 of the jump at most, wherever in its step it comes."""
     x = np.linspace(0.0, 1.0, 1001)
     worst = 0.0
@@ -101,7 +101,7 @@ def test_a_jump_of_the_acceleration_inside_a_step_costs_what_is_said() -> None:
     assert 1 / 65 < worst <= 1 / 60
 
 
-def test_the_positive_part_of_a_line_is_its_triangles() -> None:
+def test_integral_of_the_positive_part_is_exact_for_lines() -> None:
     assert positive_part(np.array([0.0, 1.0, 3.0, 4.0]), np.array([1.0, -1.0, 3.0, 3.0])) == pytest.approx(
         0.25 + 0.5 * 3.0 * 1.5 + 3.0
     )

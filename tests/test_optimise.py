@@ -144,7 +144,7 @@ def test_weights_and_the_sense_of_the_objective(tmp_path):
     assert outcome.study.file.objective.formula == "-2 height + 0 speed + 1e-09 energy.initial_J"
 
 
-def test_one_number_of_a_parameter_goes_to_all_its_keys(tmp_path):
+def test_a_parameter_sets_all_of_its_keys(tmp_path):
     text = FILE.replace(f"  {ANGLE}: [10, 80]", f"  both: {{keys: [gravity_m_s2, {ANGLE}], from: 10, to: 80}}")
     held = study(tmp_path, text)
     assert held.start == {SPEED: 6.24, "both": None}  # they differ in the config
@@ -279,7 +279,7 @@ def test_the_command_its_folder_and_its_page(tmp_path, capsys):
 
 
 @pytest.mark.usefixtures("runs_in_this_process")
-def test_without_the_package_one_line_says_so(tmp_path, capsys, monkeypatch):
+def test_a_missing_search_package_is_reported_in_one_line(tmp_path, capsys, monkeypatch):
     def missing(name: str) -> str:
         raise searching.metadata.PackageNotFoundError(name)
 

@@ -218,7 +218,7 @@ def test_files_names_and_mappings_are_the_same() -> None:
         lambda given: granular_contact.optimise(given, {"medium.eta_d": [4, 6]}, minimise="max_depth_m"),
     ],
 )
-def test_all_that_runs_a_config_takes_what_load_takes(function) -> None:
+def test_functions_that_run_a_config_refuse_as_load_does(function) -> None:
     """Each loads what it is given: a name that is none, and a mapping with a fault, are refused as `load` does."""
     for given in ("pendulun", {"model": "no_such"}):
         with pytest.raises(ConfigError, match=re.escape(message_of(ConfigError, load, given))):

@@ -332,7 +332,7 @@ def test_angular_momentum_is_changed_by_the_moments_in_the_table(config: str) ->
     assert change == pytest.approx(impulse, rel=5e-4)
 
 
-def test_power_in_the_table_is_that_of_the_moments_for_a_rigid_pendulum() -> None:
+def test_work_of_a_rigid_pendulum_is_that_of_its_moments() -> None:
     results = simulate("pendulum_rigid", "solver.step_s=2e-5", "solver.tolerance=1e-9")
     moment = sum(results[f"{t}_moment_Nm"] for t in ("drag", "horizontal_static", "vertical_static"))
     power = moment * results["pivot_rate_rad_s"]

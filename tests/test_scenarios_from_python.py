@@ -47,7 +47,7 @@ def pendulum(*overrides: str) -> Scenario:
 
 
 @pytest.mark.parametrize(("key", "value", "text"), CHANGES)
-def test_replace_is_as_set(key: str, value: object, text: str) -> None:
+def test_replace_has_the_effect_of_set(key: str, value: object, text: str) -> None:
     assert pendulum().replace({key: value}) == pendulum(f"{key}={text}")
 
 
@@ -68,7 +68,7 @@ NOTHING: tuple[tuple[str, object], ...] = (
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("key", "left"), NOTHING)
-def test_none_takes_a_key_away_at_every_depth(key: str, left: object) -> None:
+def test_none_removes_a_key_at_every_depth(key: str, left: object) -> None:
     leg = load("stepping_leg")
     *above, last = key.split(".")
     nested: object = {last: None}
@@ -83,7 +83,7 @@ def test_none_takes_a_key_away_at_every_depth(key: str, left: object) -> None:
 
 
 @pytest.mark.parametrize("key", ["drives.hip", "model", "model.bodies.thigh", "model.joints.knee.type", "solver.end_s"])
-def test_none_does_not_take_away_what_is_needed_or_unknown(key: str) -> None:
+def test_none_for_required_or_unknown_keys_is_refused(key: str) -> None:
     for scenario in (load("stepping_leg"), load("stepping_leg").scenario):
         with pytest.raises(ConfigError):
             scenario.replace({key: None})

@@ -91,7 +91,7 @@ def go_on(simulation: Simulation, pauses: int) -> list[np.ndarray]:
     ("name", "pauses", "more"),
     [("pendulum_rigid", 1000, ()), ("pendulum", 100, ()), ("pendulum", 1000, SCENES["reduced"][1][2:])],
 )
-def test_a_thousand_steps_are_the_run_in_one_call(name: str, pauses: int, more: tuple[str, ...]) -> None:
+def test_a_run_in_a_thousand_steps_equals_the_run_in_one_call(name: str, pauses: int, more: tuple[str, ...]) -> None:
     scenario = scenario_of(name, "solver.end_time_s=0.02", "solver.step_s=2e-5", "solver.rest_time_s=null", *more)
     whole, simulation, calls = run(build(scenario)), Simulation(scenario), 0
     while simulation.ended is None:

@@ -19,7 +19,7 @@ TIME = np.array([0.0, 0.11, 0.13, 0.3, 0.34, 0.6, 0.95, 1.0, 1.4, 1.45])  # s
         (0.2, 2.0, -4.0),  # goes faster first; its parabola has a zero just before the start, too
     ],
 )
-def test_a_rate_that_is_a_parabola_stops_where_that_is_zero(first: float, slope: float, bend: float) -> None:
+def test_stop_of_a_parabolic_rate_is_its_zero(first: float, slope: float, bend: float) -> None:
     rate, acceleration = first + slope * TIME + bend * TIME**2, slope + 2.0 * bend * TIME
     angle = first * TIME + slope * TIME**2 / 2.0 + bend * TIME**3 / 3.0
     stop = find_stop(TIME, rate, acceleration, angle, rate)

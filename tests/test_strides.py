@@ -68,7 +68,7 @@ def test_a_run_that_ended_as_it_began_has_no_means() -> None:
     assert (numbers["largest_torque_Nm"], numbers["rms_torque_Nm"], numbers["mean_power_W"]) == (3.0, 0.0, 0.0)
 
 
-def test_the_mean_square_of_few_steps_is_that_of_many() -> None:
+def test_mean_square_of_few_steps_is_that_of_many_steps() -> None:
     """A controller's torque that fades from its start on by two thirds a step, and one that swings in 12 steps."""
     fading = np.exp(-np.linspace(0.0, 20.0, 20))
     assert squared(np.linspace(0.0, 20.0, 20), fading) == pytest.approx(0.5, rel=0.06)  # trapezoids: 34 % too much

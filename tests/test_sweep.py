@@ -188,7 +188,7 @@ def rows_of(
     return rows
 
 
-def test_the_order_is_that_of_the_file_not_of_the_finish(numbered, tmp_path):
+def test_rows_have_the_order_of_the_file_not_of_finishing(numbered, tmp_path):
     journal = sweep.Journal(tmp_path)
     with sweep.WorkerPool(2, threads) as pool:
         rows = list(sweep.run(numbered, pool, function=slow_first, journal=journal))
@@ -281,7 +281,7 @@ def test_an_absurd_case_is_refused_before_any_runs(tmp_path, capsys, monkeypatch
     assert not (tmp_path / "out").exists()
 
 
-def test_cells():
+def test_cells_of_the_table_are_written_as_text():
     cells = [0.1, 1e-300, None, float("nan"), True, 3, ["a", "b, c"], [], {"law": "x"}, [{"a": 1}], "a; b"]
     expected = ["0.1", "1e-300", "", "", "true", "3", "a; b, c", "", '{"law": "x"}', '[{"a": 1}]', "a; b"]
     assert list(map(table.cell, cells)) == expected

@@ -114,7 +114,7 @@ def test_work_on_a_level_plate_is_half_of_final_force_times_depth() -> None:
     assert load.history.immersed == {("plate", "flat", SIZE)}
 
 
-def test_wrenches_go_to_the_coordinates_that_a_body_has() -> None:
+def test_wrenches_are_added_at_the_coordinates_of_each_body() -> None:
     """Two plates far apart, the second of which has its coordinates first; the same in a larger system of a caller."""
     load = GranularLoad(SAND, 0.0, static=STATIC)
     load.add(polyline(Body("right", [3, 4, 5]), PLATE, width=SIZE))

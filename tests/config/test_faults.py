@@ -174,7 +174,7 @@ def test_bodies_not_joined_to_the_ground_are_refused(faults, case):
         assert message in fault.message
 
 
-def test_names(faults):
+def test_names_of_bodies_are_checked(faults):
     reported = faults(GOOD.replace("arm:\n", "a b:\n").replace("child: arm", "child: a b"))
     assert [(f.line, f.key) for f in reported] == [(11, "model.bodies.a b")]
     assert "letters, digits, _ and - are allowed" in reported[0].message
@@ -236,7 +236,7 @@ def test_a_medium_cannot_push_along(faults, name, value):
     assert fault.message.startswith("pushes an element at beta ")
 
 
-def test_numbers_whose_powers_are_none_are_refused(faults):
+def test_numbers_whose_powers_overflow_are_refused(faults):
     """A corner at 1e308 m once was farther than any tip."""
     far = "model:\n  from: compound_pendulum\n  bodies:\n    link: {length_m: 1e+308}\ninitial: {impact_angle_deg: 9}\n"
     (fault,) = faults(far, "gravity_m_s2=1e60")
@@ -244,7 +244,7 @@ def test_numbers_whose_powers_are_none_are_refused(faults):
     assert fault.message == "got the number 1e+308; allowed are numbers up to 1e+60 in size"
 
 
-def test_corners_whose_squares_are_none_are_refused(faults):
+def test_corners_whose_squares_overflow_are_refused(faults):
     corners = "[[0, 0], [1e+300, 0], [1e+300, 1e+300], [0, 0.1]]"
     polygon = f"        - {{type: polygon, width_m: 0.1, points_m: {corners}}}\n"
     reported = faults(changed("      shapes:\n", f"      shapes:\n{polygon}"))

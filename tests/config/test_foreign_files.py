@@ -77,7 +77,7 @@ def test_where_the_path_of_a_medium_starts_is_said(capsys: pytest.CaptureFixture
     assert "start from the working folder" in " ".join(capsys.readouterr().out.split())
 
 
-def test_the_window_and_the_sign_of_the_clock_are_said(capsys: pytest.CaptureFixture[str]) -> None:
+def test_help_of_fit_states_window_and_sign_of_the_clock(capsys: pytest.CaptureFixture[str]) -> None:
     from granular_contact.config.schema.fit import OFFSET_RANGE
 
     with pytest.raises(SystemExit):

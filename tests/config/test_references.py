@@ -175,7 +175,7 @@ def test_overrides_reach_into_named_files_and_defaults(folder):
     assert sources.locate("solver.step_s") == ("--set solver.step_s=1e-3", None)
 
 
-def test_an_override_below_a_default_is_of_the_kind_that_stands_there(folder):
+def test_an_override_below_a_default_keeps_the_type_of_the_default(folder):
     text = START + "model: compound_pendulum\n"
     friction = run(folder, text, "load.friction.damping_time_s=2e-3").scenario.load.friction
     assert (friction.type, friction.damping_time_s, friction.yield_displacement_m) == ("elastoplastic", 2e-3, 1e-5)
@@ -242,7 +242,7 @@ def test_round_trip(path, settings, tmp_path):
     assert load(tmp_path / "other.yaml").scenario == scenario
 
 
-def test_a_name_that_reads_as_a_number(tmp_path):
+def test_a_file_name_that_reads_as_a_number_stays_a_text(tmp_path):
     """The stem of a file must not come back as a number from the scenario that a run saves."""
     (tmp_path / "1e3.yaml").write_text(changed("name: strike\n", ""))
     scenario = load(tmp_path / "1e3.yaml").scenario

@@ -93,7 +93,7 @@ def test_faults_are_reported_with_file_and_line(tmp_path: Path) -> None:
     assert any(f"{config}:2: medium.file: got 'sand.csv', but" in fault for fault in faults_in(config))
 
 
-def test_numbers_that_would_drive_are_refused_in_a_config_too() -> None:
+def test_stress_tables_that_give_energy_are_refused_in_a_config() -> None:
     table = "medium={law: table, depth_m: [0.1], beta_deg: [-90, 90], gamma_deg: [-90, 90], "
     with pytest.raises(ConfigError, match="pushes an element at beta -90 deg that moves at gamma -90 deg"):
         scenario_of("dragged_plate", table + "stress_x_Pa: [0, 0, 0, 0], stress_z_Pa: [100, 900, 100, 900]}")

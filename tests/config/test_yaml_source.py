@@ -93,7 +93,7 @@ def test_ordinary_text_is_kept_as_it_is(tmp_path: Path):
     ("text", "value"),
     [("1e-3", 1e-3), ("3e5", 3e5), ("1E6", 1e6), ("+.5", 0.5), ("-2.", -2.0), ("12", 12), ("-0", 0), ("0.10", 0.1)],
 )
-def test_numbers(text, value):
+def test_plain_scalars_that_are_numbers(text, value):
     assert resolve(text) == value
     assert type(resolve(text)) is type(value)
 
@@ -101,7 +101,7 @@ def test_numbers(text, value):
 @pytest.mark.parametrize(
     "text", ["1_000", "010", "00.5", "1:30", "0x1F", "0o17", "yes", "on", "2024-01-02", "1e", "١٢"]
 )
-def test_texts(text):
+def test_plain_scalars_that_are_texts(text):
     assert resolve(text) == text
 
 

@@ -88,7 +88,7 @@ def test_files_that_pages_show_are_the_shipped_ones() -> None:
         assert shipped in shown
 
 
-def test_another_number_or_word_would_be_noticed() -> None:
+def test_a_page_with_another_number_or_word_is_detected() -> None:
     printed = "a 1.234 m\nb 5 s, rest\n"
     assert_told("a 1.23 m\nb 5 s, rest\n", printed)
     for other in ("a 1.26 m\n", "b 6 s, rest\n", "b 5 s, end\n", "b 5 s, rest\na 1.23 m\n"):

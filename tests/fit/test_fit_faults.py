@@ -142,7 +142,7 @@ def test_ends_of_spreadsheets_and_comments_of_others(tmp_path: Path, good, form:
         assert {len(row) for row in table.rows} == {3}
 
 
-def test_a_table_of_a_link_that_bends_is_data_of_one_that_does_not(tmp_path: Path) -> None:
+def test_tables_of_runs_of_a_bending_link_are_data_for_a_rigid_link(tmp_path: Path) -> None:
     for names, refused in (("time_s,tip_x_m,deflection_m,drag_force_x_N", 0), ("time_s,tip_x_m,deflection_m", 1)):
         reported: list[Fault] = []
         rows = [",".join([str(i)] * (names.count(",") + 1)) for i in range(9)]
@@ -249,7 +249,7 @@ def test_faults_of_all_files_come_together(faults, good, tmp_path: Path) -> None
 @pytest.mark.parametrize(
     "more", ["model.joints.pivot.damping_Nm_s_per_rad: 1e-3", "model.bodies.link.flexible.bending_damping_N_m2_s: 1e-3"]
 )
-def test_data_before_a_start_that_can_not_be_followed_back(faults, good, more: str) -> None:
+def test_data_before_the_start_of_the_run_are_refused(faults, good, more: str) -> None:
     early = [good[0], f"-0.002,{good[1].partition(',')[2]}", *good[1:]]
     reported = faults(FIT.replace("method.reduced.modes: 0", f"method: engine, {more}"), early)
     assert reported[0][:3] == ("data.csv", 2, "")
@@ -257,7 +257,7 @@ def test_data_before_a_start_that_can_not_be_followed_back(faults, good, more: s
     assert reported[0][3].endswith("leave these rows out, or let the run start earlier")
 
 
-def test_bounds_of_the_clock_that_keep_it_after_the_start_are_named(faults, good) -> None:
+def test_bounds_of_the_time_offset_after_the_start_are_suggested(faults, good) -> None:
     more = "method: engine, model.joints.pivot.damping_Nm_s_per_rad: 1e-3"
     text = FIT.replace("method.reduced.modes: 0", more) + "    time_offset_s: fit\n"
     ((*_, message),) = faults(text, good)

@@ -46,7 +46,7 @@ def test_units_may_stand_in_brackets(header: str, name: str) -> None:
     assert recognise(header, FORCE_TEST_COLUMNS) == recognise(name, FORCE_TEST_COLUMNS)
 
 
-def test_a_table_that_is_no_force_test_for_a_name_says_what_one_has(tmp_path: Path) -> None:
+def test_unknown_columns_of_a_force_test_are_refused_with_known_names(tmp_path: Path) -> None:
     (tmp_path / "test.csv").write_text("Depth (mm),Load (N)\n1,2\n", encoding="utf-8")
     with pytest.raises(ConfigError, match=r"Load \(N\): unknown column; .*but force_N, torque_Nm or pressure_Pa"):
         problem(tmp_path, f"{START}parameters: [medium.zeta]\nruns:\n  - config: {PLATE}\n    data: test.csv\n")

@@ -22,7 +22,7 @@ def two(folder: Path, first: str, second: str = "", keys: str = "medium.plunging
     return "\n".join(lines)
 
 
-def test_the_medium_is_that_of_a_run_that_has_the_coefficient(tmp_path: Path) -> None:
+def test_written_medium_is_that_of_a_run_with_the_coefficient(tmp_path: Path) -> None:
     result = fitted(tmp_path, two(tmp_path, ALBERT))
     (medium,) = media(result).values()
     assert medium["law"] == "lee_marghitu"

@@ -109,7 +109,7 @@ def test_a_given_noise_that_is_too_small_is_a_misfit(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("end", [0.06, 0.1])
-def test_an_unknown_clock_is_found(tmp_path: Path, end: float) -> None:
+def test_an_unknown_clock_is_fitted(tmp_path: Path, end: float) -> None:
     measure(tmp_path / "data.csv", offset=0.0113, end=end)
     result = fitted(tmp_path, one_run("    time_offset_s: fit"))
     clock = result.uncertainty.estimates[-1]

@@ -60,7 +60,7 @@ def test_a_bristle_that_yields_is_led_by_the_velocity() -> None:
     assert called(friction.drive)(U_Y, 1e-4, slow) == pytest.approx(1.0 + 0.05 * 1e-4 / U_Y, rel=1e-12)
 
 
-def test_saturates_at_one() -> None:
+def test_regularised_sign_saturates_at_one() -> None:
     for sign in (1.0, -1.0):
         assert direction(sign * 2 * U_Y, 0.0, PLASTIC) == sign
         assert direction(0.0, sign * 0.1, DAMPED) == sign
@@ -71,7 +71,7 @@ def test_saturates_at_one() -> None:
     assert direction(0.25 * U_Y, 1e-3, SMOOTH) == pytest.approx(math.tanh(1.0), rel=1e-15)
 
 
-def test_the_way_of_a_step_does_not_outweigh_the_velocity_at_its_end() -> None:
+def test_direction_follows_the_velocity_at_the_end_of_a_step() -> None:
     """A body that went 1 mm ahead in a step, and at its end goes back or aside at 0.1 m/s, has turned its direction."""
     assert direction(1e-3, -0.1, DAMPED) == -1.0
     # The bristle still leans ahead by u_y, of tau v = 10 u_y.
@@ -112,7 +112,7 @@ def test_anchor_is_mapped_back_to_the_yield_displacement() -> None:
     assert called(drag_component)(-3.0 * U_Y, 0.0, PLASTIC) == pytest.approx(-2.0 * U_Y, rel=1e-14)
 
 
-def test_return_mapping_is_the_incremental_one() -> None:
+def test_return_mapping_of_one_large_step_equals_many_small_steps() -> None:
     """One large step lands where many small ones do, as long as it does not turn round: plasticity has no clock."""
     small = cycle(np.linspace(0.0, 7.3 * U_Y, 1000), PLASTIC)
     large = cycle(np.array([0.0, 7.3 * U_Y]), PLASTIC)

@@ -89,7 +89,7 @@ def test_shear_displacement_starts_anew_after_leaving_the_medium() -> None:
 
 
 @pytest.mark.parametrize("medium", [BEKKER, REECE], ids=["bekker", "reece"])
-def test_a_facet_is_pressed_alike_whether_or_not_its_centroid_leads(medium: Any) -> None:
+def test_pressure_on_a_facet_is_independent_of_its_leading_centroid(medium: Any) -> None:
     """Where it leads in part: the sign of n . u at its centroid turned the pressure round, a jump that ended runs."""
     m = medium.model_copy(update={"plate_width": 0.05}).record(TRUE_SIGN, G).view(np.recarray)[0]
     n, t = np.array([0.6, 0.0, -0.8]), np.array([0.8, 0.0, 0.6])

@@ -114,7 +114,7 @@ def test_scaled_runs_are_the_same(tag: str, s: float) -> None:
         np.testing.assert_allclose(scaled[name], want, rtol=0.0, atol=1e-3 * scale, err_msg=name)
 
 
-def test_laws_that_do_not_claim_it_are_those_known() -> None:
+def test_laws_without_granular_scaling_are_the_known_ones() -> None:
     assert set(LAWS) - set(CLAIM) == UNKNOWN
 
 

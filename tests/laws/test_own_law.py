@@ -72,7 +72,7 @@ def test_own_law_runs_from_yaml(tmp_path: Path) -> None:
 
 
 @pytest.mark.usefixtures("removed")
-def test_python_may_give_it_and_yaml_names_no_code(tmp_path: Path) -> None:
+def test_own_laws_are_registered_in_python_and_not_named_in_yaml(tmp_path: Path) -> None:
     config = tmp_path / "own.yaml"
     config.write_text(BALL.replace("MEDIUM", "{law: support_power:Power, stiffness_N: 1}"), encoding="utf-8")
     with pytest.raises(ConfigError, match=r"own.yaml:8: medium.law: .*a config never loads code; in Python load"):

@@ -109,7 +109,7 @@ def test_torques_of_drives_are_the_engine_s(case: str) -> None:
 
 
 @pytest.mark.slow
-def test_error_of_what_is_driven_follows_the_accuracy() -> None:
+def test_error_of_a_driven_mechanism_follows_the_accuracy() -> None:
     fine = minimal("layers, springs, stops", 1e-5)
     travelled = np.abs(np.diff(np.column_stack([fine["tip_x_m"], fine["tip_y_m"]]), axis=0)).sum()
     for accuracy in (1e-2, 1e-3):

@@ -73,7 +73,7 @@ def test_energy_is_accounted_for() -> None:
     assert results.summary["energy"]["imbalance_relative"] < 1e-3
 
 
-def test_vacuum_keeps_its_energy() -> None:
+def test_energy_is_kept_in_vacuum() -> None:
     drifts = []
     for accuracy in (1e-3, 1e-5):
         results = minimal(accuracy, "medium=null", "solver.end_time_s=0.3")
@@ -101,7 +101,7 @@ def test_columns_are_the_engine_s() -> None:
     assert work == pytest.approx(theirs["granular_work_J"][-1], rel=1e-3)
 
 
-def test_rest_and_stop_are_found() -> None:
+def test_rest_and_stop_are_detected() -> None:
     ours = simulate("pendulum_rigid", "method=minimal")
     theirs = simulate("pendulum_rigid", "method=engine")
     assert ours.status.code == theirs.status.code == "rest"

@@ -102,7 +102,7 @@ def test_settled_trees_stay_at_rest(config: str, overrides: tuple[str, ...], col
     assert results.warnings == ()
 
 
-def test_links_in_modes_do_not_settle() -> None:
+def test_settling_links_in_modes_is_refused() -> None:
     with pytest.raises(SceneError, match=r"initial\.settle is true"):
         scene_of(COLUMN, "method={reduced: {modes: 1}}")
 

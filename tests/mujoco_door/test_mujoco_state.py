@@ -49,7 +49,7 @@ def test_the_callback_does_what_a_call_before_each_step_does(integrator: str) ->
     assert bed.of(other).work == bed.of(data).work < -0.1
 
 
-def test_a_state_leads_to_the_same_end_again_in_any_data_and_after_a_reset() -> None:
+def test_a_restored_state_has_the_same_future_in_any_data() -> None:
     model, data, bed = box(record=True)
     first = data.qpos.copy()
     go(model, data, bed, 0.1)

@@ -215,7 +215,7 @@ def test_surface_medium_beside_a_bar_medium_warns_that_it_does_not_act() -> None
         bed.add_cables(row, DIAMETER, name="rod")
 
 
-def test_a_row_is_of_one_kind_and_two_nodes_each() -> None:
+def test_cables_need_elements_of_one_kind_with_two_nodes() -> None:
     mbs = exu.SystemContainer().AddSystem()
     row = [element(mbs, kind, nodes_of(mbs, kind, 1, 0.0), LENGTH) for kind in ("cable", "exact")]
     three = element(mbs, "exact2d", nodes_of(mbs, "exact2d", 2, 0.0), LENGTH)
@@ -229,7 +229,7 @@ def test_a_row_is_of_one_kind_and_two_nodes_each() -> None:
         bed.add_cables([beam], 0.01)
 
 
-def test_bodies_of_one_name_are_still_bodies_of_their_own() -> None:
+def test_two_rods_of_the_same_name_are_separate_bodies() -> None:
     """Two rods in space by one name: each is met where it is."""
     made = SpatialLoad(preset("play_sand"), 0.0)
     for first in (0, 7):

@@ -518,7 +518,7 @@ def test_points_lie_in_the_plane() -> None:
         (lambda: Smooth(np.inf), r"reference_speed: got inf"),
     ],
 )
-def test_numbers_with_which_sand_would_drive_are_refused(make: Callable[[], Any], message: str) -> None:
+def test_faulty_media_in_python_are_refused(make: Callable[[], Any], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         make()
 
@@ -536,7 +536,7 @@ def test_bad_numbers_and_words_are_refused(options: dict[str, Any], message: str
         GranularBed(script().mbs, SAND, **({"surface": 0.0} | options))
 
 
-def test_nothing_is_read_before_a_solve() -> None:
+def test_work_and_force_are_zero_before_a_solve() -> None:
     made = script()
     bed = bed_on(made.mbs, made.first)
     bed.attach()
@@ -789,7 +789,7 @@ def test_the_method_of_systems_is_the_bed() -> None:
 
 
 @pytest.mark.parametrize("how", ["taken", "absent", "idle"])
-def test_an_exudyn_without_that_door_is_refused_with_the_other(how: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_exudyn_without_extensions_of_systems_is_refused_with_advice(how: str, monkeypatch: pytest.MonkeyPatch) -> None:
     class System:
         """As those of Exudyn."""
 

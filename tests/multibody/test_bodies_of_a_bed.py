@@ -117,7 +117,7 @@ def test_an_unattached_bed_reports_nothing() -> None:
             read()
 
 
-def test_the_page_says_so() -> None:
+def test_the_tutorial_names_the_unsupported_objects() -> None:
     page = PAGE.read_text(encoding="utf-8")
     for kind in ("ObjectKinematicTree", "ObjectBeamGeometricallyExact2D", "mass points", "rotation vectors"):
         assert kind in page

@@ -33,7 +33,7 @@ def test_exponential_decay_leaves_speed_times_time_constant(decay):
     np.testing.assert_allclose(remaining, 2.0 * REST_SPEED * decay * until_the_end, rtol=1e-9)
 
 
-def test_vibration_and_a_run_at_its_end_leave_nothing():
+def test_vibration_and_runs_at_their_end_have_no_motion_left():
     time = np.linspace(0.0, 1.0, 4001)
     vibration = REST_SPEED * np.sin(2.0 * np.pi * 60.0 * time)[:, None]  # more than a period in the rest time
     assert displacement_left(time, vibration, REST_TIME, REST_SPEED, 10.0) == 0.0

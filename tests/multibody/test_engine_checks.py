@@ -252,7 +252,7 @@ def test_a_prescribed_motion_needs_constraints_after_forces() -> None:
         ([], False),
     ],
 )
-def test_the_order_is_looked_at_in_every_residual(asked: list[str], fine: bool) -> None:
+def test_the_order_of_evaluation_is_checked_in_every_residual(asked: list[str], fine: bool) -> None:
     assert in_order(asked, TRIGGER, FORCE) == fine
 
 

@@ -248,7 +248,7 @@ solver: {end_time_s: 0.2, step_s: 1e-4, rest_time_s: null, tolerance: 1e-10}
 """
 
 
-def test_rates_of_joints_on_what_turns_are_the_rates_of_their_coordinates() -> None:
+def test_rates_of_joints_on_a_turning_body_are_those_of_coordinates() -> None:
     run = simulate(MERRY_GO_ROUND)
     for coordinate, rate in (
         (run["rail_position_m"], run["rail_speed_m_s"]),

@@ -143,7 +143,7 @@ def test_the_greatest_force_on_either_side_of_a_jump_is_reported(solver: dict[st
     assert run.summary["energy"]["imbalance_relative"] < 1e-9
 
 
-def test_a_controller_does_not_answer_what_newtons_method_leaves() -> None:
+def test_a_controller_does_not_amplify_the_newton_residual() -> None:
     """Of a leg in flight the torque went to and fro between 0.03 and 0.6 mN m from step to step."""
     hold = {"type": "pd", "angle_deg": SINE | {"amplitude": 5}, "gain_Nm_per_rad": 3, "rate_gain_Nm_s_per_rad": 0.1}
     case = {"joints": FLAT["two that share their masses, in flight"]["joints"], "drives": {"knee": hold}}

@@ -191,7 +191,7 @@ def test_accuracy_bounds_the_error_of_a_slow_rest_of_the_motion() -> None:
             assert lever * np.abs(chosen[column] - expected).max() < accuracy * way
 
 
-def test_accuracy_bounds_what_a_jump_of_the_force_does() -> None:
+def test_accuracy_bounds_the_error_by_a_jump_of_the_force() -> None:
     """m v' = m g - F - c v^2: stops at m / 2 c ln(1 + c v^2 / (F - m g)). A jump within a step of 0.2 ms gave 0.4 %."""
     mass = 7700 * np.pi / 6 * 0.0254**3
     depth = mass / (2 * 0.5) * np.log(1 + 0.5 * 2.0**2 / (2 - mass * 9.81))
@@ -352,7 +352,7 @@ def test_a_run_that_its_bristles_fail_names_them(friction: str, key: str) -> Non
         (("initial.impact_speed_rad_s=20", "solver.step_s=1e-3"), "vibrates faster than the steps can show"),
     ],
 )
-def test_doubtful_runs_say_so(more: tuple[str, ...], message: str) -> None:
+def test_doubtful_runs_have_a_warning(more: tuple[str, ...], message: str) -> None:
     assert any(message in warning for warning in simulate("pendulum", *TO_40_MS, *more).warnings)
 
 

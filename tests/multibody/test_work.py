@@ -53,7 +53,7 @@ def imbalance(run: Results) -> float:
     return float(run.summary["energy"]["imbalance_relative"])
 
 
-def test_work_over_a_jump_is_what_a_step_gives() -> None:
+def test_work_over_a_jump_of_the_force_is_that_of_the_scheme() -> None:
     """A mass that a force of 2 N slows down from one instant on: the scheme gives the step of the jump half of it."""
     h, mass = 1e-2, 1.0
     force = np.array([0.0, 0.0, -2.0, -2.0])

@@ -91,7 +91,7 @@ def test_totals_are_those_of_the_stations(body: State) -> None:
 
 @FAST
 @given(ANY, st.floats(0.0, 10.0))
-def test_nothing_above_the_surface(body: State, height: float) -> None:
+def test_forces_above_the_surface_are_zero(body: State, height: float) -> None:
     top = float(body.profile[:, 1].max())
     lift = np.array([0.0, top - float(body.P[:, 1].min()) + float(body.run["drop"][0]) + height + 1e-12])
     above = body.with_(P=body.P + lift, anchors=body.anchors + lift)

@@ -24,7 +24,7 @@ def test_first_frequency_of_the_papers_link():
     assert ALL.frequencies(STIFFNESS, LINE_MASS)[0] == pytest.approx(77.4, abs=0.05)
 
 
-def test_ends():
+def test_shapes_meet_the_boundary_conditions():
     ends = np.array([0.0, LENGTH])
     shape, curvature = ALL.shape(ends), ALL.curvature(ends) * LENGTH**2
     # Sums of four terms of order 1, times beta^2 < 4000 for the curvature.

@@ -181,7 +181,7 @@ def test_period_of_the_rigid_pendulum():
     assert 2 * np.diff(zeros)[0] == pytest.approx(2 * np.pi / np.sqrt(moment) * (1 + amplitude**2 / 16), rel=2e-4)
 
 
-def test_the_pair_and_its_interpolant_have_their_orders():
+def test_runge_kutta_pair_and_interpolant_have_their_orders():
     """Conditions of quadrature, and those of two stages; weights are what the last stage takes of those before."""
     pair = TSITOURAS
     takes, error, dense = np.column_stack([pair.slopes, np.zeros(7)]), pair.error, pair.dense

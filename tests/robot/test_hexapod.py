@@ -157,7 +157,7 @@ def test_a_looser_accuracy_takes_fewer_steps_and_keeps_its_promise() -> None:
     assert np.linalg.norm(coarse_path - expected, axis=1).max() < 0.1 * way
 
 
-def test_a_hip_counts_as_far_as_its_leg_reaches() -> None:
+def test_lever_of_a_hip_is_the_reach_of_its_leg() -> None:
     scene = build(config.load(ROOT / "configs" / "hexapod.yaml"))
     for joint in scene.joints:
         if joint.kind == "hinge":

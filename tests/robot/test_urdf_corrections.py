@@ -49,7 +49,7 @@ def load(path: Path, **model: Any) -> Any:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", RIGHTED)
-def test_keys_beside_the_file_put_it_right(tmp_path: Path, name: str) -> None:
+def test_keys_beside_a_robot_file_correct_it(tmp_path: Path, name: str) -> None:
     changes, keys = RIGHTED[name]
     path = robot_in(tmp_path, *changes)
     with pytest.raises((ConfigError, SceneError)):
@@ -83,7 +83,7 @@ def test_the_stops_are_those_given_and_as_stiff_as_the_file_has_it(tmp_path: Pat
     assert model.joints["hip"].stops.stiffness_Nm_per_rad == 7.0
 
 
-def test_only_what_is_given_is_put_right(tmp_path: Path) -> None:
+def test_only_given_corrections_are_made(tmp_path: Path) -> None:
     path = robot_in(tmp_path, (HIP_LIMIT, ""), (LEG_MASS, ""), ("meshes/foot.stl", "lost.stl"))
     for keys, lines in (
         ({}, {5, 10}),  # the mesh is looked for once the rest is right

@@ -350,7 +350,7 @@ def test_a_start_that_misses_the_motion_is_refused_with_the_gap() -> None:
     assert fault.key == "drives.knee"
 
 
-def test_control_sets_the_start_of_a_joint_of_which_nothing_is_said() -> None:
+def test_a_joint_without_a_start_starts_at_the_target_of_its_control() -> None:
     drive = "{type: pd, angle_deg: {type: constant, value: 50}, gain_Nm_per_rad: 1}"
     _, hip, knee = scene_of(LEG, f"drives={{knee: {drive}, hip: {drive}}}").joints
     assert math.degrees(knee.start) == pytest.approx(50.0)
@@ -394,7 +394,7 @@ def test_workspace_of_sliders_and_free_bodies_is_unbounded() -> None:
     assert all(body.workspace.length < 1.0 for body in scene_of(CHAIN).rigid)
 
 
-def test_reduced_models_refuse_what_they_have_not() -> None:
+def test_reduced_models_refuse_unsupported_parts() -> None:
     for change, message in (
         ("model.joints.pivot.damping_Nm_s_per_rad=0.1", "pivot has a spring, damper, stops or friction"),
         ("drives.pivot={type: torque, torque_Nm: 1}", "pivot is driven"),

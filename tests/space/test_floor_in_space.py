@@ -77,7 +77,7 @@ def test_up_is_any_direction_and_the_floor_is_level_there() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["rft3d", "lee_marghitu", "ball"])
-def test_the_tangent_has_the_floor_and_its_spring_keeps_its_energy(name: str) -> None:
+def test_tangent_includes_the_floor_whose_spring_keeps_its_energy(name: str) -> None:
     medium, shape = PAIRS[name]
     load = load_on(medium, shape, floor=Floor(-0.03, K, D))
     random = np.random.default_rng(2)
@@ -103,7 +103,7 @@ def test_the_tangent_has_the_floor_and_its_spring_keeps_its_energy(name: str) ->
     assert np.ptp(works) > 0.1
 
 
-def test_a_sphere_that_two_laws_meet_is_borne_once() -> None:
+def test_a_floor_below_two_media_carries_a_sphere_once() -> None:
     shape = Sphere(0.08, 2.0)
     single = pressed(shape, -0.038)
     both = pressed(shape, -0.038, medium=(NOTHING, Poncelet(1e-12, 1e-12)))

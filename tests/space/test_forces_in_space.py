@@ -300,7 +300,7 @@ def test_tangent_holds_the_change_of_depth_under_translation(slope: tuple[float,
     np.testing.assert_allclose(differences[:, :3], expected, atol=1e-4 * np.abs(expected).max())
 
 
-def test_a_state_with_gaps_in_its_array_compiles_nothing() -> None:
+def test_a_state_in_a_strided_array_needs_no_compilation() -> None:
     medium, shape = PAIRS["rft3d"]
     load, q = load_on(medium, shape), np.array([0.0, 0.0, -0.03, 1.0, 0.0, 0.0, 0.0])
     load.start(q)

@@ -78,7 +78,7 @@ def test_tiny_facets_out_of_the_sand_are_allowed() -> None:
     build(load({**foot(type="sphere", diameter_m=0.2, facet_size_m=1e-5, in_sand=False), "medium": None}))
 
 
-def test_all_shapes_of_a_bed_count(monkeypatch: Any) -> None:
+def test_the_limit_of_facets_counts_all_shapes_of_a_bed(monkeypatch: Any) -> None:
     monkeypatch.setattr("granular_contact.sand.space.load.MOST_FACETS", 5000)
     bed = SpatialLoad(preset("rft3d_sand"), 0.0)
     box, body = Box((0.2, 0.1, 0.04)), Body("foot", range(7))

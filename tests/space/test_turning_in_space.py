@@ -68,7 +68,7 @@ def test_leading_part_of_a_triangle_is_independent_of_corner_order() -> None:
 
 
 @pytest.mark.parametrize("form", ["triangle", "rectangle"])
-def test_the_spread_of_a_facet_is_that_of_an_even_one_with_its_variance(form: str) -> None:
+def test_spread_of_velocity_in_a_facet_matches_gauss_quadrature(form: str) -> None:
     """Spread s^2 = 3 mean((n . v - n . v_c)^2), by Gauss's rule of an exact order."""
     rng = np.random.default_rng(5)
     corner, a, b, q = rng.normal(size=(4, 3))
