@@ -206,7 +206,7 @@ def _judged(drawn: Drawn, folder: Path, share: float, world: World) -> Found:
     values["half"] = forms.off(lambda one: images.finer(one, 2.0), refined, silent=True)
     steps = tree["solver"]["end_time_s"] / tree["solver"].get("step_s", images.STEP)
     most = min(16.0, max(4.0, 2.0 ** math.floor(math.log2(world.most_steps / steps))))
-    factors = [most, 4.0 * most, 16.0 * most]
+    factors = [most, 4.0 * most]
     values["steps"] = forms.off_reference(images.finer, refined, factors)
     # Refused without a fault: a body that has 200 000 facets can't have facets of a third of the size.
     values["space"] = forms.off_reference(world.divided, refined, [world.shorter, *factors], refused=math.nan)
