@@ -13,7 +13,11 @@ from support_runs import scenario_of, scene_of, simulate
 
 from granular_contact.errors import ConfigError
 from granular_contact.laws.validity import Validity
+from granular_contact.mechanics.observe import depths_by_body
+from granular_contact.mechanics.system import System, Trajectory
 from granular_contact.results.limits import Reach, warnings
+from granular_contact.run import run
+from granular_contact.scene import build
 
 HILL = "{from: hill_cylinders, density_kg_m3: 2500}"
 ALBERT = "{law: albert, density_kg_m3: 2500, eta_h: 8}"
@@ -310,6 +314,24 @@ def test_a_plate_meets_a_peak_between_its_corners() -> None:
     assert 0.001 < run.summary["max_depth_m"] < 0.03
     laid = simulate(PLATE, peak, "initial={joints: {flight: {y_m: -0.01}}}", "solver.end_time_s=0.001")
     assert any("the mechanism starts 0.01 m below the surface" in warning for warning in laid.warnings)
+
+
+def test_an_arc_on_a_slope_has_few_points_whose_depth_is_kept() -> None:
+    """Its sides are short, so there are no points between its corners: a run of many steps keeps a row for each."""
+    arc = "{type: arc, radius_m: 0.05, from_deg: 0, to_deg: 180, width_m: 0.05, thickness_m: 0.005}"
+    plate = "{type: plate, start_m: [-0.03, 0], end_m: [0.03, 0], width_m: 0.05, thickness_m: 0.005}"
+    counts = {}
+
+    def count(system: System, trajectory: Trajectory) -> None:
+        shape = system.scene.rigid[0].shapes[0]
+        (counts[len(shape.points)],) = map(len, depths_by_body(system.kinematics(trajectory)).values())
+
+    for text in (PLATE, PLATE.replace(plate, arc)):
+        sloped = ["bed={slope_deg: 5, height_m: -0.1}", "solver={step_s: 1e-3, end_time_s: 0.01}"]
+        run(build(scenario_of(text, *sloped)), inspect=count)
+    straight, curved = sorted(counts)
+    assert (straight, counts[straight]) == (2, 17)
+    assert counts[curved] <= curved + 17
 
 
 def test_a_slope_that_ran_into_its_floor_is_reported() -> None:

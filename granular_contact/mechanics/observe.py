@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
@@ -28,7 +29,7 @@ from granular_contact.scene.types import Joint, Vector
 if TYPE_CHECKING:
     from granular_contact.sand.history import LoadHistory
 
-STATIONS = 16  # pieces of a side of a body where the surface is not level
+STATIONS = 16  # size of a body over the distance of points on its sides where the surface is not level
 
 
 def observe(system: System, trajectory: Trajectory) -> Observation:
@@ -69,11 +70,10 @@ def depths_by_body(motion: Kinematics) -> dict[str, list[Track]]:
 
 
 def _between(corners: Vector) -> Vector:
-    """Corners (k, 2) of a line with points between them; a single point unchanged."""
-    if len(corners) < 2:
-        return corners
-    share = np.arange(STATIONS)[:, None] / STATIONS
-    sides = [a + share * (b - a) for a, b in pairwise(corners)]
+    """Corners (k, 2) of a line with points between them, no farther apart than a share of its size."""
+    spacing = float(np.linalg.norm(np.ptp(corners, axis=0))) / STATIONS
+    counts = [math.ceil(float(np.linalg.norm(b - a)) / spacing - 1e-9) for a, b in pairwise(corners)]
+    sides = [np.linspace(*ends, count, endpoint=False) for ends, count in zip(pairwise(corners), counts, strict=True)]
     return np.concatenate([*sides, corners[-1:]])
 
 
