@@ -12,12 +12,11 @@ from collections.abc import Callable
 from pathlib import Path
 
 from support_results import make
+from support_runs import CONFIGS, ROOT
 
 from granular_contact.config import Scenario
 from granular_contact.results import Results
 
-ROOT = Path(__file__).parents[1]
-CONFIGS = ROOT / "configs"
 SPEED, ANGLE = "initial.impact_speed_rad_s", "initial.impact_angle_deg"
 TIME = "cost.solve_s"  # the only number that differs between equal runs
 ENVIRONMENT = {**os.environ, "PYTHONPATH": f"{ROOT}{os.pathsep}{ROOT / 'tests'}"}

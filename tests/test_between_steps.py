@@ -56,7 +56,7 @@ def test_a_touch_within_a_single_step_is_detected() -> None:
     assert first_above_zero(time, [Track(track.values - 0.2, track.rates)]) is None
 
 
-def test_a_quantity_that_grows_from_zero_at_the_start_is_above_zero_from_the_start() -> None:
+def test_a_quantity_growing_from_zero_is_above_zero_from_the_start() -> None:
     track = Track(np.array([0.0, 0.5, 0.8]), np.array([0.7, 0.4, 0.2]))
     time = np.array([0.0, 1.0, 2.0])
     assert above_zero(time, [track]) == [(0.0, 2.0)]

@@ -13,13 +13,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from support_results import make
+from support_runs import ROOT
 
 from granular_contact.cli import main
 from granular_contact.cli.common import output_folder, worst
 from granular_contact.errors import SolveError
 from granular_contact.results import Column, Results, Status
 
-ROOT = Path(__file__).parents[1]
 CONFIG = str(ROOT / "configs" / "pendulum.yaml")
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT)}
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 from support_refusals import faults_of
+from support_runs import ROOT
 
 from granular_contact.cli import main
 from granular_contact.errors import ConfigError, SceneError
@@ -16,7 +17,6 @@ from granular_contact.report.figures.over_time import draw_runs
 from granular_contact.results import Results
 from granular_contact.studies.compare import Comparison, compare, write
 
-ROOT = Path(__file__).parents[1]
 CONFIG = ROOT / "configs" / "pendulum.yaml"
 TO_STOP = ["solver.end_time_s=0.03", "solver.rest_time_s=null"]
 
@@ -112,7 +112,7 @@ def test_models_in_space_are_compared_by_the_places_of_their_tips(in_space: Comp
     )
 
 
-def test_the_error_of_the_motion_in_space_is_the_greatest_distance_over_the_longest_path(in_space: Comparison) -> None:
+def test_motion_error_in_space_is_distance_over_the_longest_path(in_space: Comparison) -> None:
     row, reference = in_space.rows[0], in_space.rows[-1].results
 
     def places(run: Results, point: str) -> np.ndarray:

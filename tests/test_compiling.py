@@ -13,12 +13,9 @@ from contextlib import suppress
 from pathlib import Path
 
 import pytest
-from support_runs import simulate
+from support_runs import ROOT, simulate
 
 from granular_contact import build, load
-
-ROOT = Path(__file__).parents[1]
-
 
 # A clock that an hour passes on whenever a kernel is needed for the first time in a process, be it compiled or loaded
 # from the cache: what comes after the clock has started takes an hour of it. Each solver has a process of its own, all
@@ -36,7 +33,7 @@ def slowly(self, *arguments, **options):
 Dispatcher.compile = slowly
 time.perf_counter = lambda: real() + 3600.0 * hours[0]
 sys.path.insert(0, TESTS)
-from support_runs import simulate
+from support_runs import ROOT, simulate
 
 import exudyn
 import granular_contact.engines.exudyn.solve, granular_contact.engines.tree.solve, granular_contact.engines.modal.solve

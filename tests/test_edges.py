@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support_runs import scenario_of, scene_of, simulate
+from support_runs import ROOT, scenario_of, scene_of, simulate
 
 from granular_contact.cli import main
 from granular_contact.engines.exudyn.recorder import Recorder
@@ -18,7 +18,6 @@ from granular_contact.errors import SceneError
 from granular_contact.run import run as solve
 from granular_contact.scene import build
 
-ROOT = Path(__file__).parents[1]
 SETTLED = """
 model:
   name: sprung

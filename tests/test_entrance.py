@@ -64,7 +64,7 @@ def test_new_writes_a_config_of_the_shipped_model(
     assert path.read_text(encoding="utf-8") == before
 
 
-def test_a_file_with_a_blank_in_a_home_folder_is_written_and_its_commands_can_be_copied(
+def test_commands_for_a_file_name_with_a_blank_can_be_copied(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A shell leaves ~ as it is in --out=~/wheel.yaml: a folder of the name ~ was made in the working folder."""

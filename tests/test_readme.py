@@ -11,10 +11,10 @@ from typing import Any
 
 import pytest
 import yaml
+from support_runs import ROOT
 
 from granular_contact.cli import main
 
-ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 
 

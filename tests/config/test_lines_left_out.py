@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 from support_config import GOOD
+from support_runs import ROOT
 
 from granular_contact.config import load
 from granular_contact.errors import ConfigError, Fault
 
-ROOT = Path(__file__).parents[2]
 SHIPPED = [
     *ROOT.glob("configs/*.yaml"),
     *ROOT.glob("models/*.yaml"),

@@ -11,12 +11,11 @@ import numpy as np
 import pytest
 from support_config import GOOD
 from support_refusals import faults_of
+from support_runs import ROOT
 
 from granular_contact.config import Sweep, is_sweep, load, load_optimise, load_sweep
 from granular_contact.config.sweep import MOST_FAULTS
 from granular_contact.errors import ConfigError, Fault, scene_error
-
-ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture

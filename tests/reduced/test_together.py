@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support_refusals import faults_of
+from support_runs import ROOT
 
 from granular_contact import load
 from granular_contact.config import load_sweep
@@ -17,9 +18,6 @@ from granular_contact.run import summaries_of, summary_of
 from granular_contact.scene import Scene, build
 from granular_contact.scene.variants import Builder
 from granular_contact.studies.sweep import Journal, WorkerPool, run, runner, worker
-
-ROOT = Path(__file__).parents[2]
-
 
 UNTOLD = {"cost.solve_s": None, "cost.load_calls": None}  # one more where the table of rows gets longer
 

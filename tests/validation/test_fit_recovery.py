@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from support_claims import held
 
 from validation import fit_recovery as study
 from validation.study import Outcome
@@ -16,10 +17,6 @@ pytestmark = pytest.mark.slow
 @pytest.fixture(scope="module")
 def outcome() -> Outcome:
     return study.study(True)
-
-
-def held(claims) -> dict[str, bool]:
-    return {claim.name.removeprefix("fit_recovery."): claim.held for claim in claims}
 
 
 def made_up(count: int, stated: float = 1.0, shift: float = 0.0) -> list[study.Draw]:

@@ -4,14 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from support_claims import held
 
 from validation import force_tests, measured
 from validation.measurements import cmu, others
-from validation.study import Claim
-
-
-def held(claims: list[Claim]) -> dict[str, bool]:
-    return {claim.name.removeprefix("measured."): claim.held for claim in claims}
 
 
 @pytest.mark.slow

@@ -5,9 +5,10 @@ from __future__ import annotations
 import copy
 
 import pytest
+from support_claims import held
 
 from validation import paper_cases as study
-from validation.study import Claim, Outcome
+from validation.study import Outcome
 
 pytestmark = pytest.mark.slow
 
@@ -30,10 +31,6 @@ def spoilt(runs: study.Runs, model: str, case: tuple[float, float], key: str, va
     other[(model, *case)] = copy.copy(runs[(model, *case)])
     object.__setattr__(other[(model, *case)], "summary", runs[(model, *case)].summary | {key: value})
     return other
-
-
-def held(claims: list[Claim]) -> dict[str, bool]:
-    return {claim.name.removeprefix("paper_cases."): claim.held for claim in claims}
 
 
 def test_claims_hold_but_for_the_deflection_that_falls_with_the_angle(outcome: Outcome) -> None:

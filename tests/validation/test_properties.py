@@ -172,7 +172,7 @@ def test_grazing_foot_moves_alike_after_translation_by_1_km(tmp_path: Path) -> N
         assert results.summary["cost"]["shortened_steps"] < 50
 
 
-def test_a_body_that_turns_far_within_a_step_is_not_compared_between_its_steps() -> None:
+def test_fast_turning_bodies_are_not_compared_between_steps() -> None:
     """Of a circle at 2 rad a step a cubic through both ends misses 4 % of the radius: 2^4 / 384."""
 
     def circle(steps: int, start: float) -> Track:

@@ -6,6 +6,7 @@ import copy
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
+from support_claims import held
 
 from granular_contact.studies.sweep import WorkerPool
 from validation import sensitivity as study
@@ -22,13 +23,9 @@ def indices() -> dict[str, list[study.Indices]]:
         return {design.name: study.indices(design, study.QUICK_COUNT) for design in study.DESIGNS}
 
 
-def held(indices: dict[str, list[study.Indices]]) -> dict[str, bool]:
-    return {claim.name.removeprefix("sensitivity."): claim.held for claim in study.claims(indices)}
-
-
 def test_claims_hold(indices):
-    assert len(held(indices)) == 4
-    assert all(held(indices).values())
+    assert len(held(study.claims(indices))) == 4
+    assert all(held(study.claims(indices)).values())
 
 
 @pytest.mark.parametrize(
@@ -45,7 +42,7 @@ def test_claims_hold(indices):
 def test_claims_fall_with_other_indices(indices, design, output, array, value, statement):
     other = copy.deepcopy(indices)
     getattr(other[design][output], array)[...] = value
-    assert not held(other)[statement]
+    assert not held(study.claims(other))[statement]
 
 
 def test_table_has_a_line_for_each_input(indices):
