@@ -508,6 +508,7 @@ DAMAGES: tuple[tuple[str, bytes, str], ...] = (
     ("summary.json", b'{"versions": [1]}', "versions is not an object"),
     ("summary.json", b"[" * 100_000, "is not JSON"),
     ("summary.json", b"\xff\xfe", "is not text"),
+    ("timeseries.csv", b"time_s,depth_m\n\n", "has no rows"),
     ("scenario.yaml", b"\xff\xfe", "is not text"),
     ("scenario.yaml", b"name: run\nmodel: {bodies: [\n", "scenario.yaml:3: is not valid YAML"),
 )

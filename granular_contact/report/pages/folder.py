@@ -119,13 +119,16 @@ class Folder:
         try:
             with file.open(encoding="utf-8") as lines:
                 head = lines.readline().rstrip("\n").split(",")
-                table = np.loadtxt(lines, delimiter=",", ndmin=2, comments=None)
+                rows = [line for line in lines if line.strip()]
+                table = np.loadtxt(rows, delimiter=",", ndmin=2, comments=None) if rows else np.empty((0, len(head)))
         except (OSError, ValueError) as error:  # cells that are not numbers, or incomplete rows
             reason = str(getattr(error, "strerror", None) or error).partition("\n")[0]
             raise FolderError(f"{file}: can't be read as a table: {reason}") from None
-        if table.size and table.shape[1] != len(head):
+        if not table.size:
+            raise FolderError(f"{file}: has no rows")
+        if table.shape[1] != len(head):
             raise FolderError(f"{file}: has {table.shape[1]} columns below {len(head)} headings")
-        return dict(zip(head, table.reshape(-1, len(head)).T, strict=True))
+        return dict(zip(head, table.T, strict=True))
 
     def text(self, name: str) -> str | None:
         """Text of a file; None if it does not exist. FolderError for YAML with a fault of syntax."""
