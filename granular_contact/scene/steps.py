@@ -11,6 +11,7 @@ be still faster where a motion is smooth; they have to be found by trial.
 from __future__ import annotations
 
 from granular_contact.config.schema import Scenario, Solver
+from granular_contact.config.schema.scenario import MOST_STEPS
 
 STEP = 2e-4  # s
 ACCURACY = 1e-3  # 1e-2 is enough for most paths, but the error of the work of a drive then exceeds its warning limit
@@ -31,7 +32,8 @@ def steps(scenario: Scenario) -> Steps:
     """Solver settings of a scenario with its step sizes."""
     solver = scenario.solver
     accuracy, why = _chosen(scenario)
-    step = min(STEP, solver.end_time_s) if solver.step_s is None else solver.step_s
+    step = min(max(STEP, 2.0 * solver.end_time_s / MOST_STEPS), solver.end_time_s)
+    step = step if solver.step_s is None else solver.step_s
     if accuracy is not None:
         sizes = f"chosen by their error, with an accuracy of {accuracy:g}"
     else:

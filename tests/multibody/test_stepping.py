@@ -273,7 +273,7 @@ def test_links_of_a_chain_are_rigid_together() -> None:
 def test_wall_time_ends_a_run_with_its_results(config: str, more: tuple[str, ...]) -> None:
     scenario = scenario_of(config, "solver.step_s=1e-6", "solver.rest_time_s=null", "solver.max_wall_s=0.05", *more)
     if more:
-        scenario = scenario_of(config, "medium=null", "solver.end_time_s=1e4", "solver.max_wall_s=0.05", *more)
+        scenario = scenario_of(config, "medium=null", "solver.end_time_s=1e5", "solver.max_wall_s=0.05", *more)
     results = run(scene_from(scenario), scenario)
     assert results.status.code == "time_limit"
     assert "solver.max_wall_s (0.05), was reached" in results.status.message
