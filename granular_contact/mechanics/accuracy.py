@@ -52,7 +52,7 @@ def accuracy_warnings(motion: Kinematics) -> Iterator[AccuracyWarning]:
         yield from _beam(motion, name)
     for name, (error, elements) in motion.element_errors().items():
         yield from _elements(motion, name, error, elements)
-    for name, error in motion.trajectory.mode_errors.items():
+    for name, error in motion.mode_errors(FEW_MODES).items():
         yield from _modes(motion, name, error)
     for name, deflections in motion.bends().items():
         yield from (warning for bend in deflections for warning in _vibration(motion, name, bend))

@@ -3,9 +3,10 @@
 Let the known motion q, v have the forces Q of its own strips or facets. With the forces Q* of others the motion departs
 by W x, with x in the degrees of freedom of the mechanism:
 
-    M x'' = W^T [Q*(q + W x, v + W x') - Q(q, v)] - K x - D x'
+    M x'' = W^T [Q*(q + W x, v + W x') - Q(q, v)] - K x - D x' - r
 
-M: mass matrix in the degrees of freedom; K, D: tangent stiffness and damping of joints and flexible links. Each of the
+M: mass matrix in the degrees of freedom; K, D: tangent stiffness and damping of joints and flexible links; r: forces by
+which the known motion is not in equilibrium, 0 but for links in a few modes. Each of the
 two loads has its own friction state: one follows the known motion, the other the departed one. Both take the same few
 long steps, so what these steps miss of the motion cancels.
 
@@ -19,6 +20,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from functools import reduce
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -39,7 +41,8 @@ class Instant(NamedTuple):
     """A motion at an instant, with c coordinates of the load, m rates and d degrees of freedom.
 
     time (s); q (c,): coordinates of the load; v (m,): rates; W (m, d): Jacobian of v; mass (m, m): mass matrix, sparse
-    or not; K, D (d, d): tangent stiffness and damping of joints and flexible links.
+    or not; K, D (d, d): tangent stiffness and damping of joints and flexible links; missing (d,): forces by which the
+    motion is not in equilibrium, as that of links in a few modes.
     """
 
     time: float
@@ -49,6 +52,7 @@ class Instant(NamedTuple):
     mass: Any
     K: Vector
     D: Vector
+    missing: Vector | float = 0.0
 
 
 class PlanarCoordinates:
@@ -85,7 +89,14 @@ def pieces(observer: Any, trajectory: Trajectory, count: int) -> Iterator[Trajec
     """Yield `count` instants of a trajectory in pieces whose W (m, d) together take at most `BLOCK` bytes."""
     rows, t = instants(observer, count), trajectory
     for part in np.array_split(rows, min(len(rows), 1 + len(rows) * 8 * observer.trajectory.v.shape[1] ** 2 // BLOCK)):
-        yield replace(t, time=t.time[part], q=t.q[part], v=t.v[part], load=None, a=None, multipliers={}, set_to={})
+        yield at(t, part)
+
+
+def at(t: Trajectory, rows: NDArray[np.int64]) -> Trajectory:
+    """Some instants of a trajectory, without loads."""
+    residuals = {joint: moments[rows] for joint, moments in t.mode_residuals.items()}
+    none: Any = {"load": None, "a": None, "multipliers": {}, "set_to": {}}
+    return replace(t, time=t.time[rows], q=t.q[rows], v=t.v[rows], mode_residuals=residuals, **none)
 
 
 def departures(
@@ -99,10 +110,24 @@ def departures(
 
     own, others: loads on the motion's coordinates; their friction states are reset.
     """
+    histories = (np.abs(departure) for departure in departed(observer, motion, own, others, coordinates))
+    greatest = reduce(np.maximum, histories)
+    return np.asarray(greatest * observer.lever / max(observer.path_length, observer.scene.least_path))
+
+
+def departed(
+    observer: Any,
+    motion: Iterator[Instant],
+    own: GranularLoad,
+    others: Sequence[GranularLoad],
+    coordinates: PlanarCoordinates,
+) -> Iterator[Vector]:
+    """Yield the departures (k, m) with k other loads at each instant, see `departures`."""
     t, lever = observer.trajectory, observer.lever
     tolerance = CLOSE * observer.path_length / (t.time[-1] - t.time[0])
     previous = next(motion)
-    departure, departure_rate, greatest = np.zeros((3, len(others), len(previous.v)))
+    departure, departure_rate = np.zeros((2, len(others), len(previous.v)))
+    yield departure.copy()
     for load in (own, *others):
         load.start(previous.q)
     for instant in motion:
@@ -114,8 +139,8 @@ def departures(
             q = coordinates.displaced(instant.q, coordinates.rates(instant.q, departure[i]))
             other.accept(instant.time, q, coordinates.rates(q, instant.v + departure_rate[i]))
         own.accept(instant.time, instant.q, coordinates.rates(instant.q, instant.v))
-        previous, greatest = instant, np.maximum(greatest, np.abs(departure))
-    return np.asarray(greatest * lever / max(observer.path_length, observer.scene.least_path))
+        previous = instant
+        yield departure.copy()
 
 
 class _KnownMotion:
@@ -153,7 +178,7 @@ class _Step:
         q = self.coordinates.displaced(self.instant.q, self.known.W_q @ x)
         force = self.coordinates.forces(self.other, q, self.instant.v + W @ rate)
         r: Vector = self.M @ (rate - self.rate) + self.h * (self.instant.K @ x + self.instant.D @ rate)
-        r -= self.h * (W.T @ (force - self.known.force))
+        r -= self.h * (W.T @ (force - self.known.force) - self.instant.missing)
         return r, float(np.sum(r**2 / self.masses)), q
 
     def jacobian(self, q: Vector, rate: Vector) -> Vector:

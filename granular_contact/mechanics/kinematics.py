@@ -117,6 +117,10 @@ class Kinematics:
         """By link made of rigid elements: discretisation error (m) of its tip, and number of elements."""
         return {}
 
+    def mode_errors(self, doubtful: float) -> dict[str, float]:  # noqa: ARG002
+        """By link in a few modes: error (m) of its deflection; in the plane there are none. See `space.mode_error`."""
+        return {}
+
     def bends(self) -> dict[str, list[Vector]]:
         """Deflections (n,) m of the tip of each flexible link: one in the plane, two in space."""
         return {name: [self.bend(name).values] for name in self.system.links}

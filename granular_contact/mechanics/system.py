@@ -152,8 +152,9 @@ class Trajectory:
     the bed, None without one; mass (m, m): mass matrix, constant, sparse if large. multipliers: Lagrange multipliers
     (N m, N) of prescribed motions, (n,) each, by joint; a (n, m): accelerations that belong to them, None without such
     motions; set_to: targets of drives that are set from outside, (n,) each, by joint; strip_error: see `strip_error`,
-    None where it was not computed; mode_errors (m): errors of the deflections of links in modal coordinates. notices:
-    sentences on what the engine could not do as usual, and what was done instead.
+    None where it was not computed; mode_residuals (N m): moments (n, 3) by which the joints within links in a few
+    modes are not in equilibrium, by joint, along its axes. notices: sentences on what the engine could not do as usual,
+    and what was done instead.
     """
 
     status: Status
@@ -168,7 +169,7 @@ class Trajectory:
     set_to: dict[str, Vector] = field(default_factory=dict)
     strip_error: float | None = None
     notices: tuple[str, ...] = ()
-    mode_errors: dict[str, float] = field(default_factory=dict)
+    mode_residuals: dict[str, Vector] = field(default_factory=dict)
 
 
 def at_one(system: System, time: Vector, q: Vector, v: Vector) -> Trajectory:

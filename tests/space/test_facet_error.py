@@ -15,7 +15,7 @@ from support_models import one_body
 
 from granular_contact import Simulation, load, simulate
 from granular_contact.cli.main import main
-from granular_contact.mechanics.space import facet_departure
+from granular_contact.mechanics.space import facet_departure, freedoms
 from granular_contact.mechanics.space.facet_departure import errors_from_two_runs, estimate, track
 from granular_contact.mechanics.space.kinematics import SpatialKinematics
 from granular_contact.mechanics.strip_error import ERROR, errors, strip_error
@@ -94,12 +94,12 @@ def test_strip_error_estimate_of_a_bending_link_keeps_its_bounds(monkeypatch: py
 @pytest.mark.parametrize("each", [pytest.param(1, marks=pytest.mark.slow), 3, 5])
 def test_a_cantilever_of_elements_that_move_as_one_is_as_soft(monkeypatch: pytest.MonkeyPatch, each: int) -> None:
     """Its tip is deflected by F L^3 / (3 E I), bent at all 45 joints, at every third or every fifth."""
-    monkeypatch.setattr(facet_departure, "BENDING", 3 * 45 // each)
+    monkeypatch.setattr(freedoms, "BENDING", 3 * 45 // each)
     link = {"type": "link", "length_m": 0.1, "width_m": 0.01, "thickness_m": 0.01, "density_kg_m3": 1000}
     flexible = {"youngs_modulus_Pa": 1e7, "elements": 45}
     model = one_body("b", link | {"flexible": flexible}, "clamp", "weld")
     motion = motion_of({"model": model, "solver": {"end_time_s": 1e-3}})
-    W, K, _ = (each[0] for each in facet_departure._freedoms(motion))
+    W, K, _ = (each[0] for each in freedoms.freedoms(motion))
     assert len(K) == 3 * 45 // each
     tip = W[-4]  # the middle of the last piece, 0.1 m / 180 before the end; its third coordinate
     arm = 0.1 - 0.1 / 180

@@ -133,6 +133,32 @@ def test_two_modes_follow_a_strike_in_sand_and_one_mode_warns() -> None:
             assert 0.4 * error < estimate < 1.7 * error
 
 
+@pytest.mark.parametrize("modes", [1, 2])
+def test_in_stiff_sand_the_error_told_is_that_of_a_link_that_the_sand_holds(modes: int) -> None:
+    """A blade dragged through sand that hardly lets it bend: alone it would bend far more."""
+    blade = STRIP | {"length_m": 0.15, "width_m": 0.02, "facet_size_m": 0.01}
+    blade["flexible"] = {"youngs_modulus_Pa": 2e8, "elements": 6, "bending_damping_N_m2_s": 1e-4}
+    cart = {"type": "rigid", "mass_kg": 1.0, "inertia_kg_m2": dict.fromkeys(("xx", "yy", "zz"), 1e-3)}
+    joints = {
+        "rail": {"type": "slider", "parent": "ground", "child": "cart", "axis": [1, 0, 0]},
+        "clamp": {"type": "weld", "parent": "cart", "child": "blade", "rpy_deg": [0, 90, 0]},
+    }
+    ramp = {"type": "ramp", "from": 0, "to": 0.02, "duration_s": 0.1}
+    bodies = {"cart": cart, "blade": blade}
+    scene = {
+        "model": {"in_space": True, "name": "dragged", "bodies": bodies, "joints": joints},
+        "medium": "rft3d_sand",
+        "bed": {"height_m": -0.03},
+        "drives": {"rail": {"type": "motion", "position_m": ramp}},
+        "solver": {"end_time_s": 0.1, "accuracy": 1e-3},
+    }
+    results = simulate(load(scene | {"method": reduced(modes)}))
+    full = simulate(load(scene))
+    error = apart(results, full, "blade") * full.summary["max_deflection_m"]
+    (told,) = (warning for warning in results.warnings if "too few modes" in warning)
+    assert error / 3.0 < float(told.split("be ")[1].split(" m")[0]) < 3.0 * error
+
+
 def test_zero_modes_give_a_rigid_link_on_its_prescribed_motion() -> None:
     """The shipped whip on its mast, dragged for a tenth of a second: without modes it is the rigid one."""
     short = ["solver.end_time_s=0.1", "solver.accuracy=3e-3", "model.bodies.whip.flexible.elements=6"]

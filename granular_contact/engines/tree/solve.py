@@ -148,7 +148,7 @@ class Solve:
             # The multiplier of the engine's constraint has the sign opposite to the effort along the coordinate.
             multipliers={joint: -efforts[:, node] for joint, node in tree.prescribed.items()},
             a=tree.accelerations(q, a) if tree.prescribed else None,
-            mode_errors=tree.mode_errors(efforts),
+            mode_residuals=tree.mode_residuals(efforts),
             set_to={joint: wanted[:, node].copy() for joint, node in tree.set_from_outside.items()},
         )
 

@@ -81,15 +81,13 @@ class ReducedTree(SpatialTree):
 
     kernels: ClassVar[Any] = space_modes
 
-    def mode_errors(self, residuals: Vector) -> dict[str, float]:
-        """See `Tree.mode_errors`."""
-        scene, errors = self.system.scene, {}
-        for beam in scene.beams:
-            joints = modes.outward(scene, beam)
-            last = [self.bodies[self.system.rigid[joint.child].node] for joint in joints]
-            each = np.stack([residuals[:, i - LAST : i + 1] for i in last], axis=1)
-            errors[beam.name] = modes.error(joints, beam.length, each)
-        return errors
+    def mode_residuals(self, residuals: Vector) -> dict[str, Vector]:
+        """See `Tree.mode_residuals`."""
+        scene, moments = self.system.scene, {}
+        for joint in (scene.joint(name) for beam in scene.beams for name in beam.joints):
+            last = self.bodies[self.system.rigid[joint.child].node]
+            moments[joint.name] = residuals[:, last - LAST : last + 1] @ joint.parent_turn
+        return moments
 
 
 @dataclass(frozen=True)

@@ -93,8 +93,8 @@ class Tree:
         """Accelerations of the coordinates q (n, m) of the system, from the accelerations of its bodies."""
         return body_accelerations
 
-    def mode_errors(self, residuals: Vector) -> dict[str, float]:  # noqa: ARG002
-        """`mode_errors` of a `Trajectory`, from the residuals (n, nodes); none for links with all their elements."""
+    def mode_residuals(self, residuals: Vector) -> dict[str, Vector]:  # noqa: ARG002
+        """`mode_residuals` of a `Trajectory`, from the residuals (n, nodes); none for links with all their elements."""
         return {}
 
     def sensors(self, march: Any) -> Sensors:  # noqa: ARG002

@@ -7,6 +7,8 @@ beams         flexible links: rotations between their elements, energies, deflec
 constraints   constraints of joints on accelerations
 wheels        slip, sinkage and forces of wheels
 facet_departure   error of a motion by the size of facets
+freedoms      degrees of freedom along a motion
+mode_error    error of links in a few modes
 facet_sizes   sizes of facets and their error, for summaries
 observe, sensors   Trajectory, or one instant, in columns of three dimensions
 

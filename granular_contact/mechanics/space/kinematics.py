@@ -161,6 +161,14 @@ class SpatialKinematics(Kinematics):
         """See `Kinematics.element_errors`."""
         return {name: (motion.element_error(), motion.beam.elements) for name, motion in self.beams.items()}
 
+    def mode_errors(self, doubtful: float) -> dict[str, float]:
+        """See `Kinematics.mode_errors`."""
+        if not self.engine.mode_residuals:
+            return {}
+        from granular_contact.mechanics.space import mode_error  # here, as the compiler comes with it
+
+        return mode_error.errors(self, doubtful)
+
     def bends(self) -> dict[str, list[Vector]]:
         """Deflections (n,) m of the tip of each flexible link along y and z of its root."""
         return {name: list(beam.deflection[0][:, 1:].T) for name, beam in self.beams.items()}

@@ -10,11 +10,7 @@ its elements,
 for the lowest `modes` modes of torsion, of bending about y, and of bending about z. Rotations are finite, and a bent
 axis has the length of the straight one. The difference from the modes of a cantilever is proportional to l^2.
 
-The error of the truncation is estimated by the static deflection of the omitted modes: R_k / K_k, with the residual
-moments R_k of the joints between elements (static correction of the mode acceleration method; Craig 1981). The
-equations of motion in modes, Phi^T R = 0 (Phi: see `engines.tree.kernels.space_modes`), make this deflection orthogonal
-to the modes that are kept. Under a step load the omitted modes swing twice as far, so twice the greatest deflection at
-the tip is the estimated error: 0.5 to 1.2 times the true error in `validation/oblique_modes.py`.
+The error of the truncation is estimated by `mechanics.space.mode_error`.
 """
 
 from __future__ import annotations
@@ -95,17 +91,6 @@ def shapes(scene: SpatialScene, beam: SpatialBeam) -> tuple[list[SpatialJoint], 
         block[:, axis] = lowest
         blocks.append(block)
     return joints, np.concatenate(blocks, axis=2)
-
-
-def error(joints: list[SpatialJoint], length: float, residual: Vector) -> float:
-    """Estimated truncation error (m) of the tip's deflection by the omitted modes, the greatest over the instants.
-
-    joints: as `shapes` returns them. residual (n, joints, 3) N m: R_k, in the coordinates of the joints.
-    """
-    stiffness = np.array([joint.elastic.stiffness for joint in joints if joint.elastic is not None])
-    turns = np.stack([residual[:, k] @ joint.parent_turn for k, joint in enumerate(joints)], axis=1) / stiffness
-    arm = length * (np.arange(len(joints))[::-1] + 0.5) / len(joints)  # from each joint to the free end
-    return 2.0 * float(np.linalg.norm(np.einsum("nkj,k->nj", turns[:, :, 1:], arm), axis=1).max())
 
 
 def _mass_matrix(scene: SpatialScene, joints: list[SpatialJoint], axis: Vector) -> Vector:
