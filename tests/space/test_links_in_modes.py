@@ -15,6 +15,9 @@ from support_runs import ROOT
 from granular_contact import Results, cli, load, simulate
 from granular_contact.config import scenario_to_dict
 from granular_contact.config.schema.space import SpatialScenario
+from granular_contact.mechanics.space.freedoms import freedoms
+from granular_contact.mechanics.space.kinematics import SpatialKinematics
+from granular_contact.run import run
 from granular_contact.scene import build
 from granular_contact.scene.space.modes import shapes
 from granular_contact.scene.space.section import Section
@@ -133,6 +136,19 @@ def test_two_modes_follow_a_strike_in_sand_and_one_mode_warns() -> None:
             assert 0.4 * error < estimate < 1.7 * error
 
 
+def test_errors_by_facets_follow_from_the_modes_that_a_link_has() -> None:
+    """Departures by other facets have the freedoms of the modes alone, with their natural frequencies."""
+    motion: list[Any] = []
+    scenario = load(cantilever(6, 2, 1e-3)).scenario
+    run(build(scenario), scenario, inspect=lambda *of: motion.append(SpatialKinematics(*of)))
+    W, K, _ = (each[0] for each in freedoms(motion[0]))
+    mass = W.T @ motion[0].trajectory.mass @ W
+    squares = np.sort(np.linalg.eigvals(np.linalg.solve(mass, K)).real)
+    assert len(squares) == 6
+    first = ROOTS[0] ** 2 / LENGTH**2 * np.sqrt(E * Section(None, WIDTH, THICKNESS).second_moments[0] / LINE)
+    assert np.sqrt(squares[0]) == pytest.approx(first, rel=2e-2)  # 1 / (4 n^2) is 0.7 %
+
+
 @pytest.mark.parametrize("modes", [1, 2])
 def test_in_stiff_sand_the_error_told_is_that_of_a_link_that_the_sand_holds(modes: int) -> None:
     """A blade dragged through sand that hardly lets it bend: alone it would bend far more."""
@@ -169,9 +185,9 @@ def test_zero_modes_give_a_rigid_link_on_its_prescribed_motion() -> None:
     for axis in "xyz":
         assert runs[0][f"tip_{axis}_m"][-1] == pytest.approx(rigid[f"tip_{axis}_m"][-1], abs=1e-5)
     assert np.abs(runs[1]["whip_deflection_y_m"]).max() > 1e-3
-    for run in runs:
-        assert run["mast_angle_deg"][-1] == pytest.approx(rigid["mast_angle_deg"][-1], abs=1e-9)
-        assert run["drive_work_J"][-1] > 0.0
+    for each in runs:
+        assert each["mast_angle_deg"][-1] == pytest.approx(rigid["mast_angle_deg"][-1], abs=1e-9)
+        assert each["drive_work_J"][-1] > 0.0
 
 
 def test_link_held_by_its_tip_has_the_same_modes() -> None:

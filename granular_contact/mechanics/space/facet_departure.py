@@ -211,7 +211,7 @@ def known_motion(observer: Any, count: int, missing: Missing | None = None) -> I
     """
     for trajectory in pieces(observer, observer.engine, count):
         motion = SpatialKinematics(observer.system, trajectory)
-        W, K, D = freedoms(motion)
+        W, K, D = freedoms(motion, all_modes=missing is not None)
         forces = np.zeros(W.shape[::2]) if missing is None else missing(motion, W)
         poses = [values for name in motion.system.rigid for values in (motion.center(name)[0], motion.quaternion(name))]
         # Contiguous, as kernels would be compiled anew for rows with gaps, which numpy may return.

@@ -15,7 +15,8 @@ import numpy as np
 from granular_contact.mechanics.constraints import together
 from granular_contact.mechanics.freedoms import null_space, slopes
 from granular_contact.mechanics.space.kinematics import SpatialKinematics
-from granular_contact.scene.space.types import Vector
+from granular_contact.scene.space import modes
+from granular_contact.scene.space.types import SpatialBeam, Vector
 
 GROUND = -1
 # Degrees of freedom of all flexible links together. With 24 the estimate for a tail of 64 elements is 0.5 % smaller
@@ -23,8 +24,11 @@ GROUND = -1
 BENDING = 48
 
 
-def freedoms(motion: SpatialKinematics) -> tuple[Vector, Vector, Vector]:
-    """Jacobian W (n, m, d) of the degrees of freedom, and tangent stiffness and damping (n, d, d) of joints."""
+def freedoms(motion: SpatialKinematics, all_modes: bool = False) -> tuple[Vector, Vector, Vector]:
+    """Jacobian W (n, m, d) of the degrees of freedom, and tangent stiffness and damping (n, d, d) of joints.
+
+    all_modes: whether links that move in a few modes may move in all others, too.
+    """
     n, scene = len(motion.trajectory.v), motion.scene
     size = elements_together(scene)
     group = groups(scene)
@@ -35,6 +39,9 @@ def freedoms(motion: SpatialKinematics) -> tuple[Vector, Vector, Vector]:
     W = _carried(motion, group)
     if rows and (held := together(rows).J).shape[1]:
         W = W @ null_space(held @ W)
+    if scene.modes is not None and not all_modes and size == 1:
+        for beam in scene.beams:
+            W = W @ null_space(_without_modes(motion, beam) @ W)
     K, D = np.zeros((2, n, W.shape[2], W.shape[2]))
     for joint in joints:
         if joint.name in moved or not (joint.has_coordinate or joint.acts):
@@ -44,6 +51,14 @@ def freedoms(motion: SpatialKinematics) -> tuple[Vector, Vector, Vector]:
         K += J.transpose(0, 2, 1) @ (stiffness * J)
         D += J.transpose(0, 2, 1) @ (damping * J)
     return W, K, D
+
+
+def _without_modes(motion: SpatialKinematics, beam: SpatialBeam) -> Vector:
+    """Jacobian (n, k, m) of the rotations within a link that are orthogonal to its modes."""
+    joints, S = modes.shapes(motion.scene, beam)
+    U, _, _ = np.linalg.svd(S.reshape(-1, S.shape[2]))
+    turns = np.concatenate([motion.constraints.coordinates(joint).J for joint in joints], axis=1)
+    return np.asarray(U[:, S.shape[2] :].T @ turns)
 
 
 def elements_together(scene: Any) -> int:
