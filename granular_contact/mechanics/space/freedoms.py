@@ -56,7 +56,7 @@ def freedoms(motion: SpatialKinematics, all_modes: bool = False) -> tuple[Vector
 def _without_modes(motion: SpatialKinematics, beam: SpatialBeam) -> Vector:
     """Jacobian (n, k, m) of the rotations within a link that are orthogonal to its modes."""
     joints, S = modes.shapes(motion.scene, beam)
-    U, _, _ = np.linalg.svd(S.reshape(-1, S.shape[2]))
+    U, _, _ = np.linalg.svd(S.reshape(3 * len(joints), S.shape[2]))
     turns = np.concatenate([motion.constraints.coordinates(joint).J for joint in joints], axis=1)
     return np.asarray(U[:, S.shape[2] :].T @ turns)
 
