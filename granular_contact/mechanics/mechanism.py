@@ -21,10 +21,11 @@ from granular_contact.scene.types import Joint, Scene, Vector
 
 OVERLOAD = 1e-3  # relative excess over a limit of an actuator that is not reported: torques are known no better
 LEAST_ALONG = 1e-9  # least component of a slider's axis along the direction of travel
-# What the limits of an actuator are about, by the kind of its joint: quantity, unit, and name of the limit.
+# Of the effort limit and the rate limit of an actuator, by the kind of its joint: key of the number in `drive_numbers`,
+# quantity, unit, and name of the limit.
 _LIMITED = {
-    "hinge": (("torque", "N m", "effort"), ("rate", "rad/s", "rate")),
-    "slider": (("force", "N", "effort"), ("speed", "m/s", "speed")),
+    "hinge": (("largest_torque_Nm", "torque", "N m", "effort"), ("largest_rate_rad_s", "rate", "rad/s", "rate")),
+    "slider": (("largest_force_N", "force", "N", "effort"), ("largest_rate_m_s", "speed", "m/s", "speed")),
 }
 Driven = dict[str, Driving]  # by joint
 
@@ -204,16 +205,15 @@ def largest_torque(scene: Scene, driven: Driven) -> dict[str, float]:
     return {"largest_drive_torque_Nm": max(torques)} if torques else {}
 
 
-def overloads(motion: Kinematics, driven: Driven) -> Iterator[str]:
+def overloads(scene: Scene, numbers: Mapping[str, Mapping[str, float]]) -> Iterator[str]:
     """Yield a sentence for each drive beyond the effort limit or the rate limit of its joint, as a robot file gives it.
 
-    A limit of the rate is that of a hinge, or the limit of the speed of a slider.
+    numbers: key numbers of the drives by joint, see `drives`.
     """
-    for name, drive in driven.items():
-        joint = motion.scene.joint(name)
-        rate = float(np.max(np.abs(motion.coordinate(joint)[1])))
-        pairs = (drive.largest, joint.effort_limit), (rate, joint.rate_limit)
-        for (what, unit, kind), (largest, limit) in zip(_LIMITED[joint.kind], pairs, strict=True):
-            if largest > (1.0 + OVERLOAD) * limit:
-                said = f"the drive of {name} needs a {what} of up to {largest:.4g} {unit}, more than the {kind} limit"
-                yield f"{said} of this joint, {limit:.4g} {unit}: the actuator could not follow"
+    for name, of_drive in numbers.items():
+        joint = scene.joint(name)
+        limits = (joint.effort_limit, joint.rate_limit)
+        for (key, what, unit, kind), limit in zip(_LIMITED[joint.kind], limits, strict=True):
+            if of_drive[key] > (1.0 + OVERLOAD) * limit:
+                said = f"the drive of {name} needs a {what} of up to {of_drive[key]:.4g} {unit}, more than the {kind}"
+                yield f"{said} limit of this joint, {limit:.4g} {unit}: the actuator could not follow"

@@ -113,6 +113,8 @@ def observed(
     for name, strain in strains.items():
         strain_columns |= strain.columns(name)
     no_forces = np.zeros((len(trajectory.time), len(terms), 6 if scene.in_space else 3))
+    numbers = key_numbers(motion, driven, by_body, depths)
+    overloads = mechanism.overloads(scene, numbers.get("drives", {}))
     return {
         "scene": scene,
         "status": trajectory.status,
@@ -132,9 +134,9 @@ def observed(
         "outlines": motion.outlines,
         "pictures": lambda at: pictures(lambda sampled: type(motion)(system, sampled).outlines, trajectory, at),
         "reach": _reach(motion),
-        "more": key_numbers(motion, driven, by_body, depths) | stress_numbers(strains, time),
+        "more": numbers | stress_numbers(strains, time),
         "accuracy": accuracy(motion, driven),
-        "notices": (*trajectory.notices, *yielding(strains, time), *mechanism.overloads(motion, driven)),
+        "notices": (*trajectory.notices, *yielding(strains, time), *overloads),
     }
 
 
