@@ -56,6 +56,8 @@ class _Ends(Strict):
     """Position of the joint, x and y in the frame of the parent."""
     child_point_m: Point = (0.0, 0.0)
     """Position of the joint, x and y in the frame of the child."""
+    type: str
+    """Kind of the joint, of which each class allows one; here, so that it stands before the forces in files."""
 
 
 class HingeSpring(Strict):
@@ -99,10 +101,9 @@ class HingeFriction(Strict):
     """Damping coefficient of the bristle over its stiffness; it suppresses vibration of the bristle."""
 
 
-class HingeClosure(_Ends):
-    """The child turns about the normal of the plane of motion."""
+class HingeForces(Strict):
+    """Forces in a hinge, and the limits of its actuator."""
 
-    type: Annotated[Literal["hinge"], OrSynonym()]
     spring: HingeSpring | None = None
     """Torsional spring between parent and child; null: none."""
     damping_Nm_s_per_rad: NotNegative = 0.0
@@ -117,6 +118,12 @@ class HingeClosure(_Ends):
     rate_limit_rad_s: Positive | None = None
     """Greatest rate of the actuator in either direction. A run in which the joint turns faster while it is driven has a
     warning; the rate is not limited. null: not known."""
+
+
+class HingeClosure(HingeForces, _Ends):
+    """The child turns about the normal of the plane of motion."""
+
+    type: Annotated[Literal["hinge"], OrSynonym()]
 
 
 class Hinge(HingeClosure):
@@ -177,14 +184,9 @@ class SliderFriction(Strict):
     """Damping coefficient of the bristle over its stiffness; it suppresses vibration of the bristle."""
 
 
-class SliderClosure(_Ends):
-    """The child moves along an axis that is fixed in the parent, and does not rotate against the parent."""
+class SliderForces(Strict):
+    """Forces in a slider, and the limits of its actuator."""
 
-    type: Annotated[Literal["slider"], OrSynonym()]
-    axis: Annotated[Point, directed("a direction, as [0, 1] for upward")] = (1.0, 0.0)
-    """Direction of the axis, x and y in the frame of the parent, of any length; on the ground [0, 1] is up."""
-    home_deg: float = 0.0
-    """Constant angle of the child, clockwise from the x axis of the parent."""
     spring: SliderSpring | None = None
     """Spring along the axis; null: none."""
     damping_N_s_per_m: NotNegative = 0.0
@@ -199,6 +201,16 @@ class SliderClosure(_Ends):
     speed_limit_m_s: Positive | None = None
     """Greatest speed of the actuator in either direction. A run in which the joint moves faster while it is driven has
     a warning; the speed is not limited. null: not known."""
+
+
+class SliderClosure(SliderForces, _Ends):
+    """The child moves along an axis that is fixed in the parent, and does not rotate against the parent."""
+
+    type: Annotated[Literal["slider"], OrSynonym()]
+    axis: Annotated[Point, directed("a direction, as [0, 1] for upward")] = (1.0, 0.0)
+    """Direction of the axis, x and y in the frame of the parent, of any length; on the ground [0, 1] is up."""
+    home_deg: float = 0.0
+    """Constant angle of the child, clockwise from the x axis of the parent."""
 
 
 class Slider(SliderClosure):

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from granular_contact.config.schema.joints import Hinge, HingeFriction, HingeSpring, HingeStops
+from granular_contact.config.schema.joints import Hinge, HingeForces
 from granular_contact.config.schema.shapes import Shape, section_faults
 from granular_contact.values.strict import Faults, Listed, NotNegative, Point, Positive, Strict, Tagged, Text, by_type
 
@@ -133,26 +133,12 @@ class ChainLink(Strict):
     """Elasticity. null: the links are rigid."""
 
 
-class ChainHinge(Strict):
+class ChainHinge(HingeForces):
     """Properties that all hinges of the chain share."""
 
     home_deg: float = 0.0
     """Angle from link to link, clockwise, in the reference configuration; for all hinges but the first. A run starts
     there unless `initial` gives another angle."""
-    spring: HingeSpring | None = None
-    """Torsional spring; null: none."""
-    damping_Nm_s_per_rad: NotNegative = 0.0
-    """Viscous damping: torque per rate of the joint."""
-    stops: HingeStops | None = None
-    """Limits of the angle; null: none."""
-    friction: HingeFriction | None = None
-    """Dry friction; null: none."""
-    effort_limit_Nm: Positive | None = None
-    """Greatest torque of the actuator in either direction. A run in which the drive needs more has a warning; the
-    torque is not limited (`limit_Nm` of a drive does that). null: not known."""
-    rate_limit_rad_s: Positive | None = None
-    """Greatest rate of the actuator in either direction. A run in which the joint turns faster while it is driven has a
-    warning; the rate is not limited. null: not known."""
 
 
 class Chain(Strict):

@@ -13,13 +13,9 @@ from typing import Annotated, ClassVar, Literal
 from pydantic import Field
 
 from granular_contact.config.schema.joints import (
-    HingeFriction,
-    HingeSpring,
-    HingeStops,
+    HingeForces,
     OrSynonym,
-    SliderFriction,
-    SliderSpring,
-    SliderStops,
+    SliderForces,
     by_name,
 )
 from granular_contact.config.schema.space.turned import ORIGIN, Axis, Oriented, Point3
@@ -38,28 +34,16 @@ class _Ends(Oriented):
     """Position of the joint, x, y and z in the frame of the parent."""
     child_point_m: Point3 = ORIGIN
     """Position of the joint, x, y and z in the frame of the child."""
+    type: str
+    """Kind of the joint, see `schema.joints`."""
 
 
-class SpatialHingeClosure(_Ends):
+class SpatialHingeClosure(HingeForces, _Ends):
     """The child turns about an axis."""
 
     type: Annotated[Literal["hinge"], OrSynonym()]
     axis: Axis = (0.0, 0.0, 1.0)
     """Direction of the axis in the frame of the child, of any length."""
-    spring: HingeSpring | None = None
-    """Torsional spring between parent and child; null: none."""
-    damping_Nm_s_per_rad: NotNegative = 0.0
-    """Viscous damping: torque per rate of the joint."""
-    stops: HingeStops | None = None
-    """Limits of the angle; null: none."""
-    friction: HingeFriction | None = None
-    """Dry friction; null: none."""
-    effort_limit_Nm: Positive | None = None
-    """Greatest torque of the actuator in either direction. A run in which the drive needs more has a warning; the
-    torque is not limited (`limit_Nm` of a drive does that). null: not known."""
-    rate_limit_rad_s: Positive | None = None
-    """Greatest rate of the actuator in either direction. A run in which the joint turns faster while it is driven has a
-    warning; the rate is not limited. null: not known."""
 
 
 class SpatialHinge(SpatialHingeClosure):
@@ -112,26 +96,12 @@ class Ball(_Ends):
     """Limit of the rotation from home; null: none."""
 
 
-class SpatialSliderClosure(_Ends):
+class SpatialSliderClosure(SliderForces, _Ends):
     """The child moves along an axis, and does not rotate against the parent."""
 
     type: Annotated[Literal["slider"], OrSynonym()]
     axis: Axis = (1.0, 0.0, 0.0)
     """Direction of the axis in the frame of the child, of any length."""
-    spring: SliderSpring | None = None
-    """Spring along the axis; null: none."""
-    damping_N_s_per_m: NotNegative = 0.0
-    """Viscous damping: force per speed of the joint."""
-    stops: SliderStops | None = None
-    """Limits of the position; null: none."""
-    friction: SliderFriction | None = None
-    """Dry friction; null: none."""
-    effort_limit_N: Positive | None = None
-    """Greatest force of the actuator in either direction. A run in which the drive needs more has a warning; the force
-    is not limited (`limit_N` of a drive does that). null: not known."""
-    speed_limit_m_s: Positive | None = None
-    """Greatest speed of the actuator in either direction. A run in which the joint moves faster while it is driven has
-    a warning; the speed is not limited. null: not known."""
 
 
 class SpatialSlider(SpatialSliderClosure):
