@@ -173,15 +173,14 @@ def turn(run, w, control):
 
 
 @part
-def next_step(h, ratio, smooth, clock):
+def next_step(h, ratio, clock):
     """Length (s) of the step after a step h (s), by the filter H211b of Soderlind (2003).
 
     ratio: error of the step over the error allowed; the clock remembers h and ratio. The error of a vibrating link
     rises and falls four times a period. Steps that follow each fall are too long for the next rise: by the elementary
-    controller every fifth step was rejected; the filter follows less. smooth: whether the elementary controller is
-    used, for a rigid pendulum under the true sign, whose few steps grow by much.
+    controller every fifth step was rejected; the filter follows less.
     """
-    if not smooth and clock.latest > 0.0:
+    if clock.latest > 0.0:
         change = (ratio * clock.ratio) ** (-0.2 / FILTER) * (h / clock.latest) ** (-1.0 / FILTER)
     else:
         change = ratio**-0.2
@@ -194,12 +193,11 @@ def attempt(run, w, control, allowed, room, sums):
     """Step from y, with slopes[0] = y' there, as far as the error allows; return the length (s), 0 for no step."""
     clock, counts = run.clock[0], run.counts[0]
     h = min(clock.step, control.longest, control.end - clock.now)
-    smooth = w.pendulum[0].true_sign and w.pendulum[0].modes == 0
     while True:
         make_step(run, h, w, room, sums)
         ratio = error(room.pair, h, room.slopes, allowed)
         if ratio <= 1.0:
-            clock.step = next_step(h, max(ratio, LEAST_RATIO), smooth, clock)
+            clock.step = next_step(h, max(ratio, LEAST_RATIO), clock)
             return h
         counts.rejected += 1
         h *= max(0.2, 0.9 * ratio**-0.2) if ratio < np.inf else 0.1
