@@ -7,10 +7,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 from support_mujoco import BOX, GRAVITY, SAND, energy, go, model_of, thrown
 from support_runs import ROOT
 
-from granular_contact import Albert, Floor, Layer, LeeMarghitu, Poncelet, Rft, VerticalResistance, preset
+from granular_contact import Albert, Bar, Floor, Layer, LeeMarghitu, Poncelet, Rft, Sphere, VerticalResistance, preset
 from granular_contact.laws.scatter import Scatter
 from granular_contact.sand.contact_lines import Body, outline, polyline
 
@@ -252,6 +253,53 @@ def test_a_planar_bed_has_the_forces_of_the_load_without_an_engine(name: str) ->
         got, [*expected[:2], about_origin], rtol=0.02, atol=0.02 * np.abs(expected[:2]).max() * 0.05
     )
     assert np.abs(expected).max() > 0.3
+
+
+IN_SPACE: dict[str, tuple[Any, str, Any, list[float]]] = {
+    "bar": (
+        PLAY,
+        '<geom name="g" type="capsule" fromto="-0.06 0 0.01 0.05 -0.02 -0.02" size="0.004" mass="1"/>',
+        Bar([[-0.06, 0.0, 0.01], [0.05, -0.02, -0.02]], 0.008),
+        [0.0, 0.0, 0.0],
+    ),
+    "ball": (
+        Poncelet(40.0, 2.0),
+        '<geom name="g" type="sphere" pos="0.02 -0.03 0.01" size="0.04" mass="1"/>',
+        Sphere(0.08),
+        [0.02, -0.03, 0.01],
+    ),
+}
+
+
+@pytest.mark.parametrize("name", IN_SPACE)
+def test_a_bed_in_space_has_the_wrench_of_the_load_without_an_engine(name: str) -> None:
+    """The force of a step is that where it ends; so short a step ends where it starts."""
+    from granular_contact.sand.space.load import SpatialLoad
+
+    medium, geom, shape, center = IN_SPACE[name]
+    step, velocity, spin = 1e-5, np.array([0.05, 0.02, -0.1]), np.array([0.5, -0.3, 0.8])
+    model = model_of(geom, place="0 0 0", step=step)
+    bed, data = MujocoBed(model, medium), mujoco.MjData(model)
+    bed.add_geoms("g")
+    load = SpatialLoad(medium, 0.0)
+    load.add_shape(Body("body", range(7)), shape, center, mass=1.0)
+    for i in range(60):
+        turn = Rotation.from_rotvec(i * step * spin) * Rotation.from_rotvec([0.2, 0.3, -0.4])
+        e = np.roll(turn.as_quat(), 1)  # Euler parameters, the real one first
+        q = np.array([0.1, 0.0, -0.03, *e]) + i * step * np.append(velocity, np.zeros(4))
+        v = np.array([*velocity, -0.5 * spin @ e[1:], *(0.5 * (e[0] * spin + np.cross(spin, e[1:])))])
+        if i == 0:
+            load.start(q)
+        load.accept(i * step, q, v)
+        data.qpos[:], data.qvel[:3], data.qvel[3:], data.time = q, velocity, turn.inv().apply(spin), i * step
+        kept = bed.apply(data)
+    expected = load.history.bodies[-1, 0]
+    for part in (slice(3), slice(3, 6)):  # within what a step of 60 adds to the bristle
+        np.testing.assert_allclose(
+            kept.wrenches["body"][part], expected[part], atol=0.02 * np.abs(expected[part]).max()
+        )
+    assert np.abs(expected[:3]).min() > 0.1
+    assert np.abs(expected[3:]).min() > 1e-3
 
 
 def test_a_bristle_below_its_yield_is_felt_exactly() -> None:
