@@ -32,7 +32,7 @@ from granular_contact.report.pages import write as write_page
 from granular_contact.report.pages.folder import Bed, Folder
 from granular_contact.report.pages.stage import stage
 from granular_contact.report.units import column, label, quantity
-from granular_contact.results.motion import Bedding, Motion, Part, coarser, over_ground
+from granular_contact.results.motion import Bedding, Motion, Part, coarser, motion_of, over_ground
 from granular_contact.run import run
 from granular_contact.scene import build
 from granular_contact.studies import compare
@@ -328,6 +328,20 @@ def test_contacts_travel_and_work_of_a_mechanism_are_reported(tmp_path: Path) ->
     ):
         assert phrase in text
     assert "No stop" not in text
+
+
+def test_the_player_gets_rigid_parts_as_poses_and_bent_ones_as_points() -> None:
+    for bends in (False, True):
+        scenario = scenario_of("pendulum" if bends else "pendulum_rigid", "solver.end_time_s=0.02")
+        results = run(build(scenario), most_frames=9)
+        motion = motion_of(results)
+        assert motion is not None
+        link = next(i for i, outline in enumerate(results.frames[0].outlines) if outline.part == "link")
+        assert [*motion.bent] == [link] * bends
+        assert bends or np.ptp(motion.poses[:, link, 2]) > 0.05  # rad
+        for i in range(len(motion.parts)):
+            drawn = np.array([frame.outlines[i].points for frame in results.frames])
+            np.testing.assert_allclose(motion.points(i), drawn, rtol=0.0, atol=1e-6)  # m
 
 
 def test_results_without_words_of_their_own_show_tables_and_figures(tmp_path: Path, pages: dict[str, Path]) -> None:
