@@ -9,6 +9,7 @@ from functools import lru_cache
 from granular_contact.config import allowed, tree
 from granular_contact.config.file_kind import scenario_class
 from granular_contact.config.messages import got
+from granular_contact.config.schema.robot import RobotFile
 from granular_contact.config.yaml_source import MAX_DEPTH, read_text
 from granular_contact.errors import Fault
 
@@ -35,7 +36,12 @@ class Override:
 
 @lru_cache(maxsize=1024)
 def _is_reference(path: tuple[str, ...]) -> bool:
-    return tuple(key for key in path if not key.isdecimal()) in _REFERENCES
+    return _is_of_robot_file(path) or tuple(key for key in path if not key.isdecimal()) in _REFERENCES
+
+
+def _is_of_robot_file(path: tuple[str, ...]) -> bool:
+    """Whether a key stands beside `urdf`. It says how the robot file is read, so it is set before that."""
+    return path[0] == "model" and len(path) > 1 and path[1] in RobotFile.model_fields
 
 
 def parse(texts: Sequence[str], faults: list[Fault]) -> list[Override]:
@@ -107,6 +113,13 @@ def _with(node: tree.Node | None, override: Override, depth: int, faults: list[F
     if depth == len(override.path):
         return override.value
     key = override.path[depth]
+    if (
+        isinstance(node, tree.Scalar)
+        and isinstance(node.value, str)
+        and depth == 1
+        and _is_of_robot_file(override.path)
+    ):
+        node = tree.mapping({"from": node}, node.position)  # the model of this name, with a change
     if isinstance(node, tree.Mapping) or _is_null(node):
         holder = node if isinstance(node, tree.Mapping) else _new_mapping(override, depth)
         value = _with(holder.nodes.get(key), override, depth + 1, faults)

@@ -128,3 +128,20 @@ def test_rounding_of_a_robot_file_is_no_fault(tmp_path: Path, short: float) -> N
     rounded = f'ixx="1e-3" iyy="2e-3" izz="{3e-3 / (1.0 - short)}" ixy="0" ixz="0" iyz="0"'
     _, built = load(robot_in(tmp_path, (f"{LEG_MASS}<inertia {moments}", f"{LEG_MASS}<inertia {rounded}")))  # fmt: skip
     np.testing.assert_allclose(np.linalg.eigvalsh(built.body("leg").inertia), [1e-3, 2e-3, 3e-3], rtol=3e-3)
+
+
+@pytest.mark.parametrize("named", [False, True], ids=["in the config", "in a file of the model"])
+def test_an_override_changes_how_the_robot_file_is_read(tmp_path: Path, named: bool) -> None:
+    model: Any = {"urdf": str(robot_in(tmp_path))}
+    if named:
+        (tmp_path / "arm.yaml").write_text(f"urdf: {model['urdf']}\n")
+        model = str(tmp_path / "arm.yaml")
+    run = {"model": model, "medium": "rft3d_sand"}
+    changed = config.load(run, ["model.fix=[hip]", "model.stops.stiffness_N_per_m=7"]).scenario.model
+    assert changed.joints["hip"].type == "weld"
+    assert changed.joints["slide"].stops.stiffness_N_per_m == 7
+    (fault,) = faults_of(ConfigError, lambda: config.load(run, ["model.base=flying"]))
+    assert (
+        str(fault)
+        == "--set model.base=flying: model.base: got the text 'flying'; allowed is one of free, fixed, or null"
+    )
