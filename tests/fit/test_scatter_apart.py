@@ -18,7 +18,7 @@ from granular_contact.laws.scatter import Scatter
 from granular_contact.sand.contact_lines import Body, polyline
 from granular_contact.sand.load import GranularLoad
 from granular_contact.studies.fit import fit
-from granular_contact.studies.fit.scatter import correlation
+from granular_contact.studies.fit.scatter import correlation, standard_errors
 
 ZETA, RELATIVE, LENGTH, NOISE = 0.9, 0.3, 0.003, 0.15  # -, -, m, N
 SIDE, ROWS = 0.0532, 120
@@ -68,6 +68,16 @@ def _value(signs: np.ndarray, t: np.ndarray) -> np.ndarray:
     q = part * part * (3.0 - 2.0 * part)
     both = (1.0 - q) * signs[rows, cell] + q * signs[rows, cell + 1]
     return both / np.sqrt((1.0 - q) ** 2 + q**2)
+
+
+def test_standard_error_of_the_noise_is_that_of_a_variance() -> None:
+    """Without scatter ln sigma of n values has the standard error 1 / sqrt(2 n); differences add h^2 of it."""
+    random, n, sigma = np.random.default_rng(3), 200, 0.1
+    residual = random.standard_normal(n)
+    residual *= sigma / np.sqrt(np.mean(residual**2))  # so that the likelihood is greatest at sigma
+    test = np.linspace(0.0, 1.0, n), np.ones(n), residual
+    logs = np.log([1e-9, 0.05, sigma])
+    assert standard_errors([test], logs)[2] == pytest.approx(1.0 / np.sqrt(2.0 * n), rel=2e-3)
 
 
 @pytest.mark.slow

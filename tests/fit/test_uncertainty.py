@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.stats import binom
+from scipy.stats import binom, chi2
 from support_fit import NOISE, TRUE, TWO, four, problem
 
 from granular_contact.studies.fit import diagnostics
@@ -138,12 +138,12 @@ def test_derivatives_are_right(tmp_path: Path, modes: int) -> None:
         assert error < (1e-4 if modes == 0 else 2.4e-2)  # as in test_jacobian
 
 
-def test_derivatives_stay_within_the_bounds(exact: Problem) -> None:
+@pytest.mark.parametrize("bound", ["low", "high"])
+def test_derivatives_stay_within_the_bounds(exact: Problem, bound: str) -> None:
     at = exact.start
     for j in range(2):
         parameter = exact.parameters[j]
-        value = parameter.value(at[j])
-        edge = replace(parameter, low=value)
+        edge = replace(parameter, **{bound: parameter.value(at[j])})
         moved = replace(exact, parameters=tuple(edge if k == j else p for k, p in enumerate(exact.parameters)))
         inside, outside = jacobian(moved, at, exact.times())[:, j], jacobian(exact, at, exact.times())[:, j]
         # one-sided of second order: h^2/3 against h^2/6 of the curvature's change
@@ -186,6 +186,14 @@ def test_ljung_box_is_fair_to_noise() -> None:
     # 5 % of 400 is 20; what chance leaves with 999 in 1000, a little more as the test is approximate.
     assert low <= binom.ppf(0.999, 400, 0.07)
     assert low >= binom.ppf(0.001, 400, 0.03)
+
+
+def test_ljung_box_has_the_published_statistic() -> None:
+    """n (n + 2) sum r_k^2 / (n - k) over the first n / 4 lags of 16 values, by hand; as many degrees of freedom."""
+    values = np.array([0.3, -1.1, 0.8, 0.2, -0.4, 1.6, -0.9, 0.1, 0.5, -1.3, 0.7, 0.9, -0.2, -0.6, 1.2, -0.8])
+    lagged = [np.sum(values[lag:] * values[:-lag]) / np.sum(values**2) for lag in (1, 2, 3, 4)]
+    statistic = 16 * 18 * sum(r**2 / (16 - lag) for lag, r in enumerate(lagged, start=1))
+    assert ljung_box([values], 1) == pytest.approx(chi2.sf(statistic, 3), rel=1e-12)
 
 
 def test_ljung_box_sees_a_pattern_and_ignores_one_outlier() -> None:

@@ -118,7 +118,7 @@ def separate(problem: Problem, solution: Solution) -> tuple[Solution, Scattering
         if float(np.max(np.abs(step) / np.sqrt(np.maximum(np.diag(covariance), 1e-300)))) < SETTLED:
             break
     force, length, noise = np.exp(logs)
-    errors = _errors(tests, logs)
+    errors = standard_errors(tests, logs)
     scattering = Scattering(
         float(force),
         float(force * errors[0]),
@@ -205,7 +205,7 @@ def _maximum_likelihood(tests: Sequence[Test], start: Vector | None) -> Vector:
     return np.asarray(np.maximum(minimum.x, floor))
 
 
-def _errors(tests: Sequence[Test], logs: Vector) -> Vector:
+def standard_errors(tests: Sequence[Test], logs: Vector) -> Vector:
     """Standard errors of the logarithms of s, L and sigma, from the curvature of the likelihood."""
 
     def mixed_difference(a: Vector, b: Vector) -> float:
