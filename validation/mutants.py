@@ -52,6 +52,30 @@ _FACETS = (
     "tests/space/test_wrenches_by_quadrature.py",
     "tests/space/test_forces_in_space.py",
 )
+_ERRORS = "tests/space/test_facet_error.py", "tests/space/test_links_in_modes.py"
+_MODES = (
+    "tests/reduced/test_motion.py",
+    "tests/reduced/test_modes.py",
+    "tests/reduced/test_static.py",
+    "tests/reduced/test_against_engine.py",
+)
+_MUJOCO = (
+    "tests/mujoco_door/test_mujoco_models.py",
+    "tests/mujoco_door/test_mujoco_motion.py",
+    "tests/mujoco_door/test_mujoco_state.py",
+)
+_ROBOTS = (
+    "tests/robot/test_urdf_models.py",
+    "tests/robot/test_urdf_faults.py",
+    "tests/robot/test_hexapod.py",
+    "tests/robot/test_out_of_sand.py",
+)
+_FITS = (
+    "tests/fit/test_uncertainty.py",
+    "tests/fit/test_diagnostics.py",
+    "tests/fit/test_jacobian.py",
+    "tests/fit/test_recovery.py",
+)
 AREAS: dict[str, dict[str, tuple[str, ...]]] = {
     "joints": {
         "mechanics/kernels/joint_loads.py": (*_JOINTS, "tests/space/test_runs_in_space.py"),
@@ -151,6 +175,56 @@ AREAS: dict[str, dict[str, tuple[str, ...]]] = {
         "sand/space/facets.py": ("tests/space/test_shapes_in_space.py", *_FACETS),
         "sand/space/revolution.py": ("tests/space/test_shapes_in_space.py", *_FACETS),
         "sand/space/round_shapes.py": ("tests/space/test_shapes_in_space.py", "tests/space/test_scene_in_space.py"),
+    },
+    "estimates": {
+        "mechanics/departure.py": (*_ERRORS, "tests/multibody/test_strip_error.py"),
+        "mechanics/strip_departure.py": ("tests/multibody/test_strip_error.py", "tests/reduced/test_against_engine.py"),
+        "mechanics/accuracy.py": ("tests/multibody/test_stepping.py", "tests/multibody/test_creep.py", *_ERRORS),
+        "mechanics/strains.py": ("tests/multibody/test_strains.py",),
+        "mechanics/space/facet_departure.py": _ERRORS,
+        "mechanics/space/freedoms.py": _ERRORS,
+        "mechanics/space/mode_error.py": _ERRORS,
+    },
+    "modes": {
+        "engines/modal/model.py": _MODES,
+        "engines/modal/modes.py": _MODES,
+        "engines/modal/kernels/march.py": _MODES,
+        "engines/modal/kernels/modal.py": _MODES,
+        "engines/modal/kernels/pendulum.py": _MODES,
+        "engines/modal/kernels/runge_kutta.py": _MODES,
+        "engines/modal/kernels/slip.py": _MODES,
+    },
+    "results": {
+        "results/alike.py": ("tests/test_results.py", "tests/test_compare.py", "tests/test_sweep.py"),
+        "results/energy.py": ("tests/test_results.py", "tests/multibody/test_powers.py", "tests/test_run.py"),
+        "results/interpolation.py": ("tests/test_results.py", "tests/test_between_steps.py", "tests/test_strides.py"),
+        "results/motion.py": ("tests/test_results.py", "tests/test_html.py", "tests/test_animation.py"),
+        "results/series.py": ("tests/test_results.py", "tests/test_run.py"),
+    },
+    "MuJoCo": {
+        "engines/mujoco/step.py": _MUJOCO,
+        "engines/mujoco/facet_error.py": _MUJOCO,
+        "engines/mujoco/geoms.py": _MUJOCO,
+        "engines/mujoco/kernels/added_mass.py": _MUJOCO,
+        "engines/mujoco/kernels/held_step.py": _MUJOCO,
+        "engines/mujoco/kernels/space_added_mass.py": _MUJOCO,
+    },
+    "robot files": {
+        "robot/inertia.py": _ROBOTS,
+        "robot/links.py": _ROBOTS,
+        "robot/massless.py": _ROBOTS,
+        "robot/mechanism.py": _ROBOTS,
+        "robot/urdf.py": _ROBOTS,
+        "geometry/mesh.py": (*_ROBOTS, "tests/space/test_shapes_in_space.py"),
+        "geometry/rotations.py": ("tests/test_rotations.py",),
+    },
+    "fits": {
+        "studies/fit/solve.py": _FITS,
+        "studies/fit/uncertainty.py": _FITS,
+        "studies/fit/goodness.py": _FITS,
+        "studies/fit/problem.py": _FITS,
+        "studies/fit/step_bias.py": ("tests/fit/test_step_bias.py",),
+        "studies/fit/scatter.py": ("tests/fit/test_scatter_apart.py",),
     },
 }
 # Operators of cosmic-ray that change what is computed.
