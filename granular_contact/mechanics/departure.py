@@ -94,9 +94,10 @@ def pieces(observer: Any, trajectory: Trajectory, count: int) -> Iterator[Trajec
 
 def at(t: Trajectory, rows: NDArray[np.int64]) -> Trajectory:
     """Some instants of a trajectory, without loads."""
-    residuals = {joint: moments[rows] for joint, moments in t.mode_residuals.items()}
-    none: Any = {"load": None, "a": None, "multipliers": {}, "set_to": {}}
-    return replace(t, time=t.time[rows], q=t.q[rows], v=t.v[rows], mode_residuals=residuals, **none)
+    histories = (t.set_to, t.mode_residuals)
+    set_to, residuals = ({joint: values[rows] for joint, values in each.items()} for each in histories)
+    none: Any = {"load": None, "a": None, "multipliers": {}}
+    return replace(t, time=t.time[rows], q=t.q[rows], v=t.v[rows], set_to=set_to, mode_residuals=residuals, **none)
 
 
 def departures(

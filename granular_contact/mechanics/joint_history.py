@@ -63,16 +63,20 @@ def joint_forces(law: JointLaw, anchor: float, s: Vector, rate: Vector) -> Joint
     return JointForces(force, elastic, stored)
 
 
-def drive_history(drive: Drive, time: Vector, s: Vector, rate: Vector, set_to: Vector | None = None) -> Vector:
-    """Torque or force (n,) of a drive without prescribed motion; set_to (n,): targets of one set from outside."""
+def targets(drive: Drive, time: Vector, set_to: Vector | None = None) -> Vector:
+    """Target and target rate (n, 2) of a drive at n times; set_to (n,): targets of one that is set from outside."""
     from granular_contact.mechanics.joint_loads import held, setpoint
-    from granular_contact.mechanics.kernels.joint_laws import drive_forces
 
     if set_to is None:
-        targets = [setpoint(drive, t) for t in time.tolist()]
-    else:
-        targets = [held(drive, value) for value in set_to.tolist()]
-    forces: Vector = drive_forces(_record(JointLaw(), drive), np.array(targets), s, rate)
+        return np.array([setpoint(drive, t) for t in time.tolist()])
+    return np.array([held(drive, value) for value in set_to.tolist()])
+
+
+def drive_history(drive: Drive, time: Vector, s: Vector, rate: Vector, set_to: Vector | None = None) -> Vector:
+    """Torque or force (n,) of a drive without prescribed motion; set_to (n,): targets of one set from outside."""
+    from granular_contact.mechanics.kernels.joint_laws import drive_forces
+
+    forces: Vector = drive_forces(_record(JointLaw(), drive), targets(drive, time, set_to), s, rate)
     return forces
 
 

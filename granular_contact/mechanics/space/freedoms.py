@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from granular_contact.mechanics.constraints import together
-from granular_contact.mechanics.freedoms import null_space, slopes
+from granular_contact.mechanics.freedoms import followed, null_space, slopes
 from granular_contact.mechanics.space.kinematics import SpatialKinematics
 from granular_contact.scene.space import modes
 from granular_contact.scene.space.types import SpatialBeam, Vector
@@ -33,7 +33,7 @@ def freedoms(motion: SpatialKinematics, all_modes: bool = False) -> tuple[Vector
     size = elements_together(scene)
     group = groups(scene)
     joints: Any = [joint for joint in scene.joints if group[joint.parent] != group[joint.child]]
-    moved = {drive.joint for drive in scene.drives if drive.kind == "motion"}
+    moved = followed(scene)
     rows = [motion.constraints.held(joint) for joint in joints]
     rows += [motion.constraints.moved(joint) for joint in joints if joint.name in moved]
     W = _carried(motion, group)
