@@ -84,6 +84,6 @@ def _show(statistics: Summary) -> None:
     rows = []
     for key, number in list(statistics.numbers.items())[:MOST_SHOWN]:
         low, _, median, _, high = number.quantiles
-        cells = (number.mean, 1.96 * number.error, number.deviation, low, median, high)
+        cells = (number.mean, number.settling()[2][-1], number.deviation, low, median, high)
         rows.append([key, *(f"{x:.4g}" for x in cells)])
     print_table("key number", heads, rows)

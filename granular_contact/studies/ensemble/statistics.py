@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from scipy.special import stdtrit
 
 from granular_contact.report import BANDS, CONVERGENCE, FIGURES, STATISTICS, write_table
 from granular_contact.report.units import is_number
@@ -24,7 +25,6 @@ FIRST = (
     *("wheel.drawbar_pull_N", "wheel.sinkage_m", "wheel.torque_Nm", "stopping_time_s", "angle_at_stop_deg"),
     *("penetration_time_s", "forward_speed_m_s", "max_depth_m", "max_deflection_m"),
 )
-CONFIDENCE = 1.96  # half width of the 95 % confidence interval of a normal mean, in standard errors
 
 
 @dataclass(frozen=True)
@@ -54,12 +54,15 @@ class Numbers:
         return np.quantile(self.values, LEVELS)
 
     def settling(self) -> tuple[Vector, Vector, Vector]:
-        """Numbers of runs (from 2), the mean of that many runs, and the half width of its 95 % confidence interval."""
+        """Numbers of runs (from 2), the mean of that many runs, and the half width of its 95 % confidence interval.
+
+        The interval is Student's: with 2 runs 12.7 standard errors to either side, with 20 runs 2.09.
+        """
         n = np.arange(1, len(self.values) + 1)
         mean = np.cumsum(self.values) / n
         centered = self.values - self.values.mean()  # avoids cancellation of the squares
         square = np.cumsum(centered**2) - np.cumsum(centered) ** 2 / n
-        half = CONFIDENCE * np.sqrt(np.maximum(square[1:], 0.0) / (n[1:] - 1) / n[1:])
+        half = stdtrit(n[1:] - 1, 0.975) * np.sqrt(np.maximum(square[1:], 0.0) / (n[1:] - 1) / n[1:])
         return n[1:].astype(float), mean[1:], half
 
 
