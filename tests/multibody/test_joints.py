@@ -6,7 +6,10 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from support_bar import BAR, INERTIA, MASS
-from support_runs import DENSITY, FOUR_BAR, order, simulate
+from support_runs import DENSITY, FOUR_BAR, order, scene_of, simulate
+
+from granular_contact.engines.exudyn.build import build
+from granular_contact.engines.exudyn.build_in_space import build as build_in_space
 
 NO_REST = "solver.rest_time_s=null"
 
@@ -232,3 +235,39 @@ solver: {{end_time_s: 0.01, tolerance: 1e-8}}
     # The bar turns a little, for the beams stretch: (d / 4)^2 / 0.05^2 = 4e-4 of a cantilever's slope; cubic elements
     # are exact at their nodes.
     assert -run["tip_y_m"][0] - 0.1 == pytest.approx(sag, rel=2e-3)
+
+
+@pytest.mark.parametrize("space", [False, True], ids=["plane", "space"])
+def test_forces_of_a_spring_do_not_depend_on_states_tried_before(space: bool) -> None:
+    """Iterates that run away by more than half a turn are no turns of the hinge: its spring pulled by 360 deg more."""
+    rod = "length_m: 0.2, diameter_m: 0.006, density_kg_m3: 1400, flexible: {bending_stiffness_N_m2: 0.1, elements: 4}"
+    pin = "axis: [0, 1, 0], " if space else ""
+    scene = scene_of(f"""
+model:
+  name: tried
+  in_space: {str(space).lower()}
+  bodies: {{rod: {{type: link, {rod}}}}}
+  joints:
+    pin: {{type: hinge, parent: ground, child: rod, {pin}home_deg: 30, spring: {{stiffness_Nm_per_rad: 1}}}}
+""")
+    system = (build_in_space if space else build)(scene)
+    joints, size = system.joints, system.mbs.systemData.ODE2Size()
+    assert joints is not None
+
+    def forces(angle: float) -> np.ndarray:
+        """Generalised forces where the first node is turned by an angle (rad) from the start."""
+        q, out = np.zeros(size), np.zeros(size)
+        if space:  # Euler parameters about y; the start is turned by 30 deg
+            half = 0.5 * np.radians(30.0)
+            q[3:7] = np.cos(half + 0.5 * angle) - np.cos(half), 0.0, np.sin(half + 0.5 * angle) - np.sin(half), 0.0
+        else:
+            home = -np.radians(30.0)
+            q[2:4] = np.cos(home + angle) - np.cos(home), np.sin(home + angle) - np.sin(home)
+        joints.add_forces(q, np.zeros(size), out)
+        return out
+
+    at_start = forces(0.0)
+    assert np.abs(at_start).max() > 0.1
+    for angle in (2.0, 4.0):
+        assert np.abs(forces(angle) - at_start).max() > 0.1
+    np.testing.assert_allclose(forces(0.0), at_start, rtol=1e-12, atol=1e-12)

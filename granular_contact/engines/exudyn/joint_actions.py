@@ -55,7 +55,6 @@ class JointActions:
             load.state = state  # a view of its row in the table of all joints
             ends = [overlay.coordinates([node], size)[0] for node, size in zip(load.nodes, load.sizes, strict=True)]
             places[: sum(load.sizes), 1] = np.concatenate(ends)
-        self._has_friction = any(load.law.friction > 0.0 for load in loads)
         self._followers: dict[Signal, list[HingeMotion]] = {}  # by signal, so that each signal is evaluated once
         for motion in motions:
             self._followers.setdefault(motion.signal, []).append(motion)
@@ -82,8 +81,7 @@ class JointActions:
         q = np.zeros(data.ODE2Size())
         self.add_forces = partial(ready(kernels.force, *self._arguments, q, q, q), *self._arguments)
         self._tangent = ready(kernels.tangent, q, q, *self._arguments, 1.0, 1.0, self._triplets)
-        if self._has_friction:
-            self._accept = ready(kernels.accept, q, q, *self._arguments)
+        self._accept = ready(kernels.accept, q, q, *self._arguments)
 
     def set_time(self, t: float) -> None:
         """Evaluate setpoints of drives and prescribed motions at the time t (s); before t = 0 signals are constant."""
@@ -105,8 +103,11 @@ class JointActions:
         return self._triplets[: self._tangent(q, v, *self._arguments, factor_q, factor_v, self._triplets)]
 
     def accept(self, q: Vector, v: Vector) -> None:
-        """Accept a state as the end of a step: update friction. q, v (m,): all coordinates and rates of the system."""
-        if self._has_friction:
+        """Accept a state as the end of a step: update friction and whole turns of hinges.
+
+        q, v (m,): all coordinates and rates of the system.
+        """
+        if self.has_forces:
             self._accept(q, v, *self._arguments)
 
     def attach(self, constant: Mapping[int, ArrayLike]) -> None:

@@ -15,10 +15,10 @@ from __future__ import annotations
 
 from granular_contact.jit.chosen import chosen_by, provide
 from granular_contact.jit.compiled import kernel, part
-from granular_contact.jit.memory import flat, room1, rows
+from granular_contact.jit.memory import copy, flat, room1, rows
 from granular_contact.jit.records import fields, record_dtype
 from granular_contact.mechanics.kernels import joint_coordinates
-from granular_contact.mechanics.kernels.joint_coordinates import COORDINATE
+from granular_contact.mechanics.kernels.joint_coordinates import COORDINATE, HINGE
 from granular_contact.mechanics.kernels.joint_laws import follow, total
 from granular_contact.sand.kernels.lines import difference
 
@@ -27,7 +27,7 @@ LAW = ("stiffness", "rest", "damping", *_STOPS, *_FRICTION)
 DRIVE = ("gain", "rate_gain", "limit")
 JOINT = record_dtype([*COORDINATE, ("drive", "i8"), *fields("f8", *LAW, *DRIVE)])
 # anchor: of the bristle of dry friction; target, target_rate: coordinate and rate that a control aims at, target of a
-# load: its force; last_angles (2,) rad: of the joint's ends at the last evaluation, see `joint_coordinates`.
+# load: its force; last_angles (2,) rad: of the joint's ends at the last accepted state, see `joint_coordinates`.
 STATE = record_dtype([*fields("f8", "anchor", "target", "target_rate"), ("last_angles", "f8", (2,))])
 MOST = 14  # coordinates of two nodes in space; in the plane at most 8
 
@@ -52,7 +52,9 @@ def gather(system_q, system_v, places, count, q, v):
 @part
 def _act(joint, state, q, v, out):
     """`act` in the plane."""
-    s, rate = joint_coordinates.coordinate(joint, flat(state.last_angles), q, v, out)
+    angles = room1(2)
+    copy(angles, flat(state.last_angles))  # iterates, which may run away, must not count turns
+    s, rate = joint_coordinates.coordinate(joint, angles, q, v, out)
     tau = total(joint, s, rate, state.anchor, state.target, state.target_rate)
     for i in range(MOST):
         out[i] *= tau
@@ -101,14 +103,15 @@ def tangent(system_q, system_v, joints, states, places, fq, fv, triplets):
 
 @kernel
 def accept(system_q, system_v, joints, states, places):
-    """Update the anchors of dry friction at the end of a step, by `joint_laws.follow`."""
+    """Update last_angles and the anchors of dry friction at the end of a step, the latter by `joint_laws.follow`."""
     q, v, gradient = room1(MOST), room1(MOST), room1(MOST)
     for k in range(joints.shape[0]):
         joint, state = joints[k], states[k]
-        if joint.friction > 0.0:
+        if joint.kind == HINGE or joint.friction > 0.0:
             gather(system_q, system_v, places[k], joint.parent + joint.child, q, v)
             s, _ = coordinate(joint, flat(state.last_angles), q, v, gradient)
-            state.anchor = follow(joint, s, state.anchor)
+            if joint.friction > 0.0:
+                state.anchor = follow(joint, s, state.anchor)
 
 
 @kernel

@@ -2,7 +2,7 @@
 
 A joint has a frame on the parent P and one on the child C; its axis a is the z of the parent's frame.
 
-    hinge   s = angle about a from the parent's x to the child's x; whole turns are counted from the last evaluation
+    hinge   s = angle about a from the parent's x to the child's x; whole turns are counted from the last accepted state
     slider  s = a . (x_C + arm_C - x_P - arm_P)
     ball    s = angle of the rotation from the parent's frame to the child's, 0 to pi; a is the axis of that rotation
 
@@ -27,7 +27,7 @@ from numba import from_dtype, types
 from granular_contact.jit.calls import address_of, caller
 from granular_contact.jit.chosen import provide
 from granular_contact.jit.compiled import part
-from granular_contact.jit.memory import clear, flat
+from granular_contact.jit.memory import clear, copy, flat, room1
 from granular_contact.jit.records import record_dtype
 from granular_contact.mechanics.kernels import joint_loads
 from granular_contact.mechanics.kernels.bending import moment
@@ -235,7 +235,9 @@ def _add_turning(joint, by_parent, by_child, parent, child, v, gradient):
 @part
 def _act(joint, state, q, v, out):
     """Generalised forces of a joint in space, see `joint_loads.act`."""
-    s, rate = _find(joint, (flat(state.last_angles), q, v, out))
+    angles = room1(2)
+    copy(angles, flat(state.last_angles))  # as in the plane
+    s, rate = _find(joint, (angles, q, v, out))
     if joint.kind >= ELASTIC:
         return
     force = total(joint, s, rate, state.anchor, state.target, state.target_rate)
