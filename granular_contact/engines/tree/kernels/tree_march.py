@@ -91,9 +91,9 @@ def adaptive_step(h, w):
     while True:
         if not attempt(h, newton_tolerance(h, w), w):
             newton.matrix_of_v = 0.0
-            h *= 0.5
-            if h < choice.least:
+            if h <= choice.least:
                 return 0.0
+            h = max(0.5 * h, choice.least)
             continue
         need = needed(w.changes, h, choice, clock.fastest, clock.speed)
         if need > 1.0 and h > choice.least:
