@@ -22,6 +22,8 @@ SAVED = ("top_speed", "next_step", "last_step", "chosen_step", "started", "speed
 SAVED_ARRAYS = "start", "change", "slope"
 NO_ERROR = [0.0, -1.0]  # value with which the engine accepts a step
 REFUSED = 2.0  # error with which the engine repeats a step: above its tolerance of 1
+# Excess above which an error is of the motion, see `StepControl._is_in_vain`; round-off caused 15, a kilometre away.
+LARGE = 100.0
 
 
 class StepControl:
@@ -95,9 +97,10 @@ class StepControl:
         Round-off and the residual of Newton's method leave errors in the positions of constrained bodies. The next step
         corrects them by a force that grows as the step shrinks. The estimate of such an error hardly falls with the
         step. It would lead to the shortest step, in which nothing but that force is left. The estimate of an error of
-        the motion falls in proportion to the step.
+        the motion falls in proportion to the step if this is short; if it is much longer than a vibration or its decay,
+        the estimate is LARGE.
         """
-        if self.refused_attempt is None or not self.system.scene.in_space:
+        if self.refused_attempt is None or not self.system.scene.in_space or excess > LARGE:
             return False
         return excess > self.refused_attempt[1] * math.sqrt(step / self.refused_attempt[0])
 
