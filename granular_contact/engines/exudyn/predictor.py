@@ -8,7 +8,6 @@ depend on the length of the step.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from functools import cache
 from typing import Any
@@ -19,6 +18,7 @@ from numpy.typing import NDArray
 from granular_contact.engines.exudyn.views import Views
 from granular_contact.scene.types import Vector
 
+EPSILON = float(np.finfo(float).eps)
 # Arrays of `mechanics.kernels.iterations` in the engine's memory.
 ENGINE_ARRAYS = "q", "v", "a", "multipliers", "a_before", "multipliers_before"
 
@@ -76,8 +76,9 @@ class Predictor:
         """Start a step, or a new attempt, with the accelerations and multipliers of the end of the last step."""
         if views is not self._bound_views:
             self._bind(views)
-        if not math.isfinite(self._conv.residual):
-            # The last attempt diverged. Its Jacobian could not be factorised, and the engine would reuse it.
+        if not EPSILON * self._conv.residual < self.solver.newton.absoluteTolerance:
+            # The last attempt diverged: round-off of its residual alone exceeds the tolerance, or it is not finite. Its
+            # Jacobian may have no factors, and the engine would reuse it.
             self._conv.jacobianUpdateRequested = True
         step = self._it.currentStepSize
         if self._allowed is not None:
