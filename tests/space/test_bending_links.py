@@ -262,8 +262,8 @@ def test_a_spring_that_is_let_go_gives_its_energy_to_the_link(elements: int, sti
     """Its moment turns half an element in 0.1 us, after which the damping of the link holds that.
 
     By steps of their own, the shortest was not tried. By the engine, a step a thousand times too long was accepted
-    because its error grew as it became shorter (0.9 % of the energy, 0.4 %), and a new attempt had the matrix of iterates
-    at 1e16 N, which has no factors.
+    because its error grew as it became shorter (0.9 % of the energy, 0.4 %), and a new attempt had the matrix of
+    iterates at 1e16 N, which has no factors.
     """
     rod = {"type": "link", "length_m": 0.15, "diameter_m": 0.004, "density_kg_m3": 1400}
     rod |= {"flexible": {"youngs_modulus_Pa": 2e9, "elements": elements, "bending_damping_N_m2_s": 1e-4}}
