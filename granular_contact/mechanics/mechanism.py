@@ -14,7 +14,7 @@ from granular_contact.mechanics.kinematics import Kinematics
 from granular_contact.mechanics.reactions import reactions
 from granular_contact.results import series
 from granular_contact.results.energy import accumulate, work
-from granular_contact.results.interpolation import Track, above_zero, at_times, positive_part
+from granular_contact.results.interpolation import Track, at_times, each_above_zero, positive_part
 from granular_contact.results.summary import Driving, drive_numbers, stride_numbers
 from granular_contact.scene.signal_tables import period
 from granular_contact.scene.types import Joint, Scene, Vector
@@ -135,7 +135,8 @@ def joint_energies(motion: Kinematics, driven: Driven) -> dict[str, Vector]:
 
 def contacts(time: Vector, bodies: Sequence[str], depths: Mapping[str, list[Track]]) -> dict[str, list[list[float]]]:
     """Intervals [on, off] (s) in which bodies are in the medium; the last one may end with the run."""
-    return {label(body): [[float(a), float(b)] for a, b in above_zero(time, depths.get(body, []))] for body in bodies}
+    spans = each_above_zero(time, [depths.get(body, []) for body in bodies])
+    return {label(body): [list(span) for span in each] for body, each in zip(bodies, spans, strict=True)}
 
 
 def travels(scene: Scene, joint: Joint) -> bool:

@@ -79,20 +79,19 @@ def _squared(time: Vector, values: Vector) -> float:
 
 def greatest(time: Vector, tracks: Iterable[Track]) -> tuple[float, float]:
     """Greatest value of several quantities over time, between steps too, and its time (s)."""
-    tracks = list(tracks)
-    values = np.array([track.values for track in tracks])
+    values, slopes = _stacked(list(tracks))
     if not values.size:
         return -np.inf, float(time[0])
     row, k = np.unravel_index(int(values.argmax()), values.shape)
     best, when = float(values[row, k]), float(time[k])
     if np.isnan(best):  # a run that failed by divergence
         return _greatest_number(time, values)
-    _, upper = _bounds(time, tracks)
-    for row in np.flatnonzero((upper > best).any(axis=1)):
-        instants, extremes = _extremes(time, tracks[row], np.flatnonzero(upper[row] > best))
-        if len(extremes) and extremes.max() > best:
-            index = int(extremes.argmax())
-            best, when = float(extremes[index]), float(instants[index])
+    cubics = _cubics(time, values, slopes, _bounds(time, values, slopes)[1] > best)
+    x = _turns(cubics)
+    extremes = np.where(x > 0.0, cubics.at(x), -np.inf)
+    if extremes.max(initial=-np.inf) > best:
+        i, k = np.unravel_index(int(extremes.argmax()), extremes.shape)
+        best, when = float(extremes[i, k]), float(cubics.start[k] + x[i, k] * cubics.step[k])
     return best, when
 
 
@@ -103,12 +102,40 @@ def _greatest_number(time: Vector, values: Vector) -> tuple[float, float]:
     return float(known[row, k]), float(time[k])
 
 
-def _bounds(time: Vector, tracks: Sequence[Track]) -> tuple[Vector, Vector]:
+class _Cubics(NamedTuple):
+    """Cubics c_0 + c_1 x + c_2 x^2 + c_3 x^3 of quantities in steps, x from 0 to 1 in each step, (k,) each.
+
+    row: of the quantity; start, step: first instant and length of the step (s); end: value at x = 1.
+    """
+
+    row: NDArray[np.int64]
+    start: Vector
+    step: Vector
+    end: Vector
+    c: tuple[Vector, Vector, Vector, Vector]
+
+    def at(self, x: Vector) -> Vector:
+        """Values (..., k) at x (..., k)."""
+        c0, c1, c2, c3 = self.c
+        return c0 + x * (c1 + x * (c2 + x * c3))
+
+    def subset(self, which: NDArray[np.int64]) -> _Cubics:
+        """Some of the cubics."""
+        row, start, step, end = (part[which] for part in self[:4])
+        return _Cubics(row, start, step, end, tuple(c[which] for c in self.c))  # type: ignore[arg-type]
+
+
+def _stacked(tracks: Sequence[Track]) -> tuple[Vector, Vector]:
+    """Values and rates (tracks, n) of several quantities."""
+    both = np.array(tracks, float) if tracks else np.zeros((0, 2, 0))
+    return both[:, 0], both[:, 1]
+
+
+def _bounds(time: Vector, values: Vector, slopes: Vector) -> tuple[Vector, Vector]:
     """Lower and upper bounds (tracks, n - 1) of the Hermite cubics of every step.
 
     The shape functions of both values sum to 1; those of the rates are at most 4 / 27 of the step.
     """
-    values, slopes = (np.array(arrays) for arrays in zip(*tracks, strict=True))
     start, end, weight = values[:, :-1], values[:, 1:], 4.0 / 27.0 * np.diff(time)
     with np.errstate(over="ignore", invalid="ignore"):  # a run that failed by divergence
         from_start, from_end = weight * slopes[:, :-1], -weight * slopes[:, 1:]
@@ -118,118 +145,79 @@ def _bounds(time: Vector, tracks: Sequence[Track]) -> tuple[Vector, Vector]:
     return lower, upper
 
 
-def _extremes(time: Vector, track: Track, steps: NDArray[np.int64]) -> tuple[Vector, Vector]:
-    """Local extremes of the cubics of a quantity within the given steps: times (s) and values, in order of time."""
-    step, (c1, c2, c3) = time[steps + 1] - time[steps], _powers(time, track, steps)
-    # Roots of c1 + 2 c2 x + 3 c3 x^2 = 0, each in the form without cancellation.
-    discriminant = c2 * c2 - 3.0 * c1 * c3
-    k = np.flatnonzero(discriminant >= 0.0)
-    q = -(c2[k] + np.where(c2[k] < 0.0, -1.0, 1.0) * np.sqrt(discriminant[k]))
-    with np.errstate(divide="ignore", invalid="ignore"):
-        x = np.stack([q / (3.0 * c3[k]), c1[k] / q])
-        inside = (x > 0.0) & (x < 1.0)
-    k, x = np.broadcast_to(k, inside.shape)[inside], x[inside]
-    order = np.lexsort((x, k))
-    k, x = k[order], x[order]
-    values = track.values[steps[k]] + x * (c1[k] + x * (c2[k] + x * c3[k]))
-    return time[steps[k]] + x * step[k], values
+def _cubics(time: Vector, values: Vector, slopes: Vector, where: NDArray[np.bool_]) -> _Cubics:
+    """Hermite cubics of quantities (tracks, n) in the steps of a mask (tracks, n - 1), row by row."""
+    row, k = np.nonzero(where)
+    start, step, value, end = time[k], time[k + 1] - time[k], values[row, k], values[row, k + 1]
+    rise, a, b = end - value, step * slopes[row, k], step * slopes[row, k + 1]
+    return _Cubics(row, start, step, end, (value, a, 3.0 * rise - 2.0 * a - b, a + b - 2.0 * rise))
 
 
-def _powers(time: Vector, track: Track, steps: NDArray[np.int64]) -> tuple[Vector, Vector, Vector]:
-    """Coefficients (steps,) of x, x^2 and x^3 of the cubics of the given steps, x from 0 to 1 in each step."""
-    step, rise = time[steps + 1] - time[steps], track.values[steps + 1] - track.values[steps]
-    return _cubics(rise, step * track.rates[steps], step * track.rates[steps + 1])
-
-
-def _cubics(rise: Vector, a: Vector, b: Vector) -> tuple[Vector, Vector, Vector]:
-    """Coefficients of x, x^2 and x^3 of cubics on [0, 1] with the given rise and the slopes a at 0 and b at 1."""
-    return a, 3.0 * rise - 2.0 * a - b, a + b - 2.0 * rise
+def _turns(cubics: _Cubics) -> Vector:
+    """Places x (2, k) of the local extremes of cubics within their steps, in order; 0 where there is none."""
+    _, c1, c2, c3 = cubics.c
+    with np.errstate(all="ignore"):
+        # Roots of c1 + 2 c2 x + 3 c3 x^2 = 0, each in the form without cancellation.
+        q = -(c2 + np.where(c2 < 0.0, -1.0, 1.0) * np.sqrt(c2 * c2 - 3.0 * c1 * c3))
+        x = np.stack([q / (3.0 * c3), c1 / q])
+        return np.sort(np.where((x > 0.0) & (x < 1.0), x, 0.0), axis=0)
 
 
 def above_zero(time: Vector, tracks: Iterable[Track]) -> Spans:
     """Spans [from, to] (s) in which at least one quantity is above zero, in order of time."""
-    tracks = list(tracks)
-    if not tracks or not len(time):
-        return []
-    changes = [
-        _changes(time, track, np.flatnonzero(steps))
-        for track, steps in zip(tracks, _crossed(time, tracks), strict=True)
-    ]
-    zeros = iter(_zeros(time, tracks, [change.between for change in changes]).tolist())
-    spans: Spans = []
-    for change in changes:
-        edges = [change.first] * change.starts + [next(zeros) for _ in change.between] + [change.last] * change.ends
-        spans += zip(edges[::2], edges[1::2], strict=True)
-    return _united(spans)
+    return each_above_zero(time, [list(tracks)])[0]
+
+
+def each_above_zero(time: Vector, groups: Sequence[Sequence[Track]]) -> list[Spans]:
+    """For each group of quantities the spans [from, to] (s) in which at least one is above zero, in order of time."""
+    spans: list[Spans] = [[] for _ in groups]
+    values, slopes = _stacked([track for group in groups for track in group])
+    if not values.size:
+        return spans
+    cubics = _cubics(time, values, slopes, _crossed(time, values, slopes))
+    turns = _turns(cubics)
+    x = np.concatenate([np.zeros_like(turns[:1]), turns, np.ones_like(turns[:1])])
+    positive = np.concatenate([cubics.c[0][None], cubics.at(turns), cubics.end[None]]) > 0.0
+    k, i = np.nonzero((positive[1:] != positive[:-1]).T)
+    zeros = _zeros(cubics.subset(k), x[i, k], x[i + 1, k], positive[i + 1, k])
+    first, last = (np.flatnonzero(values[:, end] > 0.0) for end in (0, -1))
+    rows = np.concatenate([first, cubics.row[k], last])
+    edges = np.concatenate([np.full(len(first), time[0]), zeros, np.full(len(last), time[-1])])
+    order = np.argsort(rows, kind="stable")
+    owners = np.repeat(np.arange(len(groups)), [len(group) for group in groups])
+    for row, (begin, end) in zip(rows[order][::2], edges[order].reshape(-1, 2).tolist(), strict=True):
+        spans[owners[row]].append((begin, end))
+    return [_united(each) for each in spans]
 
 
 def first_above_zero(time: Vector, tracks: Iterable[Track]) -> float | None:
     """First time (s) at which at least one quantity is above zero; None if there is none."""
-    tracks = list(tracks)
-    if not tracks or not len(time):
+    values, slopes = _stacked(list(tracks))
+    if not values.size:
         return None
-    if any(track.values[0] > 0.0 for track in tracks):
+    if (values[:, 0] > 0.0).any():
         return float(time[0])
-    crossed = _crossed(time, tracks)
+    crossed = _crossed(time, values, slopes)
     for k in np.flatnonzero(crossed.any(axis=0)):  # the first such step usually contains the crossing
-        step = slice(k, k + 2)
-        pieces = [Track(tracks[row].values[step], tracks[row].rates[step]) for row in np.flatnonzero(crossed[:, k])]
-        if spans := above_zero(time[step], pieces):
+        step, rows = slice(k, k + 2), crossed[:, k]
+        if spans := above_zero(time[step], map(Track, values[rows, step], slopes[rows, step])):
             return spans[0][0]
     return None
 
 
-def _crossed(time: Vector, tracks: Sequence[Track]) -> NDArray[np.bool_]:
+def _crossed(time: Vector, values: Vector, slopes: Vector) -> NDArray[np.bool_]:
     """Mask (tracks, n - 1) of the steps in which the sign of a quantity may change."""
-    lower, upper = _bounds(time, tracks)
+    lower, upper = _bounds(time, values, slopes)
     return ~((lower > 0.0) | (upper <= 0.0))
 
 
-class _Changes(NamedTuple):
-    """Changes of sign of a quantity.
-
-    between: (k, 2) s, pairs of times that enclose one change each; first, last: ends of the history (s); starts, ends:
-    whether the quantity is above zero there.
-    """
-
-    between: Vector
-    first: float
-    last: float
-    starts: bool
-    ends: bool
-
-
-def _changes(time: Vector, track: Track, steps: NDArray[np.int64]) -> _Changes:
-    """Enclose the changes of sign of a quantity, which are possible in the given steps alone.
-
-    Between the two times of a pair the quantity is monotonic.
-    """
-    turns, extremes = _extremes(time, track, steps)
-    instants = np.concatenate([time, turns])
-    order = np.argsort(instants, kind="stable")
-    instants, values = instants[order], np.concatenate([track.values, extremes])[order]
-    positive = values > 0.0
-    change = np.flatnonzero(positive[1:] != positive[:-1])
-    pairs = np.column_stack([instants[change], instants[change + 1]])
-    return _Changes(pairs, float(instants[0]), float(instants[-1]), bool(positive[0]), bool(positive[-1]))
-
-
-def _zeros(time: Vector, tracks: Sequence[Track], between: Sequence[Vector]) -> Vector:
-    """Times (s) at which quantities are zero, one within each pair of times (k, 2) s of a quantity, by bisection."""
-    low, high = np.concatenate(between).T
-    rows = np.repeat(np.arange(len(tracks)), [len(pairs) for pairs in between])
-    i = np.clip(np.searchsorted(time, low, side="right") - 1, 0, len(time) - 2)
-    values, slopes = (np.array(arrays) for arrays in zip(*tracks, strict=True))
-    start, step, c0, rise = time[i], time[i + 1] - time[i], values[rows, i], values[rows, i + 1] - values[rows, i]
-    c1, c2, c3 = _cubics(rise, step * slopes[rows, i], step * slopes[rows, i + 1])
-    a, b = (low - start) / step, (high - start) / step
-    rises = c0 + b * (c1 + b * (c2 + b * c3)) > 0.0
+def _zeros(cubics: _Cubics, a: Vector, b: Vector, rises: NDArray[np.bool_]) -> Vector:
+    """Times (k,) s of the zeros of cubics, one between a and b (k,) in each, by bisection; rises: above zero at b."""
     for _ in range(60):  # to round-off
         middle = 0.5 * (a + b)
-        beyond = (c0 + middle * (c1 + middle * (c2 + middle * c3)) > 0.0) == rises
+        beyond = (cubics.at(middle) > 0.0) == rises
         a, b = np.where(beyond, a, middle), np.where(beyond, middle, b)
-    zeros: Vector = start + step * a  # which is exact where a step begins at zero
-    return zeros
+    return cubics.start + cubics.step * a  # which is exact where a step begins at zero
 
 
 def _united(spans: Spans) -> Spans:
