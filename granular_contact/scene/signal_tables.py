@@ -46,20 +46,19 @@ def tabulate(signals: Sequence[Signal], end: float) -> tuple[Vector, Vector]:
     A piece has its coefficients with the lowest power of the time (s) since its first knot first. Pieces are halved
     until the accelerations in their middles are right.
     """
-    knots, pieces = [0.0], list[Vector]()
-    for first, last in pairwise(sorted(_first_knots(signals, end))):
-        intervals = [(first, last)]
-        while intervals:
-            start, stop = intervals.pop()
-            piece = np.array([_piece(signal, start, stop) for signal in signals]).reshape(len(signals), 6)
-            inexact = any(_is_inexact(signal, row, start, stop) for signal, row in zip(signals, piece, strict=True))
-            if inexact and stop - start > SHORTEST:
-                middle = 0.5 * (start + stop)
-                intervals += [(middle, stop), (start, middle)]
-            else:
-                pieces.append(piece)
-                knots.append(stop)
-    return np.array(knots), np.stack(pieces, axis=1) if signals else np.zeros((0, len(pieces), 6))
+    spans = np.array(list(pairwise(sorted(_first_knots(signals, end)))))
+    knots, finished = list[Vector](), list[Vector]()
+    while len(spans):
+        pieces, inexact = _pieces(signals, spans)
+        halved = inexact & (np.ptp(spans, axis=1) > SHORTEST)
+        knots.append(spans[~halved, 0])
+        finished.append(pieces[:, ~halved])
+        first, last = spans[halved].T
+        middle = 0.5 * (first + last)
+        spans = np.concatenate([np.column_stack([first, middle]), np.column_stack([middle, last])])
+    starts = np.concatenate(knots)
+    order = np.argsort(starts)
+    return np.append(starts[order], end), np.take(np.concatenate(finished, axis=1), order, axis=1)
 
 
 def _first_knots(signals: Sequence[Signal], end: float) -> set[float]:
@@ -70,29 +69,32 @@ def _first_knots(signals: Sequence[Signal], end: float) -> set[float]:
     return {*even, *(t for signal in signals for t in jerks(signal) if 0.0 < t < end)}
 
 
-def _ends(signal: Signal, start: float, stop: float) -> Vector:
-    """Value, rate and acceleration (6,) at both ends of a piece, with the time in units of the length of the piece."""
-    h, inside = stop - start, (start + BESIDE, stop - BESIDE)
+def _pieces(signals: Sequence[Signal], spans: Vector) -> tuple[Vector, NDArray[np.bool_]]:
+    """Pieces (signals, k, 6) over spans (k, 2) s; marks (k,) of the spans with a wrong acceleration in the middle.
+
+    A wrong acceleration differs from that of the signal by more than allowed.
+    """
+    h, (start, stop) = np.ptp(spans, axis=1), spans.T
     ends = [
-        (signal.value(t), h * signal.rate(u), h * h * signal.acceleration(u))
-        for t, u in zip((start, stop), inside, strict=True)
+        (
+            _sampled(signals, "value", knot),
+            h * _sampled(signals, "rate", at),
+            h * h * _sampled(signals, "acceleration", at),
+        )
+        for knot, at in ((start, start + BESIDE), (stop, stop - BESIDE))
     ]
-    return np.array(ends).ravel()
+    pieces = (HERMITE @ np.stack([*ends[0], *ends[1]], axis=2)[..., None])[..., 0] / h[:, None] ** np.arange(6)
+    c, tau = np.moveaxis(pieces, 2, 0), 0.5 * h
+    interpolated = 2.0 * c[2] + tau * (6.0 * c[3] + tau * (12.0 * c[4] + tau * 20.0 * c[5]))
+    exact, rate = (_sampled(signals, name, start + tau) for name in ("acceleration", "rate"))
+    scale = np.max([np.abs(exact), np.abs(2.0 * c[2]), np.abs(rate) / tau], axis=0)
+    return pieces, (np.abs(interpolated - exact) > TOLERANCE * scale).any(axis=0)
 
 
-def _piece(signal: Signal, start: float, stop: float) -> Vector:
-    """Coefficients (6,) of a signal over a piece."""
-    coefficients: Vector = (HERMITE @ _ends(signal, start, stop)) / (stop - start) ** np.arange(6)
-    return coefficients
-
-
-def _is_inexact(signal: Signal, piece: Vector, start: float, stop: float) -> bool:
-    """Whether the acceleration in the middle of a piece (6,) differs from that of the signal by more than allowed."""
-    tau = 0.5 * (stop - start)
-    interpolated = 2.0 * piece[2] + tau * (6.0 * piece[3] + tau * (12.0 * piece[4] + tau * 20.0 * piece[5]))
-    exact = signal.acceleration(start + tau)
-    scale = max(abs(exact), abs(2.0 * piece[2]), abs(signal.rate(start + tau)) / tau)
-    return bool(abs(interpolated - exact) > TOLERANCE * scale)
+def _sampled(signals: Sequence[Signal], name: str, times: Vector) -> Vector:
+    """Values (signals, k) of signals at times (k,) s, or of a derivative of this name."""
+    rows = [[method(t) for t in times.tolist()] for method in (getattr(signal, name) for signal in signals)]
+    return np.array(rows, float).reshape(len(signals), len(times))
 
 
 BEND = 0.1  # of the greatest mean rate of a table: smaller changes are those between the pieces of a smooth curve
