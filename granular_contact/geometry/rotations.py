@@ -66,13 +66,19 @@ def quaternion_rates(e: Vector, w: Vector) -> Vector:
     """Rates (..., 4) of unit quaternions (..., 4) at angular velocities (..., 3) rad/s in the outer frame."""
     e_0, e_1 = e[..., :1], e[..., 1:]
     scalar_part = np.sum(w * e_1, axis=-1, keepdims=True)
-    return np.asarray(0.5 * np.concatenate([-scalar_part, e_0 * w + np.cross(w, e_1)], axis=-1))
+    return np.asarray(0.5 * np.concatenate([-scalar_part, e_0 * w + vector_products(w, e_1)], axis=-1))
 
 
 def cross(w: ArrayLike) -> Vector:
     """Matrix (3, 3) of the vector product with w (3,)."""
     x, y, z = np.asarray(w, float)
     return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+
+
+def vector_products(a: Vector, b: Vector) -> Vector:
+    """Vector products a x b (..., 3) of vectors (..., 3); `np.cross` takes three times as long for a thousand."""
+    (a_x, a_y, a_z), (b_x, b_y, b_z) = ([v[..., i] for i in range(3)] for v in (a, b))
+    return np.stack([a_y * b_z - a_z * b_y, a_z * b_x - a_x * b_z, a_x * b_y - a_y * b_x], axis=-1)
 
 
 def about(axis: Vector, angle: float) -> Vector:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -29,6 +30,7 @@ class Kinematics:
         self.scene = system.scene
         self.trajectory = self.engine = trajectory
         coordinates = system.coordinates
+        self._coordinates: dict[str, tuple[Vector, Vector]] = {}
         self._rigid = {name: coordinates.places(h.node) for name, h in system.rigid.items()}
         self._links = {name: [coordinates.places(n) for n in h.nodes] for name, h in system.links.items()}
 
@@ -129,7 +131,13 @@ class Kinematics:
         """Work (n,) J of the dampers of ball joints, which have no joint coordinate; in the plane there are none."""
         return []
 
-    def coordinate(self, joint: Joint) -> tuple[Vector, Vector]:
+    def coordinate(self, joint: Any) -> tuple[Vector, Vector]:
+        """Coordinate (n,) of a hinge or ball joint (rad) or slider (m), and its rate. It is computed once."""
+        if joint.name not in self._coordinates:
+            self._coordinates[joint.name] = self._coordinate(joint)
+        return self._coordinates[joint.name]
+
+    def _coordinate(self, joint: Joint) -> tuple[Vector, Vector]:
         """Coordinate (n,) of a hinge (rad, clockwise) or slider (m), and its rate."""
         parent, parent_rate = self.angle(joint.parent, joint.parent_point)
         if joint.kind == "hinge":

@@ -53,6 +53,9 @@ def _parts(
     """Yield the results of `_excess` for blocks of instants whose constraint rows fit into memory."""
     t = motion.engine
     each = max(1, AT_ONCE // (4 * len(motion.scene.joints) * t.q.shape[1]))
+    if each >= len(t.time):
+        yield _excess(motion, drives, accelerations, inverse)
+        return
     for first in range(0, len(t.time), each):
         rows = slice(first, first + each)
         a = None if t.a is None else t.a[rows]
@@ -67,7 +70,7 @@ def _excess(
     constraints, scene = motion.constraints, motion.scene
     moved = [constraints.moved(scene.joint(drive.joint)) for drive in drives]
     rows = together([*moved, *(constraints.held(joint) for joint in scene.joints)])
-    residual = np.einsum("nkm,nm->nk", rows.J, motion.accelerations) + rows.c
+    residual = (rows.J @ motion.accelerations[:, :, None])[:, :, 0] + rows.c
     residual[:, : len(drives)] -= accelerations
     used = np.flatnonzero(rows.J.any(axis=(0, 1)))
     J = rows.J[:, :, used]

@@ -12,6 +12,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from granular_contact.geometry.rotations import vector_products
 from granular_contact.results import CENTRAL_MOMENT, Snapshot, series
 from granular_contact.results.frames import Later, instants
 from granular_contact.results.motion import Bedding, Motion, frames_of, over_ground
@@ -62,7 +63,7 @@ def vector(column: str, quantity: str, values: Vector) -> series.Series:
 def force(term: str, wrench: Vector, about: Vector) -> series.Series:
     """Columns of one term of the medium's force: wrench (n, 6) about the origin; moments are about points (n, 3) m."""
     quantity = f"{term.replace('_', ' ')} force of the medium"
-    about_points = wrench[:, 3:] - np.cross(about, wrench[:, :3])
+    about_points = wrench[:, 3:] - vector_products(about, wrench[:, :3])
     name, unit = CENTRAL_MOMENT.rsplit("_", 1)
     moment = f"moment of the {quantity} about the centre of mass of the whole mechanism, about the axis"
     forces = vector(f"{term}_force_{{}}_N", quantity, wrench[:, :3])
@@ -82,7 +83,7 @@ def body(name: str, center: Vector, rpy: Vector, velocity: Vector, spin: Vector)
 
 def body_force(name: str, wrench: Vector, center: Vector) -> series.Series:
     """Columns of the medium's force on a body: wrench (n, 6) about the origin; center: its centre of mass (n, 3) m."""
-    about_center = wrench[:, 3:] - np.cross(center, wrench[:, :3])
+    about_center = wrench[:, 3:] - vector_products(center, wrench[:, :3])
     moment = f"moment of that force about the centre of mass of {name}, about the axis"
     forces = vector(f"{name}_granular_{{}}_N", f"force of the medium on {name}", wrench[:, :3])
     return forces | vector(f"{name}_granular_moment_{{}}_Nm", moment, about_center)

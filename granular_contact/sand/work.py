@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from granular_contact.geometry.rotations import vector_products
 from granular_contact.results.energy import accumulate, work
 
 if TYPE_CHECKING:
@@ -35,7 +36,7 @@ def wrenches_about(wrench: Vector, center: Vector) -> Vector:
         Wrenches of the same shape, with moments about the points.
     """
     if center.shape[1] == 3:
-        return np.column_stack([wrench[:, :3], wrench[:, 3:] - np.cross(center, wrench[:, :3])])
+        return np.column_stack([wrench[:, :3], wrench[:, 3:] - vector_products(center, wrench[:, :3])])
     (x, y), (fx, fy, about_origin) = center.T, wrench.T
     return np.column_stack([fx, fy, about_origin - x * fy + y * fx])
 

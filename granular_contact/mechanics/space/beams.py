@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from granular_contact.geometry.rotations import vector_products
 from granular_contact.mechanics.strains import Strains
 from granular_contact.results import series
 from granular_contact.results.interpolation import Track
@@ -70,7 +71,7 @@ class BeamMotion:
         at_root, root_speed = self.motion.position(root, origin)
         at_tip, tip_speed = self.motion.position(tip, tip_origin + axes[:, 0] * self.beam.length)
         offset, frame = at_tip - at_root, self.frame(self.beam.root)
-        relative = tip_speed - root_speed - np.cross(self.motion.spin(root), offset)
+        relative = tip_speed - root_speed - vector_products(self.motion.spin(root), offset)
         position, rate = (np.einsum("nji,nj->ni", frame, v) for v in (offset, relative))
         return position - [self.beam.length, 0.0, 0.0], rate
 
@@ -105,8 +106,8 @@ class BeamMotion:
         small = angle < 1e-2
         s = np.where(small, 1.0, angle)
         c = np.where(small, 1.0 / 12.0 + angle**2 / 720.0, (1.0 - 0.5 * s / np.tan(0.5 * s)) / s**2)
-        cross = np.cross(theta, spin)
-        return theta, spin - 0.5 * cross + c[:, None] * np.cross(theta, cross)
+        cross = vector_products(theta, spin)
+        return theta, spin - 0.5 * cross + c[:, None] * vector_products(theta, cross)
 
     def element_error(self) -> float:
         """Discretisation error: estimated error (m) of positions along the link, the greatest over the instants.

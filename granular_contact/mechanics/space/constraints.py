@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from granular_contact.geometry.rotations import vector_products
 from granular_contact.mechanics.constraints import Rows, together
 from granular_contact.scene.space.types import SpatialJoint, Vector
 
@@ -21,71 +22,71 @@ class SpatialConstraints:
 
     def __init__(self, motion: SpatialKinematics) -> None:
         self.motion = motion
-        self.shape = motion.trajectory.v.shape
-        self._places = {name: slice(6 * i, 6 * i + 6) for i, name in enumerate(motion.system.rigid)}
+        self._first = {name: 6 * i for i, name in enumerate(motion.system.rigid)}  # column of the rates of a body
 
     def held(self, joint: SpatialJoint) -> Rows:
         """Rows of the quantities that a joint keeps at zero, along the axes of its frame on the parent."""
-        axes = (self.motion.rotation(joint.parent) @ joint.parent_turn).transpose(0, 2, 1)
+        axes = self._axes(joint)
         displaced, turned = np.flatnonzero(joint.constrained[:3]), np.flatnonzero(joint.constrained[3:])
-        return together([self._apart(joint).along(axes[:, displaced]), self._turned(joint).along(axes[:, turned])])
+        return together([self._apart(joint, axes[:, displaced]), self._turned(joint, axes[:, turned])])
 
     def moved(self, joint: SpatialJoint) -> Rows:
         """Row of the coordinate of a hinge (rad) or slider (m)."""
-        axis = (self.motion.rotation(joint.parent) @ joint.parent_turn)[:, None, :, 2]
-        return (self._turned(joint) if joint.kind == "hinge" else self._apart(joint)).along(axis)
+        return (self._turned if joint.kind == "hinge" else self._apart)(joint, self._axes(joint)[:, 2:])
 
     def coordinates(self, joint: SpatialJoint) -> Rows:
-        """Row of the coordinate of a hinge or slider; three rows of small relative rotations (rad) of a ball joint.
+        """Row of the coordinate of a hinge or slider; of a ball joint three rows of small relative rotations (rad).
 
-        Between elements of a flexible link the rotations are along the axes of the joint's frame; a fourth row is the
-        elongation (m) of a link that stretches.
+        The rotations are along the axes of the joint's frame. Between elements of a flexible link that stretches, a
+        fourth row is the elongation (m).
         """
-        if joint.elastic is None:
-            return self._turned(joint) if joint.kind == "ball" else self.moved(joint)
-        axes = (self.motion.rotation(joint.parent) @ joint.parent_turn).transpose(0, 2, 1)
-        turned = self._turned(joint).along(axes)
-        return together([turned, self._apart(joint).along(axes[:, :1])]) if joint.elastic.axial else turned
+        if joint.elastic is None and joint.kind != "ball":
+            return self.moved(joint)
+        axes = self._axes(joint)
+        turned = self._turned(joint, axes)
+        if joint.elastic is None or not joint.elastic.axial:
+            return turned
+        return together([turned, self._apart(joint, axes[:, :1])])
 
-    def _apart(self, joint: SpatialJoint) -> Rows:
-        """Rows of the position of the child's point relative to the parent.
+    def _axes(self, joint: SpatialJoint) -> Vector:
+        """Axes (n, 3, 3) of a joint's frame on the parent, as rows."""
+        return (self.motion.rotation(joint.parent) @ joint.parent_turn).transpose(0, 2, 1)
+
+    def _apart(self, joint: SpatialJoint, along: Vector) -> Rows:
+        """Rows of the position of the child's point relative to the parent, along directions (n, l, 3).
 
         They are the acceleration of the child's point, less that of the parent's point at the same place, and less the
         Coriolis acceleration.
         """
-        place, velocity = self.motion.position(joint.child, joint.child_point)
-        on_child, spin = self._point(joint.child, place), self.motion.spin(joint.parent)
-        if joint.parent is None:
-            return on_child
-        center, center_velocity = self.motion.center(joint.parent)
-        relative = velocity - center_velocity - np.cross(spin, place - center)
-        return (on_child - self._point(joint.parent, place)).plus(-2.0 * np.cross(spin, relative))
+        J, place = self._none(along), self.motion.position(joint.child, joint.child_point)[0]
+        acceleration, velocity = np.zeros((2, *place.shape))
+        for name, sign in ((joint.child, 1.0), (joint.parent, -1.0)):
+            if name is None:
+                continue
+            first, (center, speed), spin = self._first[name], self.motion.center(name), self.motion.spin(name)
+            arm = place - center
+            turning = vector_products(spin, arm)
+            J[:, :, first : first + 3] = sign * along
+            # d . (R w' x arm) = (arm x d) . R w'
+            J[:, :, first + 3 : first + 6] = sign * vector_products(arm[:, None], along) @ self.motion.rotation(name)
+            velocity += sign * (speed + turning)
+            acceleration += sign * vector_products(spin, turning)
+        coriolis = 2.0 * vector_products(self.motion.spin(joint.parent), velocity)
+        return Rows(J, (along @ (acceleration - coriolis)[:, :, None])[:, :, 0])
 
-    def _turned(self, joint: SpatialJoint) -> Rows:
-        """Rows of the child's orientation relative to the parent: relative angular acceleration."""
-        spin, child_spin = self.motion.spin(joint.parent), self.motion.spin(joint.child)
-        turned = self._turn(joint.child) - self._turn(joint.parent)
-        return turned.plus(-np.cross(spin, child_spin - spin))
+    def _turned(self, joint: SpatialJoint, along: Vector) -> Rows:
+        """Rows of the child's orientation relative to the parent, along directions (n, l, 3).
 
-    def _none(self) -> Rows:
-        """Three rows of zeros."""
-        n, m = self.shape
-        return Rows(np.zeros((n, 3, m)), np.zeros((n, 3)))
+        They are the relative angular acceleration in the rotating frame of the parent.
+        """
+        J = self._none(along)
+        for name, sign in ((joint.child, 1.0), (joint.parent, -1.0)):
+            if name is not None:
+                first = self._first[name] + 3
+                J[:, :, first : first + 3] = sign * along @ self.motion.rotation(name)
+        coriolis = vector_products(self.motion.spin(joint.parent), self.motion.spin(joint.child))
+        return Rows(J, -(along @ coriolis[:, :, None])[:, :, 0])
 
-    def _point(self, name: str, place: Vector) -> Rows:
-        """Rows of the position of a body's point that is at a place (n, 3) m, world frame."""
-        rows, columns, R = self._none(), self._places[name], self.motion.rotation(name)
-        arm, spin = place - self.motion.center(name)[0], self.motion.spin(name)
-        rows.J[:, :, columns.start : columns.start + 3] = np.eye(3)
-        # R w' x arm, column by column.
-        rows.J[:, :, columns.start + 3 : columns.stop] = np.cross(R, arm[:, :, None], axis=1)
-        rows.c[:] = np.cross(spin, np.cross(spin, arm))
-        return rows
-
-    def _turn(self, name: str | None) -> Rows:
-        """Rows of the orientation of a body, or of the ground: angular acceleration in the world frame."""
-        rows = self._none()
-        if name is not None:
-            columns = self._places[name]
-            rows.J[:, :, columns.start + 3 : columns.stop] = self.motion.rotation(name)
-        return rows
+    def _none(self, along: Vector) -> Vector:
+        """Zeros (n, l, m), for the Jacobian of rows along directions (n, l, 3)."""
+        return np.zeros((*along.shape[:2], self.motion.trajectory.v.shape[1]))

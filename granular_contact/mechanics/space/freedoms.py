@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from granular_contact.geometry.rotations import vector_products
 from granular_contact.mechanics.constraints import together
 from granular_contact.mechanics.freedoms import followed, null_space, slopes
 from granular_contact.mechanics.space.kinematics import SpatialKinematics
@@ -107,7 +108,7 @@ def _carried(motion: SpatialKinematics, group: dict[str | None, int]) -> Vector:
         block[:] = np.eye(6)
         if sizes[group[name]] > 1:
             arm = motion.center(name)[0] - motion.center(leads[group[name]])[0]
-            block[:, :3, 3:] = np.cross(np.eye(3), arm[:, None]).transpose(0, 2, 1)
+            block[:, :3, 3:] = vector_products(np.eye(3), arm[:, None]).transpose(0, 2, 1)
             block[:, 3:, 3:] = motion.rotation(name).transpose(0, 2, 1)
     return jacobian
 

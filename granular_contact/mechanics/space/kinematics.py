@@ -36,45 +36,41 @@ class SpatialKinematics(Kinematics):
 
     def __init__(self, system: SpatialSystem, trajectory: Trajectory) -> None:
         self.system, self.scene, self.engine = system, system.scene, trajectory
-        coordinates = system.coordinates
-        self._places = {name: np.array(coordinates.places(h.node)) for name, h in system.rigid.items()}
-        masses: list[Vector] = []
-        rates = [np.zeros((len(trajectory.time), 0))]
-        for name, handle in system.rigid.items():
-            spin = np.einsum("nji,nj->ni", self.rotation(name), self.spin(name))
-            rates += [trajectory.v[:, self._places[name][:3]], spin]
-            masses += [np.eye(3) * handle.body.mass, handle.body.inertia]
-        mass = np.zeros((3 * len(masses),) * 2)
-        for i, block in enumerate(masses):
-            mass[3 * i : 3 * i + 3, 3 * i : 3 * i + 3] = block
-        self.trajectory = replace(trajectory, v=np.concatenate(rates, axis=1), mass=mass)
+        places = [system.coordinates.places(handle.node) for handle in system.rigid.values()]
+        self._places = np.array(places, np.int64).reshape(-1, 7)
+        self._number = {name: i for i, name in enumerate(system.rigid)}
+        self._coordinates = {}
+        self._poses, rates = self._by_body(trajectory.q), self._by_body(trajectory.v)
+        self._velocities, self._spins = rates[..., :3], angular(self._poses[..., 3:], rates[..., 3:])
+        self._rotations = rotations.of_quaternion(self._poses[..., 3:])
+        mass, i = np.zeros((2 * len(places), 3) * 2), 2 * np.arange(len(places))
+        for number, handle in zip(i, system.rigid.values(), strict=True):
+            mass[number, :, number], mass[number + 1, :, number + 1] = np.eye(3) * handle.body.mass, handle.body.inertia
+        v = self._side_by_side(self._velocities, self._spins)
+        self.trajectory = replace(trajectory, v=v, mass=mass.reshape(v.shape[1], v.shape[1]))
+
+    def _by_body(self, values: Vector) -> Vector:
+        """Values (b, n, 7) of the coordinates of bodies among those (n, m) of the engine."""
+        return values[:, self._places].transpose(1, 0, 2)
+
+    def _side_by_side(self, linear: Vector, rotary: Vector) -> Vector:
+        """Linear and rotary rates (b, n, 3) of bodies, world frame, in the order and in the frames of `trajectory`."""
+        in_body = (rotary[:, :, None] @ self._rotations)[:, :, 0]
+        both = np.concatenate([linear, in_body], axis=2).transpose(1, 0, 2)
+        return both.reshape(len(both), 6 * len(linear))
 
     @property
     def accelerations(self) -> Vector:
         """Derivatives (n, m) of the trajectory's rates; known only where signals prescribe motions."""
         a = self.engine.a
         assert a is not None
-        parts = []
-        for name, places in self._places.items():
-            angular_acceleration = angular(self.engine.q[:, places[3:]], a[:, places[3:]])  # without G' e', which is 0
-            parts += [a[:, places[:3]], np.einsum("nji,nj->ni", self.rotation(name), angular_acceleration)]
-        return np.concatenate(parts, axis=1)
+        of_bodies = self._by_body(a)  # the angular acceleration is without G' e', which is 0
+        return self._side_by_side(of_bodies[..., :3], angular(self._poses[..., 3:], of_bodies[..., 3:]))
 
     @cached_property
     def constraints(self) -> SpatialConstraints:  # type: ignore[override]
         """Constraints of the joints on the accelerations."""
         return SpatialConstraints(self)
-
-    @cached_property
-    def _rotations(self) -> dict[str, Vector]:
-        """Rotation matrices (n, 3, 3) of rigid bodies."""
-        return {name: rotations.of_quaternion(self.engine.q[:, places[3:]]) for name, places in self._places.items()}
-
-    @cached_property
-    def _spins(self) -> dict[str, Vector]:
-        """Angular velocities (n, 3) rad/s of rigid bodies."""
-        q, v = self.engine.q, self.engine.v
-        return {name: angular(q[:, places[3:]], v[:, places[3:]]) for name, places in self._places.items()}
 
     @cached_property
     def beams(self) -> dict[str, BeamMotion]:
@@ -91,11 +87,12 @@ class SpatialKinematics(Kinematics):
             return np.broadcast_to(np.eye(3), (len(self.engine.time), 3, 3))
         if name in self.beams:
             return self.beams[name].frame(self.beams[name].beam.root)
-        return self._rotations[name]
+        rotation: Vector = self._rotations[self._number[name]]
+        return rotation
 
     def quaternion(self, name: str) -> Vector:
         """Orientation (n, 4) of a body as a unit quaternion."""
-        e = self.engine.q[:, self._places[name][3:]]
+        e = self._poses[self._number[name], :, 3:]
         return np.asarray(e / np.linalg.norm(e, axis=1, keepdims=True))
 
     def spin(self, name: str | None) -> Vector:
@@ -104,25 +101,25 @@ class SpatialKinematics(Kinematics):
             name = self.beams[name].beam.root[0]
         if name is None:
             return np.zeros((len(self.engine.time), 3))
-        return self._spins[name]
+        spin: Vector = self._spins[self._number[name]]
+        return spin
 
     def position(self, name: str | None, point: Vector) -> tuple[Vector, Vector]:
         """Position and velocity (n, 3) of a body-fixed point; None is the ground."""
         if name is None:
             fixed = np.broadcast_to(point, (len(self.engine.time), 3))
             return fixed, 0.0 * fixed
-        places = self._places[name][:3]
-        arm = self.rotation(name) @ point
-        return self.engine.q[:, places] + arm, self.engine.v[:, places] + np.cross(self.spin(name), arm)
+        arm, i = self.rotation(name) @ point, self._number[name]
+        return self._poses[i, :, :3] + arm, self._velocities[i] + rotations.vector_products(self.spin(name), arm)
 
     def center(self, name: str) -> tuple[Vector, Vector]:
         """Centre of mass (n, 3) m of a body, and its velocity."""
         if name in self.beams:
             return self.beams[name].center
-        places = self._places[name][:3]
-        return self.engine.q[:, places], self.engine.v[:, places]
+        i = self._number[name]
+        return self._poses[i, :, :3], self._velocities[i]
 
-    def coordinate(self, joint: SpatialJoint) -> tuple[Vector, Vector]:  # type: ignore[override]
+    def _coordinate(self, joint: SpatialJoint) -> tuple[Vector, Vector]:  # type: ignore[override]
         """Coordinate (n,) of a hinge (rad, right-handed), slider (m) or ball joint (angle, rad), and its rate."""
         if joint.kind == "ball":
             angle, axis = self.from_home(joint)
@@ -144,7 +141,8 @@ class SpatialKinematics(Kinematics):
         """Angle (n,) rad and axis (n, 3) of the rotation from a joint's frame on the parent to that on the child."""
         parent = self.rotation(joint.parent) @ joint.parent_turn
         child = self.rotation(joint.child) @ joint.child_turn
-        axis = 0.5 * np.cross(parent, child, axis=1).sum(axis=2)
+        columns = (frame.transpose(0, 2, 1) for frame in (parent, child))
+        axis = 0.5 * rotations.vector_products(*columns).sum(axis=1)
         sine = np.linalg.norm(axis, axis=1, keepdims=True)
         angle = np.arctan2(sine[:, 0], 0.5 * (np.sum(parent * child, axis=(1, 2)) - 1.0))
         return angle, np.divide(axis, sine, out=np.zeros_like(axis), where=sine > 0.0)
@@ -211,28 +209,25 @@ class SpatialKinematics(Kinematics):
     def _depths(self, name: str, part: Part) -> list[Track]:
         """Depths (m) of the points of a shape that are its deepest at some instant."""
         bed: Any = self.scene.bed
-        R, places = self.rotation(name), self._places[name][:3]
-        center, spin = self.engine.q[:, places], self.spin(name)
+        R, (center, speed) = self.rotation(name), self.center(name)
         if bed.heights is None:  # below a plane the depth is that of the centre plus a term linear in the point
-            deeper = np.einsum("ni,ki->kn", np.array([*bed.rise, -1.0]) @ R, part.points)
+            deeper = part.points @ (np.array([*bed.rise, -1.0]) @ R).T
             depth = deeper + bed.height(center[:, 0], center[:, 1]) - center[:, 2] + part.reach(*bed.rise)
         else:
             x, y, z = np.moveaxis(center + np.einsum("nij,kj->kni", R, part.points), 2, 0)
             height, *slopes = bed.tangent(x, y)
             depth = height - z + part.reach(*slopes)
-        tracks = []
-        for k in np.unique(depth.argmax(axis=0)):
-            arm = R @ part.points[k]
-            vx, vy, vz = (self.engine.v[:, places] + np.cross(spin, arm)).T
-            rise_x, rise_y = bed.slope(*(center + arm)[:, :2].T)
-            tracks.append(Track(depth[k], rise_x * vx + rise_y * vy - vz))
-        return tracks
+        deepest = np.unique(depth.argmax(axis=0))
+        arms = (R @ part.points[deepest].T).transpose(2, 0, 1)  # (k, n, 3)
+        vx, vy, vz = np.moveaxis(speed + rotations.vector_products(self.spin(name), arms), 2, 0)
+        rise_x, rise_y = bed.slope(*np.moveaxis((center + arms)[..., :2], 2, 0))
+        return list(map(Track, depth[deepest], rise_x * vx + rise_y * vy - vz))
 
     def outlines(self, instant: int) -> tuple[Outline, ...]:
         """Outlines of the parts of the mechanism in side view, x and z, at an instant (index)."""
         outlines = []
         for name, handle in self.system.rigid.items():
-            R, center = self.rotation(name)[instant], self.engine.q[instant, self._places[name][:3]]
+            R, center = self.rotation(name)[instant], self.center(name)[0][instant]
             for part in handle.body.parts:
                 points = (part.points @ R.T + center)[:, [0, 2]]
                 bar = part.meets == ("bar",)
@@ -243,6 +238,6 @@ class SpatialKinematics(Kinematics):
 
 
 def angular(e: Vector, d: Vector) -> Vector:
-    """Angular velocity G(e) d (n, 3) of Euler parameters e (n, 4) with the rates d (n, 4)."""
-    w: Vector = 2.0 * (e[:, :1] * d[:, 1:] - d[:, :1] * e[:, 1:] + np.cross(e[:, 1:], d[:, 1:]))
-    return w
+    """Angular velocity G(e) d (..., 3) of Euler parameters e (..., 4) with the rates d (..., 4)."""
+    products = rotations.vector_products(e[..., 1:], d[..., 1:])
+    return np.asarray(2.0 * (e[..., :1] * d[..., 1:] - d[..., :1] * e[..., 1:] + products))

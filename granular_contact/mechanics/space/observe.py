@@ -30,9 +30,9 @@ from granular_contact.scene.types import link_of
 def observe(system: SpatialSystem, trajectory: Trajectory) -> SpatialObservation:
     """Observation of a run, from which its results are made."""
     motion = SpatialKinematics(system, trajectory)
-    # Computed here, as a run that is observed before its end has no estimate yet.
     error = strip_error(motion)
-    motion = SpatialKinematics(system, replace(trajectory, strip_error=error))
+    if trajectory.strip_error is None:  # a run that is observed before its end has no estimate yet
+        motion = SpatialKinematics(system, replace(trajectory, strip_error=error))
     with np.errstate(over="ignore", invalid="ignore"):  # as in a run that diverged
         depths, on_bodies = motion.depths(), forces_of(trajectory)
         forces = as_reported(on_bodies)
@@ -132,8 +132,8 @@ def _arrow(wrench: Vector, center: Vector, radius: float) -> tuple[Vector, Vecto
     A point farther than the radius (m) of the body from the centre of mass is drawn in to that distance.
     """
     force = wrench[:, :3]
-    moment = wrench[:, 3:] - np.cross(center, force)
+    moment = wrench[:, 3:] - rotations.vector_products(center, force)
     square = np.sum(force * force, axis=1, keepdims=True)
-    off = np.divide(np.cross(force, moment), square, out=np.zeros_like(force), where=square > 0.0)
+    off = np.divide(rotations.vector_products(force, moment), square, out=np.zeros_like(force), where=square > 0.0)
     far = np.linalg.norm(off, axis=1, keepdims=True)
     return center + off * np.minimum(1.0, radius / np.maximum(far, 1e-300)), force

@@ -11,6 +11,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from granular_contact.geometry.rotations import vector_products
 from granular_contact.mechanics.mechanism import label
 from granular_contact.mechanics.space.kinematics import SpatialKinematics
 from granular_contact.mechanics.wheels import STANDS, sense
@@ -31,12 +32,12 @@ def wheel_histories(motion: SpatialKinematics, forces: Mapping[str, Vector]) -> 
         height, along, across = bed.tangent(p[:, 0], p[:, 1])
         normal = np.column_stack([-along, -across, np.ones_like(along)])
         normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-        ahead = np.cross(axis, normal)
+        ahead = vector_products(axis, normal)
         level = np.linalg.norm(ahead, axis=1, keepdims=True)  # cosine of the camber
         ahead = np.divide(ahead, level, out=np.zeros_like(ahead), where=level > 0.0)
-        left = np.cross(normal, ahead)
+        left = vector_products(normal, ahead)
         force, spin = forces[name][:, :3], np.sum(motion.spin(name) * axis, axis=1)
-        moment = forces[name][:, 3:] - np.cross(p, force)
+        moment = forces[name][:, 3:] - vector_products(p, force)
         speed, rim = np.sum(v * ahead, axis=1), wheel.radius * spin
         slip, backward = sense(speed, rim)
         above = (p[:, 2] - height) * normal[:, 2]
