@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.errors import scene_error
+from granular_contact.geometry.rotations import vector_products
 
 Vector = NDArray[np.float64]
 NO_AREA = 1e-12  # greatest area, divided by the square of the extent, that counts as none
@@ -40,7 +41,7 @@ def areas(corners: Vector) -> Vector:
     (n, 3) array
         Vectors (m^2); the normal is that of a counter-clockwise triangle.
     """
-    cross: Vector = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    cross: Vector = 0.5 * vector_products(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     return cross
 
 

@@ -44,7 +44,8 @@ def build(scene: SpatialScene) -> SpatialSystem:
         _constrain(system, ground, joint)
         if joint.has_coordinate or joint.acts:
             add_actions(system, joint, scene.drive(joint.name), partial(coordinate, system, joint))
-    return assembled(replace(system, bed=_granular_load(system)))
+    bed = _granular_load(system)
+    return assembled(replace(system, bed=bed, elements=() if bed is None else bed.load.lines))
 
 
 def _add_rigid(mbs: Any, body: SpatialRigidBody) -> RigidHandle[SpatialRigidBody]:

@@ -121,9 +121,10 @@ def tree(scene: SpatialScene, rest: Equilibrium | None = None) -> SpatialTree:
     joints = {node.joint.name: i for i, node in enumerate(nodes) if node.joint is not None}
     bodies = [node.body for node in nodes if node.body is not None]
     handles = {body.name: RigidHandle(body, i, i) for i, body in enumerate(bodies)}
-    system = SpatialSystem(scene, BodyCoordinates(len(bodies), POSE), handles, {}, None)
-    system.loads.update(joint_loads(scene, rest))
     load, arrays, records = _granular_load(scene, places), room(len(nodes), in_space=True), np.zeros(len(nodes), NODE)
+    elements = () if load is None else load.lines
+    system = SpatialSystem(scene, BodyCoordinates(len(bodies), POSE), handles, {}, None, elements=elements)
+    system.loads.update(joint_loads(scene, rest))
     for record, node in zip(records, nodes, strict=True):
         _fill(record, scene, node)
     arrays["s"][:], arrays["rates"][:] = [node.start for node in nodes], [node.rate for node in nodes]

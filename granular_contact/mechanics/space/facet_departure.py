@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -187,17 +188,19 @@ def _links(scene: Any, touching: set[str]) -> int:
     return len({link.get(name, name) for name in touching})
 
 
-def load_with(system: SpatialSystem, share: float) -> SpatialLoad:
+def load_with(system: SpatialSystem, share: float = 1.0) -> SpatialLoad:
     """Load of a scene with facets of `share` times their size, without scatter.
 
     Each body has seven coordinates, in the order of bodies.
     """
     scene = system.scene
     load = load_from_scene(scene)
-    for i, handle in enumerate(system.rigid.values()):
-        on_body = Body(handle.body.name, range(7 * i, 7 * i + 7))
+    bodies = {name: Body(name, range(7 * i, 7 * i + 7)) for i, name in enumerate(system.rigid)}
+    if share == 1.0:
+        load.take([replace(elements, body=bodies[elements.body.name]) for elements in system.elements])
+    for handle in system.rigid.values() if share != 1.0 else ():
         for shape in (shape for shape in handle.body.parts if shape.in_sand):
-            add_part(load, on_body, shape, scene, handle.body.mass, share)
+            add_part(load, bodies[handle.body.name], shape, scene, handle.body.mass, share)
     load.close()
     for batch in load.batches:
         batch.clusters["scatter"] = 0.0

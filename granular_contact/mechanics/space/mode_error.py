@@ -60,7 +60,7 @@ def static_deflections(observer: SpatialKinematics, beam: SpatialBeam) -> Vector
 def _departures(observer: SpatialKinematics) -> dict[str, float]:
     """Greatest departure (m) of the tip's deflection, by link."""
     system, poses = observer.system, Poses()
-    own, other = (load_with(system, 1.0) for _ in range(2))
+    own, other = (load_with(system) for _ in range(2))
     motion = known_motion(observer, INSTANTS, _missing)
     changes = [departure[0] for departure in departed(observer, motion, own, [other], poses)]
     known = at(observer.engine, instants(observer, INSTANTS))

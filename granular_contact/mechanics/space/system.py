@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -13,22 +14,24 @@ if TYPE_CHECKING:
     from granular_contact.mechanics.sensors import Sensors
     from granular_contact.mechanics.space.kinematics import SpatialKinematics
     from granular_contact.results.observation import Observation
+    from granular_contact.sand.space.elements import Elements
     from granular_contact.sand.space.load import SpatialLoad
 
 
 @dataclass(frozen=True)
 class SpatialSystem(System):
-    """System in space, see `System`."""
+    """System in space, see `System`. elements: of the parts on which the medium acts."""
 
     scene: SpatialScene
     rigid: dict[str, RigidHandle[SpatialRigidBody]]  # type: ignore[assignment]
+    elements: Sequence[Elements] = ()
 
     @cached_property
     def facets(self) -> SpatialLoad:
         """Load with the facets of the bodies, for estimates of their error: see `facet_departure.load_with`."""
         from granular_contact.mechanics.space.facet_departure import load_with
 
-        return load_with(self, 1.0)
+        return load_with(self)
 
     def sensors(self) -> Sensors:
         """Sensors that read the state in the pauses of a solve."""

@@ -173,9 +173,19 @@ class SpatialLoad(GranularLoad):
         if count > MOST_FACETS:
             reason = f"got {count:,} facets in all; allowed are {MOST_FACETS:,}, which take {COST}: a larger accuracy,"
             raise scene_error(FACET_SIZE, f"{reason} larger facets, or fewer shapes in the sand (in_sand: false)")
-        self.lines += [replace(part, duplicate=i > 0) for i, part in enumerate(parts)]
-        self.table = self._new_table()
+        self.take([replace(part, duplicate=i > 0) for i, part in enumerate(parts)])
         self.building_s += time.perf_counter() - began
+
+    def take(self, parts: Sequence[elements.Elements]) -> None:
+        """Add elements of shapes, such as those of another load.
+
+        Parameters
+        ----------
+        parts : sequence of Elements
+            The elements.
+        """
+        self.lines += parts
+        self.table = self._new_table()
 
     def _surface(self, shape: Shape, size: float | None, accuracy: float | None, share: float) -> elements.CutSurface:
         """Facets of a shape, cut once for all bodies that share it; arguments as in `elements.cut_surface`."""

@@ -51,7 +51,7 @@ def cut(corners: Vector, size: float) -> Vector:
     while len(remaining):
         if finished_count + len(remaining) > MOST_FACETS and size < np.inf:
             raise too_many(size, corners)
-        edges = np.sum((np.roll(remaining, -1, axis=1) - remaining) ** 2, axis=2)
+        edges = np.sum((remaining[:, [1, 2, 0]] - remaining) ** 2, axis=2)
         longest = (edges * (1.0 + 1e-9 * rank)).argmax(axis=1)
         too_long = edges[np.arange(len(remaining)), longest] > size * size
         finished.append(remaining[~too_long])

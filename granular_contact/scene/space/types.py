@@ -300,11 +300,26 @@ class SpatialScene(Scene):
 
     def radius(self, body: SpatialRigidBody) -> float:  # type: ignore[override]
         """Distance (m) from a body's centre of mass to the farthest point of its parts and joints, as in `Scene`."""
-        points = [joint.child_point for joint in self.joints if joint.child == body.name and joint.kind != "free"]
-        points += [joint.parent_point for joint in self.joints if joint.parent == body.name]
-        distances = [float(np.linalg.norm(point)) for point in points]
-        distances += [float(np.linalg.norm(part.points, axis=1).max()) + part.drop for part in body.parts]
-        return max(distances, default=0.0) or math.sqrt(float(np.linalg.norm(body.inertia, 2)) / body.mass)
+        return self._radii[body.name]
+
+    @cached_property
+    def _radii(self) -> dict[str, float]:
+        """Radius (m) of each body, see `radius`."""
+        distances: dict[str | None, list[float]] = {body.name: [] for body in self.rigid}
+        for joint in self.joints:
+            if joint.kind != "free":
+                distances[joint.child].append(math.hypot(*joint.child_point))
+            if joint.parent is not None:
+                distances[joint.parent].append(math.hypot(*joint.parent_point))
+        for body in self.rigid:
+            distances[body.name] += [
+                float(np.linalg.norm(part.points, axis=1).max()) + part.drop for part in body.parts
+            ]
+        return {
+            body.name: max(distances[body.name], default=0.0)
+            or math.sqrt(float(np.linalg.norm(body.inertia, 2)) / body.mass)
+            for body in self.rigid
+        }
 
     @property
     def bends(self) -> bool:
