@@ -166,21 +166,22 @@ class _Step:
     ) -> None:
         self.known, self.instant, self.coordinates = known, known.instant, known.coordinates
         self.h, self.other = h, other
-        self.M, self.masses = known.M, np.diag(known.M)
+        self.masses = np.diag(known.M)
         momenta = known.momenta.T @ np.column_stack([departure, departure_rate])
         try:
             self.x, self.rate = np.linalg.solve(known.M, momenta).T
         except np.linalg.LinAlgError:  # a mass that vanishes by round-off beside the mass of what hangs on it
             self.x, self.rate = np.linalg.lstsq(known.M, momenta)[0].T
+        self.inertial = known.M + h * (h * self.instant.K + self.instant.D)  # of residuals that are linear in the rate
+        self.at_rest = known.M @ self.rate - h * (self.instant.K @ self.x + self.instant.missing)
 
     def residual(self, rate: Vector) -> tuple[Vector, float, Vector]:
         """Residual impulses (d,) at a rate x', the sum of squares over masses, and the load's coordinates (c,)."""
         W, x = self.instant.W, self.x + self.h * rate
         q = self.coordinates.displaced(self.instant.q, self.known.W_q @ x)
         force = self.coordinates.forces(self.other, q, self.instant.v + W @ rate)
-        r: Vector = self.M @ (rate - self.rate) + self.h * (self.instant.K @ x + self.instant.D @ rate)
-        r -= self.h * (W.T @ (force - self.known.force) - self.instant.missing)
-        return r, float(np.sum(r**2 / self.masses)), q
+        r: Vector = self.inertial @ rate - self.at_rest - self.h * (W.T @ (force - self.known.force))
+        return r, float(r @ (r / self.masses)), q
 
     def jacobian(self, q: Vector, rate: Vector) -> Vector:
         """Jacobian (d, d) of the residual by the rate; only the few coordinates in the medium enter its force."""
@@ -193,7 +194,7 @@ class _Step:
         size = len(loaded)
         tangent = np.bincount(size * row + column, triplets[:, 2], size * size).reshape(size, size)
         medium = W_q[loaded].T @ (tangent @ W_q[loaded])
-        return np.asarray(self.M + self.h * (self.h * self.instant.K + self.instant.D - medium))
+        return np.asarray(self.inertial - self.h * medium)
 
     def solve(self, tolerance: float, lever: Vector) -> tuple[Vector, Vector]:
         """Departure (m,) and its rate at the end of the step, by a damped modified Newton's method.

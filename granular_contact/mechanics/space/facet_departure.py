@@ -236,7 +236,7 @@ class Poses(PlanarCoordinates):
     def displaced(self, q: Vector, change: Vector) -> Vector:
         """Coordinates q (c,) plus a change (c,), with normalised Euler parameters."""
         poses = (q + change).reshape(-1, 7)
-        poses[:, 3:] /= np.sqrt((poses[:, 3:] ** 2).sum(axis=1, keepdims=True))
+        poses[:, 3:] /= np.sqrt(np.einsum("bi,bi->b", poses[:, 3:], poses[:, 3:]))[:, None]
         return poses.ravel()
 
     def rates(self, q: Vector, v: Vector) -> Vector:
