@@ -64,7 +64,7 @@ def struck(inclination: float, factor: float) -> tuple[Vector, Vector]:
 
     def inspect(system: Any, trajectory: Any) -> None:
         beam = SpatialKinematics(system, trajectory).beams["link"]
-        motion[:] = [beam.turned()[0], beam.deflection[0][:, 1:]]
+        motion[:] = [beam.turned[0], beam.deflection[0][:, 1:]]
 
     scenario = load(config(inclination, factor, ELEMENTS)).scenario
     run(build(scenario), scenario, inspect=inspect)

@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -64,7 +65,7 @@ class BeamMotion:
         frame: Vector = self.motion.rotation(body) @ axes
         return frame
 
-    @property
+    @cached_property
     def deflection(self) -> tuple[Vector, Vector]:
         """Displacement (n, 3) m of the tip from that of the straight link, in the frame of the root, and its rate."""
         (root, origin, _), (tip, tip_origin, axes) = self.beam.root, self.beam.tip
@@ -82,6 +83,7 @@ class BeamMotion:
         along = np.sum(across * rates, axis=1)
         return Track(size, np.divide(along, size, out=np.zeros_like(size), where=size > 0.0))
 
+    @cached_property
     def turned(self) -> tuple[Vector, Vector]:
         """Rotation vectors (n, joints, 3) rad from each element to the next, from root to tip, and their rates."""
         scene, pairs = self.motion.scene, []
@@ -123,7 +125,7 @@ class BeamMotion:
         fall, curl and are thrown, and of rods that vibrate.
         """
         beam, piece = self.beam, self.beam.length / self.beam.elements
-        turns = self.turned()[0][:, :, 1:]
+        turns = self.turned[0][:, :, 1:]
         loose = self._is_loose(beam.root), self._is_loose(beam.tip)
         ends = [free * turns[:, [k]] for free, k in zip(loose, (0, -1), strict=True)]
         jumps = np.diff(np.concatenate([turns[:, :1] - ends[0], turns, turns[:, -1:] - ends[1]], axis=1), axis=1)
@@ -137,9 +139,9 @@ class BeamMotion:
     def strains(self) -> Strains:
         """Strains and stresses at the root, at the joints between elements and at the tip; ends are extrapolated."""
         beam, n = self.beam, self.beam.elements
-        changes = self.turned()[0]
+        changes = self.turned[0]
         if beam.stretches:
-            changes = np.concatenate([changes, self.stretched()[0][:, :, None]], axis=2)
+            changes = np.concatenate([changes, self.stretched[0][:, :, None]], axis=2)
         kappa = changes * n / beam.length
         ends = [
             1.5 * kappa[:, k] - 0.5 * kappa[:, k + step] if n > 1 else kappa[:, k] for k, step in ((0, 1), (-1, -1))
@@ -154,6 +156,7 @@ class BeamMotion:
         places = np.array([0.0, *((np.arange(n) + 0.5) * beam.length / n), beam.length])
         return Strains(places, bending + axial_strain, stress, beam.yield_stress)
 
+    @cached_property
     def stretched(self) -> tuple[Vector, Vector]:
         """Elongations (n, joints) m between neighbouring elements, and their rates."""
         pairs = []
@@ -169,13 +172,13 @@ class BeamMotion:
 
     def energy_and_loss(self) -> tuple[Vector, Vector]:
         """Strain energy (n,) J, and the power (n,) W that its damping dissipates."""
-        theta, rate = self.turned()
+        theta, rate = self.turned
         laws: Any = [self.motion.scene.joint(name).elastic for name in self.beam.joints]
         stiffness, damping = (np.array([getattr(law, name) for law in laws]) for name in ("stiffness", "damping"))
         stored: Vector = 0.5 * np.sum(stiffness * theta**2, axis=(1, 2))
         dissipated: Vector = np.sum(damping * rate**2, axis=(1, 2))
         if (axial := laws[0].axial) is not None:
-            (length, speed), (k, d) = self.stretched(), axial
+            (length, speed), (k, d) = self.stretched, axial
             stored, dissipated = (
                 stored + 0.5 * k * np.sum(length**2, axis=1),
                 dissipated + d * np.sum(speed**2, axis=1),
@@ -189,12 +192,12 @@ class BeamMotion:
         for axis in (1, 2):
             text = f"tip of {name} across the axis of its root, along the {'xyz'[axis]} axis of the root"
             columns[f"{name}_deflection_{'xyz'[axis]}_m"] = (text, deflection[:, axis])
-        twist = np.sum(self.turned()[0][:, :, 0], axis=1)
+        twist = np.sum(self.turned[0][:, :, 0], axis=1)
         columns[f"{name}_twist_deg"] = (
             f"rotation of the tip of {name} against its root, about its axis",
             np.degrees(twist),
         )
         if self.beam.stretches:
             text = f"by how much {name} is longer than it was made"
-            columns[f"{name}_stretch_m"] = (text, self.stretched()[0].sum(axis=1))
+            columns[f"{name}_stretch_m"] = (text, self.stretched[0].sum(axis=1))
         return columns
