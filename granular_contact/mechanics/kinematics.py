@@ -55,10 +55,16 @@ class Kinematics:
         if name in self._links:
             node = self.system.places(name, point)
             return q[:, node[:2]], v[:, node[:2]]
-        x, y, phi = self._rigid[name]
+        position, velocity = self.positions(name, np.asarray(point)[None])
+        return position[0], velocity[0]
+
+    def positions(self, name: str, points: Vector) -> tuple[Vector, Vector]:
+        """Positions and velocities (k, n, 2) of points (k, 2) of a rigid body."""
+        (x, y, phi), (px, py) = self._rigid[name], points.T[:, :, None]
+        q, v = self.trajectory.q, self.trajectory.v
         c, s = np.cos(q[:, phi]), np.sin(q[:, phi])
-        arm = np.column_stack([c * point[0] - s * point[1], s * point[0] + c * point[1]])
-        relative = v[:, [phi]] * np.column_stack([-arm[:, 1], arm[:, 0]])
+        arm = np.stack([c * px - s * py, s * px + c * py], axis=2)
+        relative = v[:, [phi]] * np.stack([-arm[..., 1], arm[..., 0]], axis=2)
         return q[:, [x, y]] + arm, v[:, [x, y]] + relative
 
     def angle(self, name: str | None, point: Vector) -> tuple[Vector, Vector]:

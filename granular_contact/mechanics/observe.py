@@ -61,8 +61,8 @@ def depths_by_body(motion: Kinematics) -> dict[str, list[Track]]:
     for name, handle in motion.system.rigid.items():
         for shape in (shape for shape in handle.body.shapes if shape.in_sand):
             points = shape.points if bed.level else _between(shape.points)
-            of_shape = [_depth(bed, *motion.position(name, point), shape.drop) for point in points]
-            tracks[name] = tracks.get(name, []) + of_shape
+            of_shape = map(Track, *_depth(bed, *motion.positions(name, np.asarray(points)), shape.drop))
+            tracks[name] = [*tracks.get(name, []), *of_shape]
     q, v = motion.trajectory.q, motion.trajectory.v
     for name in motion.system.links:
         tracks[name] = [_depth(bed, q[:, node[:2]], v[:, node[:2]]) for node in motion.nodes(name)]
@@ -78,10 +78,10 @@ def _between(corners: Vector) -> Vector:
 
 
 def _depth(bed: Bed, position: Vector, velocity: Vector, drop: float = 0.0) -> Track:
-    """Depth of a point from its positions and velocities (n, 2); drop (m): how much lower the body reaches there."""
-    x, y = position.T
+    """Depth of a point from its positions and velocities (..., 2); drop (m): how much lower the body reaches there."""
+    x, y = position[..., 0], position[..., 1]
     slope = 0.0 if bed.level else bed.slope_at(x)
-    return Track(bed.height(x) - y + drop, slope * velocity[:, 0] - velocity[:, 1])
+    return Track(bed.height(x) - y + drop, slope * velocity[..., 0] - velocity[..., 1])
 
 
 def all_depths(motion: Kinematics, by_body: dict[str, list[Track]]) -> list[Track]:

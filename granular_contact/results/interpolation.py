@@ -136,13 +136,12 @@ def _bounds(time: Vector, values: Vector, slopes: Vector) -> tuple[Vector, Vecto
 
     The shape functions of both values sum to 1; those of the rates are at most 4 / 27 of the step.
     """
-    start, end, weight = values[:, :-1], values[:, 1:], 4.0 / 27.0 * np.diff(time)
+    start, end = values[:, :-1], values[:, 1:]
     with np.errstate(over="ignore", invalid="ignore"):  # a run that failed by divergence
-        from_start, from_end = weight * slopes[:, :-1], -weight * slopes[:, 1:]
-        round_off = 1e-12 * (np.abs(start) + np.abs(end))
-        lower = np.minimum(start, end) + np.minimum(from_start, 0.0) + np.minimum(from_end, 0.0) - round_off
-        upper = np.maximum(start, end) + np.maximum(from_start, 0.0) + np.maximum(from_end, 0.0) + round_off
-    return lower, upper
+        size, slope = np.abs(values), np.abs(slopes)
+        round_off = 1e-12 * (size[:, :-1] + size[:, 1:])
+        beyond = 4.0 / 27.0 * np.diff(time) * (slope[:, :-1] + slope[:, 1:]) + round_off
+        return np.minimum(start, end) - beyond, np.maximum(start, end) + beyond
 
 
 def _cubics(time: Vector, values: Vector, slopes: Vector, where: NDArray[np.bool_]) -> _Cubics:
