@@ -105,6 +105,6 @@ def to_axis(axis: Vector) -> Vector:
     """A rotation matrix (3, 3) whose z axis is the direction of `axis` (3,)."""
     z = axis / np.linalg.norm(axis)
     side = np.eye(3)[int(np.abs(z).argmin())]
-    x = np.cross(side, z)
+    x = vector_products(side, z)
     x /= np.linalg.norm(x)
-    return np.column_stack([x, np.cross(z, x), z])
+    return np.column_stack([x, vector_products(z, x), z])

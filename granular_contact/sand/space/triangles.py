@@ -57,9 +57,10 @@ def cut(corners: Vector, size: float) -> Vector:
         finished.append(remaining[~too_long])
         finished_count += len(finished[-1])
         remaining, longest = remaining[too_long], longest[too_long]
-        a, b, c = (remaining[np.arange(len(remaining)), (longest + k) % 3] for k in range(3))
+        in_turn = (longest[:, None] + np.arange(3)) % 3
+        a, b, c = remaining[np.arange(len(remaining))[:, None], in_turn].transpose(1, 0, 2)
         middle = 0.5 * (a + b)
-        remaining = np.concatenate([np.stack([a, middle, c], axis=1), np.stack([middle, b, c], axis=1)])
+        remaining = np.array([[a, middle, c], [middle, b, c]]).transpose(0, 2, 1, 3).reshape(-1, 3, 3)
         rank = np.repeat([[2.0, 0.0, 1.0], [2.0, 1.0, 0.0]], len(a), axis=0)
     return np.concatenate(finished) if finished else corners
 

@@ -121,7 +121,7 @@ def _child(joint: AnyJoint, state: JointState | None, parent: SpatialMotion) -> 
         pin, turn, speed, rate = pin + state.position, state.turn, state.rates[:3], rate + state.rates[3:]
     arm = turn @ np.array(joint.child_point_m)
     # (On a slider, the velocity of the parent is that of its point at the current place of the pin.)
-    return SpatialMotion(pin - arm, turn, parent.speed_at(pin) + speed - np.cross(rate, arm), rate)
+    return SpatialMotion(pin - arm, turn, parent.speed_at(pin) + speed - rotations.vector_products(rate, arm), rate)
 
 
 def initial_states(scenario: schema.SpatialScenario, drives: tuple[Drive, ...], faults: list[Fault]) -> InitialStates:

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from granular_contact.geometry import mesh, rotations
+from granular_contact.geometry.rotations import vector_products
 from granular_contact.scene.space.section import Element, Section
 from granular_contact.scene.space.types import Vector
 
@@ -37,7 +38,7 @@ def of_surface(corners: Vector) -> Mass:
     """Mass properties of the solid enclosed by triangles (n, 3, 3) m, from tetrahedra between these and one point."""
     origin = corners.reshape(-1, 3).mean(axis=0)
     a, b, c = np.moveaxis(corners - origin, 1, 0)
-    volumes = np.einsum("ij,ij->i", a, np.cross(b, c)) / 6.0
+    volumes = np.einsum("ij,ij->i", a, vector_products(b, c)) / 6.0
     total = float(volumes.sum())
     corner_sum = a + b + c
     center = volumes @ corner_sum / (4.0 * total)

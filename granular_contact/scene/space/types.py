@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from granular_contact.geometry.rotations import vector_products
 from granular_contact.scene.joint_law import JointLaw
 from granular_contact.scene.types import Scene, link_of, with_name
 
@@ -101,7 +102,7 @@ class SpatialMotion:
 
     def speed_at(self, world: Vector) -> Vector:
         """Velocity (3,) m/s of the body's point at a world position (3,) m."""
-        speed: Vector = self.velocity + np.cross(self.rate, world - self.position)
+        speed: Vector = self.velocity + vector_products(self.rate, world - self.position)
         return speed
 
 
