@@ -16,7 +16,7 @@ from granular_contact.config import schema
 from granular_contact.config.schema.drives import OF_TARGET, TARGETS, target
 from granular_contact.errors import Fault, scene_fault
 from granular_contact.scene import signals
-from granular_contact.scene.signal_tables import shortest_period
+from granular_contact.scene.signal_tables import period, shortest_period
 from granular_contact.scene.steps import Steps
 from granular_contact.scene.types import Drive, Scene
 
@@ -24,6 +24,7 @@ FEWEST_STEPS = 50  # least number of steps for a change of a rate: energies are 
 
 # Steps per shortest period of a signal: up to UNDERSAMPLED a signal is refused, below WELL_SAMPLED a run warns.
 UNDERSAMPLED, WELL_SAMPLED = 2, 16
+MOST_PERIODS = 1e6  # of a signal in a run; its table has 50 pieces a period, which take 3 kB
 
 
 def drives_of(scenario: schema.Scenario, solver: Steps, faults: list[Fault]) -> tuple[Drive, ...]:
@@ -74,7 +75,11 @@ def _without_jumps(
 
 
 def _undersampled(signal: signals.Signal, solver: Steps, key: str) -> list[Fault]:
-    """Fault of a signal that fixed steps do not resolve: at two steps a period, all of them may fall on its zeros."""
+    """Fault of a signal that steps do not resolve: at two fixed ones a period, all of them may fall on its zeros."""
+    periods = solver.end_time_s / (period(signal) or math.inf)
+    if periods > MOST_PERIODS:
+        words = f"repeats {periods:.3g} times until end_time_s, {solver.end_time_s:g}"
+        return [scene_fault(key, f"{words}; allowed are {MOST_PERIODS:g} times, as memory is finite")]
     shortest = shortest_period(signal, solver.end_time_s)
     if solver.accuracy is not None or shortest > UNDERSAMPLED * solver.step_s * (1.0 + 1e-9):
         return []

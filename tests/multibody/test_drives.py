@@ -201,6 +201,14 @@ def test_a_jump_of_rate_is_refused_with_its_instant() -> None:
         scene_of(ARM, f"drives={{elbow: {{type: motion, angle_deg: {table}}}}}")
 
 
+def test_a_signal_of_too_many_periods_is_refused() -> None:
+    """Its table has 50 pieces a period: with 1e12 Hz the run ended in an error of NumPy."""
+    sine = "drives={rail: {type: motion, position_m: {type: sine, amplitude: 0.01, frequency_Hz: 1.0e+12}}}"
+    (fault,) = faults_of(SceneError, scene_of, LIFT, sine, "solver.accuracy=1e-3")
+    assert fault.key == "drives.rail.position_m"
+    assert "repeats 5e+11 times until end_time_s, 0.5; allowed are 1e+06 times" in fault.message
+
+
 @pytest.mark.parametrize("end", [0.1, 0.05])
 def test_a_jump_after_the_end_of_the_run_is_allowed(end: float) -> None:
     assert scene_of(LIFT, f"drives={{{CORNERED}}}}}", f"solver.end_time_s={end}").drives
