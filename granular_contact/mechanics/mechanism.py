@@ -161,7 +161,7 @@ def travel(motion: Kinematics, driven: Driven) -> dict[str, float | None]:
     """Distance travelled by the common centre of mass along `output.travel`, its mean speed, and the cost of transport.
 
     The mean speed of the second half of the time is given too, when a gait has set in. cost_of_transport: positive work
-    of the drives over weight times distance.
+    of the drives over weight times distance; None where the distance is none but by round-off (`least_path`).
     """
     time, scene = motion.trajectory.time, motion.scene
     x, speed = advance(motion)
@@ -174,7 +174,7 @@ def travel(motion: Kinematics, driven: Driven) -> dict[str, float | None]:
         "distance_m": distance,
         "forward_speed_m_s": distance / duration if duration > 0.0 else None,
         "forward_speed_second_half_m_s": later / (0.5 * duration) if duration > 0.0 else None,
-        "cost_of_transport": put_in / (weight * abs(distance)) if weight * abs(distance) > 0.0 else None,
+        "cost_of_transport": put_in / (weight * abs(distance)) if weight and abs(distance) > scene.least_path else None,
     }
 
 

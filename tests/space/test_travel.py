@@ -48,6 +48,13 @@ def test_motion_across_the_travel_direction_is_no_distance() -> None:
     assert "distance_m" not in simulate(load(cart([0, 1, 0], travel="x"))).summary
 
 
+def test_what_stands_has_no_cost_of_transport() -> None:
+    """A robot that stood for 0.5 s had 0.74, from a distance of 4e-13 m: the best of a search for the least cost."""
+    summary = simulate(load(cart([1, 0, 0]) | {"drives": {"rail": {"type": "force", "force_N": 1e-6}}})).summary
+    assert summary["distance_m"] == pytest.approx(1e-6)
+    assert summary["cost_of_transport"] is None
+
+
 def test_a_circle_has_a_path_and_no_distance() -> None:
     time = np.linspace(0.0, 2.0, 2001)
     turn = math.pi * time  # one turn of a radius of 0.5 m, while it goes up and down
