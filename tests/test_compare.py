@@ -163,3 +163,34 @@ def test_a_chain_has_no_modal_reduction(tmp_path: Path, capsys) -> None:
     assert len(errors) == 1
     assert "method" in errors[0]
     assert not (tmp_path / "out").exists()
+
+
+def test_elements_alone_are_compared_where_a_link_has_no_modes(tmp_path: Path, capsys) -> None:
+    """A rod between two hinges, which the help names as a case for no modes."""
+    rod = "length_m: 0.1, diameter_m: 0.006, density_kg_m3: 1400"
+    text = f"""
+model:
+  in_space: true
+  name: flail
+  bodies:
+    arm: {{type: link, {rod}, flexible: {{youngs_modulus_Pa: 2.0e9}}}}
+    head: {{type: link, {rod}}}
+  joints:
+    hub: {{type: hinge, parent: ground, child: arm, axis: [0, 1, 0]}}
+    knee: {{type: hinge, parent: arm, child: head, axis: [0, 1, 0], parent_point_m: [0.1, 0, 0]}}
+medium: play_sand
+bed: {{height_m: -0.5}}
+solver: {{end_time_s: 0.02, accuracy: 1.0e-2}}
+"""
+    (tmp_path / "flail.yaml").write_text(text, encoding="utf-8")
+    arguments = ["compare", str(tmp_path / "flail.yaml"), "--elements", "2,4", "--no-plots"]
+    arguments += ["--out", str(tmp_path / "out")]
+    assert main(arguments) == 2
+    assert "arm carries head" in capsys.readouterr().err
+    assert main([*arguments, "--modes", ""]) == 0
+    shown = capsys.readouterr().out
+    assert "2 elements" in shown
+    assert "1 mode" not in shown
+    with pytest.raises(SystemExit):
+        main(["compare", "--help"])
+    assert "'' for none" in " ".join(capsys.readouterr().out.split())

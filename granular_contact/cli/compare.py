@@ -25,7 +25,7 @@ SHOWN = (
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
-    text = "numbers of modes of the modal models (0,1,2,5)"
+    text = "numbers of modes of the modal models (0,1,2,5); '' for none, where a mechanism has no modes"
     parser.add_argument("--modes", metavar="N,N", type=_counts, default=(0, 1, 2, 5), help=text)
     text = "numbers of elements of the beam models (4,8,16,32)"
     parser.add_argument("--elements", metavar="N,N", type=_counts, default=(4, 8, 16, 32), help=text)
