@@ -69,7 +69,7 @@ def _excess(
     """Error (n, d) of the multipliers, and effective inertia (n, d, d) for the prescribed accelerations (n, d)."""
     constraints, scene = motion.constraints, motion.scene
     moved = [constraints.moved(scene.joint(drive.joint)) for drive in drives]
-    rows = together([*moved, *(constraints.held(joint) for joint in scene.joints)])
+    rows = together([*moved, *(constraints.held(joint) for joint in scene.joints if joint.kind != "free")])
     residual = (rows.J @ motion.accelerations[:, :, None])[:, :, 0] + rows.c
     residual[:, : len(drives)] -= accelerations
     used = np.flatnonzero(rows.J.any(axis=(0, 1)))

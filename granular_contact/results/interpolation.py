@@ -194,9 +194,11 @@ def first_above_zero(time: Vector, tracks: Iterable[Track]) -> float | None:
     values, slopes = _stacked(list(tracks))
     if not values.size:
         return None
-    if (values[:, 0] > 0.0).any():
+    above = np.flatnonzero((values > 0.0).any(axis=0))
+    if len(above) and above[0] == 0:
         return float(time[0])
-    crossed = _crossed(time, values, slopes)
+    until = above[0] + 1 if len(above) else len(time)
+    crossed = _crossed(time[:until], values[:, :until], slopes[:, :until])
     for k in np.flatnonzero(crossed.any(axis=0)):  # the first such step usually contains the crossing
         step, rows = slice(k, k + 2), crossed[:, k]
         if spans := above_zero(time[step], map(Track, values[rows, step], slopes[rows, step])):
