@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granular_contact.geometry.mesh import areas
+from granular_contact.geometry.rotations import vector_products
 from granular_contact.sand.kernels.facet_records import COLUMNS, FACET, PARALLELOGRAM, PATCH, RIM, TRIANGLE
 from granular_contact.sand.space import triangles
 
@@ -159,13 +160,14 @@ def rectangle_facets(middle: Vector, a: Vector, b: Vector, size: Size) -> Facets
     triangles.check_number(counts[0] * counts[1], size.edge, lengths[0] * lengths[1])
     u, v = ((2.0 * np.arange(count) + 1.0) / count - 1.0 for count in counts)
     place = middle + (u[:, None, None] * a + v[None, :, None] * b).reshape(-1, 3)
-    return _equal_parallelograms(place, np.cross(a, b) / np.linalg.norm(np.cross(a, b)), a / counts[0], b / counts[1])
+    normal = vector_products(a, b)
+    return _equal_parallelograms(place, normal / np.linalg.norm(normal), a / counts[0], b / counts[1])
 
 
 def _equal_parallelograms(place: Vector, normal: Vector, a: Vector, b: Vector) -> Facets:
     """Flat parallelograms with the same half edges a, b at several places."""
     n = len(place)
-    area = np.full(n, 4.0 * float(np.linalg.norm(np.cross(a, b))))
+    area = np.full(n, 4.0 * float(np.linalg.norm(vector_products(a, b))))
     normals, first, second = (np.tile(vector, (n, 1)) for vector in (normal, a, b))
     return Facets(place, normals, area, first, second, np.full(n, PARALLELOGRAM), np.zeros((n, 2)))
 
@@ -337,7 +339,7 @@ def patch_facets(place: Vector, normal: Vector, weight: Vector, along: Vector) -
     first = along - np.sum(along * mean, axis=1)[:, None] * mean
     first /= np.linalg.norm(first, axis=1)[:, None]
     arms, half_edges, curvatures = place - centre[:, None], [], []
-    for direction in (first, np.asarray(np.cross(mean, first))):
+    for direction in (first, np.asarray(vector_products(mean, first))):
         arm_along, normal_along = (np.einsum("nkj,nj->nk", v, direction) for v in (arms, normal))
         square = np.sum(weight * arm_along**2, axis=1) / area
         half_edges.append(np.sqrt(3.0 * square)[:, None] * direction)
