@@ -258,7 +258,7 @@ def base_of(
     config = root.nodes.get("config")
     if isinstance(config, tree.Scalar) and isinstance(config.value, str):
         path = examples.named(Path(config.value), path.parent)
-        if not path.exists():
+        if not path.exists() or path.is_dir():
             near = did_you_mean(path.stem, examples.config_names())
             message = f"got {config.value!r}, but there is no file {readable_path(path)}{f'; {near}' if near else ''}"
             faults.append(config.position.fault(("config",), message))

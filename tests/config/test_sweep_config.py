@@ -60,6 +60,8 @@ SPEED, ANGLE = "initial.impact_speed_rad_s", "initial.impact_angle_deg"
 FAULTS = {
     "no config": ("cases: {a: {}}\n", 1, "config", ["is missing", "the path of a config"]),
     "config not there": ("config: no.yaml\ncases: {a: {}}\n", 1, "config", ["'no.yaml'", "no file", "no.yaml"]),
+    "config is a folder": ("config: .\ncases: {a: {}}\n", 1, "config", ["got '.'", "no file"]),
+    "config is an empty text": ("config: ''\ncases: {a: {}}\n", 1, "config", ["got ''", "no file"]),
     "config is a number": ("config: 3\ncases: {a: {}}\n", 1, "config", ["the number 3", "the path of a config"]),
     "config is null": ("config:\ncases: {a: {}}\n", 1, "config", ["null", "the path of a config"]),
     "config is a list": ("config: [run.yaml]\ncases: {a: {}}\n", 1, "config", ["a list of 1 item"]),
