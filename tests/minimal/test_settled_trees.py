@@ -62,6 +62,19 @@ bed: {height_m: -0.19}
 initial: {settle: true}
 solver: {end_time_s: 0.1, accuracy: null, step_s: 2.0e-4}
 """
+# An arm whose spring holds its tip in the sand; the engine has a spring of its own for it.
+ARM = f"""
+model:
+  name: arm
+  bodies:
+    arm: {{type: link, length_m: 0.2, {LINK}}}
+  joints:
+    swing: {{type: hinge, parent: ground, child: arm, spring: {{stiffness_Nm_per_rad: 0.5, rest_deg: 20}}}}
+medium: play_sand
+bed: {{height_m: -0.04}}
+initial: {{settle: true}}
+solver: {{end_time_s: 0.1, accuracy: null, step_s: 2.0e-4}}
+"""
 
 
 WALKER = "initial.settle=true", "solver.accuracy=null", "solver.step_s=4e-4", "solver.end_time_s=0.05"
@@ -73,6 +86,7 @@ WALKER = "initial.settle=true", "solver.accuracy=null", "solver.step_s=4e-4", "s
         pytest.param(LEG, (), ("hip_y_m", "swing_angle_deg", "knee_angle_deg"), id="leg"),
         pytest.param("walker_in_space", WALKER, ("trunk_x_m", "trunk_z_m", "knee_rear_left_angle_deg"), id="walker"),
         pytest.param(COLUMN, (), ("head_z_m",), id="column"),
+        pytest.param(ARM, (), ("swing_angle_deg",), id="sprung arm"),
     ],
 )
 def test_settled_trees_start_and_move_as_by_the_engine(
@@ -92,6 +106,7 @@ def test_settled_trees_start_and_move_as_by_the_engine(
     [
         pytest.param(LEG, ("signals.stride.amplitude=0",), "hip_y_m", id="leg"),
         pytest.param(COLUMN, (), "head_z_m", id="column"),
+        pytest.param(ARM, (), "tip_y_m", id="sprung arm"),
     ],
 )
 def test_settled_trees_stay_at_rest(config: str, overrides: tuple[str, ...], column: str) -> None:

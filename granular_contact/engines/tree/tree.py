@@ -216,7 +216,7 @@ def joint_loads(scene: Any, rest: Equilibrium | None) -> dict[str, JointLoad]:
         if joint.has_coordinate and not (drive is None and joint.law.is_idle):
             along: Any = _Along(joint, np.zeros(1, JOINT))
             loads[joint.name] = load = JointLoad(along, [], joint.law, drive)
-            if rest is not None:
+            if rest is not None and joint.law.friction > 0.0:
                 load.first_anchor = load.state["anchor"] = rest.anchors[joint.name]
     return loads
 
