@@ -68,12 +68,8 @@ def test_rates_of_poses_follow_the_spin_of_their_bodies() -> None:
 
     Differences over 2 h have an error of h^2 |w|^3 / 48 = 1.1e-8, and a round-off of 1e-16 / h = 1e-12.
     """
-    start, velocity, spin, h = (
-        Rotation.from_rotvec([0.3, -1.1, 0.7]),
-        [0.2, -0.4, 0.6],
-        np.array([3.0, -2.0, 1.0]),
-        1e-4,
-    )
+    start, velocity = Rotation.from_rotvec([0.3, -1.1, 0.7]), [0.2, -0.4, 0.6]
+    spin, h = np.array([3.0, -2.0, 1.0]), 1e-4
     before, after = ((start * Rotation.from_rotvec(side * h * spin)).as_quat() for side in (-1.0, 1.0))
     by_differences = np.roll((after - before) / (2.0 * h), 1)  # scipy has the scalar part last
     pose = np.concatenate([np.zeros(3), np.roll(start.as_quat(), 1)])

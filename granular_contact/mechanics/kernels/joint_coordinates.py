@@ -8,8 +8,8 @@ to the joint's point. A torque or force tau along s has the generalised forces t
 share:
 
     joint        record with the fields COORDINATE, see `joint_loads.JOINT`
-    last_angles  (2,) angles (rad) of the parent's and the child's end at the last evaluation, by which whole turns of a
-                 slope vector are counted; they are updated
+    last_angles  (2,) angles (rad) of the parent's and the child's end before, by which whole turns of a slope vector
+                 are counted; they are updated. Forces give a copy of those at the last accepted state
     q, v         coordinates of the parent's node, then of the child's, without reference values, and their rates
     gradient     (MOST,) ds/dq, which is filled
 """
@@ -42,7 +42,7 @@ COORDINATE = [
 def _angle(size, reference, q, v, first, last):
     """Angle (rad) of a node whose coordinates begin at `first`, its rate, its derivatives by coordinates 3 and 4.
 
-    last (rad): angle of a slope vector at the last evaluation.
+    last (rad): angle of a slope vector before.
     """
     if size == 0:
         return 0.0, 0.0, 0.0, 0.0

@@ -198,9 +198,10 @@ def load_with(system: SpatialSystem, share: float = 1.0) -> SpatialLoad:
     bodies = {name: Body(name, range(7 * i, 7 * i + 7)) for i, name in enumerate(system.rigid)}
     if share == 1.0:
         load.take([replace(elements, body=bodies[elements.body.name]) for elements in system.elements])
-    for handle in system.rigid.values() if share != 1.0 else ():
-        for shape in (shape for shape in handle.body.parts if shape.in_sand):
-            add_part(load, bodies[handle.body.name], shape, scene, handle.body.mass, share)
+    else:
+        for handle in system.rigid.values():
+            for shape in (shape for shape in handle.body.parts if shape.in_sand):
+                add_part(load, bodies[handle.body.name], shape, scene, handle.body.mass, share)
     load.close()
     for batch in load.batches:
         batch.clusters["scatter"] = 0.0

@@ -23,6 +23,7 @@ from granular_contact.results.frames import resample
 from granular_contact.results.in_space import SpatialObservation
 from granular_contact.results.interpolation import Track, at_times
 from granular_contact.results.motion import Motion, Part
+from granular_contact.sand.work import wrenches_about
 from granular_contact.scene.space.types import Vector
 from granular_contact.scene.types import link_of
 
@@ -131,8 +132,7 @@ def _arrow(wrench: Vector, center: Vector, radius: float) -> tuple[Vector, Vecto
 
     A point farther than the radius (m) of the body from the centre of mass is drawn in to that distance.
     """
-    force = wrench[:, :3]
-    moment = wrench[:, 3:] - rotations.vector_products(center, force)
+    force, moment = np.hsplit(wrenches_about(wrench, center), 2)
     square = np.sum(force * force, axis=1, keepdims=True)
     off = np.divide(rotations.vector_products(force, moment), square, out=np.zeros_like(force), where=square > 0.0)
     far = np.linalg.norm(off, axis=1, keepdims=True)

@@ -15,6 +15,7 @@ from granular_contact.geometry.rotations import vector_products
 from granular_contact.mechanics.mechanism import label
 from granular_contact.mechanics.space.kinematics import SpatialKinematics
 from granular_contact.mechanics.wheels import STANDS, sense
+from granular_contact.sand.work import wrenches_about
 from granular_contact.scene.space.types import Vector
 
 
@@ -37,7 +38,7 @@ def wheel_histories(motion: SpatialKinematics, forces: Mapping[str, Vector]) -> 
         ahead = np.divide(ahead, level, out=np.zeros_like(ahead), where=level > 0.0)
         left = vector_products(normal, ahead)
         force, spin = forces[name][:, :3], np.sum(motion.spin(name) * axis, axis=1)
-        moment = forces[name][:, 3:] - vector_products(p, force)
+        moment = wrenches_about(forces[name], p)[:, 3:]
         speed, rim = np.sum(v * ahead, axis=1), wheel.radius * spin
         slip, backward = sense(speed, rim)
         above = (p[:, 2] - height) * normal[:, 2]
